@@ -1,2 +1,5 @@
-//! x
+//! Procedural fracture: break surfaces in wood, cracks, and cutting a mesh along them.
 #![deny(missing_docs)]
+
+pub mod cut;
+pub mod surface;

@@ -1,0 +1,88 @@
+//! The break surface: heights over a planar triangulation of the section, with steps along the grain.
+//!
+//! Every facet has its own three corner heights. Where two facets disagree on an edge they share, a wall along the
+//! grain joins them; where they agree the surface runs on. A smooth surface has no walls, a fibrous one has a wall
+//! around nearly every fibre bundle.
+
+use glam::DVec2;
+use rustc_hash::FxHashMap;
+
+/// "No facet": beyond the border of the triangulation.
+pub const NONE: u32 = u32::MAX;
+
+/// A height field in grain space, discontinuous at facet edges.
+#[derive(Debug, Clone, Default)]
+pub struct Surface {
+    /// Where the facets and cells lie; shared by all surfaces over the same section.
+    pub layout: std::sync::Arc<Layout>,
+    /// Length along the axis (m) at each corner of each facet.
+    pub heights: Vec<[f64; 3]>,
+}
+
+/// A planar triangulation whose facets belong to cells (fibre bundles).
+#[derive(Debug, Clone, Default)]
+pub struct Layout {
+    /// Nodes, grain (x, y) in m.
+    pub nodes: Vec<DVec2>,
+    /// Facets, three nodes each, counter-clockwise.
+    pub facets: Vec<[u32; 3]>,
+    /// Cell of each facet, an index that the maker of the layout gives a meaning.
+    pub cells: Vec<u32>,
+    /// Edge of each facet's side k (from its corner k to the next).
+    pub sides: Vec<[u32; 3]>,
+    /// Edges, see [`Edge`].
+    pub edges: Vec<Edge>,
+}
+
+/// An edge of a [`Layout`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Its nodes, the smaller number first.
+    pub nodes: [u32; 2],
+    /// The facet on the left of `nodes[0]` → `nodes[1]`, then the one on the right, as (facet, side); the facet is
+    /// [`NONE`] beyond the border.
+    pub facets: [(u32, u8); 2],
+}
+
+impl Layout {
+    /// The layout of `facets` over `nodes`. Facets must be counter-clockwise and share whole edges.
+    pub fn new(nodes: Vec<DVec2>, facets: Vec<[u32; 3]>, cells: Vec<u32>) -> Self {
+        let mut known: FxHashMap<u64, u32> =
+            FxHashMap::with_capacity_and_hasher(facets.len() * 3 / 2 + 8, Default::default());
+        let mut edges: Vec<Edge> = Vec::with_capacity(facets.len() * 3 / 2 + 8);
+        let mut sides = Vec::with_capacity(facets.len());
+        for (f, facet) in facets.iter().enumerate() {
+            let mut side = [0; 3];
+            for k in 0..3 {
+                let (a, b) = (facet[k], facet[(k + 1) % 3]);
+                let nodes = [a.min(b), a.max(b)];
+                let e = *known.entry(u64::from(nodes[0]) << 32 | u64::from(nodes[1])).or_insert_with(|| {
+                    edges.push(Edge { nodes, facets: [(NONE, 0); 2] });
+                    edges.len() as u32 - 1
+                });
+                edges[e as usize].facets[usize::from(a > b)] = (f as u32, k as u8);
+                side[k] = e;
+            }
+            sides.push(side);
+        }
+        Layout { nodes, facets, cells, sides, edges }
+    }
+}
+
+impl Surface {
+    /// Lowest and highest length along the axis (m).
+    pub fn range(&self) -> (f64, f64) {
+        self.heights
+            .iter()
+            .flatten()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)))
+    }
+
+    /// Height of `facet` at the ends of its side `side`, in the order of the edge's nodes.
+    pub fn rail(&self, facet: u32, side: u8) -> [f64; 2] {
+        let (f, k) = (facet as usize, usize::from(side));
+        let [a, b] = [self.heights[f][k], self.heights[f][(k + 1) % 3]];
+        let nodes = &self.layout.facets[f];
+        if nodes[k] < nodes[(k + 1) % 3] { [a, b] } else { [b, a] }
+    }
+}
