@@ -283,7 +283,7 @@ mod tests {
         assert_eq!(oak.dry.modulus_of_rupture, Some(105e6));
         assert_eq!(oak.dry.modulus_of_elasticity, Some(12.3e9));
         assert_eq!(oak.dry.work_to_maximum_load, Some(102e3));
-        assert_eq!(oak.dry.impact_height, Some(0.94));
+        assert_eq!(oak.dry.impact_height, Some(940.0 * 1e-3));
         assert_eq!(oak.green.as_ref().unwrap().side_hardness, Some(4700.0));
         assert_eq!(oak.air_dry_density.map(f64::round), Some(762.0));
         assert_eq!(oak.shrinkage.tangential, Some(0.105));
