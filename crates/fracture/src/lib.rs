@@ -2,4 +2,7 @@
 #![deny(missing_docs)]
 
 pub mod cut;
+pub mod layout;
+pub mod parameters;
+pub mod presets;
 pub mod surface;

@@ -1,5 +1,8 @@
 //! Wood: the stem and the address of a point in it, species with their measured properties, moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod moisture;
 pub mod noise;
+pub mod species;
 pub mod stem;
+pub mod tissue;

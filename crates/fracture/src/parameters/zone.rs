@@ -1,0 +1,199 @@
+//! Parameters that stand more than once: those of a tissue, of the layers, and of the ductile and brittle zones.
+
+use super::Unit::{Degree, Fraction, PerMetre, Radius};
+use super::declare::{count, number, parameters, parameters_hold};
+use greenstick_wood::tissue::Zone;
+
+parameters! {
+    /// Roughness and thorns of one tissue (Yang 2019, sections 3.2 and 3.5).
+    pub struct ZoneParameters {
+        "" {
+            /// Height that Perlin noise adds at most (Eq. 1).
+            perlin_amplitude: f64 = 0.05, "λ", number(Radius, 0.0, 5.0);
+            /// Perlin noise cells per metre of the noise diameter.
+            perlin_frequency: f64 = 460.0, "β", number(PerMetre, 1.0, 10000.0);
+            /// Perlin noises added up, each of twice the frequency and half the height of the one before.
+            /// The paper uses 2 to 3.
+            perlin_octaves: u32 = 2, "", count(1, 4);
+            /// Height that white noise, one value per cell, adds at most.
+            white_noise_amplitude: f64 = 0.01, "", number(Radius, 0.0, 5.0);
+            /// White noises added up, each of half the height of the one before. The paper uses 3 to 4.
+            white_noise_octaves: u32 = 3, "", count(1, 4);
+            /// Height of the longest thorn (Eq. 8).
+            thorn_length: f64 = 0.0, "L", number(Radius, 0.0, 40.0);
+            /// Probability that a cell carries a thorn (Eq. 8, where the sign is the wrong way round in print).
+            thorn_probability: f64 = 0.0, "P", number(Fraction, 0.0, 1.0);
+        }
+    }
+    groups {}
+}
+parameters_hold!(ZoneParameters);
+
+impl ZoneParameters {
+    /// The defaults of a tissue. Pith is soft and smooth; phloem and bark tear finer and rougher than wood.
+    pub fn of(zone: Zone) -> ZoneParameters {
+        let standard = ZoneParameters::default();
+        match zone {
+            Zone::Pith => ZoneParameters {
+                perlin_amplitude: 0.02,
+                ..standard
+            },
+            Zone::Heartwood | Zone::Sapwood => standard,
+            Zone::Phloem | Zone::Bark => ZoneParameters {
+                perlin_amplitude: 0.08,
+                perlin_frequency: 1000.0,
+                ..standard
+            },
+        }
+    }
+}
+
+parameters! {
+    /// A fan of the section that stands higher than the rest (section 3.3).
+    pub struct HighLayer {
+        "" {
+            /// Height over the middle layer.
+            height: f64 = 0.0, "h", number(Radius, 0.0, 20.0);
+            /// Direction of the fan's middle.
+            direction: f64 = 0.0, "α", number(Degree, 0.0, 360.0);
+            /// Angle the fan takes.
+            angle: f64 = 0.0, "θ", number(Degree, 0.0, 360.0);
+            /// Part of the rings the fan takes, from the outside.
+            rings: f64 = 0.0, "μ", number(Fraction, 0.0, 1.0);
+        }
+    }
+    groups {}
+}
+parameters_hold!(HighLayer);
+
+parameters! {
+    /// A fan of the section that stands lower than the rest (section 3.3).
+    pub struct LowLayer {
+        "" {
+            /// Height against the middle layer, below zero.
+            height: f64 = 0.0, "h", number(Radius, -20.0, 0.0);
+            /// Direction of the fan's middle.
+            direction: f64 = 180.0, "α", number(Degree, 0.0, 360.0);
+            /// Angle the fan takes.
+            angle: f64 = 0.0, "θ", number(Degree, 0.0, 360.0);
+            /// Part of the rings the fan takes, from the outside.
+            rings: f64 = 0.0, "μ", number(Fraction, 0.0, 1.0);
+        }
+    }
+    groups {}
+}
+parameters_hold!(LowLayer);
+
+parameters! {
+    /// The ductile fracture zone, on the tension side (section 3.4).
+    pub struct DuctileZone {
+        "" {
+            /// Height of the longest thorn in the zone.
+            thorn_length: f64 = 0.0, "L_D", number(Radius, 0.0, 40.0);
+            /// Probability that a cell of the zone carries a thorn.
+            thorn_probability: f64 = 0.0, "P_D", number(Fraction, 0.0, 1.0);
+            /// Direction of the zone's middle: the side that was in tension. The compression side is opposite.
+            direction: f64 = 0.0, "α", number(Degree, 0.0, 360.0);
+            /// Angle the zone takes.
+            angle: f64 = 150.0, "θ", number(Degree, 0.0, 360.0);
+            /// Part of the rings the zone takes, from the outside.
+            rings: f64 = 0.6, "μ", number(Fraction, 0.0, 1.0);
+        }
+    }
+    groups {}
+}
+parameters_hold!(DuctileZone);
+
+parameters! {
+    /// The brittle fracture zone: all of the section that is not ductile (sections 3.4 and 3.5).
+    pub struct BrittleZone {
+        "" {
+            /// Height of the longest thorn in the zone.
+            thorn_length: f64 = 0.0, "L", number(Radius, 0.0, 40.0);
+            /// Probability that a cell of the zone carries a thorn.
+            thorn_probability: f64 = 0.0, "P", number(Fraction, 0.0, 1.0);
+        }
+    }
+    groups {}
+}
+parameters_hold!(BrittleZone);
+
+/// A fan of the section: the test of Eqs. 2 to 7, which wraps around 360° here (as printed, a fan about 0° loses half).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sector {
+    /// Direction of the middle, degrees.
+    pub direction: f64,
+    /// Angle it takes, degrees.
+    pub angle: f64,
+    /// Part of the rings it takes, from the outside.
+    pub rings: f64,
+}
+
+impl Sector {
+    /// Whether the point at `angle` (degrees, any turn) and ring coordinate `rho` (0..=1) lies in the fan. A fan of no angle
+    /// or of no rings holds nothing.
+    pub fn contains(&self, angle: f64, rho: f64) -> bool {
+        let off = (angle - self.direction + 180.0).rem_euclid(360.0) - 180.0;
+        self.angle > 0.0 && off.abs() <= 0.5 * self.angle && rho > 1.0 - self.rings
+    }
+}
+
+impl HighLayer {
+    /// The fan it takes.
+    pub fn sector(&self) -> Sector {
+        Sector {
+            direction: self.direction,
+            angle: self.angle,
+            rings: self.rings,
+        }
+    }
+}
+
+impl LowLayer {
+    /// The fan it takes.
+    pub fn sector(&self) -> Sector {
+        Sector {
+            direction: self.direction,
+            angle: self.angle,
+            rings: self.rings,
+        }
+    }
+}
+
+impl DuctileZone {
+    /// The fan it takes.
+    pub fn sector(&self) -> Sector {
+        Sector {
+            direction: self.direction,
+            angle: self.angle,
+            rings: self.rings,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fan_about_zero_keeps_both_halves() {
+        let fan = Sector {
+            direction: 0.0,
+            angle: 60.0,
+            rings: 0.5,
+        };
+        let held = (0..360)
+            .filter(|&a| fan.contains(f64::from(a), 1.0))
+            .count();
+        assert_eq!(held, 61);
+        assert!(fan.contains(-30.0, 0.6) && fan.contains(690.0, 0.6));
+        assert!(!fan.contains(31.0, 1.0) && !fan.contains(0.0, 0.5));
+        let whole = Sector {
+            direction: 123.0,
+            angle: 360.0,
+            rings: 1.0,
+        };
+        assert!((0..360).all(|a| whole.contains(f64::from(a), 0.01)));
+        assert!(!Sector { angle: 0.0, ..fan }.contains(0.0, 1.0));
+    }
+}
