@@ -2,7 +2,9 @@
 #![deny(missing_docs)]
 
 pub mod cut;
+pub mod heights;
 pub mod layout;
 pub mod parameters;
 pub mod presets;
+pub mod slabs;
 pub mod surface;

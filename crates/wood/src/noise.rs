@@ -65,6 +65,24 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     (value * 1.25, gradient * 1.25)
 }
 
+/// Noise in the plane: about −1 to 1, mean 0, features as wide as 1 (Perlin 2002).
+pub fn plane(seed: u64, p: glam::DVec2) -> f64 {
+    let cell = p.floor();
+    let f = p - cell;
+    let (x, y) = (cell.x as i64, cell.y as i64);
+    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let corner = |i: i64, j: i64| {
+        let h = hash(seed, x + i, y + j, 0);
+        let part = |shift: u32| ((h >> shift) & 0xffff_ffff) as f64 * (2.0 / 4_294_967_295.0) - 1.0;
+        part(0) * (f.x - i as f64) + part(32) * (f.y - j as f64)
+    };
+    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let low = mix(corner(0, 0), corner(1, 0), s.x);
+    let high = mix(corner(0, 1), corner(1, 1), s.x);
+    // Gradients fill a square, so values seldom exceed 0.7.
+    mix(low, high, s.y) * 1.4
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
