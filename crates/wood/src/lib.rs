@@ -3,6 +3,7 @@
 
 pub mod moisture;
 pub mod noise;
+pub mod primitive;
 pub mod species;
 pub mod stem;
 pub mod tissue;
