@@ -149,7 +149,7 @@ impl Ears {
     }
 
     /// Flips diagonals until each has the circle of either triangle empty of the other's corner, as far as it may be
-    /// flipped. The exact circle test makes this end: every flip lowers the lifted surface.
+    /// flipped. This ends because every flip lowers the surface lifted to the paraboloid.
     fn flip(&mut self, points: &[DVec2], triangles: &mut [[u32; 3]]) {
         self.pending.clear();
         self.pending.extend((0..self.twins.len() as u32).filter(|&h| {
