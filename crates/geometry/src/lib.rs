@@ -4,11 +4,19 @@
 //! as it comes from and goes to a file.
 #![deny(missing_docs)]
 
+pub mod bvh;
+pub mod check;
+pub mod components;
 pub mod context;
+pub mod intersect;
 pub mod material;
 pub mod mesh;
 pub mod scene;
+pub mod triangulate;
 
+pub use bvh::{Aabb, Bvh};
+pub use check::{CheckOptions, Report, SelfIntersections};
+pub use components::{Adjacency, Shells};
 pub use context::{Cancelled, Context};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};

@@ -1,0 +1,202 @@
+//! The examination that fills a report, one property after another.
+
+use super::{CheckOptions, PLACES, Report, SelfIntersections};
+use crate::components::{Edges, Unions, Use, corner_points, number_points, shells};
+use crate::intersect::{Contact, collinear, contact};
+use crate::{Aabb, Bvh, Mesh};
+use glam::DVec3;
+
+pub(super) fn examine(mesh: &Mesh, options: CheckOptions) -> Report {
+    let mut report = Report {
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        non_finite_positions: mesh.positions.iter().filter(|p| !p.is_finite()).count(),
+        ..Report::default()
+    };
+    let (points, count) = number_points(&mesh.positions);
+    report.points = count;
+    let mut sound = Mesh {
+        triangles: Vec::with_capacity(mesh.triangles.len()),
+        ..Mesh::default()
+    };
+    for &triangle in &mesh.triangles {
+        match corner_points(triangle, &points) {
+            None => report.indices_out_of_range += 1,
+            Some([a, b, c]) => {
+                let corners = triangle.map(|i| mesh.positions[i as usize]);
+                if !corners.iter().all(|p| p.is_finite()) {
+                    continue;
+                }
+                let repeated = a == b || b == c || c == a;
+                if repeated || collinear(corners[0], corners[1], corners[2]) {
+                    report.degenerate_triangles += 1;
+                    note(
+                        &mut report.degenerate_places,
+                        corners.iter().sum::<DVec3>() / 3.0,
+                    );
+                }
+                if !repeated {
+                    sound.triangles.push([a, b, c]);
+                }
+            }
+        }
+    }
+    // From here on vertices are points, so that what follows need not look anything up.
+    sound.positions = vec![DVec3::ZERO; count];
+    for (&p, &point) in mesh.positions.iter().zip(&points) {
+        sound.positions[point as usize] = p;
+    }
+    let numbers: Vec<u32> = (0..count as u32).collect();
+    report.components = shells(&sound.triangles, &numbers, count).count;
+    report.area_m2 = sound.area();
+    edges(&sound, &numbers, &mut report);
+    if report.closed && report.oriented {
+        report.volume_m3 = Some(volume(&sound));
+    }
+    if options.self_intersections {
+        report.self_intersections = Some(self_intersections(&sound));
+    }
+    report
+}
+
+/// Volume about the first triangle's corner; unused positions, which may be anywhere, play no part.
+fn volume(mesh: &Mesh) -> f64 {
+    let Some(first) = mesh.triangles.first() else {
+        return 0.0;
+    };
+    let origin = mesh.positions[first[0] as usize];
+    let sum: f64 = (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t).map(|p| p - origin);
+            a.dot(b.cross(c))
+        })
+        .sum();
+    sum / 6.0
+}
+
+fn note(places: &mut Vec<[f64; 3]>, place: DVec3) {
+    if places.len() < PLACES {
+        places.push(place.to_array());
+    }
+}
+
+/// Everything about edges, and about vertices by the fans that edges join.
+fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
+    let edges = Edges::new(&mesh.triangles, numbers, numbers.len());
+    // Corners of triangles, joined to fans across edges.
+    let mut fans = Unions::new(3 * mesh.triangles.len());
+    let mut boundary: Vec<[u32; 2]> = Vec::new();
+    let mut opposites: Vec<u32> = Vec::new();
+    edges.each(|low, uses| {
+        let high = uses[0].high;
+        let ends = |u: usize| {
+            let (t, k) = (uses[u].triangle(), uses[u].edge());
+            let (start, end) = ((3 * t + k) as u32, (3 * t + (k + 1) % 3) as u32);
+            // The corner at the lower point first, and whether the edge runs from there.
+            if mesh.triangles[t][k] == low {
+                (start, end, true)
+            } else {
+                (end, start, false)
+            }
+        };
+        if uses.len() == 1 {
+            boundary.push([low, high]);
+            return;
+        }
+        let first = ends(0);
+        let mut forward = usize::from(first.2);
+        for u in 1..uses.len() {
+            let next = ends(u);
+            fans.join(first.0, next.0);
+            fans.join(first.1, next.1);
+            forward += usize::from(next.2);
+        }
+        let middle = || (mesh.positions[low as usize] + mesh.positions[high as usize]) * 0.5;
+        // An odd number of triangles cannot balance; that is no fault of their orientation.
+        if forward.abs_diff(uses.len() - forward) > 1 {
+            report.misoriented_edges += 1;
+            note(&mut report.misoriented_places, middle());
+        }
+        if uses.len() > 2 {
+            report.non_manifold_edges += 1;
+            note(&mut report.non_manifold_edge_places, middle());
+        }
+        // Triangles with the same points share all edges; the edge of the two lowest counts them.
+        opposites.clear();
+        let opposite = |u: &Use| mesh.triangles[u.triangle()][(u.edge() + 2) % 3];
+        opposites.extend(uses.iter().map(opposite).filter(|&p| p > high));
+        opposites.sort_unstable();
+        report.duplicate_triangles += opposites.windows(2).filter(|w| w[0] == w[1]).count();
+    });
+    report.boundary_edges = boundary.len();
+    report.oriented = report.misoriented_edges == 0;
+    report.closed =
+        !mesh.triangles.is_empty() && boundary.is_empty() && report.non_manifold_edges == 0;
+    boundary_loops(mesh, &boundary, report);
+    vertex_fans(mesh, &mut fans, report);
+}
+
+fn boundary_loops(mesh: &Mesh, boundary: &[[u32; 2]], report: &mut Report) {
+    if boundary.is_empty() {
+        return;
+    }
+    let mut loops = Unions::new(mesh.positions.len());
+    for &[a, b] in boundary {
+        loops.join(a, b);
+    }
+    let mut roots: Vec<u32> = boundary.iter().map(|e| loops.root(e[0])).collect();
+    roots.sort_unstable();
+    roots.dedup();
+    report.boundary_loops = roots.len();
+    for &root in roots.iter().take(PLACES) {
+        note(&mut report.boundary_places, mesh.positions[root as usize]);
+    }
+}
+
+/// Points at which corners belong to several fans.
+fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
+    const UNSEEN: u32 = u32::MAX;
+    const SEVERAL: u32 = u32::MAX - 1;
+    let mut fan_of_point = vec![UNSEEN; mesh.positions.len()];
+    for (corner, &point) in (0u32..).zip(mesh.triangles.as_flattened()) {
+        let known = &mut fan_of_point[point as usize];
+        if *known == SEVERAL {
+            continue;
+        }
+        let fan = fans.root(corner);
+        if *known == UNSEEN {
+            *known = fan;
+        } else if *known != fan {
+            *known = SEVERAL;
+            report.non_manifold_vertices += 1;
+            note(
+                &mut report.non_manifold_vertex_places,
+                mesh.positions[point as usize],
+            );
+        }
+    }
+}
+
+fn self_intersections(mesh: &Mesh) -> SelfIntersections {
+    let boxes: Vec<Aabb> = (0..mesh.triangles.len())
+        .map(|t| Aabb::around(&mesh.corners(t)))
+        .collect();
+    let mut found = SelfIntersections::default();
+    Bvh::new(&boxes).self_pairs(|s, t| {
+        // Most pairs are neighbours across an edge that is not folded flat, which the contact decides at once.
+        let kind = contact(mesh.corners(s), mesh.corners(t));
+        let place = || boxes[s].common(&boxes[t]).centre();
+        match kind {
+            Contact::Apart => {}
+            Contact::Touching => {
+                found.touching += 1;
+                note(&mut found.touching_places, place());
+            }
+            Contact::Crossing => {
+                found.crossing += 1;
+                note(&mut found.crossing_places, place());
+            }
+        }
+    });
+    found
+}

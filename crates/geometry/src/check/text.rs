@@ -1,0 +1,168 @@
+//! A report in words.
+
+use super::{PLACES, Report};
+use std::fmt::{Display, Formatter, Result};
+
+impl Display for Report {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(
+            f,
+            "{}, {}, {}, {}",
+            count(self.triangles, ["triangle", "triangles"]),
+            count(self.points, ["point", "points"]),
+            count(self.vertices, ["vertex", "vertices"]),
+            count(self.components, ["component", "components"]),
+        )?;
+        write!(f, "area {} m²", number(self.area_m2))?;
+        match self.volume_m3 {
+            Some(v) => writeln!(
+                f,
+                ", volume {} m³{}",
+                number(v),
+                if v < 0.0 { " (inside out)" } else { "" }
+            )?,
+            None => writeln!(f, ", no volume (the surface is not closed and oriented)")?,
+        }
+        writeln!(
+            f,
+            "{}, {}",
+            if self.closed { "closed" } else { "not closed" },
+            if self.oriented {
+                "oriented"
+            } else {
+                "not oriented"
+            }
+        )?;
+        defect(
+            f,
+            self.boundary_edges,
+            ["boundary edge", "boundary edges"],
+            &[],
+        )?;
+        defect(
+            f,
+            self.boundary_loops,
+            ["boundary loop", "boundary loops"],
+            &self.boundary_places,
+        )?;
+        defect(
+            f,
+            self.misoriented_edges,
+            [
+                "edge used twice in one direction",
+                "edges used twice in one direction",
+            ],
+            &self.misoriented_places,
+        )?;
+        defect(
+            f,
+            self.non_manifold_edges,
+            [
+                "edge of more than two triangles",
+                "edges of more than two triangles",
+            ],
+            &self.non_manifold_edge_places,
+        )?;
+        defect(
+            f,
+            self.non_manifold_vertices,
+            ["vertex of several fans", "vertices of several fans"],
+            &self.non_manifold_vertex_places,
+        )?;
+        defect(
+            f,
+            self.degenerate_triangles,
+            ["degenerate triangle", "degenerate triangles"],
+            &self.degenerate_places,
+        )?;
+        defect(
+            f,
+            self.duplicate_triangles,
+            ["duplicate triangle", "duplicate triangles"],
+            &[],
+        )?;
+        defect(
+            f,
+            self.non_finite_positions,
+            [
+                "vertex with a position that is not finite",
+                "vertices with a position that is not finite",
+            ],
+            &[],
+        )?;
+        defect(
+            f,
+            self.indices_out_of_range,
+            [
+                "triangle with an index out of range",
+                "triangles with an index out of range",
+            ],
+            &[],
+        )?;
+        match &self.self_intersections {
+            None => writeln!(f, "self-intersections not looked for"),
+            Some(s) if s.crossing + s.touching == 0 => writeln!(f, "no self-intersections"),
+            Some(s) => {
+                defect(
+                    f,
+                    s.crossing,
+                    ["crossing pair of triangles", "crossing pairs of triangles"],
+                    &s.crossing_places,
+                )?;
+                defect(
+                    f,
+                    s.touching,
+                    ["touching pair of triangles", "touching pairs of triangles"],
+                    &s.touching_places,
+                )
+            }
+        }
+    }
+}
+
+/// One line for a kind of defect, none where there are none of it.
+fn defect(f: &mut Formatter<'_>, found: usize, names: [&str; 2], places: &[[f64; 3]]) -> Result {
+    if found == 0 {
+        return Ok(());
+    }
+    write!(f, "{}", count(found, names))?;
+    for (i, p) in places.iter().enumerate() {
+        let [x, y, z] = p.map(number);
+        write!(f, "{} ({x}, {y}, {z})", if i == 0 { " at" } else { "," })?;
+    }
+    let more = !places.is_empty() && found > PLACES;
+    writeln!(
+        f,
+        "{}{}",
+        if places.is_empty() { "" } else { " m" },
+        if more { " …" } else { "" }
+    )
+}
+
+/// A number of things under their name for one and for several.
+fn count(n: usize, [one, several]: [&str; 2]) -> String {
+    format!("{n} {}", if n == 1 { one } else { several })
+}
+
+/// Six significant digits at most.
+fn number(x: f64) -> String {
+    if x != 0.0 && x.is_finite() && !(1e-3..1e6).contains(&x.abs()) {
+        let text = format!("{x:.5e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!(
+            "{}e{exponent}",
+            digits.trim_end_matches('0').trim_end_matches('.')
+        );
+    }
+    let decimals = if x == 0.0 {
+        0
+    } else {
+        (5 - x.abs().log10().floor() as i32).clamp(0, 9)
+    };
+    let text = format!("{x:.*}", decimals as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}

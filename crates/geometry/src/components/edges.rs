@@ -1,0 +1,128 @@
+//! Edges of points with the triangles that use them, and sets that are joined step by step.
+
+use super::corner_points;
+
+/// Use of an edge by a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Use {
+    /// The edge's point with the higher number.
+    pub high: u32,
+    /// Three times the triangle, plus the number of the edge in it.
+    half_edge: u32,
+}
+
+impl Use {
+    pub fn triangle(self) -> usize {
+        (self.half_edge / 3) as usize
+    }
+
+    /// The edge's number in the triangle: from corner `k` to corner `k + 1`.
+    pub fn edge(self) -> usize {
+        (self.half_edge % 3) as usize
+    }
+}
+
+/// All edges of a mesh, grouped by their point with the lower number.
+pub(crate) struct Edges {
+    /// Where the uses of each lower point start; one more at the end.
+    starts: Vec<u32>,
+    uses: Vec<Use>,
+}
+
+impl Edges {
+    /// The edges of all triangles whose three corners lie at three points.
+    pub fn new(triangles: &[[u32; 3]], points: &[u32], count: usize) -> Self {
+        let each = |visit: &mut dyn FnMut(u32, Use)| {
+            for (t, &triangle) in triangles.iter().enumerate() {
+                let Some([a, b, c]) = corner_points(triangle, points) else {
+                    continue;
+                };
+                if a == b || b == c || c == a {
+                    continue;
+                }
+                for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+                    visit(
+                        p.min(q),
+                        Use {
+                            high: p.max(q),
+                            half_edge: (3 * t + k) as u32,
+                        },
+                    );
+                }
+            }
+        };
+        // A counting sort by the lower point; the few uses of each are then sorted by the higher.
+        let mut starts = vec![0u32; count + 1];
+        each(&mut |low, _| starts[low as usize] += 1);
+        let mut sum = 0;
+        for start in &mut starts {
+            sum += *start;
+            *start = sum;
+        }
+        let mut uses = vec![
+            Use {
+                high: 0,
+                half_edge: 0
+            };
+            sum as usize
+        ];
+        each(&mut |low, used| {
+            starts[low as usize] -= 1;
+            uses[starts[low as usize] as usize] = used;
+        });
+        for pair in starts.windows(2) {
+            uses[pair[0] as usize..pair[1] as usize].sort_unstable();
+        }
+        Edges { starts, uses }
+    }
+
+    /// Visits every edge: its lower point and its uses, which all have the same higher point.
+    pub fn each(&self, mut visit: impl FnMut(u32, &[Use])) {
+        for (low, pair) in self.starts.windows(2).enumerate() {
+            let mut uses = &self.uses[pair[0] as usize..pair[1] as usize];
+            while let Some(first) = uses.first() {
+                let end = uses
+                    .iter()
+                    .position(|u| u.high != first.high)
+                    .unwrap_or(uses.len());
+                visit(low as u32, &uses[..end]);
+                uses = &uses[end..];
+            }
+        }
+    }
+}
+
+/// Sets of numbers that are joined step by step (union-find with path halving). The root of a set is its smallest
+/// number, whatever the order of joining.
+pub(crate) struct Unions {
+    parents: Vec<u32>,
+}
+
+impl Unions {
+    /// `count` sets of one number each.
+    pub fn new(count: usize) -> Self {
+        Unions {
+            parents: (0..count as u32).collect(),
+        }
+    }
+
+    /// The smallest number of the set of `i`.
+    pub fn root(&mut self, mut i: u32) -> u32 {
+        loop {
+            let parent = self.parents[i as usize];
+            if parent == i {
+                return i;
+            }
+            let above = self.parents[parent as usize];
+            self.parents[i as usize] = above;
+            i = above;
+        }
+    }
+
+    /// Joins the sets of `a` and `b`; whether they were two.
+    pub fn join(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parents[a.max(b) as usize] = a.min(b);
+        a != b
+    }
+}
