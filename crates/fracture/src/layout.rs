@@ -31,8 +31,8 @@ pub struct LayoutOptions {
     pub reach: (f64, f64),
     /// Angles (rad) between which the section lies, where the pith is outside of it (a board); `None` for all around.
     pub arc: Option<(f64, f64)>,
-    /// Ring coordinate at which the bark begins (fibrous layout).
-    pub bark: f64,
+    /// Ring coordinate at which the bark begins (fibrous layout); `None` where there is none (a board).
+    pub bark: Option<f64>,
     /// Seed of the irregularity.
     pub seed: u64,
 }
@@ -183,7 +183,7 @@ fn bands(options: &LayoutOptions) -> Vec<Band> {
     let around = options.arc.is_none();
     let start = if around { 0.0 } else { options.reach.0.max(0.0) };
     let rings = options.rings.max(2);
-    let wood = options.bark.clamp(start + 0.05, 1.0);
+    let wood = options.bark.map_or(options.reach.1, |b| b.clamp(start + 0.05, 1.0));
     // Uneven ring boundaries: thin bands beside thick ones, as growth has it.
     let mut bounds = vec![start];
     for i in 0..rings {
@@ -194,9 +194,11 @@ fn bands(options: &LayoutOptions) -> Vec<Band> {
     for b in &mut bounds {
         *b = start + (*b - start) / total * (wood - start);
     }
-    bounds.push(options.reach.1);
+    if options.bark.is_some() {
+        bounds.push(options.reach.1);
+    }
     let (low, high) = options.arc.unwrap_or((0.0, TAU));
-    (0..=rings)
+    (0..bounds.len() - 1)
         .map(|i| {
             let between = (bounds[i], bounds[i + 1]);
             let bark = i == rings;
@@ -208,7 +210,6 @@ fn bands(options: &LayoutOptions) -> Vec<Band> {
             let count = match i {
                 0 if around => 1,
                 1 if around => wanted.clamp(FEWEST, 9),
-                // At most half as many again as in the ring below, so that bundles stay longer than their gaps.
                 _ => wanted.max(if around { FEWEST } else { 3 }),
             };
             Band { between, walls: walls(options, i, count, low, high), bark }

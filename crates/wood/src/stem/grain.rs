@@ -4,7 +4,7 @@
 //! break a section is scaled with the stem's taper, as the grain follows the bark.
 
 use super::Axis;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// The map between the world and grain space.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,12 +12,29 @@ pub struct GrainSpace {
     axis: Axis,
     /// (length along the axis in m, size of the section relative to the one at the break), rising in length.
     taper: Vec<(f64, f64)>,
+    /// Turn of the grain about the axis, rad per m, and the length (m) at which it is none.
+    spiral: (f64, f64),
 }
 
 impl GrainSpace {
     /// Grain space about `axis`. `taper` gives (length in m, relative size > 0) rising in length; empty for none.
     pub fn new(axis: Axis, taper: Vec<(f64, f64)>) -> Self {
-        GrainSpace { axis, taper }
+        GrainSpace { axis, taper, spiral: (0.0, 0.0) }
+    }
+
+    /// The same with grain that winds about the axis by `turn` rad per m, in its place at length `from` (m).
+    pub fn with_spiral(mut self, turn: f64, from: f64) -> Self {
+        self.spiral = (turn, from);
+        self
+    }
+
+    /// Cosine and sine of the grain's turn at `s`.
+    fn turn(&self, s: f64) -> DVec2 {
+        if self.spiral.0 == 0.0 {
+            return DVec2::X;
+        }
+        let (sin, cos) = libm::sincos(self.spiral.0 * (s - self.spiral.1));
+        DVec2::new(cos, sin)
     }
 
     /// The axis.
@@ -40,7 +57,8 @@ impl GrainSpace {
     pub fn to_world(&self, p: DVec3) -> DVec3 {
         let f = self.axis.frame(p.z);
         let k = self.scale(p.z);
-        f.origin + f.x * (k * p.x) + f.y * (k * p.y)
+        let q = self.turn(p.z).rotate(p.truncate());
+        f.origin + f.x * (k * q.x) + f.y * (k * q.y)
     }
 
     /// The world to grain space (x, y, s).
@@ -56,6 +74,7 @@ impl GrainSpace {
     fn in_section(&self, world: DVec3, s: f64) -> DVec3 {
         let f = self.axis.frame(s);
         let d = (world - f.origin) / self.scale(s);
-        DVec3::new(d.dot(f.x), d.dot(f.y), s)
+        let turn = self.turn(s);
+        DVec2::new(turn.x, -turn.y).rotate(DVec2::new(d.dot(f.x), d.dot(f.y))).extend(s)
     }
 }

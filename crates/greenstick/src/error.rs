@@ -1,0 +1,24 @@
+//! Everything that can go wrong between a file and its broken pieces.
+
+use greenstick_fracture::cut::CutError;
+use greenstick_geometry::Cancelled;
+use greenstick_wood::stem::StemError;
+
+/// Why a break failed.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The stem at the place could not be found, or cannot be broken there.
+    #[error(transparent)]
+    Stem(#[from] StemError),
+    /// The mesh could not be cut.
+    #[error("{error}; in the world that is at {at} (m)")]
+    Cut {
+        /// What went wrong.
+        error: CutError,
+        /// Where, m.
+        at: glam::DVec3,
+    },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
