@@ -1,4 +1,5 @@
-//! Procedural fracture: the parameters of a broken face and of drying cracks, presets and recipes for them.
+//! Procedural fracture: the parameters of a broken face and of drying cracks, presets and recipes
+//! for them.
 #![deny(missing_docs)]
 
 pub mod parameters;

@@ -1,4 +1,5 @@
-//! Recipes: a TOML file of parameters, species, moisture, presets and cracks, and the layers they are put in.
+//! Recipes: a TOML file of parameters, species, moisture, presets and cracks, and the layers they
+//! are put in.
 //!
 //! ```toml
 //! preset = "splintering-tension"   # or a list: ["fig17", "fig21"]
@@ -19,8 +20,8 @@
 //! angle = 80
 //! ```
 //!
-//! Layers, later over earlier: defaults, presets, recipe, settings (`key=value`). Cracks in a recipe replace those of a
-//! preset.
+//! Layers, later over earlier: defaults, presets, recipe, settings (`key=value`). Cracks in a
+//! recipe replace those of a preset.
 
 mod read;
 
@@ -34,7 +35,8 @@ use greenstick_wood::moisture::{
 use greenstick_wood::species::{Species, UnknownSpecies, suggestion};
 use serde::{Deserialize, Serialize};
 
-/// Total tangential shrinkage, green to oven-dry, where the species is unknown: near the mean of Table 4-3 of the Wood Handbook.
+/// Total tangential shrinkage, green to oven-dry, where the species is unknown: near the mean of
+/// Table 4-3 of the Wood Handbook.
 pub const TYPICAL_TANGENTIAL_SHRINKAGE: f64 = 0.08;
 /// Total radial shrinkage, likewise.
 pub const TYPICAL_RADIAL_SHRINKAGE: f64 = 0.045;
@@ -135,8 +137,8 @@ pub struct CrackShrinkage {
 }
 
 impl Recipe {
-    /// The recipe of the layers: defaults, then `presets` (the text's own where this is empty), then `text`, then `settings`
-    /// of the form `key=value`; checked as a whole.
+    /// The recipe of the layers: defaults, then `presets` (the text's own where this is empty),
+    /// then `text`, then `settings` of the form `key=value`; checked as a whole.
     ///
     /// # Errors
     /// The first thing that is wrong, with its line in `text` or its setting.
@@ -178,7 +180,8 @@ impl Recipe {
         Ok(())
     }
 
-    /// Puts a TOML text over the recipe; `with_presets` says whether the presets it names are applied first.
+    /// Puts a TOML text over the recipe; `with_presets` says whether the presets it names are
+    /// applied first.
     ///
     /// # Errors
     /// The first thing that is wrong, with its line.
@@ -186,8 +189,8 @@ impl Recipe {
         read::apply(self, text, with_presets)
     }
 
-    /// Puts one setting, `key=value`. Keys are those of `[break]`, with or without `break.` before them, those of
-    /// `crack_groups.`, `species` and `moisture`.
+    /// Puts one setting, `key=value`. Keys are those of `[break]`, with or without `break.` before
+    /// them, those of `crack_groups.`, `species` and `moisture`.
     ///
     /// # Errors
     /// What is wrong with the setting.
@@ -243,10 +246,7 @@ impl Recipe {
     /// # Errors
     /// Not above 0 and at most 200.
     pub fn set_moisture(&mut self, percent: f64) -> Result<(), Problem> {
-        if !(percent > 0.0 && percent <= WETTEST_PERCENT) {
-            return Err(MoistureError::OutOfRange(percent).into());
-        }
-        self.moisture = Some(percent);
+        self.moisture = Some(valid_moisture(percent)?);
         Ok(())
     }
 
@@ -258,10 +258,8 @@ impl Recipe {
         self.face.check()?;
         self.cracks.check()?;
         self.species()?;
-        match self.moisture {
-            Some(percent) => self.clone().set_moisture(percent),
-            None => Ok(()),
-        }
+        self.moisture.map(valid_moisture).transpose()?;
+        Ok(())
     }
 
     /// The species, where one is named.
@@ -272,8 +270,8 @@ impl Recipe {
         self.species.as_deref().map(Species::find).transpose()
     }
 
-    /// Shrinkages at the recipe's moisture (12 % where it names none), of its species, or typical ones where it names none or
-    /// the tables have no value.
+    /// Shrinkages at the recipe's moisture (12 % where it names none), of its species, or typical
+    /// ones where it names none or the tables have no value.
     ///
     /// # Errors
     /// A name that is no species, or a moisture content out of range.
@@ -295,8 +293,8 @@ impl Recipe {
         })
     }
 
-    /// The recipe as TOML with every parameter, so that it means the same whatever defaults and presets become. Presets are
-    /// a comment in it.
+    /// The recipe as TOML with every parameter, so that it means the same whatever defaults and
+    /// presets become. Presets are a comment in it.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         if !self.presets.is_empty() {
@@ -320,10 +318,19 @@ impl Recipe {
     }
 }
 
+fn valid_moisture(percent: f64) -> Result<f64, MoistureError> {
+    if percent > 0.0 && percent <= WETTEST_PERCENT {
+        Ok(percent)
+    } else {
+        Err(MoistureError::OutOfRange(percent))
+    }
+}
+
 fn write_all(list: &[ParameterInfo], text: &mut String) {
     for p in list {
         let value = match &p.value {
-            // {:?} writes a point or an exponent and every digit that is needed to read the same number again.
+            // {:?} writes a point or an exponent and every digit that is needed to read the same
+            // number again.
             Value::Number(x) => format!("{x:?}"),
             Value::Integer(n) => n.to_string(),
             Value::Text(t) => quoted(t),

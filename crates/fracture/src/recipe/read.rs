@@ -86,7 +86,8 @@ fn entries(recipe: &mut Recipe, text: &str, with_presets: bool) -> Result<(), Lo
         parameters("", sub_table("break", value)?, &mut |key, v| {
             recipe.face.set(key, v)
         })?;
-        // What holds between parameters is checked with the whole; here it has a line to be told with.
+        // What holds between parameters is checked with the whole; here it has a line to be told
+        // with.
         recipe
             .face
             .consistent()

@@ -223,3 +223,47 @@ fn crack_shrinkage_is_the_species_dried_to_its_moisture() {
     assert!((tamarack.tangential - 0.08 * 0.6).abs() < 1e-12);
     assert!(tamarack.basis.contains("lack that of Tamarack"));
 }
+
+/// The example that stands in the module's documentation.
+fn documented_example() -> String {
+    include_str!("../recipe.rs")
+        .lines()
+        .skip_while(|l| !l.contains("```toml"))
+        .skip(1)
+        .take_while(|l| !l.contains("```"))
+        .map(|l| l.trim_start_matches("//!").trim_start().to_owned() + "\n")
+        .collect()
+}
+
+#[test]
+fn the_documented_example_means_what_it_says() {
+    let recipe = Recipe::from_toml(&documented_example()).unwrap();
+    assert_eq!((recipe.face.slab_height, recipe.face.split), (1.5, 2.0));
+    assert!((recipe.face.diameter - 1.2).abs() < 1e-12);
+    assert_eq!(recipe.face.sapwood.perlin_amplitude, 0.1);
+    assert_eq!(
+        (
+            recipe.cracks.settings.large.count,
+            recipe.cracks.cracks.len()
+        ),
+        (4, 1)
+    );
+}
+
+#[test]
+fn a_text_cut_off_anywhere_is_read_or_refused_with_a_place_inside_it() {
+    let text = documented_example();
+    for end in (0..text.len()).filter(|&e| text.is_char_boundary(e)) {
+        let part = &text[..end];
+        match Recipe::from_toml(part) {
+            Ok(_) => {}
+            Err(RecipeError::At { line, column, .. }) => {
+                assert!(
+                    line <= part.matches('\n').count() + 1 && column >= 1,
+                    "{part}"
+                );
+            }
+            Err(other) => panic!("{part}: {other}"),
+        }
+    }
+}
