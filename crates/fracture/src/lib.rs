@@ -6,5 +6,6 @@ pub mod heights;
 pub mod layout;
 pub mod parameters;
 pub mod presets;
+pub mod recipe;
 pub mod slabs;
 pub mod surface;

@@ -1,6 +1,8 @@
-//! Presets: the columns of Table 2 of Yang 2019, the ways in which wood breaks, and the paper's cracked sections.
+//! Presets: the columns of Table 2 of Yang 2019, the ways in which wood breaks, and the paper's
+//! cracked sections.
 //!
-//! A preset is a list of settings that are read like those of a person, so that a preset out of range cannot exist.
+//! A preset is a list of settings that are read like those of a person, so that a preset out of
+//! range cannot exist.
 
 use crate::parameters::{
     BreakParameters, Crack, CrackParameters, ParameterError, Parameters, Value,
@@ -343,8 +345,8 @@ impl Preset {
         matches!(self.settings, Settings::Cracks(..))
     }
 
-    /// Puts the preset in place of what it is about: the whole broken face, or all cracks. The other is left alone, and so
-    /// is the face's seed.
+    /// Puts the preset in place of what it is about: the whole broken face, or all cracks. The
+    /// other is left alone, and so is the face's seed.
     ///
     /// # Errors
     /// None for the presets that are listed; a setting that is out of range would be reported.
@@ -384,8 +386,8 @@ impl Preset {
     }
 }
 
-/// A column of Table 2, as a smooth face as in the paper. Where the paper says nothing: pith is as heartwood, bark as
-/// phloem, and white noise is left at its small default.
+/// A column of Table 2, as a smooth face as in the paper. Where the paper says nothing: pith is as
+/// heartwood, bark as phloem, and white noise is left at its small default.
 fn figure(column: usize, seed: u64) -> Result<BreakParameters, ParameterError> {
     let mut face = BreakParameters {
         seed,

@@ -1,4 +1,5 @@
-//! Moisture: strength and shrinkage of wood at a moisture content (Wood Handbook, chapters 4 and 5).
+//! Moisture: strength and shrinkage of wood at a moisture content (Wood Handbook, chapters 4 and
+//! 5).
 //!
 //! Moisture contents are percent of the oven-dry mass, as the field writes them.
 
@@ -76,8 +77,8 @@ pub enum Fallback {
     TwelvePercent,
 }
 
-/// How a value at a moisture content came about, from the best supported to the least. Its `Display` is a note for a
-/// report.
+/// How a value at a moisture content came about, from the best supported to the least. Its
+/// `Display` is a note for a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Basis {
     /// The table's value at 12 %.
@@ -117,8 +118,8 @@ pub struct Adjusted {
 
 /// Wood Handbook Eq. 5-3: P = P12 (P12/Pg)^((12 − M)/(Mp − 12)), and Pg at and above Mp.
 ///
-/// `dry` and `green` are the property at 12 % and green, both above 0; `moisture` and `intersection` (Mp) in percent,
-/// Mp above 12.
+/// `dry` and `green` are the property at 12 % and green, both above 0; `moisture` and
+/// `intersection` (Mp) in percent, Mp above 12.
 pub fn equation_5_3(dry: f64, green: f64, moisture: f64, intersection: f64) -> f64 {
     if moisture >= intersection {
         return green;
@@ -126,8 +127,8 @@ pub fn equation_5_3(dry: f64, green: f64, moisture: f64, intersection: f64) -> f
     dry * (dry / green).powf((AIR_DRY_PERCENT - moisture) / (intersection - AIR_DRY_PERCENT))
 }
 
-/// The part of the total shrinkage (green to oven-dry) that has happened at `moisture`: 0 at fibre saturation and above,
-/// 1 oven-dry, linear between. All in percent.
+/// The part of the total shrinkage (green to oven-dry) that has happened at `moisture`: 0 at fibre
+/// saturation and above, 1 oven-dry, linear between. All in percent.
 ///
 /// # Errors
 /// A moisture content outside 0..=200 %, or fibre saturation outside 28..=30 %.
@@ -141,7 +142,8 @@ pub fn drying(moisture: f64, fibre_saturation: f64) -> Result<f64, MoistureError
     Ok(((fibre_saturation - moisture) / fibre_saturation).max(0.0))
 }
 
-/// Shrinkage in the three measures, as fractions of the green size; `None` where the table has no value.
+/// Shrinkage in the three measures, as fractions of the green size; `None` where the table has no
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Shrinkage {
     /// Across the rings, ε_R.
@@ -162,7 +164,8 @@ impl Species {
     ///
     /// # Errors
     /// [`MoistureError::NoValue`] where the tables have none; [`MoistureError::NoGreenValue`] and
-    /// [`MoistureError::NotAdjustable`] where only 12 % is known and `fallback` is [`Fallback::Refuse`].
+    /// [`MoistureError::NotAdjustable`] where only 12 % is known and `fallback` is
+    /// [`Fallback::Refuse`].
     pub fn property_at(
         &self,
         property: Property,

@@ -68,8 +68,9 @@ pub struct Proportions {
 }
 
 impl Proportions {
-    /// The zone of ring `ring` of `rings`, counted 1 at the pith to `rings` at the outside, by the inequalities of
-    /// section 3.2. The outermost ring is bark whatever the proportions; a ring beyond it is bark too.
+    /// The zone of ring `ring` of `rings`, counted 1 at the pith to `rings` at the outside, by the
+    /// inequalities of section 3.2. The outermost ring is bark whatever the proportions; a ring
+    /// beyond it is bark too.
     pub fn zone_of_ring(&self, ring: u32, rings: u32) -> Zone {
         if ring >= rings {
             return Zone::Bark;
@@ -77,8 +78,9 @@ impl Proportions {
         self.inner_zone(f64::from(ring) / f64::from(rings))
     }
 
-    /// The zone at ring coordinate `rho` (0 at the pith, 1 at the outside) when bark takes the outer `bark` part of
-    /// the radius. Section 3.2 has one ring of bark: pass 1/N_ring for the same boundary.
+    /// The zone at ring coordinate `rho` (0 at the pith, 1 at the outside) when bark takes the
+    /// outer `bark` part of the radius. Section 3.2 has one ring of bark: pass 1/N_ring for the
+    /// same boundary.
     pub fn zone_at(&self, rho: f64, bark: f64) -> Zone {
         if rho >= 1.0 || rho > 1.0 - bark {
             Zone::Bark

@@ -1,8 +1,9 @@
 //! Parameters of drying cracks (Yang 2019, section 4), single ones and groups of them.
 //!
-//! Angles are degrees about the pith, ring coordinates run from 0 at the pith to 1 at the outside, depths along the grain
-//! are ratios to the stem's radius. The opening is the shrinkage times the range σ, so σ is a range of wood that gives way
-//! to the crack: in degrees for a radial crack, as a part of the radius for a tangential one.
+//! Angles are degrees about the pith, ring coordinates run from 0 at the pith to 1 at the outside,
+//! depths along the grain are ratios to the stem's radius. The opening is the shrinkage times the
+//! range σ, so σ is a range of wood that gives way to the crack: in degrees for a radial crack, as
+//! a part of the radius for a tangential one.
 
 use super::Unit::{Degree, Fraction, Radius};
 use super::declare::{auto, choice, choices, count, number, parameters, parameters_hold};
@@ -63,7 +64,8 @@ parameters! {
             ring: f64 = 0.6, "R_crack", number(Fraction, 0.0, 1.0);
             /// Angle at which it begins.
             begin: f64 = 0.0, "S_begin", number(Degree, 0.0, 360.0);
-            /// Angle at which it ends, counted on from the beginning; below it the crack runs on past 360°.
+            /// Angle at which it ends, counted on from the beginning; below it the crack runs on
+            /// past 360°.
             end: f64 = 90.0, "S_end", number(Degree, 0.0, 360.0);
             /// Depth along the grain from the end face.
             depth: f64 = 1.0, "D_crack", number(Radius, 0.01, 40.0);
@@ -147,7 +149,8 @@ impl Crack {
 }
 
 parameters! {
-    /// Radial cracks of one size, drawn from what was measured of them on a section (section 5, Fig. 21).
+    /// Radial cracks of one size, drawn from what was measured of them on a section (section 5,
+    /// Fig. 21).
     pub struct CrackGroup {
         "" {
             /// How many cracks.
@@ -193,7 +196,8 @@ parameters! {
         "cracks" {
             /// Which end carries the cracks: "break" or "sawn".
             end: CrackEnd = CrackEnd::Break, "", choice(CrackEnd::WORDS);
-            /// Random displacement of the cracks' course, radial and tangential (section 4.1, Fig. 12(b)).
+            /// Random displacement of the cracks' course, radial and tangential (section 4.1, Fig.
+            /// 12(b)).
             distortion: f64 = 0.02, "", number(Radius, 0.0, 0.5);
         }
     }

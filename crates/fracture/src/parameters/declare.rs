@@ -1,5 +1,6 @@
-//! How a parameter is declared: once, with its key, symbol, documentation, unit, range and default. Struct field, default,
-//! check, text and TOML reading, listing, schema and reference page all come from that declaration.
+//! How a parameter is declared: once, with its key, symbol, documentation, unit, range and default.
+//! Struct field, default, check, text and TOML reading, listing, schema and reference page all come
+//! from that declaration.
 
 use super::value::{ParameterError, parse_number, parse_whole};
 use greenstick_wood::species::nearest;
@@ -164,7 +165,8 @@ impl ParameterInfo {
         }
     }
 
-    /// `value` as this parameter holds it: numbers in range and finite, text with a unit read, choices known.
+    /// `value` as this parameter holds it: numbers in range and finite, text with a unit read,
+    /// choices known.
     ///
     /// # Errors
     /// [`ParameterError`] saying the key, what was found and what it may be.
@@ -192,7 +194,8 @@ impl ParameterInfo {
                 let n = match value {
                     Value::Integer(n) => Some(*n),
                     Value::Text(text) => parse_whole(text),
-                    Value::Number(_) => None,
+                    // Languages with one kind of number send 20.0 for 20.
+                    Value::Number(x) => Some(*x as u64).filter(|n| *n as f64 == *x),
                 };
                 let whole = ParameterError::Whole {
                     key: key(),
@@ -289,7 +292,8 @@ impl Field for u64 {
 
 /// A set of declared parameters.
 pub trait Parameters: Default {
-    /// Appends every parameter with its present value. `prefix` is put before each key, with a dot unless it is empty.
+    /// Appends every parameter with its present value. `prefix` is put before each key, with a dot
+    /// unless it is empty.
     fn describe(&self, prefix: &str, list: &mut Vec<ParameterInfo>);
 
     /// Puts a value that [`ParameterInfo::read`] has passed; false where there is no such key.
@@ -341,7 +345,8 @@ pub trait Parameters: Default {
         self.set(key, &Value::Text(text.to_owned()))
     }
 
-    /// Checks every range, and what holds between parameters. Needed after fields were written directly.
+    /// Checks every range, and what holds between parameters. Needed after fields were written
+    /// directly.
     ///
     /// # Errors
     /// The first parameter that is out of range, or the first condition that does not hold.
@@ -374,8 +379,8 @@ pub(crate) fn paragraph(lines: &[&str]) -> String {
     lines.iter().map(|l| l.trim()).collect::<Vec<_>>().join(" ")
 }
 
-/// Declares a struct of parameters: sections of fields, then nested groups.
-/// A field is `name: type = default, "symbol", kind;`. A section's name is the heading it is listed under; an empty one
+/// Declares a struct of parameters: sections of fields, then nested groups. A field is `name: type
+/// = default, "symbol", kind;`. A section's name is the heading it is listed under; an empty one
 /// takes the name of the group that the struct is nested in.
 macro_rules! parameters {
     (

@@ -1,7 +1,8 @@
-//! Parameters of a broken face: those of Table 2 of Yang 2019, those its text names and the table leaves out, and those a
-//! fibrous face needs beside them.
+//! Parameters of a broken face: those of Table 2 of Yang 2019, those its text names and the table
+//! leaves out, and those a fibrous face needs beside them.
 //!
-//! Heights are ratios to the stem's radius. Angles are degrees, counted about the pith from the section's first axis.
+//! Heights are ratios to the stem's radius. Angles are degrees, counted about the pith from the
+//! section's first axis.
 
 mod cracks;
 pub(crate) mod declare;
@@ -35,9 +36,10 @@ parameters! {
     /// Everything that decides how a broken face looks.
     pub struct BreakParameters {
         "branch" {
-            /// The diameter that noise is laid out for, in cm as in Table 2. The stem's own size comes from its mesh: with
-            /// 1 here the pattern on any stem is that of a branch of 1 cm; with 0 it is laid out in true metres on the
-            /// stem as it is. A branch made from nothing has this diameter.
+            /// The diameter that noise is laid out for, in cm as in Table 2. The stem's own size
+            /// comes from its mesh: with 1 here the pattern on any stem is that of a branch of 1
+            /// cm; with 0 it is laid out in true metres on the stem as it is. A branch made from
+            /// nothing has this diameter.
             diameter: f64 = 1.0, "D", number(Centimetre, 0.0, 500.0);
             /// Concentric circles on the section.
             rings: u32 = 40, "N_ring", count(3, 400);
@@ -55,14 +57,16 @@ parameters! {
             pith_proportion: f64 = 0.05, "ν_pith", number(Fraction, 0.0, 1.0);
             /// Part of the radius that is heartwood.
             heartwood_proportion: f64 = 0.4, "ν_heartwood", number(Fraction, 0.0, 1.0);
-            /// Part of the radius that is phloem. What is left is sapwood, and the outermost ring is bark.
+            /// Part of the radius that is phloem. What is left is sapwood, and the outermost ring
+            /// is bark.
             phloem_proportion: f64 = 0.05, "ν_phloem", number(Fraction, 0.0, 1.0);
         }
         "face" {
-            /// What the face is made of: "smooth" is the height field of the paper, "fibrous" has bundles with walls
-            /// along the grain.
+            /// What the face is made of: "smooth" is the height field of the paper, "fibrous" has
+            /// bundles with walls along the grain.
             surface: Surface = Surface::Fibrous, "", choice(Surface::WORDS);
-            /// Part of a thorn's height that is a slender prism; the rest is an irregular pyramid (section 3.5).
+            /// Part of a thorn's height that is a slender prism; the rest is an irregular pyramid
+            /// (section 3.5).
             thorn_shaft: f64 = 0.65, "", number(Fraction, 0.5, 0.8);
         }
         "fibrous face" {
@@ -76,8 +80,8 @@ parameters! {
             sliver_height: f64 = 0.4, "", number(Radius, 0.0, 20.0);
             /// Height of the fur of fine fibres on the tips.
             fibre_height: f64 = 0.06, "", number(Radius, 0.0, 5.0);
-            /// Height of the steps between neighbouring rings where the wood breaks brittle. The shear-lag length of the
-            /// species over the radius is its natural value.
+            /// Height of the steps between neighbouring rings where the wood breaks brittle. The
+            /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
             /// Depth of the split along the grain between the tension and the compression side.
             split: f64 = 0.0, "", number(Radius, 0.0, 40.0);
@@ -85,7 +89,8 @@ parameters! {
             compression_shelf: f64 = 0.25, "", number(Fraction, 0.0, 1.0);
             /// Height of the crumpled steps on that shelf.
             compression_height: f64 = 0.05, "", number(Radius, 0.0, 5.0);
-            /// Height at which the bark broke, against the wood under it: above zero it stands over, below it is torn back.
+            /// Height at which the bark broke, against the wood under it: above zero it stands
+            /// over, below it is torn back.
             bark_offset: f64 = 0.1, "", number(Radius, -20.0, 20.0);
             /// Height by which the edge of the bark runs up and down, in flaps along its furrows.
             bark_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
@@ -154,8 +159,8 @@ impl BreakParameters {
         }
     }
 
-    /// The diameter in m that noise is laid out for, on a stem of `stem_diameter` m: multiply a point of the unit section
-    /// by half of it to come to noise coordinates in m.
+    /// The diameter in m that noise is laid out for, on a stem of `stem_diameter` m: multiply a
+    /// point of the unit section by half of it to come to noise coordinates in m.
     pub fn noise_diameter(&self, stem_diameter: f64) -> f64 {
         if self.diameter > 0.0 {
             self.diameter / 100.0
@@ -201,6 +206,7 @@ mod tests {
         assert!(refuse("rings", "4.5").contains("whole number"));
         assert!(refuse("slab_height", "nan").contains("must be from 0 to 20 radius"));
         assert!(refuse("slab_height", "inf").contains("must be from 0 to 20 radius"));
+        assert!(refuse("rings", "-1").contains("whole number"));
         assert!(refuse("surface", "shiny").contains("one of smooth, fibrous"));
         assert!(refuse("low.height", "1").contains("from -20 to 0"));
     }
@@ -215,7 +221,7 @@ mod tests {
                     vec![Value::Number(min), Value::Number(max)],
                 ),
                 Kind::Integer { min, max } => (
-                    vec![Value::Integer(max + 1), Value::Number(1.0)],
+                    vec![Value::Integer(max + 1), Value::Number(min as f64 + 0.5)],
                     vec![Value::Integer(min), Value::Integer(max)],
                 ),
                 Kind::Choice { options } => (
@@ -240,6 +246,16 @@ mod tests {
                 "{}",
                 info.key
             );
+        }
+    }
+
+    #[test]
+    fn whole_numbers_may_come_as_real_ones_but_no_others() {
+        let mut p = BreakParameters::default();
+        p.set("rings", &Value::Number(20.0)).unwrap();
+        assert_eq!(p.rings, 20);
+        for bad in [20.5, -3.0, f64::NAN, f64::INFINITY] {
+            assert!(p.set("rings", &Value::Number(bad)).is_err(), "{bad}");
         }
     }
 

@@ -1,4 +1,5 @@
-//! What is derived from the declarations for people and programs: a reference page and a JSON schema.
+//! What is derived from the declarations for people and programs: a reference page and a JSON
+//! schema.
 
 use super::{
     BreakParameters, CrackSettings, Kind, ParameterInfo, Parameters, RadialCrack, TangentialCrack,
@@ -105,8 +106,8 @@ fn crack(kind: &str, list: &[ParameterInfo]) -> Json {
     schema
 }
 
-/// JSON schema (draft 2020-12) of a recipe. In a recipe numbers may also be text with a unit; the schema asks for plain
-/// numbers.
+/// JSON schema (draft 2020-12) of a recipe. In a recipe numbers may also be text with a unit; the
+/// schema asks for plain numbers.
 pub fn json_schema() -> Json {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",

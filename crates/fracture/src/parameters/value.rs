@@ -132,8 +132,8 @@ pub(crate) fn parse_number(key: &str, text: &str, unit: Unit) -> Result<f64, Par
             .collect::<Vec<_>>()
             .join(", ")
     };
-    // The longest beginning that is a number; what follows is the unit ("1/m" after a space begins with a digit, so a
-    // space ends the number).
+    // The longest beginning that is a number; what follows is the unit ("1/m" after a space begins
+    // with a digit, so a space ends the number).
     let head = text.split_whitespace().next().unwrap_or_default();
     let number = (1..=head.len())
         .rev()

@@ -1,4 +1,5 @@
-//! Parameters that stand more than once: those of a tissue, of the layers, and of the ductile and brittle zones.
+//! Parameters that stand more than once: those of a tissue, of the layers, and of the ductile and
+//! brittle zones.
 
 use super::Unit::{Degree, Fraction, PerMetre, Radius};
 use super::declare::{count, number, parameters, parameters_hold};
@@ -12,16 +13,18 @@ parameters! {
             perlin_amplitude: f64 = 0.05, "λ", number(Radius, 0.0, 5.0);
             /// Perlin noise cells per metre of the noise diameter.
             perlin_frequency: f64 = 460.0, "β", number(PerMetre, 1.0, 10000.0);
-            /// Perlin noises added up, each of twice the frequency and half the height of the one before.
-            /// The paper uses 2 to 3.
+            /// Perlin noises added up, each of twice the frequency and half the height of the one
+            /// before. The paper uses 2 to 3.
             perlin_octaves: u32 = 2, "", count(1, 4);
             /// Height that white noise, one value per cell, adds at most.
             white_noise_amplitude: f64 = 0.01, "", number(Radius, 0.0, 5.0);
-            /// White noises added up, each of half the height of the one before. The paper uses 3 to 4.
+            /// White noises added up, each of half the height of the one before. The paper uses 3
+            /// to 4.
             white_noise_octaves: u32 = 3, "", count(1, 4);
             /// Height of the longest thorn (Eq. 8).
             thorn_length: f64 = 0.0, "L", number(Radius, 0.0, 40.0);
-            /// Probability that a cell carries a thorn (Eq. 8, where the sign is the wrong way round in print).
+            /// Probability that a cell carries a thorn (Eq. 8, where the sign is the wrong way
+            /// round in print).
             thorn_probability: f64 = 0.0, "P", number(Fraction, 0.0, 1.0);
         }
     }
@@ -30,7 +33,8 @@ parameters! {
 parameters_hold!(ZoneParameters);
 
 impl ZoneParameters {
-    /// The defaults of a tissue. Pith is soft and smooth; phloem and bark tear finer and rougher than wood.
+    /// The defaults of a tissue. Pith is soft and smooth; phloem and bark tear finer and rougher
+    /// than wood.
     pub fn of(zone: Zone) -> ZoneParameters {
         let standard = ZoneParameters::default();
         match zone {
@@ -92,7 +96,8 @@ parameters! {
             thorn_length: f64 = 0.0, "L_D", number(Radius, 0.0, 40.0);
             /// Probability that a cell of the zone carries a thorn.
             thorn_probability: f64 = 0.0, "P_D", number(Fraction, 0.0, 1.0);
-            /// Direction of the zone's middle: the side that was in tension. The compression side is opposite.
+            /// Direction of the zone's middle: the side that was in tension. The compression side
+            /// is opposite.
             direction: f64 = 0.0, "α", number(Degree, 0.0, 360.0);
             /// Angle the zone takes.
             angle: f64 = 150.0, "θ", number(Degree, 0.0, 360.0);
@@ -118,7 +123,8 @@ parameters! {
 }
 parameters_hold!(BrittleZone);
 
-/// A fan of the section: the test of Eqs. 2 to 7, which wraps around 360° here (as printed, a fan about 0° loses half).
+/// A fan of the section: the test of Eqs. 2 to 7, which wraps around 360° here (as printed, a fan
+/// about 0° loses half).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sector {
     /// Direction of the middle, degrees.
@@ -130,8 +136,8 @@ pub struct Sector {
 }
 
 impl Sector {
-    /// Whether the point at `angle` (degrees, any turn) and ring coordinate `rho` (0..=1) lies in the fan. A fan of no angle
-    /// or of no rings holds nothing.
+    /// Whether the point at `angle` (degrees, any turn) and ring coordinate `rho` (0..=1) lies in
+    /// the fan. A fan of no angle or of no rings holds nothing.
     pub fn contains(&self, angle: f64, rho: f64) -> bool {
         let off = (angle - self.direction + 180.0).rem_euclid(360.0) - 180.0;
         self.angle > 0.0 && off.abs() <= 0.5 * self.angle && rho > 1.0 - self.rings

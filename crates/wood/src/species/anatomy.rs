@@ -1,7 +1,8 @@
 //! What a species' rings and heartwood look like, by genus.
 //!
-//! Sources: R. B. Hoadley, *Identifying Wood*, and the species descriptions of the Wood Handbook, chapter 2. The genus
-//! decides but for the exceptions listed; a genus that is not in the table has no entry.
+//! Sources: R. B. Hoadley, *Identifying Wood*, and the species descriptions of the Wood Handbook,
+//! chapter 2. The genus decides but for the exceptions listed; a genus that is not in the table has
+//! no entry.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Species: what has been measured of the wood of 116 of them, and what follows for how it breaks.
 //!
-//! Values are those of clear, straight-grained wood; a species has only what its table has. Tables and their terms are
-//! listed in `data/SOURCES.md`.
+//! Values are those of clear, straight-grained wood; a species has only what its table has. Tables
+//! and their terms are listed in `data/SOURCES.md`.
 
 mod anatomy;
 mod names;
@@ -117,8 +117,8 @@ impl Property {
         }
     }
 
-    /// The Wood Handbook keeps work to maximum load, impact bending and tension across the grain out of Eq. 5-3,
-    /// because they respond erratically to moisture.
+    /// The Wood Handbook keeps work to maximum load, impact bending and tension across the grain
+    /// out of Eq. 5-3, because they respond erratically to moisture.
     pub const fn follows_equation_5_3(self) -> bool {
         !matches!(
             self,
@@ -193,8 +193,8 @@ impl Species {
         &ALL
     }
 
-    /// The species of a name: "alder, red", "red alder" or "Alnus rubra"; case, hyphens and spaces do not matter.
-    /// Where several rows share a scientific name the first in the table is meant.
+    /// The species of a name: "alder, red", "red alder" or "Alnus rubra"; case, hyphens and spaces
+    /// do not matter. Where several rows share a scientific name the first in the table is meant.
     ///
     /// # Errors
     /// [`UnknownSpecies`] with up to three names that are near.

@@ -1,12 +1,14 @@
-//! Names: how species (and other things with names) are looked up, and what is suggested for a name that is not there.
+//! Names: how species (and other things with names) are looked up, and what is suggested for a name
+//! that is not there.
 
 use super::Species;
 
 /// Other names under which species are asked for: (alias, name in the table).
 ///
-/// Older and variant scientific names, and the two names of the first row of Yang's table, which is printed
-/// "Juniperus viginiana L." there and *Juniperus rigida* elsewhere in the paper. *Juniperus virginiana* therefore
-/// means that row; eastern redcedar of the Wood Handbook is found by its common name.
+/// Older and variant scientific names, and the two names of the first row of Yang's table, which is
+/// printed "Juniperus viginiana L." there and *Juniperus rigida* elsewhere in the paper. *Juniperus
+/// virginiana* therefore means that row; eastern redcedar of the Wood Handbook is found by its
+/// common name.
 pub(super) const ALIASES: &[(&str, &str)] = &[
     ("Juniperus virginiana", "Juniper, temple"),
     ("Juniperus viginiana", "Juniper, temple"),
@@ -57,8 +59,8 @@ pub fn suggestion(nearest: &[String]) -> String {
     }
 }
 
-/// Up to three of `candidates` that look most like `word`, nearest first (Damerau-Levenshtein, case ignored).
-/// Equals keep the candidates' order.
+/// Up to three of `candidates` that look most like `word`, nearest first (Damerau-Levenshtein, case
+/// ignored). Equals keep the candidates' order.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let word = normalise(word);
     let mut scored: Vec<(f64, &str)> = candidates
@@ -89,7 +91,8 @@ pub(super) fn normalise(name: &str) -> String {
         .join(" ")
 }
 
-/// The ways to say a common name: "Alder, red" and "red alder"; "Hickory (true), pignut", "pignut hickory".
+/// The ways to say a common name: "Alder, red" and "red alder"; "Hickory (true), pignut", "pignut
+/// hickory".
 fn common_names(name: &str) -> Vec<String> {
     let mut all = vec![normalise(name)];
     if let Some((kind, which)) = name.split_once(',') {
@@ -104,7 +107,8 @@ pub(super) fn find(name: &str) -> Result<&'static Species, UnknownSpecies> {
     let wanted = normalise(name);
     let by_common = |s: &&Species| common_names(&s.name).contains(&wanted);
     let alias = ALIASES.iter().find(|(alias, _)| normalise(alias) == wanted);
-    // The species without its variety: coast Douglas-fir answers to Pseudotsuga menziesii, being first in the table.
+    // The species without its variety: coast Douglas-fir answers to Pseudotsuga menziesii, being
+    // first in the table.
     let by_science = |s: &&Species| {
         let science = normalise(&s.scientific_name);
         science == wanted || science.split(" var.").next() == Some(wanted.as_str())

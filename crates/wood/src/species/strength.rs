@@ -1,24 +1,28 @@
-//! Strength that no table has: tension along the grain from bending, and the height of a broken face.
+//! Strength that no table has: tension along the grain from bending, and the height of a broken
+//! face.
 //!
 //! # Tension from bending
-//! A rectangular section of depth h bends until its outermost fibre in tension reaches f_t. Wood is linear in tension; in
-//! compression it is linear with the same modulus up to f_c and yields there (elastic, perfectly plastic). With m = f_t/f_c ≥ 1
-//! and plane sections, the tension zone is x_t deep, elastic compression x_t/m, and plastic compression takes the rest:
+//! A rectangular section of depth h bends until its outermost fibre in tension reaches f_t. Wood is
+//! linear in tension; in compression it is linear with the same modulus up to f_c and yields there
+//! (elastic, perfectly plastic). With m = f_t/f_c ≥ 1 and plane sections, the tension zone is x_t
+//! deep, elastic compression x_t/m, and plastic compression takes the rest:
 //!
-//! - forces: ½ m f_c x_t = ½ f_c x_t/m + f_c (h − x_t − x_t/m), hence x_t = 2m h/(m + 1)²,
-//!   elastic compression 2h/(m + 1)², plastic compression h (m − 1)/(m + 1);
-//! - moment about the neutral axis, over the section modulus h²/6 per width: **MOR = f_c (3m − 1)/(m + 1)**.
+//! - forces: ½ m f_c x_t = ½ f_c x_t/m + f_c (h − x_t − x_t/m), hence x_t = 2m h/(m + 1)², elastic
+//!   compression 2h/(m + 1)², plastic compression h (m − 1)/(m + 1);
+//! - moment about the neutral axis, over the section modulus h²/6 per width:
+//!   **MOR = f_c (3m − 1)/(m + 1)**.
 //!
-//! Solved for the tensile strength: **f_t = f_c (MOR + f_c)/(3 f_c − MOR)** for f_c ≤ MOR < 3 f_c. At MOR = f_c nothing
-//! yields and f_t = MOR; below that the section breaks in tension while still linear, and f_t = MOR too. At MOR ≥ 3 f_c no
-//! tensile strength is high enough: the two values do not belong together.
+//! Solved for the tensile strength: **f_t = f_c (MOR + f_c)/(3 f_c − MOR)** for f_c ≤ MOR < 3 f_c.
+//! At MOR = f_c nothing yields and f_t = MOR; below that the section breaks in tension while still
+//! linear, and f_t = MOR too. At MOR ≥ 3 f_c no tensile strength is high enough: the two values do
+//! not belong together.
 
 use super::{Property, Species};
 use crate::moisture::{Adjusted, Fallback, MoistureError};
 use serde::{Deserialize, Serialize};
 
-/// Diameter of the fibre bundle that pulls out whole, m: about the width of one annual ring, since earlywood lets go
-/// before latewood does.
+/// Diameter of the fibre bundle that pulls out whole, m: about the width of one annual ring, since
+/// earlywood lets go before latewood does.
 pub const DEFAULT_BUNDLE_DIAMETER: f64 = 1e-3;
 
 /// Why a strength or a height cannot be given.
@@ -84,8 +88,8 @@ pub struct FractureHeight {
     pub basis: crate::moisture::Basis,
 }
 
-/// Modulus of rupture (Pa) of a rectangular section whose wood fails at `tension` and yields at `compression` (both Pa,
-/// above 0).
+/// Modulus of rupture (Pa) of a rectangular section whose wood fails at `tension` and yields at
+/// `compression` (both Pa, above 0).
 pub fn nominal_bending_strength(tension: f64, compression: f64) -> f64 {
     let m = tension / compression;
     if m <= 1.0 {
@@ -95,8 +99,8 @@ pub fn nominal_bending_strength(tension: f64, compression: f64) -> f64 {
     }
 }
 
-/// Tensile strength along the grain (Pa) from modulus of rupture and compression strength (Pa), by the section analysis
-/// above.
+/// Tensile strength along the grain (Pa) from modulus of rupture and compression strength (Pa), by
+/// the section analysis above.
 ///
 /// # Errors
 /// [`StrengthError::Section`] unless 0 < `rupture` < 3 `compression`.
@@ -114,10 +118,12 @@ pub fn tensile_strength_from_bending(rupture: f64, compression: f64) -> Result<f
 }
 
 impl Species {
-    /// Tensile strength along the grain, Pa, at `moisture` percent, from modulus of rupture and compression strength.
+    /// Tensile strength along the grain, Pa, at `moisture` percent, from modulus of rupture and
+    /// compression strength.
     ///
     /// # Errors
-    /// Where either is missing or has no value at this moisture content, or both do not fit together.
+    /// Where either is missing or has no value at this moisture content, or both do not fit
+    /// together.
     pub fn tensile_strength_at(
         &self,
         moisture: f64,
@@ -131,11 +137,12 @@ impl Species {
         })
     }
 
-    /// Shear-lag length ℓ = f_t d/(4 f_v), m: how far a fibre bundle of diameter `bundle_diameter` (m; see
-    /// [`DEFAULT_BUNDLE_DIAMETER`]) pulls out of the wood around it.
+    /// Shear-lag length ℓ = f_t d/(4 f_v), m: how far a fibre bundle of diameter `bundle_diameter`
+    /// (m; see [`DEFAULT_BUNDLE_DIAMETER`]) pulls out of the wood around it.
     ///
     /// # Errors
-    /// As [`Species::tensile_strength_at`]; also where shear strength is missing (Yang's four species, and a few more).
+    /// As [`Species::tensile_strength_at`]; also where shear strength is missing (Yang's four
+    /// species, and a few more).
     pub fn shear_lag_length(
         &self,
         bundle_diameter: f64,
@@ -170,8 +177,8 @@ impl Species {
             - 0.2409 * (splitting / 980.665))
     }
 
-    /// Height of the broken face over the radius of a stem of `radius` m: by Eq. 9 for its four species when air-dry (12 %),
-    /// by the shear-lag length otherwise.
+    /// Height of the broken face over the radius of a stem of `radius` m: by Eq. 9 for its four
+    /// species when air-dry (12 %), by the shear-lag length otherwise.
     ///
     /// # Errors
     /// As [`Species::shear_lag_length`], or a radius that is not above 0.
@@ -184,7 +191,8 @@ impl Species {
     ) -> Result<FractureHeight, StrengthError> {
         positive("the stem's radius", radius)?;
         if let Ok(ratio) = self.equation_9() {
-            // The fit knows air-dry wood only; asking for the modulus of rupture says what that means at this moisture.
+            // The fit knows air-dry wood only; asking for the modulus of rupture says what that
+            // means at this moisture.
             let known = self.property_at(Property::ModulusOfRupture, moisture, fallback)?;
             return Ok(FractureHeight {
                 rule: HeightRule::Eq9,
@@ -239,7 +247,8 @@ mod tests {
         }
     }
 
-    /// Bending strength by slicing the section and bisecting for the neutral axis, with no closed form.
+    /// Bending strength by slicing the section and bisecting for the neutral axis, with no closed
+    /// form.
     fn integrated(tension: f64, compression: f64) -> f64 {
         const SLICES: usize = 20_000;
         // y from the tension edge; strain in units of failure; `axis` is the neutral axis' depth.
@@ -281,8 +290,9 @@ mod tests {
 
     #[test]
     fn tension_from_bending_is_near_what_is_measured_in_tension() {
-        // Wood Handbook Table 5-7, tension parallel to the grain of green wood, MPa: tests in tension, where here only
-        // bending and compression go in. The handbook gives tension a coefficient of variation of 25 %.
+        // Wood Handbook Table 5-7, tension parallel to the grain of green wood, MPa: tests in
+        // tension, where here only bending and compression go in. The handbook gives tension a
+        // coefficient of variation of 25 %.
         let measured = [
             ("maple, sugar", 108.2),
             ("yellow-poplar", 109.6),
@@ -314,7 +324,8 @@ mod tests {
 
     #[test]
     fn shear_lag_by_hand_and_its_order_over_all_species() {
-        // Coast Douglas-fir at 12 %: f_t = 49.9 × (85 + 49.9)/(149.7 − 85) = 104.04 MPa; /(4 × 7.8) × 1 mm = 3.335 mm.
+        // Coast Douglas-fir at 12 %: f_t = 49.9 × (85 + 49.9)/(149.7 − 85) = 104.04 MPa; /(4 × 7.8)
+        // × 1 mm = 3.335 mm.
         let fir = Species::find("Douglas-fir, coast").unwrap();
         let length = fir.shear_lag_length(1e-3, 12.0, Fallback::Refuse).unwrap();
         assert!((length.value - 3.3347e-3).abs() < 1e-6, "{length:?}");

@@ -1,8 +1,9 @@
 //! Reading the tables that are built into the library, and joining them by name.
 //!
-//! Table 5-3a gives the species and their order. Tables 4-1, 4-3 and 5-13 are joined to it by the common name, case
-//! ignored. Table 5-13 names "douglas-fir" and "redwood" without saying which: these join every row of that name.
-//! A name that matches nothing joins nothing, and the property stays `None`.
+//! Table 5-3a gives the species and their order. Tables 4-1, 4-3 and 5-13 are joined to it by the
+//! common name, case ignored. Table 5-13 names "douglas-fir" and "redwood" without saying which:
+//! these join every row of that name. A name that matches nothing joins nothing, and the property
+//! stays `None`.
 
 use super::{Group, MechanicalProperties, Species, anatomy};
 use crate::moisture::Shrinkage;
@@ -13,7 +14,8 @@ const GREEN_MOISTURE: &str = include_str!("../../data/usda_table_4_1_green_moist
 const INTERSECTION: &str = include_str!("../../data/usda_table_5_13_intersection_moisture.csv");
 const YANG: &str = include_str!("../../data/yang_2019_table_1.csv");
 
-/// The one mass of water that wood at 12 % holds beside its own: air-dry density over oven-dry mass per volume.
+/// The one mass of water that wood at 12 % holds beside its own: air-dry density over oven-dry mass
+/// per volume.
 const AIR_DRY_MASS: f64 = 1.12;
 const WATER_DENSITY: f64 = 1000.0;
 /// One kilogram-force per centimetre, N/m.
