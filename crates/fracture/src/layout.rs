@@ -148,9 +148,22 @@ struct Band {
     bark: bool,
 }
 
-/// Fibre bundles of about equal area, offset like bricks.
+/// Fibre bundles of about equal area, offset like bricks. They are as irregular as the section allows: where a facet
+/// would fold over, all is made again with half the irregularity.
 pub fn fibrous(field: &RingField, options: &LayoutOptions) -> Bundles {
-    let bands = bands(options);
+    let mut irregular = 1.0;
+    loop {
+        let made = fibrous_with(field, options, irregular);
+        let sound = made.layout.facets.iter().all(|f| area(*f, &made.layout.nodes) > 0.0);
+        if sound || irregular < 0.05 {
+            return made;
+        }
+        irregular *= 0.5;
+    }
+}
+
+fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> Bundles {
+    let bands = bands(options, irregular);
     let mut maker = Maker { field, nodes: Vec::new(), addresses: Vec::new() };
     let around = options.arc.is_none();
     let mut build = Build { facets: Vec::new(), cells: Vec::new(), bundles: Vec::new(), tips: Vec::new() };
@@ -158,10 +171,10 @@ pub fn fibrous(field: &RingField, options: &LayoutOptions) -> Bundles {
     let mut inner = if around {
         Boundary { nodes: vec![(0.0, maker.node(0.0, 0.0))], ends: [Vec::new(), vec![0]] }
     } else {
-        boundary(&mut maker, options, None, Some(&bands[0]), 0)
+        boundary(&mut maker, options, None, Some(&bands[0]), (0, irregular))
     };
     for (i, band) in bands.iter().enumerate() {
-        let outer = boundary(&mut maker, options, Some(band), bands.get(i + 1), i + 1);
+        let outer = boundary(&mut maker, options, Some(band), bands.get(i + 1), (i + 1, irregular));
         fill_band(&mut maker, &mut build, band, i, &inner, &outer, around);
         inner = outer;
     }
@@ -179,7 +192,7 @@ struct Build {
 /// Number of bundles around the pith in the first ring of a round stem.
 const FEWEST: usize = 5;
 
-fn bands(options: &LayoutOptions) -> Vec<Band> {
+fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
     let around = options.arc.is_none();
     let start = if around { 0.0 } else { options.reach.0.max(0.0) };
     let rings = options.rings.max(2);
@@ -187,7 +200,8 @@ fn bands(options: &LayoutOptions) -> Vec<Band> {
     // Uneven ring boundaries: thin bands beside thick ones, as growth has it.
     let mut bounds = vec![start];
     for i in 0..rings {
-        let width = 0.55 + 0.9 * noise::unit(options.seed ^ purpose::RING, i as i64, 0, 0);
+        let random = noise::unit(options.seed ^ purpose::RING, i as i64, 0, 0) - 0.5;
+        let width = 1.0 + 0.9 * irregular * random;
         bounds.push(bounds[i] + width);
     }
     let total = bounds[rings] - start;
@@ -212,13 +226,19 @@ fn bands(options: &LayoutOptions) -> Vec<Band> {
                 1 if around => wanted.clamp(FEWEST, 9),
                 _ => wanted.max(if around { FEWEST } else { 3 }),
             };
-            Band { between, walls: walls(options, i, count, low, high), bark }
+            Band { between, walls: walls(options, i, count, (low, high), irregular), bark }
         })
         .collect()
 }
 
 /// Angles of a band's walls, shifted at random and a little slanted.
-fn walls(options: &LayoutOptions, band: usize, count: usize, low: f64, high: f64) -> Vec<(f64, f64)> {
+fn walls(
+    options: &LayoutOptions,
+    band: usize,
+    count: usize,
+    (low, high): (f64, f64),
+    irregular: f64,
+) -> Vec<(f64, f64)> {
     let around = options.arc.is_none();
     let step = (high - low) / count as f64;
     let random = |what: u64, j: usize| noise::unit(options.seed ^ what, band as i64, j as i64, 1) - 0.5;
@@ -232,8 +252,8 @@ fn walls(options: &LayoutOptions, band: usize, count: usize, low: f64, high: f64
             if !around && (j == 0 || j == count) {
                 return (place, place);
             }
-            let angle = place + 0.7 * step * random(purpose::WALL, j);
-            let slant = 0.16 * step * random(purpose::TILT, j);
+            let angle = place + 0.7 * irregular * step * random(purpose::WALL, j);
+            let slant = 0.16 * irregular * step * random(purpose::TILT, j);
             (angle - slant, angle + slant)
         })
         .collect()
@@ -251,16 +271,18 @@ fn boundary(
     options: &LayoutOptions,
     inside: Option<&Band>,
     outside: Option<&Band>,
-    number: usize,
+    (number, irregular): (usize, f64),
 ) -> Boundary {
     let rho = inside.map_or_else(|| outside.map_or(0.0, |b| b.between.0), |b| b.between.1);
     let around = options.arc.is_none();
     let mut ends: Vec<(f64, usize, usize)> = Vec::new();
+    // Angles from 0 to a turn, so that the ends of both bands sort together.
+    let within = |angle: f64| if around { angle - TAU * (angle / TAU).floor() } else { angle };
     if let Some(band) = inside {
-        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (w.1, 0, j)));
+        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (within(w.1), 0, j)));
     }
     if let Some(band) = outside {
-        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (w.0, 1, j)));
+        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (within(w.0), 1, j)));
     }
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let width = options.arc.map_or(TAU, |(a, b)| b - a);
@@ -283,7 +305,7 @@ fn boundary(
     let mut result = Boundary { nodes: Vec::new(), ends: [Vec::new(), Vec::new()] };
     result.ends[0] = vec![0; inside.map_or(0, |b| b.walls.len())];
     result.ends[1] = vec![0; outside.map_or(0, |b| b.walls.len())];
-    let jitter = |n: usize| 0.36 * thin * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5);
+    let jitter = |n: usize| 0.36 * irregular * thin * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5);
     for i in 0..ends.len() {
         let (angle, which, j) = ends[i];
         let joined = !around && result.nodes.last().is_some_and(|n| n.0 == angle);
@@ -341,7 +363,9 @@ fn fill_band(
     let count = if around { band.walls.len() } else { band.walls.len() - 1 };
     for j in 0..count {
         let cell = build.bundles.len() as u32;
-        let (low, high) = (inner.run(1, j, around), outer.run(0, j, around));
+        let (mut low, high) = (inner.run(1, j, around), outer.run(0, j, around));
+        let turns = TAU * ((high[0].0 - low[0].0) / TAU).round();
+        low.iter_mut().for_each(|n| n.0 += turns);
         let first = build.facets.len();
         let (from, to) = (high[0].0, high[high.len() - 1].0);
         let rho = if band.bark { 1.0 } else { (band.between.0 + band.between.1) / 2.0 };
@@ -359,7 +383,7 @@ fn fill_band(
             }
             low[0].1
         } else {
-            strip(&mut build.facets, &low, &high);
+            strip(&mut build.facets, &low, &high, &maker.nodes);
             if band.bark { crate::surface::NONE } else { add_tip(maker, &mut build.facets, first) }
         };
         build.tips.push(tip);
@@ -368,31 +392,39 @@ fn fill_band(
 }
 
 /// Triangles between two chains of rising angle.
-fn strip(facets: &mut Vec<[u32; 3]>, low: &[(f64, u32)], high: &[(f64, u32)]) {
+fn strip(facets: &mut Vec<[u32; 3]>, low: &[(f64, u32)], high: &[(f64, u32)], nodes: &[DVec2]) {
     let (mut p, mut q) = (0, 0);
     while p + 1 < low.len() || q + 1 < high.len() {
-        let advance_high = match (low.get(p + 1), high.get(q + 1)) {
-            (Some(a), Some(b)) => b.0 <= a.0,
-            (None, _) => true,
-            (_, None) => false,
+        let above = high.get(q + 1).map(|b| [low[p].1, high[q].1, b.1]);
+        let below = low.get(p + 1).map(|a| [low[p].1, high[q].1, a.1]);
+        let advance_high = match (above, below) {
+            (Some(above), Some(below)) => {
+                let (a, b) = (area(above, nodes), area(below, nodes));
+                // Both ways are open: the angle decides.
+                if a > 0.0 && b > 0.0 { high[q + 1].0 <= low[p + 1].0 } else { a > b }
+            }
+            (above, _) => above.is_some(),
         };
         if advance_high {
-            facets.push([low[p].1, high[q].1, high[q + 1].1]);
+            facets.extend(above);
             q += 1;
         } else {
-            facets.push([low[p].1, high[q].1, low[p + 1].1]);
+            facets.extend(below);
             p += 1;
         }
     }
 }
 
+/// Twice the signed area of a facet.
+fn area(facet: [u32; 3], nodes: &[DVec2]) -> f64 {
+    let [a, b, c] = facet.map(|n| nodes[n as usize]);
+    (b - a).perp_dot(c - a)
+}
+
 /// Puts a node into the largest facet from `first` on and returns it: the tip of the bundle.
 fn add_tip(maker: &mut Maker, facets: &mut Vec<[u32; 3]>, first: usize) -> u32 {
-    let area = |f: &[u32; 3]| {
-        let [a, b, c] = f.map(|n| maker.nodes[n as usize]);
-        (b - a).perp_dot(c - a)
-    };
-    let largest = (first..facets.len()).max_by(|&a, &b| area(&facets[a]).total_cmp(&area(&facets[b])));
+    let size = |f: usize| area(facets[f], &maker.nodes);
+    let largest = (first..facets.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)));
     let Some(largest) = largest else { return crate::surface::NONE };
     let [a, b, c] = facets[largest];
     let corners = [a, b, c].map(|n| maker.addresses[n as usize]);
