@@ -27,11 +27,22 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     ("greenstick-formats", &["greenstick-geometry"]),
     ("greenstick-picture", &["greenstick-geometry"]),
     ("greenstick-wood", &["greenstick-geometry"]),
-    ("greenstick-fracture", &["greenstick-geometry", "greenstick-wood"]),
-    ("greenstick-fibre", &["greenstick-geometry", "greenstick-wood"]),
+    (
+        "greenstick-fracture",
+        &["greenstick-geometry", "greenstick-wood"],
+    ),
+    (
+        "greenstick-fibre",
+        &["greenstick-geometry", "greenstick-wood"],
+    ),
     (
         "greenstick-skin",
-        &["greenstick-geometry", "greenstick-wood", "greenstick-fracture", "greenstick-fibre"],
+        &[
+            "greenstick-geometry",
+            "greenstick-wood",
+            "greenstick-fracture",
+            "greenstick-fibre",
+        ],
     ),
     (
         "greenstick",
@@ -53,20 +64,38 @@ const FACADE: &[&str] = &["greenstick"];
 /// Packages from the output of `cargo metadata`.
 pub fn packages(metadata: &Value) -> Result<Vec<Package>, String> {
     let text = |v: &Value, key: &str| {
-        v[key].as_str().map(str::to_owned).ok_or_else(|| format!("cargo metadata has a package without `{key}`"))
+        v[key]
+            .as_str()
+            .map(str::to_owned)
+            .ok_or_else(|| format!("cargo metadata has a package without `{key}`"))
     };
-    let list = metadata["packages"].as_array().ok_or("cargo metadata has no `packages`")?;
+    let list = metadata["packages"]
+        .as_array()
+        .ok_or("cargo metadata has no `packages`")?;
     list.iter()
         .map(|package| {
             let manifest = PathBuf::from(text(package, "manifest_path")?);
-            let dependencies = package["dependencies"].as_array().map_or(&[][..], Vec::as_slice);
+            let dependencies = package["dependencies"]
+                .as_array()
+                .map_or(&[][..], Vec::as_slice);
             let targets = package["targets"].as_array().map_or(&[][..], Vec::as_slice);
-            let is_library = |t: &&Value| t["kind"].as_array().is_some_and(|k| k.iter().any(|k| k == "lib"));
+            let is_library = |t: &&Value| {
+                t["kind"]
+                    .as_array()
+                    .is_some_and(|k| k.iter().any(|k| k == "lib"))
+            };
             Ok(Package {
                 name: text(package, "name")?,
                 folder: manifest.parent().map(PathBuf::from).unwrap_or_default(),
-                dependencies: dependencies.iter().map(|d| text(d, "name")).collect::<Result<_, _>>()?,
-                library: targets.iter().find(is_library).and_then(|t| t["src_path"].as_str()).map(PathBuf::from),
+                dependencies: dependencies
+                    .iter()
+                    .map(|d| text(d, "name"))
+                    .collect::<Result<_, _>>()?,
+                library: targets
+                    .iter()
+                    .find(is_library)
+                    .and_then(|t| t["src_path"].as_str())
+                    .map(PathBuf::from),
             })
         })
         .collect()
@@ -92,7 +121,11 @@ pub fn crossings(packages: &[Package]) -> Vec<String> {
         for dependency in &package.dependencies {
             let inside = packages.iter().any(|p| p.name == *dependency);
             if inside && !allowed.contains(&dependency.as_str()) {
-                let may = if allowed.is_empty() { "none".to_owned() } else { allowed.join(", ") };
+                let may = if allowed.is_empty() {
+                    "none".to_owned()
+                } else {
+                    allowed.join(", ")
+                };
                 faults.push(format!(
                     "{} depends on {dependency}; of the workspace it may use {may}",
                     package.name
@@ -111,8 +144,13 @@ mod tests {
         let metadata: Vec<Value> = dependencies
             .iter()
             .map(|(name, uses)| {
-                let folder = name.strip_prefix("apps/").map_or(format!("crates/{name}"), |n| format!("apps/{n}"));
-                let uses: Vec<Value> = uses.iter().map(|u| serde_json::json!({ "name": u })).collect();
+                let folder = name
+                    .strip_prefix("apps/")
+                    .map_or(format!("crates/{name}"), |n| format!("apps/{n}"));
+                let uses: Vec<Value> = uses
+                    .iter()
+                    .map(|u| serde_json::json!({ "name": u }))
+                    .collect();
                 serde_json::json!({
                     "name": name.trim_start_matches("apps/"),
                     "manifest_path": format!("/house/{folder}/Cargo.toml"),
@@ -129,9 +167,15 @@ mod tests {
         let house = workspace(&[
             ("greenstick-geometry", &["glam"]),
             ("greenstick-wood", &["greenstick-geometry"]),
-            ("greenstick-fracture", &["greenstick-wood", "greenstick-geometry"]),
+            (
+                "greenstick-fracture",
+                &["greenstick-wood", "greenstick-geometry"],
+            ),
             ("greenstick-fibre", &["greenstick-wood"]),
-            ("greenstick-skin", &["greenstick-fracture", "greenstick-fibre"]),
+            (
+                "greenstick-skin",
+                &["greenstick-fracture", "greenstick-fibre"],
+            ),
             ("greenstick", &["greenstick-skin"]),
             ("apps/greenstick-cli", &["greenstick", "serde_json"]),
         ]);
@@ -155,9 +199,17 @@ mod tests {
             faults[0],
             "greenstick-geometry depends on greenstick-wood; of the workspace it may use none"
         );
-        for (from, to) in [("fracture", "fibre"), ("fibre", "fracture"), ("formats", "wood"), ("cli", "wood")] {
+        for (from, to) in [
+            ("fracture", "fibre"),
+            ("fibre", "fracture"),
+            ("formats", "wood"),
+            ("cli", "wood"),
+        ] {
             let start = format!("greenstick-{from} depends on greenstick-{to};");
-            assert!(faults.iter().any(|f| f.starts_with(&start)), "{start} {faults:?}");
+            assert!(
+                faults.iter().any(|f| f.starts_with(&start)),
+                "{start} {faults:?}"
+            );
         }
         assert!(faults[4].starts_with("greenstick-attic has no place"));
     }

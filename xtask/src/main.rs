@@ -42,7 +42,10 @@ fn check() -> Result<Vec<String>, String> {
         .output()
         .map_err(|e| format!("cargo metadata did not start: {e}"))?;
     if !output.status.success() {
-        return Err(format!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr)));
+        return Err(format!(
+            "cargo metadata failed: {}",
+            String::from_utf8_lossy(&output.stderr)
+        ));
     }
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout)
         .map_err(|e| format!("cargo metadata did not print JSON: {e}"))?;

@@ -16,13 +16,16 @@ pub fn faults(packages: &[Package], root: &Path) -> Result<Vec<String>, String> 
         for file in rust_files(&package.folder)? {
             let lines = read(&file)?.lines().count();
             if lines > LINES {
-                faults.push(format!("{} has {lines} lines; split what exceeds {LINES}", shown(&file, root)));
+                faults.push(format!(
+                    "{} has {lines} lines; split what exceeds {LINES}",
+                    shown(&file, root)
+                ));
             }
         }
-        if let Some(library) = &package.library {
-            if !read(library)?.lines().any(|l| l.trim() == LINT) {
-                faults.push(format!("{} lacks {LINT}", shown(library, root)));
-            }
+        if let Some(library) = &package.library
+            && !read(library)?.lines().any(|l| l.trim() == LINT)
+        {
+            faults.push(format!("{} lacks {LINT}", shown(library, root)));
         }
     }
     Ok(faults)
@@ -35,7 +38,10 @@ fn rust_files(folder: &Path) -> Result<Vec<PathBuf>, String> {
     for entry in fs::read_dir(folder).map_err(told)? {
         let path = entry.map_err(told)?.path();
         if path.is_dir() {
-            if path.file_name().is_some_and(|n| n != "target" && n != "node_modules") {
+            if path
+                .file_name()
+                .is_some_and(|n| n != "target" && n != "node_modules")
+            {
                 files.extend(rust_files(&path)?);
             }
         } else if path.extension().is_some_and(|e| e == "rs") {
@@ -53,7 +59,10 @@ fn read(file: &Path) -> Result<String, String> {
 /// The path from the root of the workspace.
 fn shown(file: &Path, root: &Path) -> String {
     let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
-    file.strip_prefix(&root).unwrap_or(file).display().to_string()
+    file.strip_prefix(&root)
+        .unwrap_or(file)
+        .display()
+        .to_string()
 }
 
 #[cfg(test)]
@@ -76,7 +85,10 @@ mod tests {
         let found = faults(std::slice::from_ref(&package), &folder).unwrap();
         assert_eq!(
             found,
-            ["src/deep/long.rs has 601 lines; split what exceeds 600", "src/lib.rs lacks #![deny(missing_docs)]"]
+            [
+                "src/deep/long.rs has 601 lines; split what exceeds 600",
+                "src/lib.rs lacks #![deny(missing_docs)]"
+            ]
         );
         fs::write(folder.join("src/lib.rs"), format!("{LINT}\n")).unwrap();
         package.folder.push("src");

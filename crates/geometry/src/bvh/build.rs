@@ -40,7 +40,10 @@ struct Bounds {
 }
 
 impl Bounds {
-    const EMPTY: Bounds = Bounds { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
+    const EMPTY: Bounds = Bounds {
+        low: Vec4::INFINITY,
+        high: Vec4::NEG_INFINITY,
+    };
 
     #[inline]
     fn add(&mut self, low: Vec4, high: Vec4) {
@@ -57,7 +60,10 @@ impl Bounds {
 pub(super) fn build(boxes: &[Aabb]) -> Bvh {
     // What is not a box, by a coordinate that is not a number, would spread to every box above it.
     let sound = |b: &Aabb| b.low.cmple(b.high).all();
-    let all = boxes.iter().filter(|b| sound(b)).fold(Aabb::EMPTY, |a, b| a.join(b));
+    let all = boxes
+        .iter()
+        .filter(|b| sound(b))
+        .fold(Aabb::EMPTY, |a, b| a.join(b));
     let middle = all.centre();
     let mut items: Vec<Item> = Vec::with_capacity(boxes.len());
     let mut centres = Bounds::EMPTY;
@@ -65,7 +71,10 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh {
         if sound(b) {
             // About the middle, so that a small mesh far from the origin keeps its digits.
             let low = (b.low - middle).as_vec3().extend(f32::from_bits(index));
-            let item = Item { low, high: (b.high - middle).as_vec3().extend(0.0) };
+            let item = Item {
+                low,
+                high: (b.high - middle).as_vec3().extend(0.0),
+            };
             centres.add(item.centre(), item.centre());
             items.push(item);
         }
@@ -84,20 +93,36 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh {
             let items = &boxes[node.first as usize..(node.first + node.count) as usize];
             items.iter().fold(Aabb::EMPTY, |a, b| a.join(b))
         } else {
-            nodes[at + 1].bounds.join(&nodes[nodes[at + 1].end as usize].bounds)
+            nodes[at + 1]
+                .bounds
+                .join(&nodes[nodes[at + 1].end as usize].bounds)
         };
     }
-    Bvh { nodes, order, boxes }
+    Bvh {
+        nodes,
+        order,
+        boxes,
+    }
 }
 
 /// Appends the subtree of `items`, the box around whose (doubled) centres is `centres`.
 fn subdivide(items: &mut [Item], centres: Bounds, first: u32, depth: usize, nodes: &mut Vec<Node>) {
     let at = nodes.len();
     if items.len() <= LEAF {
-        nodes.push(Node { bounds: Aabb::EMPTY, end: at as u32 + 1, first, count: items.len() as u32 });
+        nodes.push(Node {
+            bounds: Aabb::EMPTY,
+            end: at as u32 + 1,
+            first,
+            count: items.len() as u32,
+        });
         return;
     }
-    nodes.push(Node { bounds: Aabb::EMPTY, end: 0, first: 0, count: 0 });
+    nodes.push(Node {
+        bounds: Aabb::EMPTY,
+        end: 0,
+        first: 0,
+        count: 0,
+    });
     let (middle, [low, high]) = split(items, centres, depth);
     let (left, right) = items.split_at_mut(middle);
     subdivide(left, low, first, depth + 1, nodes);
@@ -110,7 +135,9 @@ fn halve(items: &mut [Item], axis: Option<usize>) -> (usize, [Bounds; 2]) {
     let half = items.len() / 2;
     if let Some(axis) = axis {
         items.select_nth_unstable_by(half, |a, b| {
-            a.centre()[axis].total_cmp(&b.centre()[axis]).then(a.index().cmp(&b.index()))
+            a.centre()[axis]
+                .total_cmp(&b.centre()[axis])
+                .then(a.index().cmp(&b.index()))
         });
     }
     let around = |items: &[Item]| {
@@ -126,7 +153,9 @@ fn halve(items: &mut [Item], axis: Option<usize>) -> (usize, [Bounds; 2]) {
 /// the centres of both children.
 fn split(items: &mut [Item], centres: Bounds, depth: usize) -> (usize, [Bounds; 2]) {
     let extent = (centres.high - centres.low).truncate();
-    let axis = (0..3).max_by(|&a, &b| extent[a].total_cmp(&extent[b])).unwrap_or(0);
+    let axis = (0..3)
+        .max_by(|&a, &b| extent[a].total_cmp(&extent[b]))
+        .unwrap_or(0);
     let scale = BINS as f32 * 0.999 / extent[axis];
     if !(scale.is_finite() && extent[axis] > 0.0) {
         return halve(items, None);
@@ -156,7 +185,11 @@ fn split(items: &mut [Item], centres: Bounds, depth: usize) -> (usize, [Bounds; 
             middle += 1;
         }
     }
-    if middle == 0 || middle == items.len() { halve(items, Some(axis)) } else { (middle, sides) }
+    if middle == 0 || middle == items.len() {
+        halve(items, Some(axis))
+    } else {
+        (middle, sides)
+    }
 }
 
 /// The first bin of the right side for the least sum of surface × items.

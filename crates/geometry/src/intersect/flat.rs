@@ -29,7 +29,9 @@ pub(super) fn projection(t: &[DVec3; 3]) -> Option<usize> {
 /// The axis most nearly across the triangle.
 fn steepest(t: &[DVec3; 3]) -> usize {
     let normal = (t[1] - t[0]).cross(t[2] - t[0]).abs();
-    (0..3).max_by(|&a, &b| normal[a].total_cmp(&normal[b])).unwrap_or(0)
+    (0..3)
+        .max_by(|&a, &b| normal[a].total_cmp(&normal[b]))
+        .unwrap_or(0)
 }
 
 /// Whether two triangles that share their first two vertices lie on different sides of that edge in a projection, and
@@ -56,7 +58,10 @@ pub(super) fn parted(a: &[DVec3; 3], b: &[DVec3; 3], share_vertex: bool) -> bool
             let (s, t) = (of[i], of[(i + 1) % 3]);
             let own = orient2d(s, t, of[(i + 2) % 3]);
             let others = &other[usize::from(share_vertex)..];
-            own != 0.0 && others.iter().all(|&r| orient2d(s, t, r) * own.signum() < 0.0)
+            own != 0.0
+                && others
+                    .iter()
+                    .all(|&r| orient2d(s, t, r) * own.signum() < 0.0)
         })
     })
 }

@@ -61,7 +61,10 @@ fn clearly_on_one_side(plane: &[DVec3; 3], of: &[DVec3; 3], share_vertex: bool) 
     let (mut above, mut below) = (true, true);
     for &p in &of[usize::from(share_vertex)..] {
         let w = p - plane[0];
-        let (value, bound) = (normal.dot(w), size * w.abs().element_sum() + f64::MIN_POSITIVE);
+        let (value, bound) = (
+            normal.dot(w),
+            size * w.abs().element_sum() + f64::MIN_POSITIVE,
+        );
         above &= value > bound;
         below &= value < -bound;
     }

@@ -91,7 +91,8 @@ impl Ears {
     fn turn(&mut self, points: &[DVec2], at: u32) {
         let corner = self.ring[at as usize];
         let point = |i: u32| points[self.ring[i as usize].point as usize];
-        self.ring[at as usize].convex = orient2d(point(corner.before), point(at), point(corner.after)) > 0.0;
+        self.ring[at as usize].convex =
+            orient2d(point(corner.before), point(at), point(corner.after)) > 0.0;
     }
 
     /// Whether the corner can be clipped: it is convex, and its closed triangle holds no other corner. In a simple ring
@@ -130,9 +131,19 @@ impl Ears {
 
     /// Writes the triangle of a corner and takes the corner out of the ring.
     fn clip(&mut self, at: u32, first: usize, triangles: &mut Vec<[u32; 3]>) {
-        let Corner { point, before, after, behind, .. } = self.ring[at as usize];
+        let Corner {
+            point,
+            before,
+            after,
+            behind,
+            ..
+        } = self.ring[at as usize];
         let half_edge = 3 * (triangles.len() - first) as u32;
-        triangles.push([self.ring[before as usize].point, point, self.ring[after as usize].point]);
+        triangles.push([
+            self.ring[before as usize].point,
+            point,
+            self.ring[after as usize].point,
+        ]);
         self.twins.extend([OUTSIDE; 3]);
         self.pair(half_edge, self.ring[before as usize].behind);
         self.pair(half_edge + 1, behind);
@@ -152,10 +163,11 @@ impl Ears {
     /// flipped. This ends because every flip lowers the surface lifted to the paraboloid.
     fn flip(&mut self, points: &[DVec2], triangles: &mut [[u32; 3]]) {
         self.pending.clear();
-        self.pending.extend((0..self.twins.len() as u32).filter(|&h| {
-            let twin = self.twins[h as usize];
-            twin != OUTSIDE && h < twin
-        }));
+        self.pending
+            .extend((0..self.twins.len() as u32).filter(|&h| {
+                let twin = self.twins[h as usize];
+                twin != OUTSIDE && h < twin
+            }));
         while let Some(h) = self.pending.pop() {
             let twin = self.twins[h as usize];
             if twin == OUTSIDE {

@@ -17,7 +17,8 @@ pub(super) fn joined(
     }
     for (k, ring) in rings.iter().enumerate().skip(1) {
         let p = points[ring.start];
-        let within_another = (1..rings.len()).any(|l| l != k && inside(p, &points[rings[l].clone()]));
+        let within_another =
+            (1..rings.len()).any(|l| l != k && inside(p, &points[rings[l].clone()]));
         if within_another || !inside(p, &points[rings[0].clone()]) {
             return Err(TriangulateError::HoleOutside(ring.start));
         }
@@ -47,7 +48,10 @@ pub(super) fn joined(
     Ok(order)
 }
 
-fn rings(points: &[DVec2], hole_starts: &[usize]) -> Result<Vec<std::ops::Range<usize>>, TriangulateError> {
+fn rings(
+    points: &[DVec2],
+    hole_starts: &[usize],
+) -> Result<Vec<std::ops::Range<usize>>, TriangulateError> {
     let mut rings = Vec::with_capacity(hole_starts.len() + 1);
     let mut start = 0;
     for &end in hole_starts.iter().chain([&points.len()]) {
@@ -55,7 +59,10 @@ fn rings(points: &[DVec2], hole_starts: &[usize]) -> Result<Vec<std::ops::Range<
             return Err(TriangulateError::BadHoleStart(end));
         }
         if end - start < 3 {
-            return Err(TriangulateError::TooFew { start, count: end - start });
+            return Err(TriangulateError::TooFew {
+                start,
+                count: end - start,
+            });
         }
         if on_a_line(&points[start..end]) {
             return Err(TriangulateError::NoArea(start));
@@ -105,7 +112,10 @@ fn bridge(
             })
             && bridges.iter().all(|&[a, b]| clear(p, q, a, b))
     };
-    candidates.iter().find(|c| fits(c)).map(|&(_, at, hole, to)| (at, hole, to))
+    candidates
+        .iter()
+        .find(|c| fits(c))
+        .map(|&(_, at, hole, to)| (at, hole, to))
 }
 
 /// Whether the way from `p` to `q` meets the edge from `a` to `b` at most where they have an end in common.
@@ -127,5 +137,9 @@ fn clear(p: DVec2, q: DVec2, a: DVec2, b: DVec2) -> bool {
 /// Whether `q` lies within the corner from `before` over `p` to `after`, the inside being on the left.
 fn in_corner(before: DVec2, p: DVec2, after: DVec2, q: DVec2) -> bool {
     let (enters, leaves) = (orient2d(before, p, q) > 0.0, orient2d(p, after, q) > 0.0);
-    if orient2d(before, p, after) > 0.0 { enters && leaves } else { enters || leaves }
+    if orient2d(before, p, after) > 0.0 {
+        enters && leaves
+    } else {
+        enters || leaves
+    }
 }

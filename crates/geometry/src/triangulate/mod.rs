@@ -26,7 +26,9 @@ pub enum TriangulateError {
     #[error("point {0} is not finite")]
     NotFinite(usize),
     /// Two edges meet elsewhere than in their common end, or two points coincide.
-    #[error("the edges from points {0} and {1} cross or touch; a polygon's edges may only meet at their ends")]
+    #[error(
+        "the edges from points {0} and {1} cross or touch; a polygon's edges may only meet at their ends"
+    )]
     Crossing(usize, usize),
     /// All points of a ring with holes, or of a hole, lie on one line.
     #[error("the ring from point {0} on has no area")]
@@ -54,7 +56,10 @@ pub struct Triangulator {
 ///
 /// # Errors
 /// As there.
-pub fn triangulate(points: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Result<(), TriangulateError> {
+pub fn triangulate(
+    points: &[DVec2],
+    triangles: &mut Vec<[u32; 3]>,
+) -> Result<(), TriangulateError> {
     Triangulator::default().polygon(points, triangles)
 }
 
@@ -65,9 +70,16 @@ impl Triangulator {
     ///
     /// # Errors
     /// Where an edge crosses or touches another, points coincide, are not finite or fewer than three.
-    pub fn polygon(&mut self, points: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Result<(), TriangulateError> {
+    pub fn polygon(
+        &mut self,
+        points: &[DVec2],
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), TriangulateError> {
         if points.len() < 3 {
-            return Err(TriangulateError::TooFew { start: 0, count: points.len() });
+            return Err(TriangulateError::TooFew {
+                start: 0,
+                count: points.len(),
+            });
         }
         if let Some(i) = points.iter().position(|p| !p.is_finite()) {
             return Err(TriangulateError::NotFinite(i));
@@ -77,7 +89,11 @@ impl Triangulator {
                 if a == b || b == c || c == a {
                     return Err(TriangulateError::Crossing(0, 1 + usize::from(b == c)));
                 }
-                triangles.push(if orient2d(a, b, c) < 0.0 { [0, 2, 1] } else { [0, 1, 2] });
+                triangles.push(if orient2d(a, b, c) < 0.0 {
+                    [0, 2, 1]
+                } else {
+                    [0, 1, 2]
+                });
                 Ok(())
             }
             [a, b, c, d] if quad([a, b, c, d], triangles) => Ok(()),
@@ -85,7 +101,11 @@ impl Triangulator {
         }
     }
 
-    fn general(&mut self, points: &[DVec2], triangles: &mut Vec<[u32; 3]>) -> Result<(), TriangulateError> {
+    fn general(
+        &mut self,
+        points: &[DVec2],
+        triangles: &mut Vec<[u32; 3]>,
+    ) -> Result<(), TriangulateError> {
         if on_a_line(points) {
             if let Some((i, j)) = simple::repeated(points) {
                 return Err(TriangulateError::Crossing(i, j));
@@ -128,7 +148,9 @@ impl Triangulator {
 
 /// Whether all points lie exactly on one line.
 fn on_a_line(points: &[DVec2]) -> bool {
-    let Some(&other) = points.iter().find(|&&p| p != points[0]) else { return true };
+    let Some(&other) = points.iter().find(|&&p| p != points[0]) else {
+        return true;
+    };
     points.iter().all(|&p| orient2d(points[0], other, p) == 0.0)
 }
 
@@ -158,8 +180,17 @@ fn quad([a, b, c, d]: [DVec2; 4], triangles: &mut Vec<[u32; 3]>) -> bool {
     let clockwise = if first { abc < 0.0 } else { bcd < 0.0 };
     // The sign of the circle test turns with the orientation.
     let flip = !first
-        || second && if clockwise { better_flipped(a, d, c, b) } else { better_flipped(a, b, c, d) };
-    let pair = if flip { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] };
+        || second
+            && if clockwise {
+                better_flipped(a, d, c, b)
+            } else {
+                better_flipped(a, b, c, d)
+            };
+    let pair = if flip {
+        [[1, 2, 3], [1, 3, 0]]
+    } else {
+        [[0, 1, 2], [0, 2, 3]]
+    };
     triangles.extend(pair.map(|[i, j, k]| if clockwise { [i, k, j] } else { [i, j, k] }));
     true
 }

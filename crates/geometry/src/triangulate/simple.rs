@@ -20,14 +20,26 @@ pub(super) fn next(i: usize, count: usize, hole_starts: &[usize]) -> usize {
 }
 
 /// Two edges, named by their first points, that meet elsewhere than in a common end.
-pub(super) fn crossing(points: &[DVec2], hole_starts: &[usize], by_left: &mut Vec<u32>) -> Option<(usize, usize)> {
+pub(super) fn crossing(
+    points: &[DVec2],
+    hole_starts: &[usize],
+    by_left: &mut Vec<u32>,
+) -> Option<(usize, usize)> {
     let count = points.len();
     let ends = |i: usize| {
-        let j = if hole_starts.is_empty() && i + 1 < count { i + 1 } else { next(i, count, hole_starts) };
+        let j = if hole_starts.is_empty() && i + 1 < count {
+            i + 1
+        } else {
+            next(i, count, hole_starts)
+        };
         (points[i], points[j], j)
     };
     if count <= 24 {
-        return (0..count).find_map(|i| (0..i).find(|&j| meet(i, ends(i), j, ends(j))).map(|j| (j, i)));
+        return (0..count).find_map(|i| {
+            (0..i)
+                .find(|&j| meet(i, ends(i), j, ends(j)))
+                .map(|j| (j, i))
+        });
     }
     let left = |i: usize| {
         let (p, q, _) = ends(i);
@@ -35,7 +47,11 @@ pub(super) fn crossing(points: &[DVec2], hole_starts: &[usize], by_left: &mut Ve
     };
     by_left.clear();
     by_left.extend(0..count as u32);
-    by_left.sort_unstable_by(|&a, &b| left(a as usize).total_cmp(&left(b as usize)).then(a.cmp(&b)));
+    by_left.sort_unstable_by(|&a, &b| {
+        left(a as usize)
+            .total_cmp(&left(b as usize))
+            .then(a.cmp(&b))
+    });
     for (k, &i) in by_left.iter().enumerate() {
         let i = i as usize;
         let (p, q, _) = ends(i);
@@ -54,7 +70,12 @@ pub(super) fn crossing(points: &[DVec2], hole_starts: &[usize], by_left: &mut Ve
 }
 
 /// Whether edges `i` and `j`, given with their ends and the number of the second one, meet where they should not.
-fn meet(i: usize, (a, b, after_i): (DVec2, DVec2, usize), j: usize, (c, d, after_j): (DVec2, DVec2, usize)) -> bool {
+fn meet(
+    i: usize,
+    (a, b, after_i): (DVec2, DVec2, usize),
+    j: usize,
+    (c, d, after_j): (DVec2, DVec2, usize),
+) -> bool {
     if a.x.max(b.x) < c.x.min(d.x)
         || c.x.max(d.x) < a.x.min(b.x)
         || a.y.max(b.y) < c.y.min(d.y)
@@ -105,8 +126,19 @@ pub(super) fn repeated(points: &[DVec2]) -> Option<(usize, usize)> {
 /// Whether a simple ring runs clockwise: exactly, by the turn at its lowest point.
 pub(super) fn clockwise(ring: &[DVec2]) -> bool {
     let n = ring.len();
-    let below = |&a: &usize, &b: &usize| ring[a].x.total_cmp(&ring[b].x).then(ring[a].y.total_cmp(&ring[b].y));
-    let Some(lowest) = (0..n).min_by(below) else { return false };
+    let below = |&a: &usize, &b: &usize| {
+        ring[a]
+            .x
+            .total_cmp(&ring[b].x)
+            .then(ring[a].y.total_cmp(&ring[b].y))
+    };
+    let Some(lowest) = (0..n).min_by(below) else {
+        return false;
+    };
     // Neighbours in a straight run through the extreme point do not occur: the point would not be extreme.
-    orient2d(ring[(lowest + n - 1) % n], ring[lowest], ring[(lowest + 1) % n]) < 0.0
+    orient2d(
+        ring[(lowest + n - 1) % n],
+        ring[lowest],
+        ring[(lowest + 1) % n],
+    ) < 0.0
 }
