@@ -113,7 +113,7 @@ fn both_pieces_are_closed_and_their_volumes_add_up() {
         let surface = bricks(rings, 5 + seed as usize % 20, 2.0 * hash(4, seed), smooth, seed);
         let all: Vec<u32> = (0..triangles.len() as u32).collect();
         let solid = Solid { triangles: &triangles, points: &points, shell: &all, limb: &all };
-        let cut = cut(&solid, &surface).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+        let cut = cut(&solid, &surface, if seed % 2 == 0 { 0.3 } else { f64::INFINITY }).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
         let whole = volume(&triangles, |i| points[i as usize]);
         let mut sum = 0.0;
         for upper in [false, true] {
@@ -122,12 +122,6 @@ fn both_pieces_are_closed_and_their_volumes_add_up() {
                 (0..triangles.len()).filter(|&t| cut.sides[t] == side).map(|t| triangles[t]).collect();
             piece.extend(cut.skin.iter().filter(|s| s.upper == upper).map(|s| s.corners));
             piece.extend(cut.cap.iter().map(|&[a, b, c]| if upper { [a, c, b] } else { [a, b, c] }));
-            if std::env::var("DBG").is_ok() {
-                let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
-                for t in &piece { for k in 0..3 { *edges.entry((t[k], t[(k + 1) % 3])).or_default() += 1; } }
-                for (&(a, b), _) in &edges { if edges.get(&(b, a)).is_none() {
-                    println!("{seed} {upper} open {a}-{b} {:?} {:?} | {:?} {:?}", cut.host(a), cut.grain(&points, a), cut.host(b), cut.grain(&points, b)); } }
-            }
             check_closed(&piece, &format!("seed {seed} upper {upper}"));
             let v = volume(&piece, |id| place(&cut, &points, &triangles, id));
             assert!(v > 0.0, "seed {seed}: volume {v}");

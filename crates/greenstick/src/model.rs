@@ -53,7 +53,8 @@ impl Prepared {
         };
         let solid =
             Solid { triangles: &self.corners, points: &self.grain, shell: &self.found.shell, limb: &self.found.limb };
-        let cut = cut(&solid, &heights.surface).map_err(|error| self.locate(error))?;
+        let level = self.level(heights.range, stem.radius / f64::from(p.rings));
+        let cut = cut(&solid, &heights.surface, level).map_err(|error| self.locate(error))?;
         let node = &self.scene.nodes[self.found.node];
         let source =
             Source { mesh: &node.mesh, transform: &node.transform, points: &self.points, grain: &self.grain };
@@ -70,6 +71,33 @@ impl Prepared {
         let cap = pieces::cap(source, cut, &positions, inner);
         let piece = |upper| pieces::piece(source, cut, &positions, &cap, inner, upper);
         (piece(false), piece(true))
+    }
+
+    /// Length (m) along the grain over which a line at the skin bends by no more than a fraction of a bundle's
+    /// thickness (m), within the given range of heights (m from the place).
+    fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
+        const SAG: f64 = 0.02;
+        let stem = &self.found.stem;
+        let at = |i: usize, s: f64| {
+            let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::FRAC_PI_2);
+            stem.grain.to_world(DVec3::new(cos * stem.radius, sin * stem.radius, stem.place + s))
+        };
+        let mut level = range.1 - range.0;
+        for _ in 0..8 {
+            let steps = ((range.1 - range.0) / level).ceil() as usize;
+            let sag = (0..steps * 4)
+                .map(|n| {
+                    let (i, s) = (n % 4, range.0 + level * (n / 4) as f64);
+                    let chord = (at(i, s) + at(i, s + level)) / 2.0;
+                    chord.distance(at(i, s + level / 2.0))
+                })
+                .fold(0.0, f64::max);
+            if sag <= SAG * thickness {
+                break;
+            }
+            level /= 2.0;
+        }
+        if level < range.1 - range.0 { level } else { f64::INFINITY }
     }
 
     /// The square of the section that holds the limb's skin.

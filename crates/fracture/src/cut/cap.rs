@@ -44,7 +44,12 @@ const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
 /// Builds the broken face from the outline found by `overlay`.
-pub(super) fn build<'a>(surface: &'a Surface, overlay: &mut Overlay<'a>) -> Result<Cap, CutError> {
+/// Walls are parted at every `level` m along the grain (infinite for none).
+pub(super) fn build<'a>(
+    surface: &'a Surface,
+    overlay: &mut Overlay<'a>,
+    level: f64,
+) -> Result<Cap, CutError> {
     let (tops, walls) = (std::mem::take(&mut overlay.tops), std::mem::take(&mut overlay.walls));
     let mut builder = Builder {
         surface,
@@ -71,7 +76,7 @@ pub(super) fn build<'a>(surface: &'a Surface, overlay: &mut Overlay<'a>) -> Resu
     for list in builder.overlay.uprights.values_mut() {
         list.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
-    builder.place_corners();
+    builder.place_corners(level);
     builder.place_knots();
     builder.fill_touched_tops()?;
     builder.spread_status()?;
@@ -85,8 +90,8 @@ impl Builder<'_, '_> {
         &self.surface.layout
     }
 
-    /// Makes one vertex for every distinct height at every node.
-    fn place_corners(&mut self) {
+    /// Makes one vertex for every distinct height at every node, and for every level between them.
+    fn place_corners(&mut self, level: f64) {
         let layout = self.surface.layout.clone();
         let mut starts = vec![0u32; layout.nodes.len() + 1];
         for facet in &layout.facets {
@@ -122,6 +127,20 @@ impl Builder<'_, '_> {
                 self.corners[f as usize][usize::from(k)] = id;
             }
             self.heights[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (Some(&(low, _)), Some(&(high, _))) = (self.heights.get(first), self.heights.last()) else {
+                continue;
+            };
+            if high - low > level {
+                for i in (low / level).ceil() as i64..=(high / level).floor() as i64 {
+                    let h = i as f64 * level;
+                    // A level next to a corner would only make slivers.
+                    if self.heights[first..].iter().all(|p| (p.0 - h).abs() > 0.2 * level) {
+                        let id = self.overlay.add(layout.nodes[n].extend(h), Host::Inside);
+                        self.heights.push((h, id));
+                    }
+                }
+                self.heights[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
         }
         self.starts.push(self.heights.len() as u32);
     }
@@ -202,7 +221,7 @@ impl Builder<'_, '_> {
         let face = CapFace { cell: self.layout().cells[facet as usize], top: true };
         let mut triangles = Vec::new();
         polygon::fill(loops, |id| self.overlay.grain(id).truncate(), &mut triangles)
-            .map_err(|()| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
+            .map_err(|_| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
         self.push(triangles, face);
         Ok(())
     }
@@ -394,7 +413,7 @@ impl Builder<'_, '_> {
         };
         let mut triangles = Vec::new();
         polygon::fill(&loops, flat, &mut triangles)
-            .map_err(|()| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
+            .map_err(|_| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
         let high_facet = edge.facets[usize::from(high)].0;
         let face = CapFace { cell: self.layout().cells[high_facet as usize], top: false };
         self.push(triangles, face);

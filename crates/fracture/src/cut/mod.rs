@@ -137,11 +137,12 @@ pub enum CutError {
     },
 }
 
-/// Cuts `solid` along `surface`.
+/// Cuts `solid` along `surface`. Walls along the grain are parted at every `level` m, so that they can follow a bent
+/// stem; infinite for a straight one.
 ///
 /// # Errors
 /// [`CutError`] where the skin is not a closed surface around the break.
-pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
+pub fn cut(solid: &Solid, surface: &Surface, level: f64) -> Result<Cut, CutError> {
     let mut overlay = Overlay::new(surface, solid.points);
     let mut sides = vec![Side::Elsewhere; solid.triangles.len()];
     for &t in solid.limb {
@@ -152,7 +153,7 @@ pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
         };
     }
     spread(solid, &mut sides)?;
-    let cap = cap::build(surface, &mut overlay)?;
+    let cap = cap::build(surface, &mut overlay, level)?;
     let skin = overlay
         .skin
         .iter()

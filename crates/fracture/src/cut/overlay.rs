@@ -9,13 +9,8 @@ use super::polygon;
 use super::{CutError, CutVertex, Host};
 use crate::surface::{NONE, Surface};
 use glam::{DVec2, DVec3};
-use robust::{Coord, orient2d};
+use greenstick_geometry::intersect::orient2d as orientation;
 use rustc_hash::FxHashMap;
-
-/// Twice the signed area of a, b, c: positive where c is left of a → b. Its sign is exact.
-pub(super) fn orientation(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    orient2d(Coord { x: a.x, y: a.y }, Coord { x: b.x, y: b.y }, Coord { x: c.x, y: c.y })
-}
 
 /// What an edge of a clipped polygon lies on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
