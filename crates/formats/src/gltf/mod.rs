@@ -1,0 +1,19 @@
+//! glTF 2.0, as JSON with separate buffers and as GLB.
+//!
+//! Section numbers in this folder are those of the glTF 2.0 specification (Khronos, 2021).
+
+mod accessor;
+mod container;
+mod material;
+mod meshopt;
+mod meshopt_filter;
+mod node;
+mod primitive;
+mod read;
+mod schema;
+mod vertices;
+mod write;
+mod write_material;
+
+pub(crate) use read::read;
+pub(crate) use write::write;

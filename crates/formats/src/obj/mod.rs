@@ -1,0 +1,9 @@
+//! Wavefront OBJ with its MTL.
+
+mod material;
+mod read;
+mod unify;
+mod write;
+
+pub(crate) use read::read;
+pub(crate) use write::write;

@@ -1,0 +1,122 @@
+//! Files that others have made.
+
+mod common;
+
+use common::{distance, read_data, round_trip};
+use greenstick_formats::{Format, LengthUnit};
+use greenstick_geometry::ImageSource;
+
+#[test]
+fn the_compressed_stump_is_its_decoded_twin() {
+    let (Some(glb), Some(obj)) = (read_data("scans/stump.glb"), read_data("scans/stump.obj"))
+    else {
+        return;
+    };
+    assert_eq!(glb.nodes.len(), 1);
+    assert_eq!(glb.nodes[0].mesh.triangles.len(), 38918);
+    // The OBJ has six decimals.
+    assert!(distance(&glb, &obj) < 1e-6, "{}", distance(&glb, &obj));
+    let (a, b) = (&glb.nodes[0].mesh, &obj.nodes[0].mesh);
+    let corners = |m: &greenstick_geometry::Mesh| {
+        let uv = &m.attributes["TEXCOORD_0"];
+        m.triangles
+            .as_flattened()
+            .iter()
+            .flat_map(|&i| uv.at(i as usize).to_vec())
+            .collect::<Vec<_>>()
+    };
+    let (u, v) = (corners(a), corners(b));
+    // That OBJ has the v of glTF as it is, not turned over, and five decimals.
+    for (p, q) in u.chunks_exact(2).zip(v.chunks_exact(2)) {
+        assert!(
+            (p[0] - q[0]).abs() < 6e-6 && (p[1] - (1.0 - q[1])).abs() < 6e-6,
+            "{p:?} {q:?}"
+        );
+    }
+    let normals = &a.attributes["NORMAL"];
+    for n in normals.data.chunks_exact(3) {
+        let length = n.iter().map(|v| v * v).sum::<f32>().sqrt();
+        assert!((length - 1.0).abs() < 0.02, "{n:?}");
+    }
+    assert_eq!(glb.images.len(), 3);
+    assert_eq!(glb.textures[0].image, None);
+    assert_eq!(
+        glb.textures[0].alternatives,
+        [("EXT_texture_webp".to_owned(), 1)]
+    );
+    assert!(matches!(&glb.images[0].source, ImageSource::Bytes(b) if b.len() == 323_102));
+}
+
+#[test]
+fn every_real_file_survives_every_format() {
+    // Name, vertices, triangles: of the sources' own descriptions where they give them.
+    for (path, vertices, triangles) in [
+        ("scans/pole.ply", 2399, 4794),
+        ("scans/stump.glb", 21356, 38918),
+        ("scans/homecart_cutting_board.gltf", 3496, 4600),
+        ("scans/trunk_section.ply", 14438, 28438),
+        ("trees/quaternius_DeadTree_1.gltf", 8036, 6169),
+        ("trees/kaykit_Tree_Bare_1_C_Color1.obj", 0, 0),
+        ("trees/kaykit_Tree_Bare_2_C_Color1.obj", 0, 0),
+    ] {
+        let Some(scene) = read_data(path) else {
+            continue;
+        };
+        let mesh = &scene.nodes[0].mesh;
+        if vertices > 0 {
+            assert_eq!(
+                (mesh.positions.len(), mesh.triangles.len()),
+                (vertices, triangles),
+                "{path}"
+            );
+        }
+        let (low, high) = mesh
+            .transformed(&scene.nodes[0].transform)
+            .bounds()
+            .unwrap();
+        // Positions are narrowed to 32 bits on the way out, those of OFF and OBJ in decimal.
+        let tolerance = 1e-6 * low.abs().max(high.abs()).max_element();
+        for format in Format::ALL {
+            let back = round_trip(format, &scene, LengthUnit::Millimetre);
+            let d = distance(&scene, &back);
+            assert!(d <= tolerance, "{path} as {format:?}: {d}");
+        }
+        println!(
+            "{path}: {} triangles, notes {:?}",
+            mesh.triangles.len(),
+            scene.notes
+        );
+    }
+}
+
+#[test]
+fn absent_textures_and_materials_are_kept_by_name() {
+    if let Some(board) = read_data("scans/homecart_cutting_board.gltf") {
+        let back = round_trip(Format::Gltf, &board, LengthUnit::Metre);
+        assert_eq!(back.images, board.images);
+        assert_eq!(back.textures, board.textures);
+        assert_eq!(back.materials, board.materials);
+    }
+    if let Some(tree) = read_data("trees/kaykit_Tree_Bare_1_C_Color1.obj") {
+        assert_eq!(tree.materials[0].name, "forest");
+        assert!(
+            tree.notes
+                .iter()
+                .any(|n| n.contains("Tree_Bare_1_C_Color1.mtl")),
+            "{:?}",
+            tree.notes
+        );
+    }
+}
+
+#[test]
+fn a_cloud_of_points_is_refused_by_its_number() {
+    let Some(path) = common::data("scans/timber_beam_cloud.ply") else {
+        return;
+    };
+    let error = common::read_alone(Format::Ply, &std::fs::read(path).unwrap()).unwrap_err();
+    assert!(
+        error.to_string().contains("holds 6832 points and no faces"),
+        "{error}"
+    );
+}

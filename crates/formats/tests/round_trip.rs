@@ -1,0 +1,169 @@
+//! Scenes through every format and back.
+
+mod common;
+
+use common::{distance, read_back, round_trip, two_cubes};
+use glam::{DAffine3, DMat3, DVec3};
+use greenstick_formats::{Format, LengthUnit, write};
+use greenstick_geometry::Scene;
+
+fn volume(scene: &Scene) -> f64 {
+    scene
+        .nodes
+        .iter()
+        .map(|n| n.mesh.transformed(&n.transform).volume())
+        .sum()
+}
+
+#[test]
+fn geometry_survives_every_format_and_unit() {
+    let scene = two_cubes();
+    for format in Format::ALL {
+        for unit in [
+            LengthUnit::Millimetre,
+            LengthUnit::Centimetre,
+            LengthUnit::Metre,
+        ] {
+            let back = round_trip(format, &scene, unit);
+            let d = distance(&scene, &back);
+            assert!(d < 1e-6, "{format:?} {unit}: {d}");
+            assert!((volume(&back) - 1.125).abs() < 1e-6, "{format:?} {unit}");
+        }
+    }
+}
+
+#[test]
+fn gltf_keeps_everything() {
+    let scene = two_cubes();
+    for format in [Format::Gltf, Format::Glb] {
+        let back = round_trip(format, &scene, LengthUnit::Metre);
+        assert_eq!(back.materials, scene.materials);
+        assert_eq!(back.textures, scene.textures);
+        for (a, b) in back.nodes.iter().zip(&scene.nodes) {
+            assert_eq!((&a.name, a.parent), (&b.name, b.parent));
+            assert!(a.transform.abs_diff_eq(b.transform, 1e-15));
+            // One primitive for each material: the vertices stay in order as the materials do.
+            assert_eq!(a.mesh, b.mesh);
+        }
+        let external = |scene: &Scene| scene.images[1].source.clone();
+        assert_eq!(external(&back), external(&scene));
+        if format == Format::Glb {
+            assert_eq!(back.images[0], scene.images[0]);
+        }
+    }
+}
+
+#[test]
+fn obj_keeps_materials_names_and_attributes() {
+    let scene = two_cubes();
+    let back = round_trip(Format::Obj, &scene, LengthUnit::Metre);
+    for (a, b) in back.materials.iter().zip(&scene.materials) {
+        assert_eq!(a.name, b.name);
+        assert_eq!(
+            (a.base_color, a.roughness, a.metallic),
+            (b.base_color, b.roughness, b.metallic)
+        );
+        assert_eq!(a.base_color_texture, b.base_color_texture);
+        assert_eq!(a.alpha_mode, b.alpha_mode);
+    }
+    assert_eq!(
+        back.materials[0].normal_texture,
+        scene.materials[0].normal_texture
+    );
+    for (a, b) in back.nodes.iter().zip(&scene.nodes) {
+        assert_eq!((&a.name, &a.mesh.triangles), (&b.name, &b.mesh.triangles));
+        assert_eq!(a.mesh.materials, b.mesh.materials);
+        assert_eq!(
+            a.mesh.attributes["TEXCOORD_0"],
+            b.mesh.attributes["TEXCOORD_0"]
+        );
+    }
+    assert_eq!(
+        back.nodes[0].mesh.attributes["NORMAL"],
+        scene.nodes[0].mesh.attributes["NORMAL"]
+    );
+}
+
+#[test]
+fn ply_keeps_nodes_materials_and_own_attributes() {
+    let scene = two_cubes();
+    let back = round_trip(Format::Ply, &scene, LengthUnit::Metre);
+    assert_eq!(back.nodes.len(), 2);
+    for (a, b) in back.nodes.iter().zip(&scene.nodes) {
+        assert_eq!((&a.name, &a.mesh.triangles), (&b.name, &b.mesh.triangles));
+        assert_eq!(a.mesh.materials, b.mesh.materials);
+        for name in ["TEXCOORD_0", "COLOR_0", "_RING"] {
+            assert_eq!(a.mesh.attributes[name], b.mesh.attributes[name]);
+        }
+    }
+    let names: Vec<&str> = back.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["bark", "flesh"]);
+}
+
+#[test]
+fn off_keeps_colors() {
+    let scene = two_cubes();
+    let back = round_trip(Format::Off, &scene, LengthUnit::Metre);
+    let colors: Vec<f32> = scene
+        .nodes
+        .iter()
+        .flat_map(|n| n.mesh.attributes["COLOR_0"].data.clone())
+        .collect();
+    assert_eq!(back.nodes[0].mesh.attributes["COLOR_0"].data, colors);
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    for format in Format::ALL {
+        let name = format!("x.{}", format.ending());
+        let once = write(format, &two_cubes(), &name, LengthUnit::Metre).unwrap();
+        assert_eq!(
+            once,
+            write(format, &two_cubes(), &name, LengthUnit::Metre).unwrap()
+        );
+        assert_eq!(once[0].name, name);
+    }
+}
+
+#[test]
+fn sheared_and_mirrored_nodes_keep_their_place() {
+    let mut scene = two_cubes();
+    let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::Z);
+    scene.nodes[0].transform = DAffine3::from_mat3_translation(shear, DVec3::Y);
+    let mirror = DAffine3::from_scale(DVec3::new(-1.0, 2.0, 1.0));
+    scene.nodes[1].transform = mirror;
+    for format in Format::ALL {
+        let back = round_trip(format, &scene, LengthUnit::Metre);
+        assert!((volume(&back) - volume(&scene)).abs() < 1e-6, "{format:?}");
+    }
+}
+
+#[test]
+fn parents_that_go_in_circles_are_written_as_roots() {
+    let mut scene = two_cubes();
+    scene.nodes[0].parent = Some(1);
+    let files = write(Format::Glb, &scene, "x.glb", LengthUnit::Metre).unwrap();
+    let back = read_back(Format::Glb, &files, LengthUnit::Metre);
+    assert_eq!(back.nodes.len(), 2);
+}
+
+/// Writes the scene for validators of others: `cargo test -p greenstick-formats -- --ignored`.
+#[test]
+#[ignore = "leaves files in the temporary folder"]
+fn samples_for_the_validator() {
+    let folder = std::env::temp_dir().join("greenstick-samples");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut broken = two_cubes();
+    let attributes = &mut broken.nodes[0].mesh.attributes;
+    attributes.get_mut("NORMAL").unwrap().data.fill(0.0);
+    attributes.get_mut("TANGENT").unwrap().data.fill(0.0);
+    attributes.remove("TEXCOORD_0");
+    for (stem, scene) in [("cubes", two_cubes()), ("repaired", broken)] {
+        for format in [Format::Gltf, Format::Glb] {
+            let name = format!("{stem}.{}", format.ending());
+            for file in write(format, &scene, &name, LengthUnit::Metre).unwrap() {
+                std::fs::write(folder.join(file.name), file.bytes).unwrap();
+            }
+        }
+    }
+}
