@@ -1,4 +1,5 @@
 //! Wood: the stem and the address of a point in it, species with their measured properties, moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod primitive;
 pub mod stem;

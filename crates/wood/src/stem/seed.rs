@@ -1,0 +1,149 @@
+//! Where to begin following a stem: a first section across it.
+
+use super::surface::Surface;
+use super::trace::{Cut, Trace, section, settle, trace};
+use glam::{DMat3, DVec3};
+
+/// Stations along a shell's longest direction at which a first section is tried.
+const STATIONS: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.38, 0.62];
+/// A trace over this part of the shell's extent is the whole stem; no other start is tried.
+const WHOLE: f64 = 0.8;
+
+/// Eigenvector of the largest eigenvalue of a symmetric matrix, by squaring.
+fn strongest(mut matrix: DMat3) -> DVec3 {
+    for _ in 0..12 {
+        let size = matrix.to_cols_array().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        if size == 0.0 {
+            return DVec3::Y;
+        }
+        matrix *= 1.0 / size;
+        matrix *= matrix;
+    }
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let mut best = columns[0];
+    for c in columns {
+        if c.length_squared() > best.length_squared() {
+            best = c;
+        }
+    }
+    best.try_normalize().unwrap_or(DVec3::Y)
+}
+
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+/// Middle of a shell and its longest direction, by area.
+fn longest_direction(surface: &Surface) -> (DVec3, DVec3) {
+    let (mut weight, mut mean) = (0.0, DVec3::ZERO);
+    for i in 0..surface.count() {
+        let [a, b, c] = surface.corners(i);
+        let area = (b - a).cross(c - a).length();
+        weight += area;
+        mean += (a + b + c) * (area / 3.0);
+    }
+    mean /= weight.max(f64::MIN_POSITIVE);
+    let mut spread = DMat3::ZERO;
+    for i in 0..surface.count() {
+        let [a, b, c] = surface.corners(i).map(|p| p - mean);
+        let area = (b - a).cross(c - a).length();
+        // Second moment of a triangle from its corners and its middle, so that coarse meshes count right.
+        let m = (a + b + c) / 3.0;
+        spread += (outer(a) + outer(b) + outer(c) + outer(m) * 9.0) * (area / 12.0);
+    }
+    (mean, strongest(spread))
+}
+
+/// The stem that runs along a shell: of the traces from several starts the one of largest volume.
+pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
+    let (mean, direction) = longest_direction(surface);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (middle, half, _) in surface.cells() {
+        let (at, by) = ((middle - mean).dot(direction), half.dot(direction.abs()));
+        (low, high) = (low.min(at - by), high.max(at + by));
+    }
+    let mut best: Option<Trace> = None;
+    for station in STATIONS {
+        let origin = mean + direction * (low + (high - low) * station);
+        let Some(start) = thickest(surface, origin, direction) else { continue };
+        let Some(seed) = settle(surface, start, direction) else { continue };
+        let found = trace(surface, seed, true);
+        let whole = (found.tips[1] - found.tips[0]).dot(direction).abs() > WHOLE * (high - low);
+        let better = best.as_ref().is_none_or(|b| found.volume() > b.volume());
+        if better {
+            best = Some(found);
+        }
+        if whole {
+            break;
+        }
+    }
+    if best.is_none() {
+        // Curled so that no plane across its extent meets it well: start from places on its surface.
+        let count = surface.count();
+        for k in 0..5 {
+            let [a, b, c] = surface.corners((2 * k + 1) * count / 10);
+            let p = (a + b + c) / 3.0;
+            let Some(seed) = at_point(surface, p) else { continue };
+            let found = trace(surface, seed, true);
+            if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
+                best = Some(found);
+            }
+        }
+    }
+    best
+}
+
+/// Centre of the largest closed loop of a plane.
+fn thickest(surface: &Surface, origin: DVec3, normal: DVec3) -> Option<DVec3> {
+    let mut best: Option<(f64, DVec3)> = None;
+    for line in surface.slice(origin, normal) {
+        if !line.closed {
+            continue;
+        }
+        let first = line.points[0];
+        let (mut area, mut middle) = (DVec3::ZERO, DVec3::ZERO);
+        for (i, &p) in line.points.iter().enumerate() {
+            let next = line.points[(i + 1) % line.points.len()];
+            area += (p - first).cross(next - first);
+            middle += p;
+        }
+        let area = area.length();
+        if best.is_none_or(|(a, _)| area > a) {
+            best = Some((area, middle / line.points.len() as f64));
+        }
+    }
+    best.map(|(_, middle)| middle)
+}
+
+/// The section of the limb at a point on the surface. Of planes in many directions the one with the smallest closed
+/// loop at the point is nearly across the limb.
+pub(crate) fn at_point(surface: &Surface, point: DVec3) -> Option<Cut> {
+    let mut directions: Vec<DVec3> = Vec::new();
+    for x in -2i32..=2 {
+        for y in -2i32..=2 {
+            for z in 0i32..=2 {
+                let edge = x.abs().max(y.abs()).max(z.abs()) == 2;
+                let half = z > 0 || y > 0 || (y == 0 && x > 0);
+                if edge && half {
+                    directions.push(DVec3::new(x.into(), y.into(), z.into()).normalize());
+                }
+            }
+        }
+    }
+    let mut cuts: Vec<Cut> = directions
+        .into_iter()
+        .filter_map(|d| section(surface, point, d, 0.0).or_else(|| nearby(surface, point, d)))
+        .collect();
+    cuts.sort_by(|a, b| a.area.total_cmp(&b.area));
+    cuts.iter().take(6).find_map(|cut| {
+        let settled = settle(surface, cut.centre, cut.normal)?;
+        (settled.centre.distance(point) < 2.0 * settled.reach).then_some(settled)
+    })
+}
+
+/// The loop through a surface point, which lies on it only up to rounding.
+fn nearby(surface: &Surface, point: DVec3, direction: DVec3) -> Option<Cut> {
+    let cut = section(surface, point, direction, f64::INFINITY)?;
+    let near = cut.points.iter().map(|p| p.distance(point)).fold(f64::INFINITY, f64::min);
+    (near < cut.reach).then_some(cut)
+}
