@@ -86,10 +86,16 @@ impl Body {
         (near / std::f64::consts::PI).sqrt()
     }
 
-    pub fn section_near(&self, s: f64) -> Option<&Section> {
-        self.stations
-            .iter()
-            .filter_map(|(_, section)| section.as_ref())
+    /// The section next to `s` (m).
+    fn section_near(&self, s: f64) -> Option<&Section> {
+        let k = self.axis.lengths().partition_point(|&l| l < s);
+        let there = |i: &usize| self.stations[*i].1.is_some();
+        let before = (0..k).rev().find(there);
+        let behind = (k..self.stations.len()).find(there);
+        [before, behind]
+            .into_iter()
+            .flatten()
+            .filter_map(|i| self.stations[i].1.as_ref())
             .min_by(|a, b| (a.length - s).abs().total_cmp(&(b.length - s).abs()))
     }
 
@@ -168,8 +174,12 @@ pub(crate) fn body(
     if good.is_empty() {
         return None;
     }
+    let run = run_about(trace, near);
+    let plain: Vec<&Cut> = run.clone().map(|i| &trace.cuts[i]).collect();
+    let kind = kind.unwrap_or(if is_board(&plain) { StemKind::Board } else { StemKind::Round });
+    // The grain of a board is that of its plain part, whatever holes and handles follow.
+    let good = if kind == StemKind::Board { run.collect() } else { good };
     let cuts: Vec<&Cut> = good.iter().map(|&i| &trace.cuts[i]).collect();
-    let kind = kind.unwrap_or(if is_board(&cuts) { StemKind::Board } else { StemKind::Round });
     let wide = match kind {
         StemKind::Board => rectangle(cuts[cuts.len() / 2]).map(|r| r.2),
         StemKind::Round => None,
@@ -183,8 +193,11 @@ pub(crate) fn body(
         stations.push(Station { t, centre: cut.centre, radius: cut.radius, reach: cut.reach });
     }
     let last = cuts[cuts.len() - 1];
-    let first = -(cuts[0].centre - trace.tips[0]).dot(cuts[0].normal).max(0.0);
-    let end = t + (trace.tips[1] - last.centre).dot(last.normal).max(0.0);
+    let mut first = -(cuts[0].centre - trace.tips[0]).dot(cuts[0].normal).max(0.0);
+    let mut end = t + (trace.tips[1] - last.centre).dot(last.normal).max(0.0);
+    if kind == StemKind::Board {
+        (first, end) = extent(surface, &stations, last.normal);
+    }
     if end <= first {
         return None;
     }
@@ -205,26 +218,35 @@ pub(crate) fn body(
     } else {
         curved(surface, stations.clone(), first, end, keep, &gaps)?
     };
+    // Up to the very end, where nothing but the end follows the last good station.
+    let whole = |side: usize, station: usize| {
+        let outermost = if side == 0 { 0 } else { trace.states.len() - 1 };
+        station == outermost && trace.ends[side] == End::Real
+    };
     let free = (
-        if trace.states[0] == State::Good && trace.ends[0] == End::Real { first } else { 0.0 },
-        if trace.states[trace.states.len() - 1] == State::Good && trace.ends[1] == End::Real {
-            end
-        } else {
-            t
-        },
+        if whole(0, good[0]) { first } else { 0.0 },
+        if whole(1, good[good.len() - 1]) { end } else { t },
     );
+    let cut_off = |side: usize| {
+        let states = if side == 0 {
+            &trace.states[..good[0]]
+        } else {
+            &trace.states[good[good.len() - 1]..]
+        };
+        trace.ends[side] == End::Fork || states.contains(&State::Fork)
+    };
     let mut body = Body { axis, stations: Vec::new(), kind, ends: trace.ends };
-    let tiny = 1e-3 * cuts[0].radius.min(last.radius);
+    let tiny = 0.06 * cuts[0].radius.min(last.radius);
     for (i, &t) in lengths.iter().enumerate() {
-        // At the very ends the plane would graze the end face.
+        // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
         let s = body.axis.lengths()[i].clamp(tiny, body.axis.length() - tiny);
         let fork = gaps.iter().any(|g| t > g.0 && t < g.1);
         let state = if fork {
             Stretch::Fork
         } else if t < free.0 - 1e-12 {
-            if trace.ends[0] == End::Fork { Stretch::Fork } else { Stretch::End }
+            if cut_off(0) { Stretch::Fork } else { Stretch::End }
         } else if t > free.1 + 1e-12 {
-            if trace.ends[1] == End::Fork { Stretch::Fork } else { Stretch::End }
+            if cut_off(1) { Stretch::Fork } else { Stretch::End }
         } else {
             Stretch::Free
         };
@@ -248,6 +270,37 @@ pub(crate) fn body(
     Some(body)
 }
 
+/// The good stations about `near` without a gap between them.
+fn run_about(trace: &Trace, near: usize) -> std::ops::Range<usize> {
+    let good = |i: usize| trace.states[i] == State::Good;
+    let away = |i: usize| i.abs_diff(near);
+    let middle = (0..trace.states.len()).filter(|&i| good(i)).min_by_key(|&i| away(i)).unwrap_or(0);
+    let first = (0..middle).rev().take_while(|&i| good(i)).last().unwrap_or(middle);
+    let last = (middle..trace.states.len()).take_while(|&i| good(i)).last().unwrap_or(middle);
+    first..last + 1
+}
+
+/// From where to where (t, m) a shell reaches along the line through the stations.
+fn extent(surface: &Surface, stations: &[Station], normal: DVec3) -> (f64, f64) {
+    let (mean, middle, direction) = line(stations, normal);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..surface.count() {
+        for p in surface.corners(i) {
+            let t = (p - mean).dot(direction) + middle;
+            (low, high) = (low.min(t), high.max(t));
+        }
+    }
+    (low, high)
+}
+
+/// The line through the centroids by least squares: a point, its t (m), and the direction.
+fn line(stations: &[Station], normal: DVec3) -> (DVec3, f64, DVec3) {
+    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
+    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
+    let slope: DVec3 = stations.iter().map(|s| (s.centre - mean) * (s.t - middle)).sum();
+    (mean, middle, slope.try_normalize().unwrap_or(normal))
+}
+
 /// A straight axis through the centroids, by least squares.
 fn straight(
     stations: &[Station],
@@ -256,10 +309,7 @@ fn straight(
     normal: DVec3,
     wide: Option<DVec3>,
 ) -> Option<(Axis, Vec<f64>)> {
-    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
-    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
-    let slope: DVec3 = stations.iter().map(|s| (s.centre - mean) * (s.t - middle)).sum();
-    let direction = slope.try_normalize().unwrap_or(normal);
+    let (mean, middle, direction) = line(stations, normal);
     let radius = stations[stations.len() / 2].radius;
     let count = ((end - first) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
     let lengths: Vec<f64> =

@@ -410,7 +410,7 @@ impl Search<'_> {
             return Err(self.refusal(&body, &zones, &free, asked));
         };
         let mut notes = Vec::new();
-        let stem = self.assemble(&body, usable, section, &mut notes);
+        let stem = self.assemble(&body, usable, &zones, section, &mut notes);
         let margin = 2.0 * MARGIN * stem.radius;
         for zone in &zones {
             let gap = (zone.range.0 - usable.1).max(usable.0 - zone.range.1);
@@ -523,6 +523,7 @@ impl Search<'_> {
         &self,
         body: &Body,
         usable: (f64, f64),
+        zones: &[Zone],
         section: Section,
         notes: &mut Vec<String>,
     ) -> Stem {
@@ -564,12 +565,7 @@ impl Search<'_> {
             }
             RingField::arcs(pith, reach(&section), extent)
         };
-        let slack = 3.0 * MARGIN * radius;
-        let real = |end: super::trace::End| end == super::trace::End::Real;
-        let ends = (
-            usable.0 < slack && real(body.ends[0]),
-            usable.1 > length - slack && real(body.ends[1]),
-        );
+        let ends = (reaches_end(body, zones, usable.0, 0), reaches_end(body, zones, usable.1, 1));
         Stem { grain, kind: body.kind, sections, place, usable, rings, radius, ends, length }
     }
 
@@ -659,6 +655,17 @@ impl Search<'_> {
         }
         carried
     }
+}
+
+/// Whether between the limit `s` (m) of the usable range and the axis's end on that side there is nothing but the
+/// stem's own end.
+fn reaches_end(body: &Body, zones: &[Zone], s: f64, side: usize) -> bool {
+    let beyond = |at: f64| if side == 0 { at < s } else { at > s };
+    let plain = |state: Stretch| matches!(state, Stretch::Free | Stretch::End);
+    let lengths = body.axis.lengths();
+    body.ends[side] == super::trace::End::Real
+        && !zones.iter().any(|z| beyond(z.range.0) || beyond(z.range.1))
+        && lengths.iter().zip(&body.stations).all(|(&l, (state, _))| !beyond(l) || plain(*state))
 }
 
 /// Ranges (m) free for a break: free stretches of the axis without the zones, less a margin.

@@ -33,8 +33,8 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-/// Middle of a shell and its longest direction, by area.
-fn longest_direction(surface: &Surface) -> (DVec3, DVec3) {
+/// Middle of a shell and its directions by area, the longest first.
+fn directions(surface: &Surface) -> (DVec3, [DVec3; 3]) {
     let (mut weight, mut mean) = (0.0, DVec3::ZERO);
     for i in 0..surface.count() {
         let [a, b, c] = surface.corners(i);
@@ -51,12 +51,26 @@ fn longest_direction(surface: &Surface) -> (DVec3, DVec3) {
         let m = (a + b + c) / 3.0;
         spread += (outer(a) + outer(b) + outer(c) + outer(m) * 9.0) * (area / 12.0);
     }
-    (mean, strongest(spread))
+    let longest = strongest(spread);
+    let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
+    let shortest = strongest(DMat3::from_diagonal(DVec3::splat(trace)) - spread);
+    let shortest = shortest.reject_from(longest).try_normalize();
+    let shortest = shortest.unwrap_or_else(|| longest.any_orthonormal_vector());
+    (mean, [longest, shortest.cross(longest), shortest])
 }
 
 /// The stem that runs along a shell: of the traces from several starts the one of largest volume.
 pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
-    let (mean, direction) = longest_direction(surface);
+    let (mean, directions) = directions(surface);
+    // A stump with its roots is wider than high: the other directions are tried where the longest shows nothing.
+    directions
+        .into_iter()
+        .find_map(|direction| along(surface, mean, direction))
+        .or_else(|| from_places(surface))
+}
+
+/// The best trace from starts along one direction.
+fn along(surface: &Surface, mean: DVec3, direction: DVec3) -> Option<Trace> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (middle, half, _) in surface.cells() {
         let (at, by) = ((middle - mean).dot(direction), half.dot(direction.abs()));
@@ -77,17 +91,23 @@ pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
             break;
         }
     }
-    if best.is_none() {
-        // Curled so that no plane across its extent meets it well: start from places on its surface.
-        let count = surface.count();
-        for k in 0..5 {
-            let [a, b, c] = surface.corners((2 * k + 1) * count / 10);
-            let p = (a + b + c) / 3.0;
-            let Some(seed) = at_point(surface, p) else { continue };
-            let found = trace(surface, seed, true);
-            if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
-                best = Some(found);
-            }
+    best
+}
+
+/// The best trace from places on the surface: for what is curled so that no plane across its extent meets it well.
+fn from_places(surface: &Surface) -> Option<Trace> {
+    const PLACES: usize = 5;
+    let mut best: Option<Trace> = None;
+    let count = surface.count();
+    for k in 0..PLACES {
+        if count == 0 {
+            break;
+        }
+        let [a, b, c] = surface.corners((2 * k + 1) * count / (2 * PLACES));
+        let Some(seed) = at_point(surface, (a + b + c) / 3.0) else { continue };
+        let found = trace(surface, seed, true);
+        if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
+            best = Some(found);
         }
     }
     best
