@@ -23,7 +23,7 @@ fn inspect() {
     let q = big.positions[big.positions.len()/2];
     show("big point", std::slice::from_ref(&big), &format!("{},{},{}", q.x,q.y,q.z));
     if let Some(m) = support::ply("scans/pole.ply", 1e-3) { for p in ["0.1","0.5","0.0","1.5m", "5m"] { show("pole", std::slice::from_ref(&m), p); } }
-    if let Some(m) = support::obj("scans/stump.obj") { println!("{:?}", m.bounds()); for p in ["0.2","0.5","0.7","0.9"] { show("stump", std::slice::from_ref(&m), p); }  show("stump", std::slice::from_ref(&m), "0.25,0.25,0.05"); }
+    if let Some(m) = support::obj("scans/stump.obj") { println!("{:?}", m.bounds()); for p in ["0.1","0.3","0.5","0.7","0.9"] { show("stump", std::slice::from_ref(&m), p); }  show("stump", std::slice::from_ref(&m), "0.25,0.25,0.05"); }
     if let Some(m) = support::gltf("scans/homecart_cutting_board.gltf") { for p in ["0.5","0.2","10cm","0.34,0,0.1"] { show("board", std::slice::from_ref(&m), p); } }
     if let Some(m) = support::gltf("trees/quaternius_DeadTree_1.gltf") { for p in ["0.05","0.1","0.2","0.3","0.4","0.5","0.7","0.9","2.5,6.0,1.0","-1.5,5,0.5","0,8,0"] { show("quat", std::slice::from_ref(&m), p); }
       // every limb by the middle of shells

@@ -277,12 +277,16 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
     let mut remembered: Vec<(f64, f64)> = vec![(seed.area, seed.reach)];
     let mut centres = vec![seed.centre];
     let mut thickest = seed.radius;
+    // A stump is shorter than a few of its radii. A flat shell says nothing about its length.
+    let shortest = surface.shortest_side();
+    let longest_step =
+        if shortest > 0.5 * seed.radius { shortest / 8.0 } else { f64::INFINITY };
     while arm.cuts.len() < LONGEST {
         let (area, reach) = (
             median(remembered.iter().rev().take(REMEMBERED).map(|m| m.0)),
             median(remembered.iter().rev().take(REMEMBERED).map(|m| m.1)),
         );
-        let step = STEP * last.radius;
+        let step = (STEP * last.radius).min(longest_step);
         let next = section(surface, last.centre + direction * step, direction, last.radius);
         let event = match &next {
             None => Event::Gone,
