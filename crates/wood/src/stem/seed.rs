@@ -91,7 +91,12 @@ fn along(surface: &Surface, mean: DVec3, direction: DVec3) -> Option<(Trace, boo
     for station in STATIONS {
         let origin = mean + direction * (low + (high - low) * station);
         let Some(start) = thickest(surface, origin, direction) else { continue };
-        let Some(seed) = settle(surface, start, direction) else { continue };
+        // Where the direction does not settle, as in a stump with its roots, that of the spread has to do.
+        let seed = settle(surface, start, direction).or_else(|| {
+            let cut = section(surface, start, direction, 0.0)?;
+            (cut.radius > 0.2 * surface.shortest_side()).then_some(cut)
+        });
+        let Some(seed) = seed else { continue };
         let found = trace(surface, seed, true);
         whole = (found.tips[1] - found.tips[0]).dot(direction).abs() > WHOLE * (high - low);
         let better = best.as_ref().is_none_or(|b| found.volume() > b.volume());
@@ -189,7 +194,8 @@ pub(crate) fn is_board(surface: &Surface, plank: &Plank) -> bool {
         filled += cut.area / (plank.size[1] * plank.size[2]);
         rectangles += usize::from(cut.area > RECTANGULAR * r.width * r.thickness);
     }
-    filled > BOX_FILLED * PLANES as f64 && rectangles * 4 > PLANES * 3
+    // Grooves, notches and handles may cut into more than half of the length.
+    filled > BOX_FILLED * PLANES as f64 && rectangles * 5 > PLANES * 2
 }
 
 /// Centre of the largest closed loop of a plane.
