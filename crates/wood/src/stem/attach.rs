@@ -19,6 +19,8 @@ const NEAR: f64 = 0.1;
 pub(crate) struct Tube<'a> {
     body: &'a Body,
     rows: Vec<Option<(DVec2, Vec<f64>)>>,
+    /// Radius of the circle of equal area at or next to each axis point, m.
+    radii: Vec<f64>,
     low: DVec3,
     high: DVec3,
     widest: f64,
@@ -42,7 +44,8 @@ impl<'a> Tube<'a> {
             }
             rows.push(Some((section.centroid, radii(section))));
         }
-        Tube { body, rows, low: low - 0.1 * widest, high: high + 0.1 * widest, widest }
+        let radii = body.axis.lengths().iter().map(|&s| body.radius(s)).collect();
+        Tube { body, rows, radii, low: low - 0.1 * widest, high: high + 0.1 * widest, widest }
     }
 
     /// Axis point next to `p`.
@@ -65,6 +68,11 @@ impl<'a> Tube<'a> {
             look(i);
         }
         best
+    }
+
+    /// Radius (m) of the circle of equal area next to `p`.
+    fn radius(&self, p: DVec3) -> f64 {
+        self.radii[self.next_to(p)]
     }
 
     /// Length (m) at which `p` lies, and its distance from the axis over the outline's radius there.
@@ -109,7 +117,7 @@ impl<'a> Tube<'a> {
                 continue;
             }
             let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-            let spacing = 0.25 * self.body.radius(self.locate(corners[0]).0);
+            let spacing = 0.25 * self.radius(corners[0]);
             Tube::samples(corners, spacing, |p| {
                 if let (s, Some(ratio)) = self.locate(p) {
                     let inside = s > -spacing && s < self.body.axis.length() + spacing;
@@ -136,13 +144,24 @@ impl<'a> Tube<'a> {
             if low.cmpgt(self.high).any() || (middle + half).cmplt(self.low).any() {
                 continue;
             }
+            // A small cell is in or out as a whole.
+            let size = half.length() / self.radius(middle);
+            if let (true, (s, Some(ratio))) = (size < 0.4, self.locate(middle)) {
+                let by = 1.5 * half.length();
+                if s + by < range.0 || s - by > range.1 {
+                    continue;
+                }
+                if s - by >= range.0 && s + by <= range.1 && ratio + 1.5 * size < WIDE {
+                    kept.extend(run);
+                    continue;
+                }
+            }
             for i in run {
                 let corners = surface.corners(i);
                 if !self.meets(corners) {
                     continue;
                 }
-                let near = self.locate(corners[0]);
-                let spacing = 0.3 * self.body.radius(near.0);
+                let spacing = 0.3 * self.radius(corners[0]);
                 let mut lengths = (f64::INFINITY, f64::NEG_INFINITY);
                 let mut inside = false;
                 Tube::samples(corners, spacing, |p| {
@@ -171,15 +190,16 @@ impl<'a> Tube<'a> {
             .collect();
         roots.sort_unstable();
         roots.dedup();
-        let mut limb: Vec<u32> = kept
-            .iter()
-            .filter(|&&i| roots.binary_search(&sets.find(surface.points_of(i)[0])).is_ok())
-            .map(|&i| surface.number(i))
-            .collect();
-        limb.extend(wanted);
-        limb.sort_unstable();
-        limb.dedup();
-        limb
+        // Marks instead of sorting: a limb of a scan has a million triangles.
+        let last = kept.iter().map(|&i| surface.number(i)).chain(wanted.iter().copied()).max();
+        let mut marked = vec![false; last.map_or(0, |n| n as usize + 1)];
+        for &i in &kept {
+            if roots.binary_search(&sets.find(surface.points_of(i)[0])).is_ok() {
+                marked[surface.number(i) as usize] = true;
+            }
+        }
+        wanted.iter().for_each(|&n| marked[n as usize] = true);
+        (0..marked.len() as u32).filter(|&n| marked[n as usize]).collect()
     }
 }
 

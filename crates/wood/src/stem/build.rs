@@ -1,7 +1,8 @@
 //! From a trace to a stem: smooth axis, sections across it, taper, and what part of it is free for a break.
 
 use super::centreline::{Station, smooth};
-use super::polygon::{self, Rectangle};
+use super::polygon;
+use super::seed::Plank;
 use super::surface::Surface;
 use super::trace::{Cut, End, State, Trace, section};
 use super::{Axis, GrainSpace, RingField};
@@ -54,9 +55,6 @@ pub struct Stem {
     pub length: f64,
 }
 
-/// Area over that of the smallest rectangle about it, above which a section is a rectangle: an octagon has 0.83, a
-/// rectangle whose corners are rounded by a sixth of its width 0.98.
-const RECTANGULAR: f64 = 0.93;
 /// Free space kept from ends, forks and other limbs, in radii.
 pub(crate) const MARGIN: f64 = 0.08;
 
@@ -77,6 +75,8 @@ pub(crate) struct Body {
     pub stations: Vec<(Stretch, Option<Section>)>,
     pub kind: StemKind,
     pub ends: [End; 2],
+    /// Width of a board, m.
+    pub width: f64,
 }
 
 impl Body {
@@ -86,10 +86,16 @@ impl Body {
         (near / std::f64::consts::PI).sqrt()
     }
 
-    pub fn section_near(&self, s: f64) -> Option<&Section> {
-        self.stations
-            .iter()
-            .filter_map(|(_, section)| section.as_ref())
+    /// The section next to `s` (m).
+    fn section_near(&self, s: f64) -> Option<&Section> {
+        let k = self.axis.lengths().partition_point(|&l| l < s);
+        let there = |i: &usize| self.stations[*i].1.is_some();
+        let before = (0..k).rev().find(there);
+        let behind = (k..self.stations.len()).find(there);
+        [before, behind]
+            .into_iter()
+            .flatten()
+            .filter_map(|i| self.stations[i].1.as_ref())
             .min_by(|a, b| (a.length - s).abs().total_cmp(&(b.length - s).abs()))
     }
 
@@ -118,6 +124,16 @@ impl Body {
 
 /// The section's outline in the axis frame at `s`.
 pub(crate) fn section_at(surface: &Surface, axis: &Axis, s: f64, limit: f64) -> Option<Section> {
+    section_and_rivals(surface, axis, s, limit).map(|(section, _)| section)
+}
+
+/// The same, with the number of other closed loops close by.
+fn section_and_rivals(
+    surface: &Surface,
+    axis: &Axis,
+    s: f64,
+    limit: f64,
+) -> Option<(Section, usize)> {
     let frame = axis.frame(s);
     let cut = section(surface, frame.origin, frame.tangent, limit)?;
     let mut contour: Vec<DVec2> = cut
@@ -130,30 +146,7 @@ pub(crate) fn section_at(surface: &Surface, axis: &Axis, s: f64, limit: f64) -> 
         contour.reverse();
     }
     let perimeter = polygon::perimeter(&contour);
-    Some(Section { length: s, contour, centroid, area: area.abs(), perimeter })
-}
-
-/// The rectangle about a cut, and how much of it the cut fills.
-fn rectangle(cut: &Cut) -> Option<(Rectangle, f64, DVec3)> {
-    let (x, y) = super::trace::across(cut.normal);
-    let flat: Vec<DVec2> =
-        cut.points.iter().map(|p| DVec2::new(p.dot(x), p.dot(y))).collect();
-    let r = polygon::smallest_rectangle(&flat)?;
-    let fill = cut.area / (r.width * r.thickness).max(f64::MIN_POSITIVE);
-    Some((r, fill, x * r.wide.x + y * r.wide.y))
-}
-
-/// Whether the plain part of a trace is a board: rectangular, straight and not tapered.
-fn is_board(cuts: &[&Cut]) -> bool {
-    let middle = cuts[cuts.len() / 2];
-    let Some((r, fill, _)) = rectangle(middle) else { return false };
-    let mut areas: Vec<f64> = cuts.iter().map(|c| c.area).collect();
-    areas.sort_by(f64::total_cmp);
-    let (low, high) = (areas[areas.len() / 10], areas[areas.len() - 1 - areas.len() / 10]);
-    let (a, b) = (cuts[0].centre, cuts[cuts.len() - 1].centre);
-    let along = (b - a).normalize_or_zero();
-    let bow = (middle.centre - a).reject_from(along).length();
-    fill > RECTANGULAR && high < 1.08 * low && (along == DVec3::ZERO || bow < 0.05 * r.width)
+    Some((Section { length: s, contour, centroid, area: area.abs(), perimeter }, cut.rivals))
 }
 
 /// Makes axis and sections of a trace. `near` is the station about which the axis must not bend too tightly.
@@ -161,7 +154,6 @@ pub(crate) fn body(
     surface: &Surface,
     trace: &Trace,
     near: usize,
-    kind: Option<StemKind>,
 ) -> Option<Body> {
     let good: Vec<usize> =
         (0..trace.cuts.len()).filter(|&i| trace.states[i] == State::Good).collect();
@@ -169,11 +161,6 @@ pub(crate) fn body(
         return None;
     }
     let cuts: Vec<&Cut> = good.iter().map(|&i| &trace.cuts[i]).collect();
-    let kind = kind.unwrap_or(if is_board(&cuts) { StemKind::Board } else { StemKind::Round });
-    let wide = match kind {
-        StemKind::Board => rectangle(cuts[cuts.len() / 2]).map(|r| r.2),
-        StemKind::Round => None,
-    };
     let mut stations = Vec::new();
     let mut t = 0.0;
     for (k, cut) in cuts.iter().enumerate() {
@@ -200,31 +187,41 @@ pub(crate) fn body(
         gaps.iter().map(|g| g.1).filter(|&g| g <= at).fold(first, f64::max),
         gaps.iter().map(|g| g.0).filter(|&g| g >= at).fold(end, f64::min),
     );
-    let (axis, lengths) = if kind == StemKind::Board || stations.len() < 3 {
-        straight(&stations, first, end, last.normal, wide)?
+    let (axis, lengths) = if stations.len() < 3 {
+        straight(&stations, first, end, last.normal)?
     } else {
         curved(surface, stations.clone(), first, end, keep, &gaps)?
     };
+    // Up to the very end, where nothing but the end follows the last good station.
+    let whole = |side: usize, station: usize| {
+        let outermost = if side == 0 { 0 } else { trace.states.len() - 1 };
+        station == outermost && trace.ends[side] == End::Real
+    };
     let free = (
-        if trace.states[0] == State::Good && trace.ends[0] == End::Real { first } else { 0.0 },
-        if trace.states[trace.states.len() - 1] == State::Good && trace.ends[1] == End::Real {
-            end
-        } else {
-            t
-        },
+        if whole(0, good[0]) { first } else { 0.0 },
+        if whole(1, good[good.len() - 1]) { end } else { t },
     );
-    let mut body = Body { axis, stations: Vec::new(), kind, ends: trace.ends };
-    let tiny = 1e-3 * cuts[0].radius.min(last.radius);
+    let cut_off = |side: usize| {
+        let states = if side == 0 {
+            &trace.states[..good[0]]
+        } else {
+            &trace.states[good[good.len() - 1]..]
+        };
+        trace.ends[side] == End::Fork || states.contains(&State::Fork)
+    };
+    let kind = StemKind::Round;
+    let mut body = Body { axis, stations: Vec::new(), kind, ends: trace.ends, width: 0.0 };
+    let tiny = 0.06 * cuts[0].radius.min(last.radius);
     for (i, &t) in lengths.iter().enumerate() {
-        // At the very ends the plane would graze the end face.
+        // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
         let s = body.axis.lengths()[i].clamp(tiny, body.axis.length() - tiny);
         let fork = gaps.iter().any(|g| t > g.0 && t < g.1);
         let state = if fork {
             Stretch::Fork
         } else if t < free.0 - 1e-12 {
-            if trace.ends[0] == End::Fork { Stretch::Fork } else { Stretch::End }
+            if cut_off(0) { Stretch::Fork } else { Stretch::End }
         } else if t > free.1 + 1e-12 {
-            if trace.ends[1] == End::Fork { Stretch::Fork } else { Stretch::End }
+            if cut_off(1) { Stretch::Fork } else { Stretch::End }
         } else {
             Stretch::Free
         };
@@ -248,24 +245,64 @@ pub(crate) fn body(
     Some(body)
 }
 
+/// The line through the centroids by least squares: a point, its t (m), and the direction.
+fn line(stations: &[Station], normal: DVec3) -> (DVec3, f64, DVec3) {
+    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
+    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
+    let slope: DVec3 = stations.iter().map(|s| (s.centre - mean) * (s.t - middle)).sum();
+    (mean, middle, slope.try_normalize().unwrap_or(normal))
+}
+
+/// Axis and sections of a board: straight along its box, whatever notches and holes there are.
+pub(crate) fn board_body(surface: &Surface, plank: &Plank) -> Option<Body> {
+    let [length, width, thickness] = plank.size;
+    // A quarter of the radius of a circle of the same area.
+    let spacing = 0.25 * (width * thickness / std::f64::consts::PI).sqrt();
+    let count = (length / spacing).ceil().clamp(16.0, 1000.0) as usize;
+    let points: Vec<DVec3> = (0..=count)
+        .map(|i| plank.end + plank.direction * (length * i as f64 / count as f64))
+        .collect();
+    let axis = Axis::new(&points, Some(plank.wide))?;
+    if axis.points().len() != points.len() {
+        return None;
+    }
+    let cuts: Vec<Option<(Section, usize)>> = (0..=count)
+        .map(|i| {
+            let s = axis.lengths()[i].clamp(0.1 * spacing, length - 0.1 * spacing);
+            section_and_rivals(surface, &axis, s, width)
+        })
+        .collect();
+    let mut areas: Vec<f64> = cuts.iter().flatten().map(|c| c.0.area).collect();
+    areas.sort_by(f64::total_cmp);
+    let typical = *areas.get(areas.len() / 2)?;
+    let stations = cuts
+        .into_iter()
+        .enumerate()
+        .map(|(i, cut)| match cut {
+            // A rounded end is left out where it is less than half of the board.
+            Some((section, 0)) if section.area > 0.5 * typical => (Stretch::Free, Some(section)),
+            Some((_, rivals)) if rivals > 0 => (Stretch::Broken, None),
+            _ if i < count / 8 || i > count - count / 8 => (Stretch::End, None),
+            _ => (Stretch::Broken, None),
+        })
+        .collect();
+    Some(Body { axis, stations, kind: StemKind::Board, ends: [End::Real; 2], width })
+}
+
 /// A straight axis through the centroids, by least squares.
 fn straight(
     stations: &[Station],
     first: f64,
     end: f64,
     normal: DVec3,
-    wide: Option<DVec3>,
 ) -> Option<(Axis, Vec<f64>)> {
-    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
-    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
-    let slope: DVec3 = stations.iter().map(|s| (s.centre - mean) * (s.t - middle)).sum();
-    let direction = slope.try_normalize().unwrap_or(normal);
+    let (mean, middle, direction) = line(stations, normal);
     let radius = stations[stations.len() / 2].radius;
     let count = ((end - first) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
     let lengths: Vec<f64> =
         (0..=count).map(|i| first + (end - first) * i as f64 / count as f64).collect();
     let points: Vec<DVec3> = lengths.iter().map(|t| mean + direction * (t - middle)).collect();
-    let axis = Axis::new(&points, wide)?;
+    let axis = Axis::new(&points, None)?;
     (axis.points().len() == lengths.len()).then_some((axis, lengths))
 }
 

@@ -4,7 +4,7 @@ use super::attach::{self, Hanging, Tube};
 use super::build::{self, Body, MARGIN, Section, Stem, StemKind, Stretch};
 use super::polygon;
 use super::rings::{RingField, likely_pith};
-use super::seed;
+use super::seed::{self, Plank};
 use super::shells::{self, Points, Shell};
 use super::surface::Surface;
 use super::trace::{Trace, trace};
@@ -197,8 +197,8 @@ fn attempt(
     let parts = Parts { points, shells, order };
     context.step("stem", 0.2)?;
     let (cut, mut followed, at) = match place {
-        Place::Point(p) => at_point(&parts, *p, place)?,
-        _ => main_stem(&parts, context)?,
+        Place::Point(p) => at_point(&parts, *p, place, options.kind)?,
+        _ => main_stem(&parts, options.kind, context)?,
     };
     context.step("stem", 0.5)?;
     let carriers: Vec<(usize, Surface)> = if parts.shells.len() == 1 {
@@ -210,13 +210,22 @@ fn attempt(
         }
         chosen.into_iter().map(|i| (i, parts.surface(i))).collect()
     };
-    let held = followed.tips.map(|tip| {
+    let tips = match &followed {
+        Course::Log(trace) => trace.tips,
+        Course::Board(plank) => [plank.end, plank.end + plank.direction * plank.size[0]],
+    };
+    let held = tips.map(|tip| {
         carriers.iter().find(|(i, surface)| *i != cut && surface.holds(tip)).map(|(i, _)| *i)
     });
-    let reversed = turned_over(&followed, held);
+    let reversed = turned_over(&followed, tips, held);
     let held = if reversed { [held[1], held[0]] } else { held };
-    if reversed {
-        followed.reverse();
+    match &mut followed {
+        Course::Log(trace) if reversed => trace.reverse(),
+        Course::Board(plank) if reversed => {
+            plank.end = tips[1];
+            plank.direction = -plank.direction;
+        }
+        _ => {}
     }
     let Some(surface) = carriers.iter().find(|(i, _)| *i == cut).map(|(_, s)| s) else {
         return Err(StemError::NoStem { shells: parts.shells.len() });
@@ -236,29 +245,49 @@ fn attempt(
     Ok(found)
 }
 
-/// The shell with the thickest stem, its trace, and no point.
+/// What a shell was followed as.
+enum Course {
+    Log(Trace),
+    Board(Plank),
+}
+
+/// A shell's main stem: a board where it is one or is said to be one, else a log; with its volume, m³.
+fn course(surface: &Surface, kind: Option<StemKind>) -> Option<(Course, f64)> {
+    if kind != Some(StemKind::Round) {
+        let plank = seed::plank(surface);
+        let board = |p: &Plank| kind == Some(StemKind::Board) || seed::is_board(surface, p);
+        if let Some(plank) = plank.filter(board) {
+            return Some((Course::Board(plank), plank.size.iter().product()));
+        }
+    }
+    let trace = seed::main_stem(surface)?;
+    let volume = trace.volume();
+    Some((Course::Log(trace), volume))
+}
+
+/// The shell with the thickest stem, its course, and no point.
 fn main_stem(
     parts: &Parts,
+    kind: Option<StemKind>,
     context: &Context,
-) -> Result<(usize, Trace, Option<DVec3>), StemError> {
-    let mut best: Option<(f64, usize, Trace)> = None;
+) -> Result<(usize, Course, Option<DVec3>), StemError> {
+    let mut best: Option<(f64, usize, Course)> = None;
     let mut compared = 0;
     for &i in parts.order.iter().take(TRIED) {
         context.step("stem", 0.2)?;
         if parts.shells[i].triangles.len() < 6 {
             continue;
         }
-        let Some(trace) = seed::main_stem(&parts.surface(i)) else { continue };
-        let volume = trace.volume();
+        let Some((course, volume)) = course(&parts.surface(i), kind) else { continue };
         if best.as_ref().is_none_or(|b| volume > b.0) {
-            best = Some((volume, i, trace));
+            best = Some((volume, i, course));
         }
         compared += 1;
         if compared >= COMPARED {
             break;
         }
     }
-    best.map(|(_, i, trace)| (i, trace, None))
+    best.map(|(_, i, course)| (i, course, None))
         .ok_or(StemError::NoStem { shells: parts.shells.len() })
 }
 
@@ -267,7 +296,8 @@ fn at_point(
     parts: &Parts,
     p: DVec3,
     place: &Place,
-) -> Result<(usize, Trace, Option<DVec3>), StemError> {
+    kind: Option<StemKind>,
+) -> Result<(usize, Course, Option<DVec3>), StemError> {
     let mut best: Option<(f64, usize, DVec3)> = None;
     for (i, shell) in parts.shells.iter().enumerate() {
         let bound = (shell.low - p).max(p - shell.high).max(DVec3::ZERO).length();
@@ -286,11 +316,17 @@ fn at_point(
     }
     let Some((distance, i, q)) = best else { return Err(StemError::Empty) };
     let surface = parts.surface(i);
-    let main = seed::main_stem(&surface);
-    let on_main = main.filter(|trace| covers(trace, q));
-    let trace = match on_main {
-        Some(trace) => Some(trace),
-        None => seed::at_point(&surface, q).map(|cut| trace(&surface, cut, false)),
+    let trace = match course(&surface, kind) {
+        Some((Course::Board(plank), _)) => {
+            let far = 1.5 * plank.size[1];
+            if distance > far {
+                let nearest = Place::Point(q);
+                return Err(StemError::FarFromWood { asked: *place, distance, nearest });
+            }
+            return Ok((i, Course::Board(plank), Some(q)));
+        }
+        Some((Course::Log(trace), _)) if covers(&trace, q) => Some(trace),
+        _ => seed::at_point(&surface, q).map(|cut| trace(&surface, cut, false)),
     };
     let Some(trace) = trace else {
         return Err(StemError::NowhereFree {
@@ -304,7 +340,7 @@ fn at_point(
     if distance > 3.0 * radius && !inside {
         return Err(StemError::FarFromWood { asked: *place, distance, nearest: Place::Point(q) });
     }
-    Ok((i, trace, Some(q)))
+    Ok((i, Course::Log(trace), Some(q)))
 }
 
 fn nearest_station(trace: &Trace, p: DVec3) -> usize {
@@ -316,6 +352,26 @@ fn nearest_station(trace: &Trace, p: DVec3) -> usize {
         .unwrap_or(0)
 }
 
+/// The station of a trace that is about at the place.
+fn station_at(trace: &Trace, place: &Place, point: Option<DVec3>) -> usize {
+    let station = match (place, point) {
+        (_, Some(p)) => nearest_station(trace, p),
+        (Place::Point(p), None) => nearest_station(trace, *p),
+        (Place::Fraction(x), _) => (x.clamp(0.0, 1.0) * trace.cuts.len() as f64) as usize,
+        (Place::Length(x), _) => {
+            let mut left = *x;
+            let steps = trace.cuts.windows(2).map(|w| w[0].centre.distance(w[1].centre));
+            steps
+                .take_while(|step| {
+                    left -= step;
+                    left > 0.0
+                })
+                .count()
+        }
+    };
+    station.min(trace.cuts.len() - 1)
+}
+
 /// Whether a surface point belongs to the trace rather than to another limb of the shell.
 fn covers(trace: &Trace, q: DVec3) -> bool {
     let cut = &trace.cuts[nearest_station(trace, q)];
@@ -325,24 +381,26 @@ fn covers(trace: &Trace, q: DVec3) -> bool {
 }
 
 /// Whether the base is at the trace's last station.
-fn turned_over(trace: &Trace, held: [Option<usize>; 2]) -> bool {
+fn turned_over(course: &Course, tips: [DVec3; 2], held: [Option<usize>; 2]) -> bool {
     match held {
         [Some(_), None] => return false,
         [None, Some(_)] => return true,
         _ => {}
     }
-    let areas: Vec<f64> = (0..trace.cuts.len())
-        .filter(|&i| trace.states[i] == super::trace::State::Good)
-        .map(|i| trace.cuts[i].area)
-        .collect();
-    let part = (areas.len() / 5).max(1).min(areas.len());
-    let mean = |a: &[f64]| a.iter().sum::<f64>() / a.len().max(1) as f64;
-    let (first, last) = (mean(&areas[..part]), mean(&areas[areas.len() - part..]));
-    // Closer than this the ends are equally thick: noise must not decide.
-    if (first - last).abs() > 0.1 * (first + last) {
-        return last > first;
+    if let Course::Log(trace) = course {
+        let areas: Vec<f64> = (0..trace.cuts.len())
+            .filter(|&i| trace.states[i] == super::trace::State::Good)
+            .map(|i| trace.cuts[i].area)
+            .collect();
+        let part = (areas.len() / 5).max(1).min(areas.len());
+        let mean = |a: &[f64]| a.iter().sum::<f64>() / a.len().max(1) as f64;
+        let (first, last) = (mean(&areas[..part]), mean(&areas[areas.len() - part..]));
+        // Closer than this the ends are equally thick: noise must not decide.
+        if (first - last).abs() > 0.05 * (first + last) {
+            return last > first;
+        }
     }
-    let [a, b] = trace.tips;
+    let [a, b] = tips;
     let length = a.distance(b);
     for k in [1, 0, 2] {
         if (a[k] - b[k]).abs() > 1e-6 * length {
@@ -370,28 +428,17 @@ struct Zone {
 impl Search<'_> {
     fn stem(
         &self,
-        trace: &Trace,
+        course: &Course,
         at: Option<DVec3>,
         held: [Option<usize>; 2],
     ) -> Result<Found, StemError> {
-        let station = match (self.place, at) {
-            (_, Some(p)) => nearest_station(trace, p),
-            (Place::Fraction(x), _) => (x.clamp(0.0, 1.0) * trace.cuts.len() as f64) as usize,
-            (Place::Length(x), _) => {
-                let mut left = *x;
-                let steps = trace.cuts.windows(2).map(|w| w[0].centre.distance(w[1].centre));
-                steps
-                    .take_while(|step| {
-                        left -= step;
-                        left > 0.0
-                    })
-                    .count()
+        let body = match course {
+            Course::Board(plank) => build::board_body(self.surface, plank),
+            Course::Log(trace) => {
+                build::body(self.surface, trace, station_at(trace, self.place, at))
             }
-            _ => 0,
         };
-        let near = station.min(trace.cuts.len() - 1);
-        let body = build::body(self.surface, trace, near, self.options.kind)
-            .ok_or(StemError::NoStem { shells: self.parts.shells.len() })?;
+        let body = body.ok_or(StemError::NoStem { shells: self.parts.shells.len() })?;
         let length = body.axis.length();
         let asked = match (self.place, at) {
             (Place::Fraction(x), _) => x * length,
@@ -410,7 +457,7 @@ impl Search<'_> {
             return Err(self.refusal(&body, &zones, &free, asked));
         };
         let mut notes = Vec::new();
-        let stem = self.assemble(&body, usable, section, &mut notes);
+        let stem = self.assemble(&body, usable, &zones, section, &mut notes);
         let margin = 2.0 * MARGIN * stem.radius;
         for zone in &zones {
             let gap = (zone.range.0 - usable.1).max(usable.0 - zone.range.1);
@@ -523,6 +570,7 @@ impl Search<'_> {
         &self,
         body: &Body,
         usable: (f64, f64),
+        zones: &[Zone],
         section: Section,
         notes: &mut Vec<String>,
     ) -> Stem {
@@ -564,12 +612,7 @@ impl Search<'_> {
             }
             RingField::arcs(pith, reach(&section), extent)
         };
-        let slack = 3.0 * MARGIN * radius;
-        let real = |end: super::trace::End| end == super::trace::End::Real;
-        let ends = (
-            usable.0 < slack && real(body.ends[0]),
-            usable.1 > length - slack && real(body.ends[1]),
-        );
+        let ends = (reaches_end(body, zones, usable.0, 0), reaches_end(body, zones, usable.1, 1));
         Stem { grain, kind: body.kind, sections, place, usable, rings, radius, ends, length }
     }
 
@@ -593,17 +636,13 @@ impl Search<'_> {
                 pith
             }
             (None, StemKind::Board) => {
-                // A flat-sawn board: its wide faces are tangential to the rings. x is the wide direction.
-                let Some(r) = polygon::smallest_rectangle(&section.contour) else {
-                    return section.centroid;
-                };
-                let thin = if r.wide.x.abs() > r.wide.y.abs() { DVec2::Y } else { r.wide.perp() };
-                let down = 0.75 * r.width;
+                // Flat-sawn: the wide faces are tangential to the rings. x is the wide direction.
+                let down = 0.75 * body.width;
                 notes.push(format!(
                     "the pith was taken to lie {:.0} mm below the middle of the wide face (flat-sawn)",
                     down * 1e3
                 ));
-                r.centre - thin * down
+                DVec2::new(0.0, -down)
             }
         }
     }
@@ -659,6 +698,17 @@ impl Search<'_> {
         }
         carried
     }
+}
+
+/// Whether between the limit `s` (m) of the usable range and the axis's end on that side there is nothing but the
+/// stem's own end.
+fn reaches_end(body: &Body, zones: &[Zone], s: f64, side: usize) -> bool {
+    let beyond = |at: f64| if side == 0 { at < s } else { at > s };
+    let plain = |state: Stretch| matches!(state, Stretch::Free | Stretch::End);
+    let lengths = body.axis.lengths();
+    body.ends[side] == super::trace::End::Real
+        && !zones.iter().any(|z| beyond(z.range.0) || beyond(z.range.1))
+        && lengths.iter().zip(&body.stations).all(|(&l, (state, _))| !beyond(l) || plain(*state))
 }
 
 /// Ranges (m) free for a break: free stretches of the axis without the zones, less a margin.

@@ -107,7 +107,7 @@ mod tests {
         assert_eq!("120mm".parse(), Ok(Place::Length(0.12)));
         let point = DVec3::new(0.1, 2.3, -0.4);
         assert_eq!("0.1, 2.3,-0.4".parse(), Ok(Place::Point(point)));
-        assert_eq!(Place::parse("100,2300,-400", 1e-3), Ok(Place::Point(point)));
+        assert_eq!(Place::parse("125,2000,-500", 1e-3), "0.125,2,-0.5".parse());
         for place in ["0.4000", "0.1200m", "0.1000,2.3000,-0.4000"] {
             assert_eq!(place.parse::<Place>().unwrap().to_string(), place);
         }

@@ -2,7 +2,8 @@
 
 use super::surface::Surface;
 use super::trace::{Cut, Trace, section, settle, trace};
-use glam::{DMat3, DVec3};
+use super::polygon;
+use glam::{DMat3, DVec2, DVec3};
 
 /// Stations along a shell's longest direction at which a first section is tried.
 const STATIONS: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.38, 0.62];
@@ -33,10 +34,12 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-/// Middle of a shell and its longest direction, by area.
-fn longest_direction(surface: &Surface) -> (DVec3, DVec3) {
+/// Middle of a shell and its directions by area, the longest first.
+fn directions(surface: &Surface) -> (DVec3, [DVec3; 3]) {
+    // Some ten thousand triangles, evenly taken, tell the directions of any mesh.
+    let stride = (surface.count() / 20_000).max(1);
     let (mut weight, mut mean) = (0.0, DVec3::ZERO);
-    for i in 0..surface.count() {
+    for i in (0..surface.count()).step_by(stride) {
         let [a, b, c] = surface.corners(i);
         let area = (b - a).cross(c - a).length();
         weight += area;
@@ -44,31 +47,58 @@ fn longest_direction(surface: &Surface) -> (DVec3, DVec3) {
     }
     mean /= weight.max(f64::MIN_POSITIVE);
     let mut spread = DMat3::ZERO;
-    for i in 0..surface.count() {
+    for i in (0..surface.count()).step_by(stride) {
         let [a, b, c] = surface.corners(i).map(|p| p - mean);
         let area = (b - a).cross(c - a).length();
         // Second moment of a triangle from its corners and its middle, so that coarse meshes count right.
         let m = (a + b + c) / 3.0;
         spread += (outer(a) + outer(b) + outer(c) + outer(m) * 9.0) * (area / 12.0);
     }
-    (mean, strongest(spread))
+    let longest = strongest(spread);
+    let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
+    let shortest = strongest(DMat3::from_diagonal(DVec3::splat(trace)) - spread);
+    let shortest = shortest.reject_from(longest).try_normalize();
+    let shortest = shortest.unwrap_or_else(|| longest.any_orthonormal_vector());
+    (mean, [longest, shortest.cross(longest), shortest])
 }
 
 /// The stem that runs along a shell: of the traces from several starts the one of largest volume.
 pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
-    let (mean, direction) = longest_direction(surface);
+    let (mean, directions) = directions(surface);
+    // A stump with its roots is wider than high: the other directions count where the longest does not show it whole.
+    let mut best: Option<Trace> = None;
+    for direction in directions {
+        let Some((found, whole)) = along(surface, mean, direction) else { continue };
+        if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
+            best = Some(found);
+        }
+        if whole {
+            break;
+        }
+    }
+    best.or_else(|| from_places(surface))
+}
+
+/// The best trace from starts along one direction, and whether it runs along the whole shell.
+fn along(surface: &Surface, mean: DVec3, direction: DVec3) -> Option<(Trace, bool)> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (middle, half, _) in surface.cells() {
         let (at, by) = ((middle - mean).dot(direction), half.dot(direction.abs()));
         (low, high) = (low.min(at - by), high.max(at + by));
     }
     let mut best: Option<Trace> = None;
+    let mut whole = false;
     for station in STATIONS {
         let origin = mean + direction * (low + (high - low) * station);
         let Some(start) = thickest(surface, origin, direction) else { continue };
-        let Some(seed) = settle(surface, start, direction) else { continue };
+        // Where the direction does not settle, as in a stump with its roots, that of the spread has to do.
+        let seed = settle(surface, start, direction).or_else(|| {
+            let cut = section(surface, start, direction, 0.0)?;
+            (cut.radius > 0.2 * surface.shortest_side()).then_some(cut)
+        });
+        let Some(seed) = seed else { continue };
         let found = trace(surface, seed, true);
-        let whole = (found.tips[1] - found.tips[0]).dot(direction).abs() > WHOLE * (high - low);
+        whole = (found.tips[1] - found.tips[0]).dot(direction).abs() > WHOLE * (high - low);
         let better = best.as_ref().is_none_or(|b| found.volume() > b.volume());
         if better {
             best = Some(found);
@@ -77,20 +107,95 @@ pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
             break;
         }
     }
-    if best.is_none() {
-        // Curled so that no plane across its extent meets it well: start from places on its surface.
-        let count = surface.count();
-        for k in 0..5 {
-            let [a, b, c] = surface.corners((2 * k + 1) * count / 10);
-            let p = (a + b + c) / 3.0;
-            let Some(seed) = at_point(surface, p) else { continue };
-            let found = trace(surface, seed, true);
-            if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
-                best = Some(found);
-            }
+    best.map(|trace| (trace, whole))
+}
+
+/// The best trace from places on the surface: for what is curled so that no plane across its extent meets it well.
+fn from_places(surface: &Surface) -> Option<Trace> {
+    const PLACES: usize = 5;
+    let mut best: Option<Trace> = None;
+    let count = surface.count();
+    for k in 0..PLACES {
+        if count == 0 {
+            break;
+        }
+        let [a, b, c] = surface.corners((2 * k + 1) * count / (2 * PLACES));
+        let Some(seed) = at_point(surface, (a + b + c) / 3.0) else { continue };
+        let found = trace(surface, seed, true);
+        if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
+            best = Some(found);
         }
     }
     best
+}
+
+/// The box of a straight piece of sawn wood.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plank {
+    /// Middle of the end with the smaller coordinate along `direction`, m.
+    pub end: DVec3,
+    /// Along the longest side (unit).
+    pub direction: DVec3,
+    /// Along the second longest side (unit).
+    pub wide: DVec3,
+    /// Lengths of the sides, the longest first, m.
+    pub size: [f64; 3],
+}
+
+/// The smallest box about a shell whose shortest side is that of its spread.
+pub(crate) fn plank(surface: &Surface) -> Option<Plank> {
+    let (mean, [_, _, thin]) = directions(surface);
+    let (x, y) = super::trace::across(thin);
+    let mut flat = Vec::with_capacity(3 * surface.count());
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for i in 0..surface.count() {
+        for p in surface.corners(i).map(|p| p - mean) {
+            flat.push(DVec2::new(p.dot(x), p.dot(y)));
+            (low, high) = (low.min(p.dot(thin)), high.max(p.dot(thin)));
+        }
+    }
+    let r = polygon::smallest_rectangle(&flat)?;
+    let direction = x * r.wide.x + y * r.wide.y;
+    let middle = mean + x * r.centre.x + y * r.centre.y + thin * (0.5 * (low + high));
+    let other = thin.cross(direction);
+    let thickness = high - low;
+    let (wide, width, thickness) = if r.thickness >= thickness {
+        (other, r.thickness, thickness)
+    } else {
+        (thin, thickness, r.thickness)
+    };
+    let end = middle - direction * (0.5 * r.width);
+    Some(Plank { end, direction, wide, size: [r.width, width, thickness] })
+}
+
+/// Parts of a rectangle and of a box that a board fills at least: an octagon fills 0.83 of its rectangle, one whose
+/// corners are rounded by a sixth of its width 0.98; a limb of four sides that tapers to half fills 0.58 of its box.
+const RECTANGULAR: f64 = 0.93;
+const BOX_FILLED: f64 = 0.7;
+
+/// Whether sections along the box are rectangles that mostly fill it.
+pub(crate) fn is_board(surface: &Surface, plank: &Plank) -> bool {
+    const PLANES: usize = 21;
+    let (mut filled, mut rectangles) = (0.0, 0);
+    for k in 0..PLANES {
+        let s = plank.size[0] * (k as f64 + 0.5) / PLANES as f64;
+        let Some(cut) = section(
+            surface,
+            plank.end + plank.direction * s,
+            plank.direction,
+            plank.size[1],
+        ) else {
+            continue;
+        };
+        let (x, y) = super::trace::across(cut.normal);
+        let flat: Vec<DVec2> =
+            cut.points.iter().map(|p| DVec2::new(p.dot(x), p.dot(y))).collect();
+        let Some(r) = polygon::smallest_rectangle(&flat) else { continue };
+        filled += cut.area / (plank.size[1] * plank.size[2]);
+        rectangles += usize::from(cut.area > RECTANGULAR * r.width * r.thickness);
+    }
+    // Grooves, notches and handles may cut into more than half of the length.
+    filled > BOX_FILLED * PLANES as f64 && rectangles * 5 > PLANES * 2
 }
 
 /// Centre of the largest closed loop of a plane.

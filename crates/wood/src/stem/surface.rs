@@ -91,10 +91,22 @@ impl<'a> Surface<'a> {
         Surface { positions: &points.positions, triangles, numbers, cells }
     }
 
+    /// Corners of triangle `i`.
     pub fn corners(&self, i: usize) -> [DVec3; 3] {
         self.triangles[i].map(|c| self.positions[c as usize])
     }
 
+    /// Shortest side of the bounding box, m.
+    pub fn shortest_side(&self) -> f64 {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for cell in &self.cells {
+            low = low.min(cell.middle - cell.half);
+            high = high.max(cell.middle + cell.half);
+        }
+        (high - low).min_element()
+    }
+
+    /// How many triangles there are.
     pub fn count(&self) -> usize {
         self.triangles.len()
     }

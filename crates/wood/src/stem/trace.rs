@@ -173,10 +173,12 @@ pub(crate) fn settle(surface: &Surface, origin: DVec3, direction: DVec3) -> Opti
     let mut direction = direction.try_normalize()?;
     let mut cut = section(surface, origin, direction, f64::INFINITY)?;
     let mut turn = f64::INFINITY;
+    let shortest = surface.shortest_side();
+    let longest_step = if shortest > 0.5 * cut.radius { shortest / 12.0 } else { f64::INFINITY };
     for _ in 0..10 {
         let near = 2.0 * cut.reach;
         let (mut before, mut behind) = (None, None);
-        let mut h = 0.5 * cut.radius;
+        let mut h = (0.5 * cut.radius).min(longest_step);
         for _ in 0..3 {
             let fits = |c: &Cut| c.area < 1.7 * cut.area && c.area > 0.55 * cut.area;
             before = section(surface, cut.centre + direction * h, direction, near).filter(fits);
@@ -277,12 +279,16 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
     let mut remembered: Vec<(f64, f64)> = vec![(seed.area, seed.reach)];
     let mut centres = vec![seed.centre];
     let mut thickest = seed.radius;
+    // A stump is shorter than a few of its radii. A flat shell says nothing about its length.
+    let shortest = surface.shortest_side();
+    let longest_step =
+        if shortest > 0.5 * seed.radius { shortest / 8.0 } else { f64::INFINITY };
     while arm.cuts.len() < LONGEST {
         let (area, reach) = (
             median(remembered.iter().rev().take(REMEMBERED).map(|m| m.0)),
             median(remembered.iter().rev().take(REMEMBERED).map(|m| m.1)),
         );
-        let step = STEP * last.radius;
+        let step = (STEP * last.radius).min(longest_step);
         let next = section(surface, last.centre + direction * step, direction, last.radius);
         let event = match &next {
             None => Event::Gone,
