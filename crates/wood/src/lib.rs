@@ -1,4 +1,6 @@
 //! Wood: the stem and the address of a point in it, species with their measured properties, moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod appearance;
+mod noise;
 pub mod stem;

@@ -1,0 +1,124 @@
+//! Smooth noise without state: gradient noise (Perlin 2002) over an integer hash, with its exact derivative, from
+//! additions and multiplications only, so that it has the same bits on every machine.
+
+use glam::DVec3;
+
+/// A well-mixed hash of a place in an integer lattice.
+pub(crate) fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
+    let mut h = seed
+        ^ (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
+        ^ (z as u64).wrapping_mul(0x1656_67b1_9e37_79f9);
+    h = (h ^ (h >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    h = (h ^ (h >> 29)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+    h ^ (h >> 32)
+}
+
+/// A number from 0 to 1 for an integer place.
+pub(crate) fn unit(seed: u64, x: i64, y: i64, z: i64) -> f64 {
+    (hash(seed, x, y, z) >> 11) as f64 / 9_007_199_254_740_992.0
+}
+
+/// 3t² − 2t³ between two edges.
+pub(crate) fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A smooth function of one number: −1 to 1, with features as wide as 1.
+pub(crate) fn line(seed: u64, x: f64) -> f64 {
+    let cell = x.floor();
+    let f = x - cell;
+    let s = f * f * (3.0 - 2.0 * f);
+    let [a, b] = [0, 1].map(|i| unit(seed, cell as i64 + i, 0, 0) * 2.0 - 1.0);
+    a + (b - a) * s
+}
+
+/// Noise in space: value (about −1 to 1, mean 0) and its gradient. Features are as wide as 1. With `period` > 0 it
+/// repeats along z after that many cells.
+pub(crate) fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
+    let cell = p.floor();
+    let f = p - cell;
+    let [x, y, z] = cell.to_array().map(|c| c as i64);
+    let (z0, z1) = if period > 0 {
+        (z.rem_euclid(period), (z + 1).rem_euclid(period))
+    } else {
+        (z, z + 1)
+    };
+    // Quintic fade: second derivatives are continuous, so relief shows no lattice.
+    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
+    let corner = |i: i64, j: i64, k: i64| {
+        let h = hash(seed, x + i, y + j, if k == 0 { z0 } else { z1 });
+        let part = |shift: u32| ((h >> shift) & 0xffff) as f64 * (2.0 / 65_535.0) - 1.0;
+        let g = DVec3::new(part(0), part(16), part(32));
+        (g, g.dot(f - DVec3::new(i as f64, j as f64, k as f64)))
+    };
+    let mix = |(ga, a): (DVec3, f64), (gb, b): (DVec3, f64), axis: usize| {
+        let mut g = ga + (gb - ga) * s[axis];
+        g[axis] += (b - a) * ds[axis];
+        (g, a + (b - a) * s[axis])
+    };
+    let plane = |k: i64| {
+        let low = mix(corner(0, 0, k), corner(1, 0, k), 0);
+        let high = mix(corner(0, 1, k), corner(1, 1, k), 0);
+        mix(low, high, 1)
+    };
+    let (gradient, value) = mix(plane(0), plane(1), 2);
+    // Gradients fill a cube, so values seldom exceed 0.8.
+    (value * 1.25, gradient * 1.25)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gradient_is_the_slope_and_the_noise_is_smooth_across_cells() {
+        let step = 1e-5;
+        for i in 0..200 {
+            let t = f64::from(i);
+            // Every fourth place lies on a lattice plane.
+            let x = if i % 4 == 0 { t.floor() } else { t * 0.737 };
+            let p = DVec3::new(x, t * 1.31 - 70.0, t * 0.29);
+            let (_, gradient) = space(5, p, 0);
+            for a in 0..3 {
+                let e = DVec3::AXES[a] * step;
+                let slope = (space(5, p + e, 0).0 - space(5, p - e, 0).0) / (2.0 * step);
+                assert!(
+                    (slope - gradient[a]).abs() < 1e-4,
+                    "{slope} is not {} at {p}",
+                    gradient[a]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn values_have_mean_zero_and_stay_in_range() {
+        let (mut sum, mut squares, mut most) = (0.0, 0.0, 0.0f64);
+        let number = 20_000;
+        for i in 0..number {
+            let t = f64::from(i);
+            let (v, _) = space(11, DVec3::new(t * 0.613, t * 0.377, t * 0.219), 0);
+            sum += v;
+            squares += v * v;
+            most = most.max(v.abs());
+        }
+        let mean = sum / f64::from(number);
+        assert!(
+            mean.abs() < 0.02 && most < 1.2,
+            "mean {mean}, largest {most}"
+        );
+        assert!((0.04..0.2).contains(&(squares / f64::from(number))));
+    }
+
+    #[test]
+    fn a_period_repeats() {
+        for i in 0..50 {
+            let p = DVec3::new(f64::from(i) * 0.3, 0.7, f64::from(i) * 0.23 - 4.0);
+            let (a, b) = (space(3, p, 6), space(3, p + DVec3::Z * 6.0, 6));
+            assert!((a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).length() < 1e-12);
+        }
+    }
+}
