@@ -15,9 +15,9 @@ const ALL_AXES_BELOW: usize = 16_384;
 /// Below this many triangles a subtree is not worth a task.
 const TASK: usize = 16_384;
 /// Beyond this depth nodes are halved by number, which bounds the depth and with it the traversal's stack.
-const HALVE_BELOW_DEPTH: usize = 48;
-/// 3 waiting children for each of at most (48 + 31) levels.
-const STACK: usize = 256;
+const HALVE_BELOW_DEPTH: usize = 32;
+/// 3 waiting children for each of at most (32 + 31) levels.
+const STACK: usize = 192;
 /// Relative slack of the slab test that makes it conservative (Ize 2013).
 const SLACK: f32 = 1.000_000_5;
 
@@ -197,7 +197,7 @@ impl Bvh {
                     stack[waiting] = (node.child[c], node.count[c], entries[c]);
                     // The nearest goes on top.
                     let mut at = waiting;
-                    while at > first && stack[at - 1].2 < stack[at].2 {
+                    while !ANY && at > first && stack[at - 1].2 < stack[at].2 {
                         stack.swap(at - 1, at);
                         at -= 1;
                     }
@@ -254,6 +254,7 @@ impl Sheared {
     }
 
     /// Distance and corner weights where the ray meets the triangle, from either side.
+    #[inline(always)]
     fn meet(&self, corners: &[Vec3; 3], reach: f32) -> Option<(f32, [f32; 3])> {
         let [kx, ky, kz] = self.axes;
         let [sx, sy, sz] = self.shear;

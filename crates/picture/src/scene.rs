@@ -65,7 +65,18 @@ pub(crate) struct Seen {
     pub normal: DVec3,
     /// Distance, m; infinite for the background.
     pub distance: f64,
+    /// Whether an item was met, not the floor or the background.
+    pub item: bool,
+    /// Samples behind a mean of many; 1 for one.
+    pub samples: u32,
 }
+
+/// The look of the last surface that a pixel's samples met: the next sample takes it over where it meets nearly the
+/// same place, since detail finer than the pixel is averaged anyway.
+pub(crate) type Remembered = Option<(usize, DVec3, DVec3, Appearance)>;
+
+/// Of this many samples only one asks the shader.
+const SHADE_EVERY: u32 = 3;
 
 /// Colour of the second surface is asked at this multiple of the first one's footprint: detail there is averaged.
 const INDIRECT_FOOTPRINT: f64 = 16.0;
@@ -145,12 +156,15 @@ impl<'a> Scene<'a> {
         background: DVec3,
         sampler: &Sampler,
         light: (usize, f64),
+        remembered: &mut Remembered,
     ) -> Seen {
         let open = Seen {
             light: background,
             color: background,
             normal: -direction,
             distance: f64::INFINITY,
+            item: false,
+            samples: 1,
         };
         // From far away f32 would be too coarse: start at the ball about the scene.
         let ahead = ((self.middle - origin).dot(direction) - self.radius * 1.01).max(0.0);
@@ -164,9 +178,22 @@ impl<'a> Scene<'a> {
                     color: background,
                     normal: studio.up,
                     distance,
+                    item: false,
+                    samples: 1,
                 });
         };
-        let look = tamed(self.items[item].shader.shade(&hit), &hit);
+        let look = match remembered {
+            Some((of, place, side, look))
+                if sampler.index % SHADE_EVERY != 0
+                    && *of == item
+                    && place.distance(hit.position) < hit.footprint
+                    && side.dot(hit.geometric_normal) > 0.985 =>
+            {
+                *look
+            }
+            _ => tamed(self.items[item].shader.shade(&hit), &hit),
+        };
+        *remembered = Some((item, hit.position, hit.geometric_normal, look));
         let surface = Surface {
             look: &look,
             position: hit.position,
@@ -186,6 +213,8 @@ impl<'a> Scene<'a> {
             color: DVec3::from_array(look.color),
             normal: look.normal,
             distance: distance + ahead,
+            item: true,
+            samples: 1,
         }
     }
 
@@ -266,8 +295,8 @@ impl<'a> Scene<'a> {
             let cosine = toward_lamp.dot(studio.up).max(0.0);
             light_there += luminance(lamp.irradiance) * cosine * light.1;
         }
-        // What hides the sky is itself not black.
-        let hidden = if free(out) { 1.0 } else { 0.25 };
+        // What hides the sky is itself not quite black.
+        let hidden = if free(out) { 1.0 } else { 0.1 };
         light_there += luminance(studio.sky(out)) * PI * hidden;
         let keep = away.max(0.0);
         let keep = keep * keep * (3.0 - 2.0 * keep);
@@ -401,7 +430,7 @@ mod tests {
                 let ray = (from, (to - from).normalize());
                 luminance(
                     scene
-                        .see(studio, ray, 1e-4, DVec3::ONE, &sampler, (0, 1.0))
+                        .see(studio, ray, 1e-4, DVec3::ONE, &sampler, (0, 1.0), &mut None)
                         .light,
                 )
             })

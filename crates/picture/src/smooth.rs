@@ -19,15 +19,19 @@ const DISTANCE: f64 = 3.0;
 /// Colours darker than this are not divided by.
 const DARKEST: f64 = 0.02;
 
-/// Smooths the pixels' means of `samples` samples; `pixel` is the size of a pixel one metre ahead, m.
-pub(crate) fn smooth(seen: &[Seen], width: usize, pixel: f64, samples: u32) -> Vec<DVec3> {
+/// Smooths the pixels' means; `pixel` is the size of a pixel one metre ahead, m.
+pub(crate) fn smooth(seen: &[Seen], width: usize, pixel: f64) -> Vec<DVec3> {
     let height = seen.len() / width;
     let divisor = |s: &Seen| s.color.max(DVec3::splat(DARKEST));
     let mut light: Vec<DVec3> = seen.iter().map(|s| s.light / divisor(s)).collect();
-    let tolerance = BRIGHTNESS / f64::from(samples).sqrt();
     for (pass, step) in STEPS.into_iter().enumerate() {
-        // Each pass has taken noise out, so less of a difference is noise in the next.
-        let tolerance = tolerance / f64::from(1u32 << pass);
+        // The first pass goes by shape alone, so that single stray pixels dissolve. Each pass takes noise out, so
+        // less of a difference is noise in the next.
+        let tolerance = if pass == 0 {
+            f64::INFINITY
+        } else {
+            BRIGHTNESS / f64::from(1u32 << (pass - 1))
+        };
         light = (0..height)
             .into_par_iter()
             .flat_map_iter(|y| {
@@ -57,6 +61,7 @@ fn tap(
     if !here.distance.is_finite() {
         return light[centre];
     }
+    let tolerance = tolerance / f64::from(here.samples.max(1)).sqrt();
     let brightness = crate::light::luminance(light[centre]) + 1e-3;
     let (mut sum, mut total) = (DVec3::ZERO, 0.0);
     for (j, row) in KERNEL.iter().enumerate() {
@@ -71,7 +76,7 @@ fn tap(
             }
             let index = b as usize * width + a as usize;
             let there = &seen[index];
-            if !there.distance.is_finite() {
+            if !there.distance.is_finite() || there.item != here.item {
                 continue;
             }
             let apart = ((i as i64 - 2).abs() + (j as i64 - 2).abs()) as f64 * step as f64 + 1.0;

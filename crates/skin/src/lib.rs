@@ -1,2 +1,4 @@
-//! x
+//! Closed, textured meshes from what fracture produces.
 #![deny(missing_docs)]
+
+pub mod texture;
