@@ -4,7 +4,7 @@
 //! Coordinates are `f32` relative to the scene's middle. Triangles are met by the watertight test of Woop, Benthin
 //! and Wald (2013): no ray slips between two triangles that share an edge.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Triangles in a leaf at most, unless they cannot be told apart.
 const LEAF: usize = 4;
@@ -20,6 +20,9 @@ const HALVE_BELOW_DEPTH: usize = 32;
 const STACK: usize = 192;
 /// Relative slack of the slab test that makes it conservative (Ize 2013).
 const SLACK: f32 = 1.000_000_5;
+
+/// Components of a direction are taken to be at least this far from zero.
+const LEAST_DIRECTION: f32 = 1e-18;
 
 /// A ray; `direction` need not have unit length, distances are in units of it.
 #[derive(Debug, Clone, Copy)]
@@ -97,8 +100,8 @@ struct Binary {
 /// start at `child`. Absent children have empty boxes, which no ray meets.
 #[derive(Clone, Copy)]
 struct Node {
-    low: [[f32; 4]; 3],
-    high: [[f32; 4]; 3],
+    low: [Vec4; 3],
+    high: [Vec4; 3],
     child: [u32; 4],
     count: [u32; 4],
 }
@@ -151,7 +154,14 @@ impl Bvh {
     }
 
     fn traverse<const ANY: bool>(&self, ray: &Ray) -> Option<Meeting> {
-        let inverse = ray.direction.to_array().map(|d| 1.0 / d);
+        // Directions along an axis are tilted by nothing that shows: zero times infinity would be no number.
+        let inverse = ray.direction.to_array().map(|d| {
+            1.0 / if d.abs() < LEAST_DIRECTION {
+                LEAST_DIRECTION.copysign(d)
+            } else {
+                d
+            }
+        });
         let origin = ray.origin.to_array();
         let sheared = Sheared::new(ray);
         let mut best: Option<Meeting> = None;
@@ -191,18 +201,20 @@ impl Bvh {
             }
             let node = &self.nodes[child as usize];
             let (entries, exits) = slabs(node, origin, inverse, reach);
+            let mut open = entries.cmple(exits).bitmask();
+            let entries = entries.to_array();
             let first = waiting;
-            for c in 0..4 {
-                if entries[c] <= exits[c] {
-                    stack[waiting] = (node.child[c], node.count[c], entries[c]);
-                    // The nearest goes on top.
-                    let mut at = waiting;
-                    while !ANY && at > first && stack[at - 1].2 < stack[at].2 {
-                        stack.swap(at - 1, at);
-                        at -= 1;
-                    }
-                    waiting += 1;
+            while open != 0 {
+                let c = open.trailing_zeros() as usize;
+                open &= open - 1;
+                stack[waiting] = (node.child[c], node.count[c], entries[c]);
+                // The nearest goes on top; where any will do the order is all the same.
+                let mut at = waiting;
+                while !ANY && at > first && stack[at - 1].2 < stack[at].2 {
+                    stack.swap(at - 1, at);
+                    at -= 1;
                 }
+                waiting += 1;
             }
         }
         best
@@ -211,21 +223,18 @@ impl Bvh {
 
 /// Where the ray enters and leaves the four boxes of a node.
 #[inline(always)]
-fn slabs(node: &Node, origin: [f32; 3], inverse: [f32; 3], reach: f32) -> ([f32; 4], [f32; 4]) {
-    let mut entries = [0.0f32; 4];
-    let mut exits = [reach; 4];
+fn slabs(node: &Node, origin: [f32; 3], inverse: [f32; 3], reach: f32) -> (Vec4, Vec4) {
+    let mut entries = Vec4::ZERO;
+    let mut exits = Vec4::splat(reach);
     for a in 0..3 {
         let (near, far) = if inverse[a] < 0.0 {
-            (&node.high[a], &node.low[a])
+            (node.high[a], node.low[a])
         } else {
-            (&node.low[a], &node.high[a])
+            (node.low[a], node.high[a])
         };
-        for c in 0..4 {
-            entries[c] = greater((near[c] - origin[a]) * inverse[a], entries[c]);
-        }
-        for c in 0..4 {
-            exits[c] = lesser((far[c] - origin[a]) * inverse[a] * SLACK, exits[c]);
-        }
+        let (o, i) = (Vec4::splat(origin[a]), Vec4::splat(inverse[a]));
+        entries = ((near - o) * i).max(entries);
+        exits = ((far - o) * i * SLACK).min(exits);
     }
     (entries, exits)
 }
@@ -457,8 +466,8 @@ fn collapse(binary: &[Binary], root: usize, nodes: &mut Vec<Node>) -> u32 {
     }
     let at = nodes.len();
     nodes.push(Node {
-        low: [[f32::INFINITY; 4]; 3],
-        high: [[f32::NEG_INFINITY; 4]; 3],
+        low: [Vec4::INFINITY; 3],
+        high: [Vec4::NEG_INFINITY; 3],
         child: [0; 4],
         count: [0; 4],
     });

@@ -39,7 +39,7 @@ impl Default for PictureOptions {
         PictureOptions {
             width: 1200,
             height: 900,
-            samples: 24,
+            samples: 16,
             view: View::Automatic,
             zoom: None,
             up: DVec3::Y,
@@ -91,11 +91,7 @@ fn take(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let PictureOptions {
-        width,
-        height,
-        ..
-    } = *options;
+    let PictureOptions { width, height, .. } = *options;
     context.step("picture", 0.0)?;
     let points = world_points(items)?;
     let camera = Camera::new(
@@ -159,7 +155,6 @@ fn look(
     };
     let digits = (32 - (samples - 1).leading_zeros()).max(1);
     let mut sum = Seen::default();
-    let mut nearest = f64::INFINITY;
     let mut remembered = None;
     for index in 0..samples {
         if index == BACKGROUND_SAMPLES && !sum.item {
@@ -196,14 +191,15 @@ fn look(
         sum.normal += s.normal;
         sum.item |= s.item;
         sum.samples += 1;
-        nearest = nearest.min(s.distance);
+        // A pixel on an edge lies between the two surfaces, so that smoothing takes it for neither.
+        sum.distance += s.distance;
     }
     let mean = 1.0 / f64::from(sum.samples);
     Seen {
         light: sum.light * mean,
         color: sum.color * mean,
         normal: sum.normal * mean,
-        distance: nearest,
+        distance: sum.distance * mean,
         ..sum
     }
 }

@@ -106,10 +106,10 @@ fn left_of(size: f64, footprint: f64) -> f64 {
 
 /// Fibre bundles, slivers and fibres: width (m), share of the brightness, relief (m). Lengths are [`STRETCH`] widths.
 const STREAKS: [(f64, f64, f64); 4] = [
-    (5.0e-3, 0.07, 110e-6),
-    (1.3e-3, 0.10, 60e-6),
-    (0.35e-3, 0.13, 28e-6),
-    (0.10e-3, 0.12, 9e-6),
+    (5.0e-3, 0.10, 120e-6),
+    (1.3e-3, 0.17, 90e-6),
+    (0.35e-3, 0.24, 48e-6),
+    (0.10e-3, 0.24, 16e-6),
 ];
 /// Length of a streak in widths: fibres are 40 to 100 times longer than wide.
 const STRETCH: f64 = 40.0;
@@ -149,12 +149,12 @@ impl WoodAppearance {
             heartwood: 0.38,
             phloem: 0.93,
             cork: 0.965,
-            sapwood_color: srgb([222, 190, 142]),
+            sapwood_color: srgb([224, 194, 150]),
             latewood_color: srgb([168, 118, 70]),
             heartwood_color: srgb([196, 147, 98]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([138, 84, 54]),
-            cork_color: srgb([84, 58, 42]),
+            phloem_color: srgb([128, 88, 58]),
+            cork_color: srgb([80, 60, 46]),
             latewood: 0.85,
             latewood_width: 0.5,
             ring_porous: false,
@@ -237,6 +237,16 @@ impl WoodAppearance {
         slope += DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * late_slope);
         let mut roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streak.abs();
 
+        let soft = (footprint / self.radius).max(0.004);
+        let outer = at.ring > self.phloem - soft - 0.01;
+        if !outer && at.ring > self.pith * 1.15 + soft + 0.01 {
+            return WoodSurface {
+                color: color.clamp(DVec3::splat(0.004), DVec3::ONE).to_array(),
+                roughness: roughness.clamp(0.3, 1.0),
+                height,
+                slope,
+            };
+        }
         let (long, period) = self.cells(8e-3);
         let scale = DVec3::new(900.0, 900.0, 1.0 / long);
         let ragged = space(self.seed ^ SPECK, place * scale, period).0;
@@ -247,7 +257,6 @@ impl WoodAppearance {
             (self.cork, self.cork_color, 0.42),
         ] {
             // The pith lies below its edge, the barks above theirs.
-            let soft = (footprint / self.radius).max(0.004);
             let wavy = 0.008 * ragged;
             let inside = if edge < 0.0 {
                 1.0 - smoothstep(
@@ -525,9 +534,9 @@ impl BarkAppearance {
     /// Bark of a branch or a young stem of the given radius (m): fine cracks and lenticels.
     pub fn young(radius: f64) -> Self {
         BarkAppearance {
-            ridge_color: srgb([126, 108, 90]),
-            furrow_color: srgb([70, 52, 40]),
-            furrow_width: (radius * 0.22).clamp(1e-3, 0.02),
+            ridge_color: srgb([132, 112, 92]),
+            furrow_color: srgb([84, 62, 47]),
+            furrow_width: (radius * 0.14).clamp(8e-4, 0.015),
             furrow_depth: (radius * 0.02).clamp(1e-4, 2e-3),
             lenticels: 0.5,
             seed: 0,
@@ -547,43 +556,51 @@ impl BarkAppearance {
     }
 }
 
+/// Furrows of three orders: distance in widths, length in distances, share of the depth.
+const FURROWS: [(f64, f64, f64); 3] = [(1.0, 6.0, 1.0), (0.45, 3.5, 0.55), (0.17, 2.2, 0.35)];
+/// Flakes, scales and dust between them: size in furrow widths, length in sizes, share of the brightness.
+const ROUGH: [(f64, f64, f64); 4] = [
+    (1.7, 2.0, 0.18),
+    (0.5, 1.6, 0.22),
+    (0.16, 1.3, 0.26),
+    (0.055, 1.0, 0.24),
+];
+
 /// What bark looks like at a place; detail finer than `footprint` (m) is averaged. `slope` is along x and y of the
 /// section and along the stem, as for wood.
 pub fn bark(look: &BarkAppearance, at: &BarkPoint, footprint: f64) -> WoodSurface {
     let (sine, cosine) = libm::sincos(at.angle);
     let place = DVec3::new(cosine * at.radius, sine * at.radius, at.along);
-    let width = look.furrow_width;
     let seed = look.seed ^ 0xba7c;
-    // Furrows fork and wander: the place is shifted sideways by slow noise before they are cut.
-    let (shift, _) = space(seed, place * DVec3::new(0.4, 0.4, 0.22) / width, 0);
-    let scale = DVec3::new(1.0, 1.0, 0.16) / width;
-    let (v, g) = space(
-        seed ^ 1,
-        (place + DVec3::new(shift, -shift, 0.0) * width * 0.6) * scale,
-        0,
-    );
-    let keep = left_of(width, footprint);
-    let edge = 0.20;
-    let x = (v.abs() / edge).min(1.0);
-    let ridge = mix_scalar(0.75, x * x * (3.0 - 2.0 * x), keep);
-    let mut height = look.furrow_depth * (ridge - 1.0);
-    let steep = if v.abs() < edge {
-        6.0 * x * (1.0 - x) / edge * v.signum()
-    } else {
-        0.0
-    };
-    let mut slope = g * scale * (steep * look.furrow_depth * keep);
+    let width = look.furrow_width;
+    let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
+    for (i, (size, stretch, share)) in FURROWS.into_iter().enumerate() {
+        let size = size * width;
+        let keep = left_of(size, footprint);
+        // Furrows wander: the place is shifted sideways by slower noise before they are cut.
+        let seed = seed ^ ((i as u64 + 1) << 16);
+        let (shift, _) = space(seed ^ 1, place * DVec3::new(0.9, 0.9, 0.35) / size, 0);
+        let shifted = place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
+        let scale = DVec3::new(1.0, 1.0, 1.0 / stretch) / size;
+        let (v, g) = space(seed, shifted * scale, 0);
+        // A furrow runs where the noise changes sign; how wide it gapes changes along it.
+        let (gape, _) = space(seed ^ 2, place * DVec3::new(0.7, 0.7, 0.3) / size, 0);
+        let edge = 0.17 * (1.0 + 1.1 * gape).max(0.12);
+        let x = (v.abs() / edge).min(1.0);
+        let open = mix_scalar(0.78, x * x * (3.0 - 2.0 * x), keep);
+        ridge *= 1.0 - share * (1.0 - open);
+        let steep = if v.abs() < edge {
+            6.0 * x * (1.0 - x) / edge * v.signum()
+        } else {
+            0.0
+        };
+        let depth = look.furrow_depth * share;
+        height += depth * (open - 1.0);
+        slope += g * scale * (steep * depth * keep);
+    }
     let mut shade = 0.0;
-    for (i, (size, stretch, share)) in [
-        (1.6, 2.0, 0.16),
-        (0.42, 1.6, 0.20),
-        (0.12, 1.3, 0.20),
-        (0.035, 1.0, 0.16),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let size: f64 = size * width;
+    for (i, (size, stretch, share)) in ROUGH.into_iter().enumerate() {
+        let size = size * width;
         let keep = left_of(size, footprint);
         if keep == 0.0 {
             break;
@@ -591,7 +608,7 @@ pub fn bark(look: &BarkAppearance, at: &BarkPoint, footprint: f64) -> WoodSurfac
         let scale = DVec3::new(1.0, 1.0, 1.0 / stretch) / size;
         let (v, g) = space(seed ^ ((i as u64 + 2) << 8), place * scale, 0);
         shade += v * share * keep;
-        let relief = 0.10 * size.min(look.furrow_depth * 4.0) * keep;
+        let relief = 0.16 * size.min(look.furrow_depth * 4.0) * keep;
         height += v * relief;
         slope += g * scale * relief;
     }
@@ -754,7 +771,7 @@ mod tests {
             };
             let slope = (height(along + 1e-7).height - height(along - 1e-7).height) / 2e-7;
             // The sideways shift of the furrows is left out of the bark's slope.
-            assert!((slope - height(along).slope.z).abs() < 0.4, "{slope}");
+            assert!((slope - height(along).slope.z).abs() < 0.6, "{slope}");
         }
     }
 
