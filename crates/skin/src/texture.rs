@@ -66,7 +66,7 @@ pub fn bake(
     appearance: &WoodAppearance,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
-    if !(LEAST..=MOST).contains(&size) || size % 2 != 0 {
+    if !(LEAST..=MOST).contains(&size) || !size.is_multiple_of(2) {
         return Err(TextureError::Size { size });
     }
     if !(width.is_finite() && width > 0.0) {
