@@ -93,25 +93,44 @@ pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heig
             let zone = p.proportions().zone_at(rho, 0.5 / rings);
             let unit = unit(rho, phi);
             let across = (at - pith) / setting.radius;
-            let key = if rho >= 1.0 { (1 << 40) + (wrap(phi) * 1e6) as i64 } else { n as i64 };
+            let key = if rho >= 1.0 {
+                (1 << 40) + (wrap(phi) * 1e6) as i64
+            } else {
+                n as i64
+            };
             maker.published(across, unit, rho, phi, zone, key) + maker.thorn(rho, phi, zone, key)
         })
         .collect();
-    let corners = bundles.layout.facets.iter().map(|f| f.map(|n| heights[n as usize])).collect();
+    let corners = bundles
+        .layout
+        .facets
+        .iter()
+        .map(|f| f.map(|n| heights[n as usize]))
+        .collect();
     finish(bundles, corners, setting, Vec::new())
 }
 
 /// Heights of the fibrous surface: one level per bundle, torn at its border, with a tip.
 pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
     let maker = Maker::new(p, setting);
-    let pith = bundles.bundles.first().map_or(DVec2::ZERO, |_| bundles.layout.nodes[0]);
-    let levels: Vec<Level> =
-        bundles.bundles.iter().enumerate().map(|(i, b)| maker.level(i, b, bundles, pith)).collect();
+    let pith = bundles
+        .bundles
+        .first()
+        .map_or(DVec2::ZERO, |_| bundles.layout.nodes[0]);
+    let levels: Vec<Level> = bundles
+        .bundles
+        .iter()
+        .enumerate()
+        .map(|(i, b)| maker.level(i, b, bundles, pith))
+        .collect();
     let thorns = levels
         .iter()
         .enumerate()
         .filter(|(_, l)| l.thorn > 0.0)
-        .map(|(i, l)| Thorn { bundle: i as u32, length: l.thorn * setting.radius })
+        .map(|(i, l)| Thorn {
+            bundle: i as u32,
+            length: l.thorn * setting.radius,
+        })
         .collect();
     let corners = bundles
         .layout
@@ -175,7 +194,15 @@ impl<'a> Maker<'a> {
     }
 
     /// Inclination, layers, Perlin and white noise: Eqs. 1 to 5. `across` is in radii, `unit` in ring coordinates.
-    fn published(&self, across: DVec2, unit: DVec2, rho: f64, phi: f64, zone: Zone, key: i64) -> f64 {
+    fn published(
+        &self,
+        across: DVec2,
+        unit: DVec2,
+        rho: f64,
+        phi: f64,
+        zone: Zone,
+        key: i64,
+    ) -> f64 {
         let degrees = phi.to_degrees();
         let mut height = across.dot(self.tilt);
         if self.high.contains(degrees, rho) {
@@ -211,14 +238,24 @@ impl<'a> Maker<'a> {
     /// Length of the thorn at a place, 0 for none: Eq. 8 with P the probability of a thorn.
     fn thorn(&self, rho: f64, phi: f64, zone: Zone, key: i64) -> f64 {
         let (length, probability) = if self.ductile.contains(phi.to_degrees(), rho) {
-            (self.p.ductile.thorn_length, self.p.ductile.thorn_probability)
+            (
+                self.p.ductile.thorn_length,
+                self.p.ductile.thorn_probability,
+            )
         } else {
-            (self.p.brittle.thorn_length, self.p.brittle.thorn_probability)
+            (
+                self.p.brittle.thorn_length,
+                self.p.brittle.thorn_probability,
+            )
         };
         let tissue = self.p.zone(zone);
         let draw = |purpose: u64, length: f64, probability: f64| {
             let meets = noise::unit(self.seed(purpose), key, 0, 0) < probability;
-            if meets { length * noise::unit(self.seed(purpose::LENGTH), key, purpose as i64, 0) } else { 0.0 }
+            if meets {
+                length * noise::unit(self.seed(purpose::LENGTH), key, purpose as i64, 0)
+            } else {
+                0.0
+            }
         };
         draw(purpose::THORN, length, probability).max(draw(
             purpose::ZONE_THORN,
@@ -249,21 +286,39 @@ impl<'a> Maker<'a> {
         let relief = self.setting.relief;
         let shelf = self.off_shelf(unit);
         // Torn wood stands free within a tenth of a radius of the shelf's edge.
-        let torn = if p.compression_shelf > 0.0 { noise::smoothstep(-0.05, 0.1, shelf) } else { 1.0 };
+        let torn = if p.compression_shelf > 0.0 {
+            noise::smoothstep(-0.05, 0.1, shelf)
+        } else {
+            1.0
+        };
         let slab = self.slabs.at(rho, bundle.phi);
         let random = |purpose: u64, a: i64, b: i64| noise::unit(self.seed(purpose), a, b, 0);
         if bundle.bark {
             let edge = self.bark_edge(bundle.phi);
             let wood = p.slab_height * relief * torn * self.slabs.at(0.97, bundle.phi).height;
             let base = published + wood + p.bark_offset + p.bark_height * edge;
-            return Level { base, tip: base, thorn: 0.0, fibre: 0.3 * p.bark_height, middle, slant: DVec2::ZERO };
+            return Level {
+                base,
+                tip: base,
+                thorn: 0.0,
+                fibre: 0.3 * p.bark_height,
+                middle,
+                slant: DVec2::ZERO,
+            };
         }
         // Slivers: a few bundles side by side share one height; short ones are common, long ones rare.
-        let group = random(purpose::GROUP, i64::from(bundle.ring / 2), i64::from(bundle.sector / 3));
+        let group = random(
+            purpose::GROUP,
+            i64::from(bundle.ring / 2),
+            i64::from(bundle.sector / 3),
+        );
         let own = random(purpose::SLIVER, key, 0);
         let sliver = 0.75 * (group * group - 0.33) + 0.5 * (own * own * own - 0.25);
         let along_ring = bundle.phi * 0.8;
-        let step = noise::line(self.seed(purpose::STEP) + u64::from(bundle.ring), along_ring);
+        let step = noise::line(
+            self.seed(purpose::STEP) + u64::from(bundle.ring),
+            along_ring,
+        );
         let torn_height = relief
             * (p.slab_height * slab.height + p.sliver_height * sliver * slab.splinters)
             + p.step_height * step;
@@ -279,7 +334,14 @@ impl<'a> Maker<'a> {
         } else {
             base + fibre * (0.4 + 1.6 * own)
         };
-        Level { base, tip, thorn, fibre, middle, slant: slant + self.tilt }
+        Level {
+            base,
+            tip,
+            thorn,
+            fibre,
+            middle,
+            slant: slant + self.tilt,
+        }
     }
 
     /// Edge of the bark around the stem: wide flaps with narrow teeth between furrows, about −1 to 1.
@@ -287,7 +349,9 @@ impl<'a> Maker<'a> {
         let seed = self.seed(purpose::BARK);
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| unit(scale, phi);
-        0.7 * noise::plane(seed, on(1.3)) + 0.5 * noise::plane(seed + 1, on(4.0)) + 0.3 * noise::plane(seed + 2, on(12.0))
+        0.7 * noise::plane(seed, on(1.3))
+            + 0.5 * noise::plane(seed + 1, on(4.0))
+            + 0.3 * noise::plane(seed + 2, on(12.0))
     }
 
     /// Depth of the split between the tension and the compression side.
@@ -302,15 +366,18 @@ impl<'a> Maker<'a> {
 
     /// Height at a corner of a bundle's border.
     fn border(&self, level: &Level, cell: u32, node: u32, bundles: &Bundles, pith: DVec2) -> f64 {
-        let key = |purpose: u64| noise::unit(self.seed(purpose), i64::from(cell), i64::from(node), 3);
+        let key =
+            |purpose: u64| noise::unit(self.seed(purpose), i64::from(cell), i64::from(node), 3);
         let at = bundles.layout.nodes[node as usize];
         let (_, phi) = bundles.addresses[node as usize];
         let slope = level.slant.dot(at - level.middle) / self.setting.radius;
         if bundles.bundles[cell as usize].bark {
             // Nodes beyond the bark repeat the heights of those below them, so that the edge runs straight outwards.
             let unit = unit(1.0, phi);
-            let edge = self.p.bark_height * (self.bark_edge(phi) - self.bark_edge(bundles.bundles[cell as usize].phi));
-            let lean = (unit * self.setting.radius - (level.middle - pith)).dot(self.tilt) / self.setting.radius;
+            let edge = self.p.bark_height
+                * (self.bark_edge(phi) - self.bark_edge(bundles.bundles[cell as usize].phi));
+            let lean = (unit * self.setting.radius - (level.middle - pith)).dot(self.tilt)
+                / self.setting.radius;
             return level.base + edge + lean;
         }
         if level.thorn > 0.0 {
@@ -327,9 +394,20 @@ const FREE: f64 = 0.75;
 const MOST: f64 = 0.97;
 
 /// Places heights (in radii) along the axis and bends those that would leave the stem back into it, keeping their order.
-fn finish(bundles: &Bundles, mut corners: Vec<[f64; 3]>, setting: &Setting, thorns: Vec<Thorn>) -> Heights {
-    let (below, above) = (setting.place - setting.usable.0, setting.usable.1 - setting.place);
-    let (mut wanted, mut range) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+fn finish(
+    bundles: &Bundles,
+    mut corners: Vec<[f64; 3]>,
+    setting: &Setting,
+    thorns: Vec<Thorn>,
+) -> Heights {
+    let (below, above) = (
+        setting.place - setting.usable.0,
+        setting.usable.1 - setting.place,
+    );
+    let (mut wanted, mut range) = (
+        [f64::INFINITY, f64::NEG_INFINITY],
+        [f64::INFINITY, f64::NEG_INFINITY],
+    );
     let mut limited = 0;
     for height in corners.iter_mut().flatten() {
         let h = *height * setting.radius;
@@ -347,7 +425,10 @@ fn finish(bundles: &Bundles, mut corners: Vec<[f64; 3]>, setting: &Setting, thor
         *height = setting.place + h;
     }
     Heights {
-        surface: Surface { layout: bundles.layout.clone(), heights: corners },
+        surface: Surface {
+            layout: bundles.layout.clone(),
+            heights: corners,
+        },
         limited,
         wanted: (wanted[0], wanted[1]),
         range: (range[0], range[1]),

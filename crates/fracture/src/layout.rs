@@ -88,7 +88,11 @@ const TURN: f64 = 0.011_318_29;
 /// The published grid: a fan about the pith, then rings of quadrangles, each parted in two.
 pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     let (rings, sectors) = (options.rings, options.sectors);
-    let mut maker = Maker { field, nodes: Vec::new(), addresses: Vec::new() };
+    let mut maker = Maker {
+        field,
+        nodes: Vec::new(),
+        addresses: Vec::new(),
+    };
     let inner = options.reach.0.max(0.0);
     let around = options.arc.is_none();
     let (start, step) = match options.arc {
@@ -111,7 +115,8 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
             maker.node(rho(i), start + step * j as f64);
         }
     }
-    let id = |i: usize, j: usize| (usize::from(around) + (i - first) * columns + j % columns) as u32;
+    let id =
+        |i: usize, j: usize| (usize::from(around) + (i - first) * columns + j % columns) as u32;
     for i in 0..=rings {
         for j in 0..sectors {
             let cell = bundles.len() as u32;
@@ -136,7 +141,12 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     }
     let tips = vec![crate::surface::NONE; bundles.len()];
     let layout = Layout::new(maker.nodes, facets, cells);
-    Bundles { layout: Arc::new(layout), bundles, addresses: maker.addresses, tips }
+    Bundles {
+        layout: Arc::new(layout),
+        bundles,
+        addresses: maker.addresses,
+        tips,
+    }
 }
 
 /// A ring of bundles between two boundaries.
@@ -154,7 +164,11 @@ pub fn fibrous(field: &RingField, options: &LayoutOptions) -> Bundles {
     let mut irregular = 1.0;
     loop {
         let made = fibrous_with(field, options, irregular);
-        let sound = made.layout.facets.iter().all(|f| area(*f, &made.layout.nodes) > 0.0);
+        let sound = made
+            .layout
+            .facets
+            .iter()
+            .all(|f| area(*f, &made.layout.nodes) > 0.0);
         if sound || irregular < 0.05 {
             return made;
         }
@@ -164,22 +178,45 @@ pub fn fibrous(field: &RingField, options: &LayoutOptions) -> Bundles {
 
 fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> Bundles {
     let bands = bands(options, irregular);
-    let mut maker = Maker { field, nodes: Vec::new(), addresses: Vec::new() };
+    let mut maker = Maker {
+        field,
+        nodes: Vec::new(),
+        addresses: Vec::new(),
+    };
     let around = options.arc.is_none();
-    let mut build = Build { facets: Vec::new(), cells: Vec::new(), bundles: Vec::new(), tips: Vec::new() };
+    let mut build = Build {
+        facets: Vec::new(),
+        cells: Vec::new(),
+        bundles: Vec::new(),
+        tips: Vec::new(),
+    };
     // The innermost bundle of a round stem surrounds the pith: its inner boundary is that one node.
     let mut inner = if around {
-        Boundary { nodes: vec![(0.0, maker.node(0.0, 0.0))], ends: [Vec::new(), vec![0]] }
+        Boundary {
+            nodes: vec![(0.0, maker.node(0.0, 0.0))],
+            ends: [Vec::new(), vec![0]],
+        }
     } else {
         boundary(&mut maker, options, None, Some(&bands[0]), (0, irregular))
     };
     for (i, band) in bands.iter().enumerate() {
-        let outer = boundary(&mut maker, options, Some(band), bands.get(i + 1), (i + 1, irregular));
+        let outer = boundary(
+            &mut maker,
+            options,
+            Some(band),
+            bands.get(i + 1),
+            (i + 1, irregular),
+        );
         fill_band(&mut maker, &mut build, band, i, &inner, &outer, around);
         inner = outer;
     }
     let layout = Layout::new(maker.nodes, build.facets, build.cells);
-    Bundles { layout: Arc::new(layout), bundles: build.bundles, addresses: maker.addresses, tips: build.tips }
+    Bundles {
+        layout: Arc::new(layout),
+        bundles: build.bundles,
+        addresses: maker.addresses,
+        tips: build.tips,
+    }
 }
 
 struct Build {
@@ -194,9 +231,15 @@ const FEWEST: usize = 5;
 
 fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
     let around = options.arc.is_none();
-    let start = if around { 0.0 } else { options.reach.0.max(0.0) };
+    let start = if around {
+        0.0
+    } else {
+        options.reach.0.max(0.0)
+    };
     let rings = options.rings.max(2);
-    let wood = options.bark.map_or(options.reach.1, |b| b.clamp(start + 0.05, 1.0));
+    let wood = options
+        .bark
+        .map_or(options.reach.1, |b| b.clamp(start + 0.05, 1.0));
     // Uneven ring boundaries: thin bands beside thick ones, as growth has it.
     let mut bounds = vec![start];
     for i in 0..rings {
@@ -216,8 +259,16 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
         .map(|i| {
             let between = (bounds[i], bounds[i + 1]);
             let bark = i == rings;
-            let middle = if bark { 1.0 } else { (between.0 + between.1) / 2.0 };
-            let thickness = if bark { 1.0 / rings as f64 } else { between.1 - between.0 };
+            let middle = if bark {
+                1.0
+            } else {
+                (between.0 + between.1) / 2.0
+            };
+            let thickness = if bark {
+                1.0 / rings as f64
+            } else {
+                between.1 - between.0
+            };
             // Equal areas: a thicker ring has fewer, wider … and so more numerous, shorter bundles.
             let share = middle * (thickness * rings as f64 / (wood - start)).sqrt();
             let wanted = (options.sectors as f64 * share).round() as usize;
@@ -226,7 +277,11 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
                 1 if around => wanted.clamp(FEWEST, 9),
                 _ => wanted.max(if around { FEWEST } else { 3 }),
             };
-            Band { between, walls: walls(options, i, count, (low, high), irregular), bark }
+            Band {
+                between,
+                walls: walls(options, i, count, (low, high), irregular),
+                bark,
+            }
         })
         .collect()
 }
@@ -241,8 +296,13 @@ fn walls(
 ) -> Vec<(f64, f64)> {
     let around = options.arc.is_none();
     let step = (high - low) / count as f64;
-    let random = |what: u64, j: usize| noise::unit(options.seed ^ what, band as i64, j as i64, 1) - 0.5;
-    let shift = if around { TURN + step * (random(purpose::SHIFT, 0) + 0.5) } else { 0.0 };
+    let random =
+        |what: u64, j: usize| noise::unit(options.seed ^ what, band as i64, j as i64, 1) - 0.5;
+    let shift = if around {
+        TURN + step * (random(purpose::SHIFT, 0) + 0.5)
+    } else {
+        0.0
+    };
     if count == 1 && around {
         return vec![(shift, shift)];
     }
@@ -277,12 +337,28 @@ fn boundary(
     let around = options.arc.is_none();
     let mut ends: Vec<(f64, usize, usize)> = Vec::new();
     // Angles from 0 to a turn, so that the ends of both bands sort together.
-    let within = |angle: f64| if around { angle - TAU * (angle / TAU).floor() } else { angle };
+    let within = |angle: f64| {
+        if around {
+            angle - TAU * (angle / TAU).floor()
+        } else {
+            angle
+        }
+    };
     if let Some(band) = inside {
-        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (within(w.1), 0, j)));
+        ends.extend(
+            band.walls
+                .iter()
+                .enumerate()
+                .map(|(j, w)| (within(w.1), 0, j)),
+        );
     }
     if let Some(band) = outside {
-        ends.extend(band.walls.iter().enumerate().map(|(j, w)| (within(w.0), 1, j)));
+        ends.extend(
+            band.walls
+                .iter()
+                .enumerate()
+                .map(|(j, w)| (within(w.0), 1, j)),
+        );
     }
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let width = options.arc.map_or(TAU, |(a, b)| b - a);
@@ -301,11 +377,22 @@ fn boundary(
         .map(|b| b.between.1 - b.between.0)
         .fold(f64::INFINITY, f64::min);
     // Chords must not sag by more than a fraction of the thinner band.
-    let widest = if rho > 0.0 { 2.0 * (0.5 * thin / rho).min(0.5).sqrt() } else { 1.0 };
-    let mut result = Boundary { nodes: Vec::new(), ends: [Vec::new(), Vec::new()] };
+    let widest = if rho > 0.0 {
+        2.0 * (0.5 * thin / rho).min(0.5).sqrt()
+    } else {
+        1.0
+    };
+    let mut result = Boundary {
+        nodes: Vec::new(),
+        ends: [Vec::new(), Vec::new()],
+    };
     result.ends[0] = vec![0; inside.map_or(0, |b| b.walls.len())];
     result.ends[1] = vec![0; outside.map_or(0, |b| b.walls.len())];
-    let jitter = |n: usize| 0.36 * irregular * thin * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5);
+    let jitter = |n: usize| {
+        0.36 * irregular
+            * thin
+            * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)
+    };
     for i in 0..ends.len() {
         let (angle, which, j) = ends[i];
         let joined = !around && result.nodes.last().is_some_and(|n| n.0 == angle);
@@ -340,7 +427,11 @@ impl Boundary {
         if count == 1 {
             return vec![self.nodes[0]];
         }
-        let steps = if around && to <= from { to + count - from } else { to - from };
+        let steps = if around && to <= from {
+            to + count - from
+        } else {
+            to - from
+        };
         (0..=steps)
             .map(|k| {
                 let i = from + k;
@@ -360,7 +451,11 @@ fn fill_band(
     outer: &Boundary,
     around: bool,
 ) {
-    let count = if around { band.walls.len() } else { band.walls.len() - 1 };
+    let count = if around {
+        band.walls.len()
+    } else {
+        band.walls.len() - 1
+    };
     for j in 0..count {
         let cell = build.bundles.len() as u32;
         let (mut low, high) = (inner.run(1, j, around), outer.run(0, j, around));
@@ -368,7 +463,11 @@ fn fill_band(
         low.iter_mut().for_each(|n| n.0 += turns);
         let first = build.facets.len();
         let (from, to) = (high[0].0, high[high.len() - 1].0);
-        let rho = if band.bark { 1.0 } else { (band.between.0 + band.between.1) / 2.0 };
+        let rho = if band.bark {
+            1.0
+        } else {
+            (band.between.0 + band.between.1) / 2.0
+        };
         build.bundles.push(Bundle {
             ring: number as u32,
             sector: j as u32,
@@ -384,7 +483,11 @@ fn fill_band(
             low[0].1
         } else {
             strip(&mut build.facets, &low, &high, &maker.nodes);
-            if band.bark { crate::surface::NONE } else { add_tip(maker, &mut build.facets, first) }
+            if band.bark {
+                crate::surface::NONE
+            } else {
+                add_tip(maker, &mut build.facets, first)
+            }
         };
         build.tips.push(tip);
         build.cells.resize(build.facets.len(), cell);
@@ -401,7 +504,11 @@ fn strip(facets: &mut Vec<[u32; 3]>, low: &[(f64, u32)], high: &[(f64, u32)], no
             (Some(above), Some(below)) => {
                 let (a, b) = (area(above, nodes), area(below, nodes));
                 // Both ways are open: the angle decides.
-                if a > 0.0 && b > 0.0 { high[q + 1].0 <= low[p + 1].0 } else { a > b }
+                if a > 0.0 && b > 0.0 {
+                    high[q + 1].0 <= low[p + 1].0
+                } else {
+                    a > b
+                }
             }
             (above, _) => above.is_some(),
         };
@@ -425,14 +532,19 @@ fn area(facet: [u32; 3], nodes: &[DVec2]) -> f64 {
 fn add_tip(maker: &mut Maker, facets: &mut Vec<[u32; 3]>, first: usize) -> u32 {
     let size = |f: usize| area(facets[f], &maker.nodes);
     let largest = (first..facets.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)));
-    let Some(largest) = largest else { return crate::surface::NONE };
+    let Some(largest) = largest else {
+        return crate::surface::NONE;
+    };
     let [a, b, c] = facets[largest];
     let corners = [a, b, c].map(|n| maker.addresses[n as usize]);
     let near = corners[0].1;
     let wrap = |phi: f64| phi - TAU * ((phi - near) / TAU + 0.5).floor();
     let rho = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
     let phi = (corners.iter().map(|x| wrap(x.1)).sum::<f64>()) / 3.0;
-    let place = (0..3).map(|i| maker.nodes[facets[largest][i] as usize]).sum::<DVec2>() / 3.0;
+    let place = (0..3)
+        .map(|i| maker.nodes[facets[largest][i] as usize])
+        .sum::<DVec2>()
+        / 3.0;
     maker.nodes.push(place);
     maker.addresses.push((rho, phi));
     let tip = maker.nodes.len() as u32 - 1;

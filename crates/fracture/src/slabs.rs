@@ -37,8 +37,16 @@ impl Slabs {
     pub fn new(count: usize, seed: u64) -> Self {
         let seed = seed ^ SEED << 20;
         let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
-        let flat = Slab { height: 0.0, slant: DVec2::ZERO, splinters: 1.0 };
-        let mut regions = vec![Region { rho: (0.0, 1.0), phi: (0.0, TAU), slab: flat }];
+        let flat = Slab {
+            height: 0.0,
+            slant: DVec2::ZERO,
+            splinters: 1.0,
+        };
+        let mut regions = vec![Region {
+            rho: (0.0, 1.0),
+            phi: (0.0, TAU),
+            slab: flat,
+        }];
         let area = |r: &Region| (r.rho.1 * r.rho.1 - r.rho.0 * r.rho.0) * (r.phi.1 - r.phi.0);
         while regions.len() < count {
             let n = regions.len();
@@ -71,7 +79,10 @@ impl Slabs {
                 splinters: 0.4 + 1.2 * random(n, 4),
             };
         }
-        Slabs { regions, turn: TAU * random(0, 9) }
+        Slabs {
+            regions,
+            turn: TAU * random(0, 9),
+        }
     }
 
     /// The slab at a ring coordinate and angle (rad). Its borders are ragged by a few slivers.

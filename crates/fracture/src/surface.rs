@@ -56,16 +56,27 @@ impl Layout {
             for k in 0..3 {
                 let (a, b) = (facet[k], facet[(k + 1) % 3]);
                 let nodes = [a.min(b), a.max(b)];
-                let e = *known.entry(u64::from(nodes[0]) << 32 | u64::from(nodes[1])).or_insert_with(|| {
-                    edges.push(Edge { nodes, facets: [(NONE, 0); 2] });
-                    edges.len() as u32 - 1
-                });
+                let e = *known
+                    .entry(u64::from(nodes[0]) << 32 | u64::from(nodes[1]))
+                    .or_insert_with(|| {
+                        edges.push(Edge {
+                            nodes,
+                            facets: [(NONE, 0); 2],
+                        });
+                        edges.len() as u32 - 1
+                    });
                 edges[e as usize].facets[usize::from(a > b)] = (f as u32, k as u8);
                 side[k] = e;
             }
             sides.push(side);
         }
-        Layout { nodes, facets, cells, sides, edges }
+        Layout {
+            nodes,
+            facets,
+            cells,
+            sides,
+            edges,
+        }
     }
 }
 
@@ -75,7 +86,9 @@ impl Surface {
         self.heights
             .iter()
             .flatten()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| {
+                (low.min(h), high.max(h))
+            })
     }
 
     /// Height of `facet` at the ends of its side `side`, in the order of the edge's nodes.
@@ -83,6 +96,10 @@ impl Surface {
         let (f, k) = (facet as usize, usize::from(side));
         let [a, b] = [self.heights[f][k], self.heights[f][(k + 1) % 3]];
         let nodes = &self.layout.facets[f];
-        if nodes[k] < nodes[(k + 1) % 3] { [a, b] } else { [b, a] }
+        if nodes[k] < nodes[(k + 1) % 3] {
+            [a, b]
+        } else {
+            [b, a]
+        }
     }
 }

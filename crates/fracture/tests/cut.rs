@@ -19,9 +19,14 @@ fn tube(around: usize, along: usize, rough: f64) -> (Vec<[u32; 3]>, Vec<DVec3>) 
     let mut points = Vec::new();
     for k in 0..=along {
         for i in 0..around {
-            let a = std::f64::consts::TAU * (i as f64 + 0.3 * hash(1, (k * around + i) as u64)) / around as f64;
+            let a = std::f64::consts::TAU * (i as f64 + 0.3 * hash(1, (k * around + i) as u64))
+                / around as f64;
             let r = 1.0 + rough * (hash(2, (k * around + i) as u64) - 0.5);
-            points.push(DVec3::new(r * a.cos(), r * a.sin(), 10.0 * k as f64 / along as f64));
+            points.push(DVec3::new(
+                r * a.cos(),
+                r * a.sin(),
+                10.0 * k as f64 / along as f64,
+            ));
         }
     }
     let (low, high) = (points.len() as u32, points.len() as u32 + 1);
@@ -45,7 +50,11 @@ fn bricks(rings: usize, sectors: usize, rough: f64, smooth: bool, seed: u64) -> 
     for r in 0..rings {
         for j in 0..2 * sectors {
             let a = std::f64::consts::TAU * (j as f64 + 0.37 * r as f64) / (2 * sectors) as f64;
-            let radius = if r == rings - 1 { 1.6 } else { (r + 1) as f64 / rings as f64 };
+            let radius = if r == rings - 1 {
+                1.6
+            } else {
+                (r + 1) as f64 / rings as f64
+            };
             nodes.push(radius * DVec2::new(a.cos(), a.sin()));
         }
     }
@@ -66,12 +75,21 @@ fn bricks(rings: usize, sectors: usize, rough: f64, smooth: bool, seed: u64) -> 
         .zip(&cells)
         .map(|(f, &c)| {
             f.map(|n| {
-                let step = if smooth { 0.0 } else { 3.0 * hash(seed, u64::from(c)) };
-                4.0 + step + rough * hash(seed + 1, u64::from(n)) + rough * hash(u64::from(n), u64::from(if smooth { 0 } else { c }))
+                let step = if smooth {
+                    0.0
+                } else {
+                    3.0 * hash(seed, u64::from(c))
+                };
+                4.0 + step
+                    + rough * hash(seed + 1, u64::from(n))
+                    + rough * hash(u64::from(n), u64::from(if smooth { 0 } else { c }))
             })
         })
         .collect();
-    Surface { layout: Arc::new(Layout::new(nodes, facets, cells)), heights }
+    Surface {
+        layout: Arc::new(Layout::new(nodes, facets, cells)),
+        heights,
+    }
 }
 
 fn place(cut: &Cut, points: &[DVec3], triangles: &[[u32; 3]], id: u32) -> DVec3 {
@@ -89,18 +107,29 @@ fn place(cut: &Cut, points: &[DVec3], triangles: &[[u32; 3]], id: u32) -> DVec3 
 fn check_closed(triangles: &[[u32; 3]], what: &str) {
     let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
     for t in triangles {
-        assert!(t[0] != t[1] && t[1] != t[2] && t[0] != t[2], "{what}: degenerate {t:?}");
+        assert!(
+            t[0] != t[1] && t[1] != t[2] && t[0] != t[2],
+            "{what}: degenerate {t:?}"
+        );
         for k in 0..3 {
             *edges.entry((t[k], t[(k + 1) % 3])).or_default() += 1;
         }
     }
     for (&(a, b), &n) in &edges {
-        assert!(n == 1 && edges.get(&(b, a)) == Some(&1), "{what}: edge {a}–{b} used {n} times, back {:?}", edges.get(&(b, a)));
+        assert!(
+            n == 1 && edges.get(&(b, a)) == Some(&1),
+            "{what}: edge {a}–{b} used {n} times, back {:?}",
+            edges.get(&(b, a))
+        );
     }
 }
 
 fn volume(triangles: &[[u32; 3]], at: impl Fn(u32) -> DVec3) -> f64 {
-    triangles.iter().map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2])))).sum::<f64>() / 6.0
+    triangles
+        .iter()
+        .map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2]))))
+        .sum::<f64>()
+        / 6.0
 }
 
 #[test]
@@ -110,23 +139,53 @@ fn both_pieces_are_closed_and_their_volumes_add_up() {
         let (triangles, points) = tube(around, along, 0.25 * hash(9, seed));
         let smooth = seed % 3 == 0;
         let rings = 2 + seed as usize % 6;
-        let surface = bricks(rings, 5 + seed as usize % 20, 2.0 * hash(4, seed), smooth, seed);
+        let surface = bricks(
+            rings,
+            5 + seed as usize % 20,
+            2.0 * hash(4, seed),
+            smooth,
+            seed,
+        );
         let all: Vec<u32> = (0..triangles.len() as u32).collect();
-        let solid = Solid { triangles: &triangles, points: &points, shell: &all, limb: &all };
-        let cut = cut(&solid, &surface, if seed % 2 == 0 { 0.3 } else { f64::INFINITY }).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+        let solid = Solid {
+            triangles: &triangles,
+            points: &points,
+            shell: &all,
+            limb: &all,
+        };
+        let cut = cut(
+            &solid,
+            &surface,
+            if seed % 2 == 0 { 0.3 } else { f64::INFINITY },
+        )
+        .unwrap_or_else(|e| panic!("seed {seed}: {e}"));
         let whole = volume(&triangles, |i| points[i as usize]);
         let mut sum = 0.0;
         for upper in [false, true] {
             let side = if upper { Side::Upper } else { Side::Lower };
-            let mut piece: Vec<[u32; 3]> =
-                (0..triangles.len()).filter(|&t| cut.sides[t] == side).map(|t| triangles[t]).collect();
-            piece.extend(cut.skin.iter().filter(|s| s.upper == upper).map(|s| s.corners));
-            piece.extend(cut.cap.iter().map(|&[a, b, c]| if upper { [a, c, b] } else { [a, b, c] }));
+            let mut piece: Vec<[u32; 3]> = (0..triangles.len())
+                .filter(|&t| cut.sides[t] == side)
+                .map(|t| triangles[t])
+                .collect();
+            piece.extend(
+                cut.skin
+                    .iter()
+                    .filter(|s| s.upper == upper)
+                    .map(|s| s.corners),
+            );
+            piece.extend(
+                cut.cap
+                    .iter()
+                    .map(|&[a, b, c]| if upper { [a, c, b] } else { [a, b, c] }),
+            );
             check_closed(&piece, &format!("seed {seed} upper {upper}"));
             let v = volume(&piece, |id| place(&cut, &points, &triangles, id));
             assert!(v > 0.0, "seed {seed}: volume {v}");
             sum += v;
         }
-        assert!((sum / whole - 1.0).abs() < 1e-12, "seed {seed}: {sum} against {whole}");
+        assert!(
+            (sum / whole - 1.0).abs() < 1e-12,
+            "seed {seed}: {sum} against {whole}"
+        );
     }
 }

@@ -20,7 +20,10 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 impl Context<'static> {
     /// A context that never cancels and tells nobody.
     pub fn quiet() -> Self {
-        Context { cancel: &NEVER, progress: &|_, _| {} }
+        Context {
+            cancel: &NEVER,
+            progress: &|_, _| {},
+        }
     }
 }
 

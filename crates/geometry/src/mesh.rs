@@ -59,7 +59,9 @@ impl Mesh {
             .iter()
             .map(|p| {
                 let next = seen.len() as u32;
-                *seen.entry((*p + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(next)
+                *seen
+                    .entry((*p + DVec3::ZERO).to_array().map(f64::to_bits))
+                    .or_insert(next)
             })
             .collect();
         (numbers, seen.len())
@@ -68,7 +70,9 @@ impl Mesh {
     /// Signed volume by the divergence theorem, positive for a closed mesh oriented outwards. For an open mesh the
     /// value depends on the origin and means nothing.
     pub fn volume(&self) -> f64 {
-        let Some(&origin) = self.positions.first() else { return 0.0 };
+        let Some(&origin) = self.positions.first() else {
+            return 0.0;
+        };
         (0..self.triangles.len())
             .map(|t| {
                 let [a, b, c] = self.corners(t).map(|p| p - origin);
@@ -92,7 +96,11 @@ impl Mesh {
     /// Smallest and largest coordinates; `None` for a mesh without vertices.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let first = *self.positions.first()?;
-        Some(self.positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p))))
+        Some(
+            self.positions
+                .iter()
+                .fold((first, first), |(low, high), &p| (low.min(p), high.max(p))),
+        )
     }
 
     /// A copy with every position mapped; directions (`NORMAL`, `TANGENT`) turn with it, and triangles are turned over

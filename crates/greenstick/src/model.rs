@@ -37,10 +37,19 @@ impl Prepared {
             sectors: p.sectors as usize,
             reach: self.reach,
             arc: self.arc,
-            bark: if stem.kind == StemKind::Board { None } else { Some((self.bark - 0.02).min(0.95)) },
+            bark: if stem.kind == StemKind::Board {
+                None
+            } else {
+                Some((self.bark - 0.02).min(0.95))
+            },
             seed: p.seed,
         };
-        let setting = Setting { radius: stem.radius, place: stem.place, usable: stem.usable, relief };
+        let setting = Setting {
+            radius: stem.radius,
+            place: stem.place,
+            usable: stem.usable,
+            relief,
+        };
         let smooth = p.surface == Surface::Smooth;
         let (bundles, heights) = if smooth {
             let bundles = layout::smooth(&stem.rings, &options);
@@ -51,19 +60,40 @@ impl Prepared {
             let heights = heights::fibrous(&bundles, p, &setting);
             (bundles, heights)
         };
-        let solid =
-            Solid { triangles: &self.corners, points: &self.grain, shell: &self.found.shell, limb: &self.found.limb };
+        let solid = Solid {
+            triangles: &self.corners,
+            points: &self.grain,
+            shell: &self.found.shell,
+            limb: &self.found.limb,
+        };
         let level = self.level(heights.range, stem.radius / f64::from(p.rings));
         let cut = cut(&solid, &heights.surface, level).map_err(|error| self.locate(error))?;
         let node = &self.scene.nodes[self.found.node];
-        let source =
-            Source { mesh: &node.mesh, transform: &node.transform, points: &self.points, grain: &self.grain };
+        let source = Source {
+            mesh: &node.mesh,
+            transform: &node.transform,
+            points: &self.points,
+            grain: &self.grain,
+        };
         let square = self.square();
         let proportions = p.proportions();
         let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
-        let inner = InnerWood { stem, bundles: &bundles, zone: &zone, material, square, smooth };
+        let inner = InnerWood {
+            stem,
+            bundles: &bundles,
+            zone: &zone,
+            material,
+            square,
+            smooth,
+        };
         let (lower, upper) = self.pieces(&source, &cut, &inner);
-        Ok(Model { lower, upper, bundles, heights, square })
+        Ok(Model {
+            lower,
+            upper,
+            bundles,
+            heights,
+            square,
+        })
     }
 
     fn pieces(&self, source: &Source, cut: &Cut, inner: &InnerWood) -> (Mesh, Mesh) {
@@ -80,7 +110,11 @@ impl Prepared {
         let stem = &self.found.stem;
         let at = |i: usize, s: f64| {
             let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::FRAC_PI_2);
-            stem.grain.to_world(DVec3::new(cos * stem.radius, sin * stem.radius, stem.place + s))
+            stem.grain.to_world(DVec3::new(
+                cos * stem.radius,
+                sin * stem.radius,
+                stem.place + s,
+            ))
         };
         let mut level = range.1 - range.0;
         for _ in 0..8 {
@@ -97,12 +131,21 @@ impl Prepared {
             }
             level /= 2.0;
         }
-        if level < range.1 - range.0 { level } else { f64::INFINITY }
+        if level < range.1 - range.0 {
+            level
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// The square of the section that holds the limb's skin.
     fn square(&self) -> (DVec2, f64) {
-        let points = self.found.limb.iter().flat_map(|&t| self.corners[t as usize]).map(|p| self.grain[p as usize]);
+        let points = self
+            .found
+            .limb
+            .iter()
+            .flat_map(|&t| self.corners[t as usize])
+            .map(|p| self.grain[p as usize]);
         let (low, high) = points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
             (low.min(p.truncate()), high.max(p.truncate()))
         });
@@ -111,9 +154,16 @@ impl Prepared {
 
     fn locate(&self, error: CutError) -> Error {
         let at = match &error {
-            CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => *at,
-            CutError::Misses | CutError::Joined { .. } => DVec3::new(0.0, 0.0, self.found.stem.place),
+            CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => {
+                *at
+            }
+            CutError::Misses | CutError::Joined { .. } => {
+                DVec3::new(0.0, 0.0, self.found.stem.place)
+            }
         };
-        Error::Cut { error, at: self.found.stem.grain.to_world(at) }
+        Error::Cut {
+            error,
+            at: self.found.stem.grain.to_world(at),
+        }
     }
 }

@@ -47,7 +47,12 @@ pub fn prepare(
         .nodes
         .iter()
         .map(|n| Mesh {
-            positions: n.mesh.positions.iter().map(|&p| n.transform.transform_point3(p)).collect(),
+            positions: n
+                .mesh
+                .positions
+                .iter()
+                .map(|&p| n.transform.transform_point3(p))
+                .collect(),
             triangles: n.mesh.triangles.clone(),
             ..Mesh::default()
         })
@@ -76,13 +81,27 @@ pub fn prepare(
     drop(world);
     let transform = scene.nodes[node].transform;
     let first_new = mesh.triangles.len() as u32;
-    let mut refined = Refined { mesh, points, grain, limb: std::mem::take(&mut found.limb), parted: 0 };
+    let mut refined = Refined {
+        mesh,
+        points,
+        grain,
+        limb: std::mem::take(&mut found.limb),
+        parted: 0,
+    };
     let space = found.stem.grain.clone();
-    refined.refine(TOLERANCE * found.stem.radius, &|_, p, s| space.to_grain_near(transform.transform_point3(p), s));
+    refined.refine(TOLERANCE * found.stem.radius, &|_, p, s| {
+        space.to_grain_near(transform.transform_point3(p), s)
+    });
     found.limb = refined.limb;
-    found.shell.extend(first_new..refined.mesh.triangles.len() as u32);
-    let corners: Vec<[u32; 3]> =
-        refined.mesh.triangles.iter().map(|t| t.map(|v| refined.points[v as usize])).collect();
+    found
+        .shell
+        .extend(first_new..refined.mesh.triangles.len() as u32);
+    let corners: Vec<[u32; 3]> = refined
+        .mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| refined.points[v as usize]))
+        .collect();
     let (reach, bark, arc) = extent(&found, &corners, &refined.grain);
     scene.nodes[node].mesh = refined.mesh;
     Ok(Prepared {
@@ -99,13 +118,21 @@ pub fn prepare(
 }
 
 /// Ring coordinates and angles that the limb's skin spans.
-fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> ((f64, f64), f64, Option<(f64, f64)>) {
+fn extent(
+    found: &Found,
+    corners: &[[u32; 3]],
+    grain: &[DVec3],
+) -> ((f64, f64), f64, Option<(f64, f64)>) {
     let rings = &found.stem.rings;
     let pith = rings.pith();
     let (mut least, mut most) = (f64::INFINITY, 0.0f64);
     let mut angles = Vec::new();
     let mean: DVec2 = {
-        let points = found.limb.iter().flat_map(|&t| corners[t as usize]).map(|p| grain[p as usize].truncate());
+        let points = found
+            .limb
+            .iter()
+            .flat_map(|&t| corners[t as usize])
+            .map(|p| grain[p as usize].truncate());
         let (sum, n) = points.fold((DVec2::ZERO, 0.0), |(s, n), p| (s + p, n + 1.0));
         sum / f64::max(n, 1.0)
     };
@@ -115,12 +142,16 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> ((f64, f64), 
         for k in 0..3 {
             let (rho, _) = rings.address(c[k].truncate());
             most = most.max(rho);
-            angles.push(libm::atan2(forward.perp_dot(c[k].truncate() - pith), forward.dot(c[k].truncate() - pith)));
+            angles.push(libm::atan2(
+                forward.perp_dot(c[k].truncate() - pith),
+                forward.dot(c[k].truncate() - pith),
+            ));
             // End faces run through the middle and say nothing of the bark.
             let slope = (c[(k + 1) % 3] - c[k]).normalize_or_zero();
             if found.stem.kind == StemKind::Board || slope.z.abs() > 0.3 {
                 let (a, b) = (c[k].truncate(), c[(k + 1) % 3].truncate());
-                let along = ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+                let along =
+                    ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
                 least = least.min(rings.address(a.lerp(b, along)).0);
             }
         }
@@ -130,7 +161,11 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> ((f64, f64), 
     let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if board && high - low < 3.0 {
         let (base, margin) = (libm::atan2(forward.y, forward.x), 0.03 * (high - low));
-        return ((0.98 * least, 1.02 * most), 1.0, Some((base + low - margin, base + high + margin)));
+        return (
+            (0.98 * least, 1.02 * most),
+            1.0,
+            Some((base + low - margin, base + high + margin)),
+        );
     }
     ((0.0, 1.03 * most.max(1.0)), least.clamp(0.5, 1.0), None)
 }

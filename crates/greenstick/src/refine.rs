@@ -55,7 +55,11 @@ impl Refined {
                     }
                 }?;
                 let key = (a.min(b), a.max(b));
-                Some(*vertices.entry(key).or_insert_with(|| self.vertex(key.0, key.1, half)))
+                Some(
+                    *vertices
+                        .entry(key)
+                        .or_insert_with(|| self.vertex(key.0, key.1, half)),
+                )
             });
             if middles.iter().all(Option::is_none) {
                 limb.push(t);
@@ -102,7 +106,9 @@ impl Refined {
     /// A vertex halfway between two, at `point`.
     fn vertex(&mut self, a: u32, b: u32, point: u32) -> u32 {
         let (a, b) = (a as usize, b as usize);
-        self.mesh.positions.push((self.mesh.positions[a] + self.mesh.positions[b]) / 2.0);
+        self.mesh
+            .positions
+            .push((self.mesh.positions[a] + self.mesh.positions[b]) / 2.0);
         self.points.push(point);
         for (name, attribute) in &mut self.mesh.attributes {
             let first = attribute.data.len();

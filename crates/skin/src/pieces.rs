@@ -70,16 +70,18 @@ pub fn positions(source: &Source, cut: &Cut, stem: &Stem) -> Vec<DVec3> {
         at_point[point as usize] = source.mesh.positions[vertex];
     }
     let back = source.transform.inverse();
-    let corner = |t: u32, k: usize| {
-        source.mesh.positions[source.mesh.triangles[t as usize][k] as usize]
-    };
+    let corner =
+        |t: u32, k: usize| source.mesh.positions[source.mesh.triangles[t as usize][k] as usize];
     let made: Vec<DVec3> = cut
         .vertices
         .iter()
         .map(|v| match v.host {
             Host::Point(p) => at_point[p as usize],
             Host::Edge { ends: [a, b], t } => at_point[a as usize].lerp(at_point[b as usize], t),
-            Host::Face { triangle, weights: w } => {
+            Host::Face {
+                triangle,
+                weights: w,
+            } => {
                 corner(triangle, 0) * w[0] + corner(triangle, 1) * w[1] + corner(triangle, 2) * w[2]
             }
             Host::Inside => back.transform_point3(stem.grain.to_world(v.grain)),
@@ -111,7 +113,8 @@ pub fn cap(source: &Source, cut: &Cut, positions: &[DVec3], inner: &InnerWood) -
             (true, false) => u64::from(face.cell) + 1,
             // Walls of one bundle are told apart by their direction in sixteen parts.
             (false, _) => {
-                let turn = libm::atan2(grain_normal.y, grain_normal.x) / std::f64::consts::TAU + 0.5;
+                let turn =
+                    libm::atan2(grain_normal.y, grain_normal.x) / std::f64::consts::TAU + 0.5;
                 1 << 40 | u64::from(face.cell) << 6 | (turn * 16.0) as u64
             }
         };
@@ -123,7 +126,14 @@ pub fn cap(source: &Source, cut: &Cut, positions: &[DVec3], inner: &InnerWood) -
                 } else {
                     flat
                 };
-                cap.push(positions[id as usize], grain_of(id), normal, end, bundle.map(|b| (b.phi, b.sector)), inner)
+                cap.push(
+                    positions[id as usize],
+                    grain_of(id),
+                    normal,
+                    end,
+                    bundle.map(|b| (b.phi, b.sector)),
+                    inner,
+                )
             })
         });
         cap.triangles.push(corners);
@@ -132,12 +142,20 @@ pub fn cap(source: &Source, cut: &Cut, positions: &[DVec3], inner: &InnerWood) -
 }
 
 /// Mean normals of the tops at each vertex of each group.
-fn smooth_normals(cut: &Cut, positions: &[DVec3], inner: &InnerWood) -> FxHashMap<(u32, u64), DVec3> {
+fn smooth_normals(
+    cut: &Cut,
+    positions: &[DVec3],
+    inner: &InnerWood,
+) -> FxHashMap<(u32, u64), DVec3> {
     let mut sums: FxHashMap<(u32, u64), DVec3> = FxHashMap::default();
     for (triangle, face) in cut.cap.iter().zip(&cut.faces).filter(|(_, f)| f.top) {
         let [a, b, c] = triangle.map(|id| positions[id as usize]);
         let normal = (b - a).cross(c - a);
-        let group = if inner.smooth { 0 } else { u64::from(face.cell) + 1 };
+        let group = if inner.smooth {
+            0
+        } else {
+            u64::from(face.cell) + 1
+        };
         for &id in triangle {
             *sums.entry((id, group)).or_default() += normal;
         }
@@ -256,7 +274,11 @@ impl<'a> SkinBuilder<'a> {
     fn cut_vertex(&mut self, t: u32, id: u32) -> u32 {
         let vertices = self.source.mesh.triangles[t as usize];
         let holds = |point: u32| {
-            vertices.iter().copied().find(|&v| self.source.points[v as usize] == point).unwrap_or(vertices[0])
+            vertices
+                .iter()
+                .copied()
+                .find(|&v| self.source.points[v as usize] == point)
+                .unwrap_or(vertices[0])
         };
         let position = self.at[id as usize];
         match self.cut.host(id) {
@@ -291,10 +313,19 @@ impl<'a> SkinBuilder<'a> {
             // What the wood inside has no value for: white for colours, nothing for the rest.
             let fill = if name.starts_with("COLOR_") { 1.0 } else { 0.0 };
             data.resize(total * attribute.width, fill);
-            attributes.insert(name.clone(), Attribute { width: attribute.width, data });
+            attributes.insert(
+                name.clone(),
+                Attribute {
+                    width: attribute.width,
+                    data,
+                },
+            );
         }
-        let normals: Vec<f32> =
-            if upper { cap.normals.iter().map(|n| -n).collect() } else { cap.normals.clone() };
+        let normals: Vec<f32> = if upper {
+            cap.normals.iter().map(|n| -n).collect()
+        } else {
+            cap.normals.clone()
+        };
         let skin_normals = || skin_normals(&self.positions, &self.triangles);
         let own: [(&str, usize, &[f32], &dyn Fn() -> Vec<f32>); 6] = [
             ("NORMAL", 3, &normals, &skin_normals),
@@ -314,7 +345,12 @@ impl<'a> SkinBuilder<'a> {
                 entry.data[skin * width..].copy_from_slice(values);
             }
         }
-        let mut mesh = Mesh { positions: self.positions, triangles: self.triangles, attributes, materials: self.materials };
+        let mut mesh = Mesh {
+            positions: self.positions,
+            triangles: self.triangles,
+            attributes,
+            materials: self.materials,
+        };
         mesh.positions.extend(&cap.positions);
         let shift = skin as u32;
         mesh.triangles.extend(cap.triangles.iter().map(|t| {
@@ -329,7 +365,10 @@ impl<'a> SkinBuilder<'a> {
     fn grain(&self) -> Vec<f32> {
         let mut data = Vec::with_capacity(self.positions.len() * 3);
         for (vertices, w) in &self.weights {
-            let at = |i: usize| self.source.grain[self.source.points[vertices[i] as usize] as usize] * f64::from(w[i]);
+            let at = |i: usize| {
+                self.source.grain[self.source.points[vertices[i] as usize] as usize]
+                    * f64::from(w[i])
+            };
             let mut sum = at(0);
             for i in 1..3 {
                 if w[i] != 0.0 {
@@ -352,7 +391,9 @@ impl<'a> SkinBuilder<'a> {
             }
             let first = data.len();
             data.extend((0..width).map(|c| {
-                (0..3).map(|i| attribute.at(vertices[i] as usize)[c] * weights[i]).sum::<f32>()
+                (0..3)
+                    .map(|i| attribute.at(vertices[i] as usize)[c] * weights[i])
+                    .sum::<f32>()
             }));
             if name == "NORMAL" || name == "TANGENT" {
                 let v = &mut data[first..first + 3.min(width)];
@@ -371,15 +412,22 @@ impl<'a> SkinBuilder<'a> {
 
 /// Area-weighted vertex normals of a skin that came without; vertices at one position share them.
 fn skin_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f32> {
-    let mesh = Mesh { positions: positions.to_vec(), ..Mesh::default() };
+    let mesh = Mesh {
+        positions: positions.to_vec(),
+        ..Mesh::default()
+    };
     let (points, count) = mesh.points();
     let mut sums = vec![DVec3::ZERO; count];
     for t in triangles {
         let [a, b, c] = t.map(|v| positions[v as usize]);
         let n = (b - a).cross(c - a);
-        t.iter().for_each(|&v| sums[points[v as usize] as usize] += n);
+        t.iter()
+            .for_each(|&v| sums[points[v as usize] as usize] += n);
     }
-    points.iter().flat_map(|&p| sums[p as usize].normalize_or_zero().as_vec3().to_array()).collect()
+    points
+        .iter()
+        .flat_map(|&p| sums[p as usize].normalize_or_zero().as_vec3().to_array())
+        .collect()
 }
 
 /// Whether any triangle of a mesh has no material.

@@ -2,6 +2,7 @@
 //! moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod appearance;
 pub mod moisture;
 pub mod noise;
 pub mod primitive;

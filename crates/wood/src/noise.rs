@@ -40,7 +40,11 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     let cell = p.floor();
     let f = p - cell;
     let [x, y, z] = cell.to_array().map(|c| c as i64);
-    let (z0, z1) = if period > 0 { (z.rem_euclid(period), (z + 1).rem_euclid(period)) } else { (z, z + 1) };
+    let (z0, z1) = if period > 0 {
+        (z.rem_euclid(period), (z + 1).rem_euclid(period))
+    } else {
+        (z, z + 1)
+    };
     // Quintic fade: second derivatives are continuous, so relief shows no lattice.
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
@@ -99,7 +103,11 @@ mod tests {
             for a in 0..3 {
                 let e = DVec3::AXES[a] * step;
                 let slope = (space(5, p + e, 0).0 - space(5, p - e, 0).0) / (2.0 * step);
-                assert!((slope - gradient[a]).abs() < 1e-4, "{slope} is not {} at {p}", gradient[a]);
+                assert!(
+                    (slope - gradient[a]).abs() < 1e-4,
+                    "{slope} is not {} at {p}",
+                    gradient[a]
+                );
             }
         }
     }
@@ -116,7 +124,10 @@ mod tests {
             most = most.max(v.abs());
         }
         let mean = sum / f64::from(number);
-        assert!(mean.abs() < 0.02 && most < 1.2, "mean {mean}, largest {most}");
+        assert!(
+            mean.abs() < 0.02 && most < 1.2,
+            "mean {mean}, largest {most}"
+        );
         assert!((0.04..0.2).contains(&(squares / f64::from(number))));
     }
 

@@ -50,7 +50,10 @@ pub(super) fn build<'a>(
     overlay: &mut Overlay<'a>,
     level: f64,
 ) -> Result<Cap, CutError> {
-    let (tops, walls) = (std::mem::take(&mut overlay.tops), std::mem::take(&mut overlay.walls));
+    let (tops, walls) = (
+        std::mem::take(&mut overlay.tops),
+        std::mem::take(&mut overlay.walls),
+    );
     let mut builder = Builder {
         surface,
         overlay,
@@ -116,7 +119,10 @@ impl Builder<'_, '_> {
             let list = &around[starts[n] as usize..starts[n + 1] as usize];
             for &(f, k) in list {
                 let h = self.surface.heights[f as usize][usize::from(k)];
-                let id = match self.heights[first..].iter().find(|(height, _)| *height == h) {
+                let id = match self.heights[first..]
+                    .iter()
+                    .find(|(height, _)| *height == h)
+                {
                     Some(&(_, id)) => id,
                     None => {
                         let id = self.overlay.add(layout.nodes[n].extend(h), Host::Inside);
@@ -127,14 +133,19 @@ impl Builder<'_, '_> {
                 self.corners[f as usize][usize::from(k)] = id;
             }
             self.heights[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (Some(&(low, _)), Some(&(high, _))) = (self.heights.get(first), self.heights.last()) else {
+            let (Some(&(low, _)), Some(&(high, _))) =
+                (self.heights.get(first), self.heights.last())
+            else {
                 continue;
             };
             if high - low > level {
                 for i in (low / level).ceil() as i64..=(high / level).floor() as i64 {
                     let h = i as f64 * level;
                     // A level next to a corner would only make slivers.
-                    if self.heights[first..].iter().all(|p| (p.0 - h).abs() > 0.2 * level) {
+                    if self.heights[first..]
+                        .iter()
+                        .all(|p| (p.0 - h).abs() > 0.2 * level)
+                    {
                         let id = self.overlay.add(layout.nodes[n].extend(h), Host::Inside);
                         self.heights.push((h, id));
                     }
@@ -149,12 +160,16 @@ impl Builder<'_, '_> {
     fn place_knots(&mut self) {
         let layout = self.surface.layout.clone();
         for (e, edge) in layout.edges.iter().enumerate() {
-            let Some([a, b]) = self.rims(edge) else { continue };
+            let Some([a, b]) = self.rims(edge) else {
+                continue;
+            };
             let (u, v) = (a[0] - b[0], a[1] - b[1]);
             if u * v < 0.0 {
                 let t = u / (u - v);
                 let [p, q] = edge.nodes.map(|n| layout.nodes[n as usize]);
-                let id = self.overlay.add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), Host::Inside);
+                let id = self
+                    .overlay
+                    .add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), Host::Inside);
                 self.knots.insert(e as u32, (t, id));
             }
         }
@@ -172,7 +187,12 @@ impl Builder<'_, '_> {
         let e = layout.sides[facet as usize][usize::from(k)];
         let edge = &layout.edges[e as usize];
         let which = u8::from(edge.facets[1] == (facet, k));
-        let mut list: Vec<(f64, u32)> = self.overlay.rails.get(&(e, which)).cloned().unwrap_or_default();
+        let mut list: Vec<(f64, u32)> = self
+            .overlay
+            .rails
+            .get(&(e, which))
+            .cloned()
+            .unwrap_or_default();
         if let Some(&knot) = self.knots.get(&e) {
             list.insert(list.partition_point(|p| p.0 < knot.0), knot);
         }
@@ -205,7 +225,8 @@ impl Builder<'_, '_> {
                 for (id, k) in &border {
                     if let Some(k) = k {
                         let inside = traced.border.contains(id);
-                        self.status[facet as usize][usize::from(*k)] = if inside { INSIDE } else { OUTSIDE };
+                        self.status[facet as usize][usize::from(*k)] =
+                            if inside { INSIDE } else { OUTSIDE };
                     }
                 }
                 self.fill_top(facet, &traced.loops)?;
@@ -218,10 +239,19 @@ impl Builder<'_, '_> {
     }
 
     fn fill_top(&mut self, facet: u32, loops: &[Vec<u32>]) -> Result<(), CutError> {
-        let face = CapFace { cell: self.layout().cells[facet as usize], top: true };
+        let face = CapFace {
+            cell: self.layout().cells[facet as usize],
+            top: true,
+        };
         let mut triangles = Vec::new();
-        polygon::fill(loops, |id| self.overlay.grain(id).truncate(), &mut triangles)
-            .map_err(|_| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
+        polygon::fill(
+            loops,
+            |id| self.overlay.grain(id).truncate(),
+            &mut triangles,
+        )
+        .map_err(|_| CutError::Face {
+            at: self.overlay.grain(loops[0][0]),
+        })?;
         self.push(triangles, face);
         Ok(())
     }
@@ -233,20 +263,26 @@ impl Builder<'_, '_> {
 
     fn gap(&self, chains: &Chains) -> CutError {
         let id = chains.keys().copied().min().unwrap_or(0);
-        CutError::Face { at: self.overlay.grain(id) }
+        CutError::Face {
+            at: self.overlay.grain(id),
+        }
     }
 
     /// How many times the line along the grain over `node` pierces the skin between two heights.
     fn pierced(&self, node: u32, a: f64, b: f64) -> usize {
         let (low, high) = (a.min(b), a.max(b));
-        self.overlay.uprights.get(&node).map_or(0, |l| l.iter().filter(|p| p.0 > low && p.0 < high).count())
+        self.overlay
+            .uprights
+            .get(&node)
+            .map_or(0, |l| l.iter().filter(|p| p.0 > low && p.0 < high).count())
     }
 
     /// Carries inside and outside from facets that the outline crosses to all others.
     fn spread_status(&mut self) -> Result<(), CutError> {
         let layout = self.surface.layout.clone();
-        let mut queue: Vec<u32> =
-            (0..layout.facets.len() as u32).filter(|&f| self.status[f as usize][0] != 0).collect();
+        let mut queue: Vec<u32> = (0..layout.facets.len() as u32)
+            .filter(|&f| self.status[f as usize][0] != 0)
+            .collect();
         while let Some(f) = queue.pop() {
             for k in 0..3usize {
                 let edge = &layout.edges[layout.sides[f as usize][k] as usize];
@@ -257,8 +293,10 @@ impl Builder<'_, '_> {
                 }
                 // Corner k of f is the end of g's side.
                 let node = layout.facets[f as usize][k];
-                let (a, b) =
-                    (self.surface.heights[f as usize][k], self.surface.heights[g as usize][(side + 1) % 3]);
+                let (a, b) = (
+                    self.surface.heights[f as usize][k],
+                    self.surface.heights[g as usize][(side + 1) % 3],
+                );
                 let flip = self.pierced(node, a, b) % 2 == 1;
                 let inside = (self.status[f as usize][k] == INSIDE) != flip;
                 self.status[g as usize] = [if inside { INSIDE } else { OUTSIDE }; 3];
@@ -275,15 +313,24 @@ impl Builder<'_, '_> {
         for facet in 0..self.surface.layout.facets.len() as u32 {
             let status = self.status[facet as usize];
             let chains = self.tops.remove(&facet);
-            let whole = status == [INSIDE; 3] && self.layout().sides[facet as usize].iter().all(|e| {
-                !self.overlay.rails.contains_key(&(*e, 0)) && !self.overlay.rails.contains_key(&(*e, 1))
-            });
+            let whole = status == [INSIDE; 3]
+                && self.layout().sides[facet as usize].iter().all(|e| {
+                    !self.overlay.rails.contains_key(&(*e, 0))
+                        && !self.overlay.rails.contains_key(&(*e, 1))
+                });
             if chains.is_none() && whole && self.knotless(facet) {
                 self.cap.triangles.push(self.corners[facet as usize]);
-                self.cap.faces.push(CapFace { cell: self.layout().cells[facet as usize], top: true });
+                self.cap.faces.push(CapFace {
+                    cell: self.layout().cells[facet as usize],
+                    top: true,
+                });
                 continue;
             }
-            let crossed = (0..3).any(|k| self.side(facet, k).iter().any(|(_, id)| !self.is_knot(facet, k, *id)));
+            let crossed = (0..3).any(|k| {
+                self.side(facet, k)
+                    .iter()
+                    .any(|(_, id)| !self.is_knot(facet, k, *id))
+            });
             if crossed && chains.is_none() {
                 continue;
             }
@@ -302,7 +349,10 @@ impl Builder<'_, '_> {
     }
 
     fn knotless(&self, facet: u32) -> bool {
-        self.knots.is_empty() || self.layout().sides[facet as usize].iter().all(|e| !self.knots.contains_key(e))
+        self.knots.is_empty()
+            || self.layout().sides[facet as usize]
+                .iter()
+                .all(|e| !self.knots.contains_key(e))
     }
 
     fn is_knot(&self, facet: u32, k: u8, id: u32) -> bool {
@@ -313,7 +363,9 @@ impl Builder<'_, '_> {
     fn fill_walls(&mut self) -> Result<(), CutError> {
         let layout = self.surface.layout.clone();
         for (e, edge) in layout.edges.iter().enumerate() {
-            let Some([a, b]) = self.rims(edge) else { continue };
+            let Some([a, b]) = self.rims(edge) else {
+                continue;
+            };
             if a == b {
                 continue;
             }
@@ -336,18 +388,34 @@ impl Builder<'_, '_> {
         let ends = [corners[usize::from(k)], corners[(usize::from(k) + 1) % 3]];
         let [start, end] = if which == 0 { ends } else { [ends[1], ends[0]] };
         let knot = self.knots.get(&e);
-        let mut rim = vec![if span.0 == 0.0 { start } else { knot.map_or(start, |k| k.1) }];
+        let mut rim = vec![if span.0 == 0.0 {
+            start
+        } else {
+            knot.map_or(start, |k| k.1)
+        }];
         let list = self.overlay.rails.get(&(e, which));
-        rim.extend(list.into_iter().flatten().filter(|p| p.0 > span.0 && p.0 < span.1).map(|p| p.1));
-        rim.push(if span.1 == 1.0 { end } else { knot.map_or(end, |k| k.1) });
+        rim.extend(
+            list.into_iter()
+                .flatten()
+                .filter(|p| p.0 > span.0 && p.0 < span.1)
+                .map(|p| p.1),
+        );
+        rim.push(if span.1 == 1.0 {
+            end
+        } else {
+            knot.map_or(end, |k| k.1)
+        });
         rim
     }
 
     /// Vertices of the line along the grain over `node` strictly between two heights, ascending.
     fn upright(&self, node: u32, low: f64, high: f64) -> Vec<u32> {
         let range = self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize;
-        let mut list: Vec<(f64, u32)> =
-            self.heights[range].iter().filter(|p| p.0 > low && p.0 < high).copied().collect();
+        let mut list: Vec<(f64, u32)> = self.heights[range]
+            .iter()
+            .filter(|p| p.0 > low && p.0 < high)
+            .copied()
+            .collect();
         if let Some(pierced) = self.overlay.uprights.get(&node) {
             list.extend(pierced.iter().filter(|p| p.0 > low && p.0 < high));
             list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -393,7 +461,8 @@ impl Builder<'_, '_> {
         if !traced.met {
             let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
             let within = |l: &Vec<u32>| {
-                let t = (self.overlay.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
+                let t =
+                    (self.overlay.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
                 t > span.0 && t < span.1
             };
             loops.retain(within);
@@ -412,10 +481,14 @@ impl Builder<'_, '_> {
             DVec2::new(sign * (g.truncate() - p).dot(along), g.z)
         };
         let mut triangles = Vec::new();
-        polygon::fill(&loops, flat, &mut triangles)
-            .map_err(|_| CutError::Face { at: self.overlay.grain(loops[0][0]) })?;
+        polygon::fill(&loops, flat, &mut triangles).map_err(|_| CutError::Face {
+            at: self.overlay.grain(loops[0][0]),
+        })?;
         let high_facet = edge.facets[usize::from(high)].0;
-        let face = CapFace { cell: self.layout().cells[high_facet as usize], top: false };
+        let face = CapFace {
+            cell: self.layout().cells[high_facet as usize],
+            top: false,
+        };
         self.push(triangles, face);
         Ok(())
     }
@@ -424,7 +497,11 @@ impl Builder<'_, '_> {
     fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
         let (facet, k) = edge.facets[0];
         let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
-        let crossed = self.overlay.rails.get(&(e, 0)).map_or(0, |l| l.iter().filter(|p| p.0 < span.0).count());
+        let crossed = self
+            .overlay
+            .rails
+            .get(&(e, 0))
+            .map_or(0, |l| l.iter().filter(|p| p.0 < span.0).count());
         inside != (crossed % 2 == 1)
     }
 }
@@ -441,10 +518,17 @@ struct Traced {
 fn follow(chains: &Chains, border: &[u32]) -> Option<Traced> {
     let place: FxHashMap<u32, usize> = border.iter().enumerate().map(|(i, &id)| (id, i)).collect();
     let ends: rustc_hash::FxHashSet<u32> = chains.values().copied().collect();
-    let mut starts: Vec<u32> =
-        chains.keys().copied().filter(|id| place.contains_key(id) && !ends.contains(id)).collect();
+    let mut starts: Vec<u32> = chains
+        .keys()
+        .copied()
+        .filter(|id| place.contains_key(id) && !ends.contains(id))
+        .collect();
     starts.sort_by_key(|id| place[id]);
-    let mut traced = Traced { loops: Vec::new(), border: Vec::new(), met: !starts.is_empty() };
+    let mut traced = Traced {
+        loops: Vec::new(),
+        border: Vec::new(),
+        met: !starts.is_empty(),
+    };
     let mut used: Vec<bool> = vec![false; starts.len()];
     let mut passed = 0;
     for first in 0..starts.len() {

@@ -113,7 +113,9 @@ pub enum CutError {
         at: DVec3,
     },
     /// The outline on a triangle of the skin does not close.
-    #[error("the break's outline on triangle {triangle} does not close near {at} (grain coordinates, m)")]
+    #[error(
+        "the break's outline on triangle {triangle} does not close near {at} (grain coordinates, m)"
+    )]
     Outline {
         /// The triangle.
         triangle: u32,
@@ -121,7 +123,9 @@ pub enum CutError {
         at: DVec3,
     },
     /// A broken face cannot be closed: the skin has a hole or is not a manifold there.
-    #[error("the broken face cannot be closed near {at} (grain coordinates, m): the mesh has a hole or is not a manifold there")]
+    #[error(
+        "the broken face cannot be closed near {at} (grain coordinates, m): the mesh has a hole or is not a manifold there"
+    )]
     Face {
         /// Where.
         at: DVec3,
@@ -130,7 +134,9 @@ pub enum CutError {
     #[error("the break surface does not meet the mesh")]
     Misses,
     /// Both sides of the cut are joined elsewhere.
-    #[error("the two sides of the break are joined elsewhere by the mesh (at triangle {triangle}), so the cut would not part it")]
+    #[error(
+        "the two sides of the break are joined elsewhere by the mesh (at triangle {triangle}), so the cut would not part it"
+    )]
     Joined {
         /// A triangle that belongs to both sides.
         triangle: u32,
@@ -157,7 +163,11 @@ pub fn cut(solid: &Solid, surface: &Surface, level: f64) -> Result<Cut, CutError
     let skin = overlay
         .skin
         .iter()
-        .map(|&(source, corners, upper)| SkinTriangle { source, corners, upper })
+        .map(|&(source, corners, upper)| SkinTriangle {
+            source,
+            corners,
+            upper,
+        })
         .collect();
     Ok(Cut {
         points: solid.points.len(),
@@ -205,7 +215,11 @@ fn spread(solid: &Solid, sides: &mut [Side]) -> Result<(), CutError> {
         if sides[t as usize] == Side::Elsewhere {
             let r = root(&mut parent, solid.triangles[t as usize][0]) as usize;
             // A part that the limb does not touch at all stays with the lower piece.
-            sides[t as usize] = if known[r] == Side::Upper { Side::Upper } else { Side::Lower };
+            sides[t as usize] = if known[r] == Side::Upper {
+                Side::Upper
+            } else {
+                Side::Lower
+            };
         }
     }
     Ok(())

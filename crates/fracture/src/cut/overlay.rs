@@ -142,8 +142,11 @@ impl<'a> Overlay<'a> {
         let mut candidates = std::mem::take(&mut self.candidates);
         let [a, b, c] = corners.map(|p| self.points[p as usize]);
         let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-        let (surface_low, surface_high) =
-            self.grid.find((a.min(b).min(c)).truncate(), a.max(b).max(c).truncate(), &mut candidates);
+        let (surface_low, surface_high) = self.grid.find(
+            (a.min(b).min(c)).truncate(),
+            a.max(b).max(c).truncate(),
+            &mut candidates,
+        );
         let place = if low > surface_high {
             Ok(Place::Upper)
         } else if high <= surface_low {
@@ -155,7 +158,12 @@ impl<'a> Overlay<'a> {
         place
     }
 
-    fn split(&mut self, triangle: u32, corners: [u32; 3], candidates: &[u32]) -> Result<Place, CutError> {
+    fn split(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        candidates: &[u32],
+    ) -> Result<Place, CutError> {
         self.pieces.clear();
         let mut clipped = Vec::with_capacity(9);
         let mut spans: Vec<(u32, u32, u32)> = Vec::new();
@@ -194,8 +202,7 @@ impl<'a> Overlay<'a> {
     /// The part of a triangle over a facet (Sutherland and Hodgman 1974), each corner named by what it is.
     fn clip(&self, corners: [u32; 3], facet: u32, out: &mut Vec<(Corner, Support)>) {
         out.clear();
-        let inside: [[bool; 3]; 3] =
-            [0, 1, 2].map(|k| corners.map(|p| self.inside(facet, k, p)));
+        let inside: [[bool; 3]; 3] = [0, 1, 2].map(|k| corners.map(|p| self.inside(facet, k, p)));
         if inside.iter().any(|line| line.iter().all(|i| !i)) {
             return;
         }
@@ -216,7 +223,8 @@ impl<'a> Overlay<'a> {
                     let next = (line + 1) % 3 == k;
                     let shared = nodes[usize::from(if next { k } else { line })];
                     let (p, q) = (corners[usize::from(i)], corners[(usize::from(i) + 1) % 3]);
-                    let before = self.left(p, q, shared) == inside[usize::from(line)][usize::from(i)];
+                    let before =
+                        self.left(p, q, shared) == inside[usize::from(line)][usize::from(i)];
                     before == next
                 }
             };
@@ -227,7 +235,9 @@ impl<'a> Overlay<'a> {
                 let (here, there) = (keeps(corner), keeps(following));
                 let crossing = match support {
                     Support::Skin(i) => Corner::Crossing(i, k),
-                    Support::Facet(line) => Corner::Node(if (line + 1) % 3 == k { k } else { line }),
+                    Support::Facet(line) => {
+                        Corner::Node(if (line + 1) % 3 == k { k } else { line })
+                    }
                 };
                 match (here, there) {
                     (true, true) => out.push((corner, support)),
@@ -244,7 +254,13 @@ impl<'a> Overlay<'a> {
     }
 
     /// Makes or finds the vertices of a clipped polygon and their heights above the facet.
-    fn place(&mut self, triangle: u32, corners: [u32; 3], facet: u32, polygon: &[(Corner, Support)]) -> Vec<Placed> {
+    fn place(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        facet: u32,
+        polygon: &[(Corner, Support)],
+    ) -> Vec<Placed> {
         polygon
             .iter()
             .map(|&(corner, support)| {
@@ -260,11 +276,20 @@ impl<'a> Overlay<'a> {
                         (id, a + (b - a) * fraction)
                     }
                     Corner::Node(k) => {
-                        let id = self.node(triangle, corners, self.surface.layout.facets[facet as usize][usize::from(k)]);
+                        let id = self.node(
+                            triangle,
+                            corners,
+                            self.surface.layout.facets[facet as usize][usize::from(k)],
+                        );
                         (id, self.surface.heights[facet as usize][usize::from(k)])
                     }
                 };
-                Placed { id, above: self.grain(id).z - height, support, corner }
+                Placed {
+                    id,
+                    above: self.grain(id).z - height,
+                    support,
+                    corner,
+                }
             })
             .collect()
     }
@@ -274,7 +299,11 @@ impl<'a> Overlay<'a> {
         let layout = &self.surface.layout;
         let [a, b, c] = layout.facets[facet as usize].map(|n| layout.nodes[n as usize]);
         let h = self.surface.heights[facet as usize];
-        let w = [orientation(b, c, p), orientation(c, a, p), orientation(a, b, p)];
+        let w = [
+            orientation(b, c, p),
+            orientation(c, a, p),
+            orientation(a, b, p),
+        ];
         (w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / (w[0] + w[1] + w[2])
     }
 
@@ -285,11 +314,20 @@ impl<'a> Overlay<'a> {
         if let Some(&known) = self.crossings.get(&(p, q, edge)) {
             return known;
         }
-        let [a, b] = layout.edges[edge as usize].nodes.map(|n| layout.nodes[n as usize]);
+        let [a, b] = layout.edges[edge as usize]
+            .nodes
+            .map(|n| layout.nodes[n as usize]);
         let (u, v) = (orientation(a, b, self.xy(p)), orientation(a, b, self.xy(q)));
         let t = (u / (u - v)).clamp(0.0, 1.0);
-        let (u, v) = (orientation(self.xy(p), self.xy(q), a), orientation(self.xy(p), self.xy(q), b));
-        let fraction = if u == v { 0.5 } else { (u / (u - v)).clamp(0.0, 1.0) };
+        let (u, v) = (
+            orientation(self.xy(p), self.xy(q), a),
+            orientation(self.xy(p), self.xy(q), b),
+        );
+        let fraction = if u == v {
+            0.5
+        } else {
+            (u / (u - v)).clamp(0.0, 1.0)
+        };
         let grain = self.points[p as usize].lerp(self.points[q as usize], t);
         let id = self.add(grain, Host::Edge { ends: [p, q], t });
         self.crossings.insert((p, q, edge), (id, fraction));
@@ -303,11 +341,27 @@ impl<'a> Overlay<'a> {
         }
         let n = self.surface.layout.nodes[node as usize];
         let [a, b, c] = corners.map(|p| self.xy(p));
-        let mut w = [orientation(b, c, n), orientation(c, a, n), orientation(a, b, n)];
+        let mut w = [
+            orientation(b, c, n),
+            orientation(c, a, n),
+            orientation(a, b, n),
+        ];
         let sum = w[0] + w[1] + w[2];
-        w = if sum == 0.0 { [1.0 / 3.0; 3] } else { w.map(|v| (v / sum).clamp(0.0, 1.0)) };
-        let s: f64 = (0..3).map(|i| w[i] * self.points[corners[i] as usize].z).sum();
-        let id = self.add(n.extend(s), Host::Face { triangle, weights: w });
+        w = if sum == 0.0 {
+            [1.0 / 3.0; 3]
+        } else {
+            w.map(|v| (v / sum).clamp(0.0, 1.0))
+        };
+        let s: f64 = (0..3)
+            .map(|i| w[i] * self.points[corners[i] as usize].z)
+            .sum();
+        let id = self.add(
+            n.extend(s),
+            Host::Face {
+                triangle,
+                weights: w,
+            },
+        );
         self.nodes.insert((triangle, node), id);
         self.uprights.entry(node).or_default().push((s, id));
         id
@@ -353,7 +407,9 @@ impl<'a> Overlay<'a> {
         let crossings: Vec<usize> = (0..ring.len()).filter(|&i| ring[i].1.is_none()).collect();
         let is_upper = |i: usize| {
             // A cut point belongs to the run that follows it.
-            ring[i].1.unwrap_or_else(|| ring[(i + 1) % ring.len()].1.unwrap_or(false))
+            ring[i]
+                .1
+                .unwrap_or_else(|| ring[(i + 1) % ring.len()].1.unwrap_or(false))
         };
         for i in 0..ring.len() {
             let (from, _, support) = ring[i];
@@ -362,14 +418,30 @@ impl<'a> Overlay<'a> {
                 Support::Skin(side) => (NONE, side),
                 Support::Facet(k) => (layout.sides[facet as usize][usize::from(k)], 3),
             };
-            self.pieces.push(Piece { from, to, upper: is_upper(i), edge, side });
+            self.pieces.push(Piece {
+                from,
+                to,
+                upper: is_upper(i),
+                edge,
+                side,
+            });
         }
-        for a in polygon.iter().enumerate().map(|(j, a)| (a, &polygon[(j + 1) % count])) {
+        for a in polygon
+            .iter()
+            .enumerate()
+            .map(|(j, a)| (a, &polygon[(j + 1) % count]))
+        {
             if let Support::Facet(k) = a.0.support {
                 let edge = layout.sides[facet as usize][usize::from(k)];
                 spans.push((a.0.id.min(a.1.id), a.0.id.max(a.1.id), edge));
-                if layout.edges[edge as usize].facets.iter().any(|f| f.0 == NONE) {
-                    return Err(CutError::OffLayout { at: self.grain(a.0.id) });
+                if layout.edges[edge as usize]
+                    .facets
+                    .iter()
+                    .any(|f| f.0 == NONE)
+                {
+                    return Err(CutError::OffLayout {
+                        at: self.grain(a.0.id),
+                    });
                 }
             }
         }
@@ -377,8 +449,20 @@ impl<'a> Overlay<'a> {
         for (n, &i) in crossings.iter().enumerate() {
             if ring[(i + 1) % ring.len()].1 == Some(true) {
                 let (entry, exit) = (ring[i].0, ring[crossings[(n + 1) % crossings.len()]].0);
-                self.pieces.push(Piece { from: exit, to: entry, upper: true, edge: NONE, side: 3 });
-                self.pieces.push(Piece { from: entry, to: exit, upper: false, edge: NONE, side: 3 });
+                self.pieces.push(Piece {
+                    from: exit,
+                    to: entry,
+                    upper: true,
+                    edge: NONE,
+                    side: 3,
+                });
+                self.pieces.push(Piece {
+                    from: entry,
+                    to: exit,
+                    upper: false,
+                    edge: NONE,
+                    side: 3,
+                });
                 self.tops.push((facet, [exit, entry]));
             }
         }
@@ -390,7 +474,10 @@ impl<'a> Overlay<'a> {
         let (p, q) = if a.id < b.id { (a, b) } else { (b, a) };
         let above = [p.above.to_bits(), q.above.to_bits()];
         let fraction = p.above / (p.above - q.above);
-        let known = self.cuts.get(&(p.id, q.id)).and_then(|cuts| cuts.iter().find(|c| c.above == above));
+        let known = self
+            .cuts
+            .get(&(p.id, q.id))
+            .and_then(|cuts| cuts.iter().find(|c| c.above == above));
         let id = if let Some(cut) = known {
             cut.id
         } else {
@@ -408,23 +495,39 @@ impl<'a> Overlay<'a> {
                         },
                     };
                     let (u, v) = (along(p.id), along(q.id));
-                    Host::Edge { ends, t: u + (v - u) * fraction }
+                    Host::Edge {
+                        ends,
+                        t: u + (v - u) * fraction,
+                    }
                 }
                 Support::Facet(_) => {
                     let (u, v) = (self.weights(p.id, corners), self.weights(q.id, corners));
-                    Host::Face { triangle, weights: [0, 1, 2].map(|i| u[i] + (v[i] - u[i]) * fraction) }
+                    Host::Face {
+                        triangle,
+                        weights: [0, 1, 2].map(|i| u[i] + (v[i] - u[i]) * fraction),
+                    }
                 }
             };
             let id = self.add(grain, host);
-            self.cuts.entry((p.id, q.id)).or_default().push(Cut { fraction, id, above });
+            self.cuts.entry((p.id, q.id)).or_default().push(Cut {
+                fraction,
+                id,
+                above,
+            });
             id
         };
         if let Support::Facet(k) = a.support {
             let layout = &self.surface.layout;
             let edge = layout.sides[facet as usize][usize::from(k)];
             let which = u8::from(layout.edges[edge as usize].facets[1] == (facet, k));
-            let (u, v) = (self.fraction(corners, facet, k, p.corner), self.fraction(corners, facet, k, q.corner));
-            self.rails.entry((edge, which)).or_default().push((u + (v - u) * fraction, id));
+            let (u, v) = (
+                self.fraction(corners, facet, k, p.corner),
+                self.fraction(corners, facet, k, q.corner),
+            );
+            self.rails
+                .entry((edge, which))
+                .or_default()
+                .push((u + (v - u) * fraction, id));
         }
         id
     }
@@ -432,7 +535,9 @@ impl<'a> Overlay<'a> {
     /// Barycentric weights of a vertex in the triangle with the points `corners`.
     pub fn weights(&self, id: u32, corners: [u32; 3]) -> [f64; 3] {
         let unit = |p: u32| [0, 1, 2].map(|i| f64::from(u8::from(corners[i] == p)));
-        let Some(i) = (id as usize).checked_sub(self.points.len()) else { return unit(id) };
+        let Some(i) = (id as usize).checked_sub(self.points.len()) else {
+            return unit(id);
+        };
         match self.vertices[i].host {
             Host::Point(p) => unit(p),
             Host::Edge { ends, t } => {
@@ -457,7 +562,11 @@ impl<'a> Overlay<'a> {
         }
         let pieces = std::mem::take(&mut self.pieces);
         for piece in pieces {
-            let list = if piece.edge == NONE { None } else { inner.get(&piece.edge) };
+            let list = if piece.edge == NONE {
+                None
+            } else {
+                inner.get(&piece.edge)
+            };
             let Some(list) = list.filter(|l| !l.is_empty()) else {
                 self.pieces.push(piece);
                 continue;
@@ -476,7 +585,9 @@ impl<'a> Overlay<'a> {
             };
             let mut between: Vec<(f64, u32)> = list
                 .iter()
-                .filter(|l| (l.1 > u.min(v) && l.1 < u.max(v)) && l.2 != piece.from && l.2 != piece.to)
+                .filter(|l| {
+                    (l.1 > u.min(v) && l.1 < u.max(v)) && l.2 != piece.from && l.2 != piece.to
+                })
                 .map(|l| (l.1, l.2))
                 .collect();
             between.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -485,7 +596,11 @@ impl<'a> Overlay<'a> {
             }
             let mut from = piece.from;
             for (_, id) in between {
-                self.pieces.push(Piece { from, to: id, ..piece });
+                self.pieces.push(Piece {
+                    from,
+                    to: id,
+                    ..piece
+                });
                 from = id;
             }
             self.pieces.push(Piece { from, ..piece });
@@ -495,8 +610,11 @@ impl<'a> Overlay<'a> {
     /// Joins the pieces of a triangle on either side of the surface and triangulates them.
     fn join(&mut self, triangle: u32, corners: [u32; 3]) -> Result<(), CutError> {
         let mut pieces = std::mem::take(&mut self.pieces);
-        let twin: FxHashMap<(u32, u32), bool> =
-            pieces.iter().filter(|p| p.edge != NONE).map(|p| ((p.from, p.to), p.upper)).collect();
+        let twin: FxHashMap<(u32, u32), bool> = pieces
+            .iter()
+            .filter(|p| p.edge != NONE)
+            .map(|p| ((p.from, p.to), p.upper))
+            .collect();
         for p in &pieces {
             if p.edge != NONE && p.upper && twin.get(&(p.to, p.from)) == Some(&false) {
                 self.walls.push((p.edge, [p.from, p.to]));
@@ -505,8 +623,11 @@ impl<'a> Overlay<'a> {
         pieces.retain(|p| p.edge == NONE || twin.get(&(p.to, p.from)) != Some(&p.upper));
         self.drop_needless(&mut pieces, corners);
         for upper in [false, true] {
-            let edges: Vec<[u32; 2]> =
-                pieces.iter().filter(|p| p.upper == upper).map(|p| [p.from, p.to]).collect();
+            let edges: Vec<[u32; 2]> = pieces
+                .iter()
+                .filter(|p| p.upper == upper)
+                .map(|p| [p.from, p.to])
+                .collect();
             // Weights of the second and third corner are coordinates in the triangle's own plane.
             let flat = |id: u32| {
                 let w = self.weights(id, corners);
@@ -519,7 +640,8 @@ impl<'a> Overlay<'a> {
                     triangle,
                     at: self.grain(edges.first().map_or(corners[0], |e| e[0])),
                 })?;
-            self.skin.extend(triangles.into_iter().map(|t| (triangle, t, upper)));
+            self.skin
+                .extend(triangles.into_iter().map(|t| (triangle, t, upper)));
         }
         self.pieces = pieces;
         Ok(())
@@ -574,7 +696,12 @@ impl Grid {
             .collect();
         let far = f64::INFINITY;
         let all = boxes.iter().fold([far, far, -far, -far], |m, b| {
-            [m[0].min(b[0]), m[1].min(b[1]), m[2].max(b[2]), m[3].max(b[3])]
+            [
+                m[0].min(b[0]),
+                m[1].min(b[1]),
+                m[2].max(b[2]),
+                m[3].max(b[3]),
+            ]
         });
         let side = ((layout.facets.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
         let (low, high) = (DVec2::new(all[0], all[1]), DVec2::new(all[2], all[3]));
@@ -585,7 +712,11 @@ impl Grid {
             size: [side, side],
             starts: vec![0; side * side + 1],
             facets: Vec::new(),
-            heights: surface.heights.iter().map(|h| (h[0].min(h[1]).min(h[2]), h[0].max(h[1]).max(h[2]))).collect(),
+            heights: surface
+                .heights
+                .iter()
+                .map(|h| (h[0].min(h[1]).min(h[2]), h[0].max(h[1]).max(h[2])))
+                .collect(),
             mark: vec![0; boxes.len()],
             boxes: Vec::new(),
             turn: 0,
@@ -610,11 +741,17 @@ impl Grid {
 
     fn cell(&self, p: DVec2) -> [usize; 2] {
         let c = (p - self.low) * self.scale;
-        [(c.x.max(0.0) as usize).min(self.size[0] - 1), (c.y.max(0.0) as usize).min(self.size[1] - 1)]
+        [
+            (c.x.max(0.0) as usize).min(self.size[0] - 1),
+            (c.y.max(0.0) as usize).min(self.size[1] - 1),
+        ]
     }
 
     fn each(&mut self, b: &[f64; 4], mut visit: impl FnMut(&mut Self, usize)) {
-        let (low, high) = (self.cell(DVec2::new(b[0], b[1])), self.cell(DVec2::new(b[2], b[3])));
+        let (low, high) = (
+            self.cell(DVec2::new(b[0], b[1])),
+            self.cell(DVec2::new(b[2], b[3])),
+        );
         for j in low[1]..=high[1] {
             for i in low[0]..=high[0] {
                 visit(self, j * self.size[0] + i);

@@ -11,7 +11,10 @@ pub(super) fn trace(edges: &[[u32; 2]], flat: impl Fn(u32) -> DVec2) -> Option<V
     order.sort_by_key(|&i| edges[i]);
     let from = |v: u32| {
         let start = order.partition_point(|&i| edges[i][0] < v);
-        order[start..].iter().copied().take_while(move |&i| edges[i][0] == v)
+        order[start..]
+            .iter()
+            .copied()
+            .take_while(move |&i| edges[i][0] == v)
     };
     let mut used = vec![false; edges.len()];
     let mut loops = Vec::new();
@@ -29,11 +32,18 @@ pub(super) fn trace(edges: &[[u32; 2]], flat: impl Fn(u32) -> DVec2) -> Option<V
                 let back = a - b;
                 // Angle from the way back, counted clockwise: the leftmost turn has the smallest of the open ones.
                 let angle = libm::atan2(back.perp_dot(d), back.dot(d));
-                if angle >= 0.0 { angle - 2.0 * std::f64::consts::PI } else { angle }
+                if angle >= 0.0 {
+                    angle - 2.0 * std::f64::consts::PI
+                } else {
+                    angle
+                }
             };
             let mut next = from(current[1]).filter(|&i| !used[i]);
             let candidate = next.next()?;
-            let chosen = next.fold(candidate, |best, i| if turn(i) > turn(best) { i } else { best });
+            let chosen = next.fold(
+                candidate,
+                |best, i| if turn(i) > turn(best) { i } else { best },
+            );
             used[chosen] = true;
             corners.push(current[1]);
             current = edges[chosen];
@@ -62,8 +72,11 @@ pub(super) fn fill(
     }
     let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| area(l, &flat) >= 0.0);
     for &ring in &outer {
-        let within: Vec<&Vec<u32>> =
-            holes.iter().copied().filter(|h| contains(ring, flat(h[0]), &flat)).collect();
+        let within: Vec<&Vec<u32>> = holes
+            .iter()
+            .copied()
+            .filter(|h| contains(ring, flat(h[0]), &flat))
+            .collect();
         fill_one(ring, &within, &flat, triangles)?;
     }
     Ok(())

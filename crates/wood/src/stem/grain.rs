@@ -19,7 +19,11 @@ pub struct GrainSpace {
 impl GrainSpace {
     /// Grain space about `axis`. `taper` gives (length in m, relative size > 0) rising in length; empty for none.
     pub fn new(axis: Axis, taper: Vec<(f64, f64)>) -> Self {
-        GrainSpace { axis, taper, spiral: (0.0, 0.0) }
+        GrainSpace {
+            axis,
+            taper,
+            spiral: (0.0, 0.0),
+        }
     }
 
     /// The same with grain that winds about the axis by `turn` rad per m, in its place at length `from` (m).
@@ -75,6 +79,8 @@ impl GrainSpace {
         let f = self.axis.frame(s);
         let d = (world - f.origin) / self.scale(s);
         let turn = self.turn(s);
-        DVec2::new(turn.x, -turn.y).rotate(DVec2::new(d.dot(f.x), d.dot(f.y))).extend(s)
+        DVec2::new(turn.x, -turn.y)
+            .rotate(DVec2::new(d.dot(f.x), d.dot(f.y)))
+            .extend(s)
     }
 }

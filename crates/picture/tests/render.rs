@@ -1,0 +1,254 @@
+//! Whole pictures: the same bits with any number of threads, what is in them, and what is refused.
+
+use glam::{DAffine3, DVec3};
+use greenstick_geometry::{Attribute, Context, Mesh};
+use greenstick_picture::{Item, Picture, PictureError, PictureOptions, PlainShader, View, render};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A unit cube about the origin, red at its top and blue at its bottom by vertex colours.
+fn cube() -> Mesh {
+    let positions: Vec<DVec3> = (0..8)
+        .map(|i| {
+            DVec3::from_array([i & 1, i >> 1 & 1, i >> 2 & 1].map(f64::from)) - DVec3::splat(0.5)
+        })
+        .collect();
+    let colors = positions
+        .iter()
+        .flat_map(|p| {
+            if p.y > 0.0 {
+                [0.8, 0.05, 0.05]
+            } else {
+                [0.05, 0.05, 0.8]
+            }
+        })
+        .collect();
+    let mut mesh = Mesh {
+        positions,
+        triangles: vec![
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ],
+        ..Mesh::default()
+    };
+    mesh.attributes.insert(
+        "COLOR_0".to_owned(),
+        Attribute {
+            width: 3,
+            data: colors,
+        },
+    );
+    mesh
+}
+
+fn take(options: &PictureOptions) -> Result<Picture, PictureError> {
+    let mesh = cube();
+    let shader = PlainShader::uniform([1.0; 3]);
+    let items = [Item {
+        mesh: &mesh,
+        transform: DAffine3::IDENTITY,
+        shader: &shader,
+    }];
+    render(&items, options, &Context::quiet())
+}
+
+fn small() -> PictureOptions {
+    PictureOptions {
+        width: 64,
+        height: 48,
+        samples: 8,
+        ..PictureOptions::default()
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let one = take(&PictureOptions {
+        threads: Some(1),
+        ..small()
+    })
+    .unwrap();
+    for threads in [2, 5] {
+        assert_eq!(
+            one,
+            take(&PictureOptions {
+                threads: Some(threads),
+                ..small()
+            })
+            .unwrap()
+        );
+    }
+}
+
+#[test]
+fn colours_are_where_they_belong() {
+    // Square on: the cube's face fills the middle, red above blue.
+    let view = View::Direction {
+        azimuth: 0.0,
+        elevation: 0.0,
+    };
+    let picture = take(&PictureOptions {
+        view,
+        floor: false,
+        ..small()
+    })
+    .unwrap();
+    let at = |x: usize, y: usize| {
+        let p = &picture.rgb[(y * 64 + x) * 3..][..3];
+        [p[0], p[1], p[2]].map(i32::from)
+    };
+    let (upper, lower, corner) = (at(32, 8), at(32, 40), at(1, 1));
+    assert!(upper[0] > upper[2] + 60, "upper {upper:?}");
+    assert!(lower[2] > lower[0] + 60, "lower {lower:?}");
+    assert!(
+        corner
+            .iter()
+            .all(|&c| (c - corner[0]).abs() < 12 && c > 150),
+        "corner {corner:?}"
+    );
+    // The floor is darkened under the cube and left alone far from it.
+    let view = View::Direction {
+        azimuth: 0.4,
+        elevation: 0.4,
+    };
+    let with = take(&PictureOptions { view, ..small() }).unwrap();
+    let without = take(&PictureOptions {
+        view,
+        floor: false,
+        ..small()
+    })
+    .unwrap();
+    let darker = |x: usize, y: usize| {
+        i32::from(without.rgb[(y * 64 + x) * 3]) - i32::from(with.rgb[(y * 64 + x) * 3])
+    };
+    let darkest = (0..48)
+        .flat_map(|y| (0..64).map(move |x| (x, y)))
+        .map(|(x, y)| darker(x, y))
+        .max();
+    assert!(darkest > Some(40), "shadow {darkest:?}");
+    assert!(darker(1, 1).abs() <= 2);
+}
+
+#[test]
+fn a_png_holds_the_pixels() {
+    let picture = take(&small()).unwrap();
+    let bytes = picture.png();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!((info.width, info.height, pixels), (64, 48, picture.rgb));
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    for (width, height) in [(0, 48), (64, 0), (16_385, 48)] {
+        let refused = take(&PictureOptions {
+            width,
+            height,
+            ..small()
+        });
+        assert_eq!(refused, Err(PictureError::Size { width, height }));
+    }
+    assert_eq!(
+        take(&PictureOptions {
+            samples: 0,
+            ..small()
+        }),
+        Err(PictureError::Samples { samples: 0 })
+    );
+    let tilted = View::Direction {
+        azimuth: 0.0,
+        elevation: 2.0,
+    };
+    assert!(matches!(
+        take(&PictureOptions {
+            view: tilted,
+            ..small()
+        }),
+        Err(PictureError::View(_))
+    ));
+    assert!(matches!(
+        take(&PictureOptions {
+            zoom: Some((DVec3::ZERO, 0.0)),
+            ..small()
+        }),
+        Err(PictureError::View(_))
+    ));
+    let quiet = Context::quiet();
+    assert_eq!(
+        render(&[], &small(), &quiet),
+        Err(PictureError::Empty { items: 0 })
+    );
+    let shader = PlainShader::uniform([0.5; 3]);
+    let shot = |mesh: &Mesh| {
+        render(
+            &[Item {
+                mesh,
+                transform: DAffine3::IDENTITY,
+                shader: &shader,
+            }],
+            &small(),
+            &quiet,
+        )
+    };
+    let mut mesh = cube();
+    mesh.positions[3].y = f64::NAN;
+    assert!(matches!(
+        shot(&mesh),
+        Err(PictureError::Position {
+            item: 0,
+            vertex: 3,
+            ..
+        })
+    ));
+    let mut mesh = cube();
+    mesh.triangles[5][1] = 8;
+    let refused = PictureError::Vertex {
+        item: 0,
+        triangle: 5,
+        vertex: 8,
+        vertices: 8,
+    };
+    assert_eq!(shot(&mesh), Err(refused));
+    // A single point, three times: no extent, but a triangle all the same.
+    let point = Mesh {
+        positions: vec![DVec3::ONE; 3],
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
+    };
+    assert!(shot(&point).is_ok());
+}
+
+#[test]
+fn a_caller_can_stop_and_is_told_how_far_it_is() {
+    let cancel = AtomicBool::new(false);
+    let stop_halfway = |_: &str, fraction: f64| cancel.store(fraction > 0.4, Ordering::Relaxed);
+    let mesh = cube();
+    let shader = PlainShader::uniform([1.0; 3]);
+    let items = [Item {
+        mesh: &mesh,
+        transform: DAffine3::IDENTITY,
+        shader: &shader,
+    }];
+    let options = PictureOptions {
+        threads: Some(1),
+        ..small()
+    };
+    let context = Context {
+        cancel: &cancel,
+        progress: &stop_halfway,
+    };
+    let stopped = render(&items, &options, &context);
+    assert!(matches!(stopped, Err(PictureError::Cancelled(_))));
+}

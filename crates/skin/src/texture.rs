@@ -1,0 +1,351 @@
+//! Baking the look of the inner wood into textures for glTF: colour, normals and roughness.
+//!
+//! The image is two squares side by side. **Left**, u 0 to ½: the section (end grain), a square of side W about the
+//! section's middle, x = (2u − ½) W, y = (v − ½) W. **Right**, u ½ to 1: the side grain, distance from the pith
+//! r = (2u − 1) W and length along the grain s = v W, which repeats in v.
+//!
+//! In each square the outermost columns beside u = ½ repeat their neighbour, so that filtering across the seam shows
+//! nothing of the other square.
+
+use glam::DVec2;
+use greenstick_geometry::{Cancelled, Context};
+use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
+
+/// Encoded PNG files of one size, twice as wide as high.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WoodTextures {
+    /// Base colour, 8-bit sRGB.
+    pub color: Vec<u8>,
+    /// Tangent-space normals in the convention of glTF 2.0 (§3.9.3): red towards +u, green towards −v.
+    pub normal: Vec<u8>,
+    /// Roughness in green, metalness (none) in blue.
+    pub roughness: Vec<u8>,
+}
+
+/// Why there are no textures.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TextureError {
+    /// The size is out of range.
+    #[error(
+        "a texture {size} pixels wide cannot be baked; the width must be even and {LEAST} to {MOST}"
+    )]
+    Size {
+        /// Width asked for, pixels.
+        size: u32,
+    },
+    /// The side of the squares is no length.
+    #[error("the side of the texture's squares is {width} m; it must be a finite length above 0")]
+    Width {
+        /// Side asked for, m, as text.
+        width: String,
+    },
+    /// The PNG encoder failed.
+    #[error("encoding the texture as PNG failed: {0}")]
+    Encoding(String),
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Narrowest texture, pixels.
+const LEAST: u32 = 8;
+/// Widest texture, pixels.
+const MOST: u32 = 16_384;
+/// Columns on either side of the seam that repeat their neighbour.
+const PADDING: u32 = 2;
+
+/// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m. `section` gives ring
+/// coordinate and angle (rad) of a place in the section, m from its middle.
+///
+/// # Errors
+/// [`TextureError`] where the size or width is out of range or the caller cancelled.
+pub fn bake(
+    size: u32,
+    width: f64,
+    section: &dyn Fn(DVec2) -> (f64, f64),
+    appearance: &WoodAppearance,
+    context: &Context,
+) -> Result<WoodTextures, TextureError> {
+    if !(LEAST..=MOST).contains(&size) || !size.is_multiple_of(2) {
+        return Err(TextureError::Size { size });
+    }
+    if !(width.is_finite() && width > 0.0) {
+        return Err(TextureError::Width {
+            width: width.to_string(),
+        });
+    }
+    let half = size / 2;
+    let texel = width / f64::from(half);
+    // End grain is met at all lengths, side grain tiles: only that needs the period.
+    let tiling = WoodAppearance {
+        period: Some(width),
+        ..appearance.clone()
+    };
+    let encode = Encoder::new();
+    let texels = (size * half) as usize;
+    let mut color = Vec::with_capacity(texels * 3);
+    let mut normal = Vec::with_capacity(texels * 3);
+    let mut roughness = Vec::with_capacity(texels * 3);
+    for row in 0..half {
+        if row % 64 == 0 {
+            context.step("textures", f64::from(row) / f64::from(half))?;
+        }
+        let v = (f64::from(row) + 0.5) * texel;
+        for column in 0..size {
+            let left = column < half;
+            let within = if left {
+                column.min(half - 1 - PADDING.min(half / 4))
+            } else {
+                (column - half).max(PADDING.min(half / 4))
+            };
+            let u = (f64::from(within) + 0.5) * texel;
+            let (surface, rise) = if left {
+                end_grain(
+                    appearance,
+                    section,
+                    DVec2::new(u, v) - DVec2::splat(width / 2.0),
+                    texel,
+                )
+            } else {
+                side_grain(&tiling, section, u, v, texel)
+            };
+            color.extend(surface.color.map(|c| encode.srgb(c)));
+            // The normal leans away from where the relief rises; green counts against v.
+            let length = (rise.length_squared() + 1.0).sqrt();
+            normal.extend([-rise.x, rise.y, 1.0].map(|n| byte(0.5 + 0.5 * n / length)));
+            roughness.extend([255, byte(surface.roughness), 0]);
+        }
+    }
+    context.step("textures", 1.0)?;
+    Ok(WoodTextures {
+        color: png(size, half, &color, true)?,
+        normal: png(size, half, &normal, false)?,
+        roughness: png(size, half, &roughness, false)?,
+    })
+}
+
+/// The surface at a place of the section, and how its relief rises in u and v (m per m).
+fn end_grain(
+    appearance: &WoodAppearance,
+    section: &dyn Fn(DVec2) -> (f64, f64),
+    across: DVec2,
+    texel: f64,
+) -> (WoodSurface, DVec2) {
+    let (ring, angle) = section(across);
+    let surface = appearance.wood(
+        &WoodPoint {
+            ring,
+            angle,
+            across,
+            along: 0.0,
+            end_grain: 1.0,
+        },
+        texel,
+    );
+    (surface, surface.slope.truncate())
+}
+
+/// The surface at distance `radius` from the pith and length `along`, and how its relief rises in u and v.
+fn side_grain(
+    appearance: &WoodAppearance,
+    section: &dyn Fn(DVec2) -> (f64, f64),
+    radius: f64,
+    along: f64,
+    texel: f64,
+) -> (WoodSurface, DVec2) {
+    let across = DVec2::new(radius, 0.0);
+    let (ring, angle) = section(across);
+    let surface = appearance.wood(
+        &WoodPoint {
+            ring,
+            angle,
+            across,
+            along,
+            end_grain: 0.0,
+        },
+        texel,
+    );
+    (surface, DVec2::new(surface.slope.x, surface.slope.z))
+}
+
+/// 0 to 1 as a byte.
+fn byte(v: f64) -> u8 {
+    (v * 255.0 + 0.5) as u8
+}
+
+/// The sRGB transfer function (IEC 61966-2-1) by a table of where each byte begins.
+struct Encoder {
+    /// Byte of the linear values from i / 4096 on, for a first guess.
+    guess: Vec<u8>,
+    /// Least linear value of each byte.
+    begins: [f64; 257],
+}
+
+impl Encoder {
+    fn new() -> Encoder {
+        let mut begins = [0.0; 257];
+        for (i, b) in begins.iter_mut().enumerate().skip(1) {
+            let v = (i as f64 - 0.5) / 255.0;
+            *b = if v <= 0.040_45 {
+                v / 12.92
+            } else {
+                libm::pow((v + 0.055) / 1.055, 2.4)
+            };
+        }
+        let guess = (0..=4096)
+            .map(|i| {
+                let v = f64::from(i) / 4096.0;
+                (begins[1..256].partition_point(|&b| b <= v)) as u8
+            })
+            .collect();
+        Encoder { guess, begins }
+    }
+
+    fn srgb(&self, linear: f64) -> u8 {
+        let v = linear.clamp(0.0, 1.0);
+        let mut byte = self.guess[(v * 4096.0) as usize];
+        while byte < 255 && self.begins[byte as usize + 1] <= v {
+            byte += 1;
+        }
+        byte
+    }
+}
+
+fn png(width: u32, height: u32, rgb: &[u8], srgb: bool) -> Result<Vec<u8>, TextureError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    // Textures of noise hardly get smaller by more work.
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Up);
+    if srgb {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    }
+    encoder
+        .write_header()
+        .and_then(|mut writer| writer.write_image_data(rgb).and_then(|()| writer.finish()))
+        .map_err(|e| TextureError::Encoding(e.to_string()))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const W: f64 = 0.06;
+
+    fn round(p: DVec2) -> (f64, f64) {
+        (p.length() / (W / 2.0), p.y.atan2(p.x))
+    }
+
+    fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        (info.width, info.height, pixels)
+    }
+
+    fn baked(size: u32) -> WoodTextures {
+        bake(
+            size,
+            W,
+            &round,
+            &WoodAppearance::softwood(),
+            &Context::quiet(),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn sizes_and_channels_are_what_gltf_wants() {
+        let textures = baked(64);
+        for (i, bytes) in [&textures.color, &textures.normal, &textures.roughness]
+            .into_iter()
+            .enumerate()
+        {
+            let (width, height, pixels) = decode(bytes);
+            assert_eq!((width, height), (64, 32));
+            for p in pixels.chunks_exact(3) {
+                match i {
+                    // Normals have unit length and look outwards.
+                    1 => {
+                        let n = [p[0], p[1], p[2]].map(|c| f64::from(c) / 127.5 - 1.0);
+                        let square: f64 = n.iter().map(|c| c * c).sum();
+                        assert!((square - 1.0).abs() < 0.03 && n[2] > 0.0);
+                    }
+                    2 => assert!(p[2] == 0 && p[1] > 76),
+                    // Wood is red before green before blue.
+                    _ => assert!(p[0] > p[1] && p[1] > p[2]),
+                }
+            }
+        }
+        for size in [0, 7, 9, 16_386] {
+            let refused = bake(
+                size,
+                W,
+                &round,
+                &WoodAppearance::default(),
+                &Context::quiet(),
+            );
+            assert_eq!(refused, Err(TextureError::Size { size }));
+        }
+        let refused = bake(
+            64,
+            f64::NAN,
+            &round,
+            &WoodAppearance::default(),
+            &Context::quiet(),
+        );
+        assert!(matches!(refused, Err(TextureError::Width { .. })));
+    }
+
+    #[test]
+    fn the_side_grain_goes_on_from_its_last_row_to_its_first() {
+        let (width, height, pixels) = decode(&baked(512).color);
+        let row = |y: u32| {
+            let start = ((y * width + width / 2) * 3) as usize;
+            &pixels[start..start + (width / 2 * 3) as usize]
+        };
+        let change = |a: u32, b: u32| -> f64 {
+            let sum: i32 = row(a)
+                .iter()
+                .zip(row(b))
+                .map(|(&p, &q)| (i32::from(p) - i32::from(q)).abs())
+                .sum();
+            f64::from(sum) / f64::from(width / 2 * 3)
+        };
+        let inside = (0..height - 1).map(|y| change(y, y + 1)).sum::<f64>() / f64::from(height - 1);
+        assert!(
+            change(height - 1, 0) < 2.0 * inside + 0.5,
+            "{} {inside}",
+            change(height - 1, 0)
+        );
+        // Not because all rows are alike.
+        assert!(
+            change(0, height / 2) > 3.0 * inside,
+            "{} {inside}",
+            change(0, height / 2)
+        );
+    }
+
+    #[test]
+    fn the_section_is_round_and_lies_where_the_coordinates_say() {
+        let (width, _, pixels) = decode(&baked(256).color);
+        let red = |x: u32, y: u32| i32::from(pixels[((y * width + x) * 3) as usize]);
+        // Sapwood at r = 0.75 in all four directions, dark bark at the corners.
+        for (x, y) in [(64 + 46, 64), (64 - 46, 64), (64, 64 + 46), (64, 64 - 46)] {
+            assert!(red(x, y) > 130, "{} at {x} {y}", red(x, y));
+        }
+        for (x, y) in [(2, 2), (120, 2), (2, 125), (120, 125), (64, 64)] {
+            assert!(red(x, y) < 125, "{} at {x} {y}", red(x, y));
+        }
+        // Beside the seam the columns repeat.
+        for y in 0..128 {
+            assert_eq!(red(126, y), red(127, y));
+            assert_eq!(red(128, y), red(129, y));
+        }
+    }
+}
