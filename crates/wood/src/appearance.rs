@@ -386,6 +386,10 @@ impl WoodAppearance {
         if self.heartwood <= 0.0 {
             return 0.0;
         }
+        if (at.ring - self.heartwood).abs() > 0.13 {
+            // Further off than the edge wanders.
+            return f64::from(u8::from(at.ring < self.heartwood));
+        }
         let wide = 0.4 * self.radius;
         let (long, period) = self.cells(10.0 * self.radius);
         let scale = DVec3::new(1.0 / wide, 1.0 / wide, 1.0 / long);
