@@ -2,5 +2,6 @@
 #![deny(missing_docs)]
 
 pub mod appearance;
+mod bark;
 mod noise;
 pub mod stem;
