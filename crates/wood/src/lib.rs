@@ -7,5 +7,6 @@ pub mod moisture;
 pub mod noise;
 pub mod primitive;
 pub mod species;
+mod bark;
 pub mod stem;
 pub mod tissue;
