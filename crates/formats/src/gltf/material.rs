@@ -26,7 +26,12 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
                     let place = format!("images[{index}]");
                     return Err(source.file.malformed(place, found, "base64"));
                 }
-                None => ImageSource::Reference(uri.clone()),
+                None => {
+                    if mime_type.is_empty() && uri.ends_with(".ktx2") {
+                        mime_type = "image/ktx2".to_owned();
+                    }
+                    ImageSource::Reference(uri.clone())
+                }
             },
             (None, None) => ImageSource::Reference(String::new()),
         };

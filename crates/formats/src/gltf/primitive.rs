@@ -230,7 +230,7 @@ fn append_triangles(
     let corner = |i: usize| base + indices[i];
     let strip = indices.len().saturating_sub(2);
     match mode {
-        4 if indices.len() % 3 != 0 => {
+        4 if !indices.len().is_multiple_of(3) => {
             let found = format!("{} indices", indices.len());
             return Err(source.file.malformed(place, found, "a multiple of 3"));
         }
