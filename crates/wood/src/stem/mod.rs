@@ -15,8 +15,6 @@ mod seed;
 mod shells;
 mod surface;
 mod trace;
-#[cfg(test)]
-mod zz;
 
 pub use axis::{Axis, Frame};
 pub use build::{Section, Stem, StemKind};
