@@ -244,7 +244,22 @@ pub(crate) fn body(
         };
         body.stations.push((state, found));
     }
+    spread_forks(&mut body.stations);
     Some(body)
+}
+
+/// Sections that fail next to a fork fail because of it.
+fn spread_forks(stations: &mut [(Stretch, Option<Section>)]) {
+    let count = stations.len();
+    for order in [(1..count).collect::<Vec<_>>(), (1..count).rev().collect()] {
+        for i in order {
+            match (stations[i - 1].0, stations[i].0) {
+                (Stretch::Fork, Stretch::Broken) => stations[i].0 = Stretch::Fork,
+                (Stretch::Broken, Stretch::Fork) => stations[i - 1].0 = Stretch::Fork,
+                _ => {}
+            }
+        }
+    }
 }
 
 /// Axis and sections of a board: straight along its box, whatever notches and holes there are.

@@ -560,7 +560,8 @@ impl Search<'_> {
                 Place::Point(side.unwrap_or(frame.origin))
             }
         };
-        if asked < 0.0 || asked > length * (1.0 + 1e-9) {
+        let point = matches!(self.place, Place::Point(_));
+        if !point && (asked < 0.0 || asked > length * (1.0 + 1e-9)) {
             return StemError::OffStem { asked: *self.place, length, nearest };
         }
         StemError::Unusable { asked: *self.place, found, nearest }
