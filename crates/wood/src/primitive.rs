@@ -24,7 +24,13 @@ pub struct BranchOptions {
 
 impl Default for BranchOptions {
     fn default() -> Self {
-        BranchOptions { length: 0.6, diameter: 0.04, relief: 1.0, around: 104, seed: 7 }
+        BranchOptions {
+            length: 0.6,
+            diameter: 0.04,
+            relief: 1.0,
+            around: 104,
+            seed: 7,
+        }
     }
 }
 
@@ -45,10 +51,18 @@ fn noise(seed: u64, purpose: u64, x: f64, y: f64, period: i64) -> f64 {
     let (u, v) = (x - i, y - j);
     let fade = |t: f64| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let at = |a: i64, b: i64| {
-        2.0 * hash(seed, purpose, (i as i64 + a).rem_euclid(period), j as i64 + b) - 1.0
+        2.0 * hash(
+            seed,
+            purpose,
+            (i as i64 + a).rem_euclid(period),
+            j as i64 + b,
+        ) - 1.0
     };
     let (u, v) = (fade(u), fade(v));
-    let (low, high) = (at(0, 0) + (at(1, 0) - at(0, 0)) * u, at(0, 1) + (at(1, 1) - at(0, 1)) * u);
+    let (low, high) = (
+        at(0, 0) + (at(1, 0) - at(0, 0)) * u,
+        at(0, 1) + (at(1, 1) - at(0, 1)) * u,
+    );
     low + (high - low) * v
 }
 
@@ -80,11 +94,16 @@ pub fn branch(options: &BranchOptions) -> Mesh {
     let around = options.around.max(8) as usize;
     const STRETCH: f64 = 2.8;
     let radius = 0.5 * options.diameter;
-    let Some(axis) = bent_axis(options) else { return Mesh::default() };
+    let Some(axis) = bent_axis(options) else {
+        return Mesh::default();
+    };
     let length = axis.length();
     let rows = ((length / (radius * TAU / around as f64 * STRETCH)).round() as usize).max(4);
     let at = |i: usize, j: usize| {
-        let (s, turn) = (length * i as f64 / rows as f64, (j % around) as f64 / around as f64);
+        let (s, turn) = (
+            length * i as f64 / rows as f64,
+            (j % around) as f64 / around as f64,
+        );
         let frame = axis.frame(s);
         let (sin, cos) = libm::sincos(TAU * turn);
         let r = bark_radius(options, s / length, turn);
@@ -110,9 +129,20 @@ pub fn branch(options: &BranchOptions) -> Mesh {
     let mut normals = side_normals(&mesh, around, rows);
     for (end, s) in [(0, 0.0), (rows, length)] {
         let frame = axis.frame(s);
-        let normal = if end == 0 { -frame.tangent } else { frame.tangent };
+        let normal = if end == 0 {
+            -frame.tangent
+        } else {
+            frame.tangent
+        };
         let rim: Vec<DVec3> = (0..around).map(|j| at(end, j)).collect();
-        cap(&mut mesh, &mut uv, &mut normals, &rim, (frame.origin, normal), end != 0);
+        cap(
+            &mut mesh,
+            &mut uv,
+            &mut normals,
+            &rim,
+            (frame.origin, normal),
+            end != 0,
+        );
     }
     finish(mesh, uv, normals)
 }
@@ -170,8 +200,13 @@ fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
     let shift = 0.06 * noise(seed, 41, turn * 4.0, z * 0.5, 4)
         + 0.015 * noise(seed, 42, turn * 16.0, z * 1.7, 16);
     let plate = |purpose: u64, cells: i64, stretch: f64| {
-        let edge =
-            border(seed, purpose, (turn + shift) * cells as f64, z * stretch, cells);
+        let edge = border(
+            seed,
+            purpose,
+            (turn + shift) * cells as f64,
+            z * stretch,
+            cells,
+        );
         let width = (edge * 2.6).min(1.0);
         width * (2.0 - width)
     };
@@ -213,7 +248,11 @@ fn cap(
     let first = mesh.positions.len() as u32;
     let x = normal.any_orthonormal_vector();
     let y = normal.cross(x);
-    let size = rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let size = rim
+        .iter()
+        .map(|p| p.distance(middle))
+        .fold(0.0, f64::max)
+        .max(f64::MIN_POSITIVE);
     let mut push = |p: DVec3| {
         mesh.positions.push(p);
         normals.push(normal);
@@ -228,11 +267,15 @@ fn cap(
     }
     push(middle);
     let mut add = |a: u32, b: u32, c: u32| {
-        mesh.triangles.push(if turned { [a, b, c] } else { [a, c, b] });
+        mesh.triangles
+            .push(if turned { [a, b, c] } else { [a, c, b] });
     };
     for ring in 0..RINGS as u32 {
         for j in 0..count {
-            let (a, b) = (first + ring * count + j, first + ring * count + (j + 1) % count);
+            let (a, b) = (
+                first + ring * count + j,
+                first + ring * count + (j + 1) % count,
+            );
             if ring + 1 == RINGS as u32 {
                 add(a, b, first + RINGS as u32 * count);
             } else {
@@ -244,9 +287,14 @@ fn cap(
 }
 
 fn finish(mut mesh: Mesh, uv: Vec<f32>, normals: Vec<DVec3>) -> Mesh {
-    let data = normals.iter().flat_map(|n| n.as_vec3().to_array()).collect();
-    mesh.attributes.insert("NORMAL".to_owned(), Attribute { width: 3, data });
-    mesh.attributes.insert("TEXCOORD_0".to_owned(), Attribute { width: 2, data: uv });
+    let data = normals
+        .iter()
+        .flat_map(|n| n.as_vec3().to_array())
+        .collect();
+    mesh.attributes
+        .insert("NORMAL".to_owned(), Attribute { width: 3, data });
+    mesh.attributes
+        .insert("TEXCOORD_0".to_owned(), Attribute { width: 2, data: uv });
     mesh.materials = vec![0; mesh.triangles.len()];
     mesh
 }
@@ -255,7 +303,9 @@ fn finish(mut mesh: Mesh, uv: Vec<f32>, normals: Vec<DVec3>) -> Mesh {
 /// Faces are divided into squares of about the thickness, at most 64 along an edge.
 pub fn board(length: f64, width: f64, thickness: f64) -> Mesh {
     let size = DVec3::new(width, thickness, length);
-    let count = (size / thickness).to_array().map(|n| n.round().clamp(1.0, 64.0) as u32);
+    let count = (size / thickness)
+        .to_array()
+        .map(|n| n.round().clamp(1.0, 64.0) as u32);
     let mut mesh = Mesh::default();
     let (mut uv, mut normals) = (Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -316,7 +366,14 @@ pub fn cylinder(radius: f64, length: f64, around: u32) -> Mesh {
     for (row, normal) in [(0, DVec3::NEG_Y), (rows, DVec3::Y)] {
         let rim: Vec<DVec3> = (0..around).map(|j| at(row, j)).collect();
         let middle = DVec3::new(0.0, length * row as f64 / rows as f64, 0.0);
-        cap(&mut mesh, &mut uv, &mut normals, &rim, (middle, normal), row != 0);
+        cap(
+            &mut mesh,
+            &mut uv,
+            &mut normals,
+            &rim,
+            (middle, normal),
+            row != 0,
+        );
     }
     finish(mesh, uv, normals)
 }
@@ -336,7 +393,9 @@ mod tests {
                 *edges.entry((a, b)).or_default() += 1;
             }
         }
-        edges.iter().all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1))
+        edges
+            .iter()
+            .all(|(&(a, b), &n)| n == 1 && edges.get(&(b, a)) == Some(&1))
     }
 
     #[test]
@@ -348,7 +407,10 @@ mod tests {
         assert!(closed(&c) && (c.volume() - area).abs() < 1e-12);
         let branch = branch(&BranchOptions::default());
         let count = branch.triangles.len();
-        assert!(closed(&branch) && (20_000..40_000).contains(&count), "{count}");
+        assert!(
+            closed(&branch) && (20_000..40_000).contains(&count),
+            "{count}"
+        );
         // A tapered branch of 0.6 m and 4 cm.
         assert!((branch.volume() / (0.6 * TAU / 2.0 * 4e-4) - 1.0).abs() < 0.1);
         let normals = &branch.attributes["NORMAL"];

@@ -44,8 +44,20 @@ impl<'a> Tube<'a> {
             }
             rows.push(Some((section.centroid, radii(section))));
         }
-        let radii = body.axis.lengths().iter().map(|&s| body.radius(s)).collect();
-        Tube { body, rows, radii, low: low - 0.1 * widest, high: high + 0.1 * widest, widest }
+        let radii = body
+            .axis
+            .lengths()
+            .iter()
+            .map(|&s| body.radius(s))
+            .collect();
+        Tube {
+            body,
+            rows,
+            radii,
+            low: low - 0.1 * widest,
+            high: high + 0.1 * widest,
+            widest,
+        }
     }
 
     /// Axis point next to `p`.
@@ -82,7 +94,9 @@ impl<'a> Tube<'a> {
         let frame = axis.frame(axis.lengths()[i]);
         let d = p - frame.origin;
         let s = axis.lengths()[i] + d.dot(frame.tangent);
-        let Some((centroid, radii)) = &self.rows[i] else { return (s, None) };
+        let Some((centroid, radii)) = &self.rows[i] else {
+            return (s, None);
+        };
         let q = DVec2::new(d.dot(frame.x), d.dot(frame.y)) - *centroid;
         let turn = (libm::atan2(q.y, q.x) + PI) / TAU * ANGLES as f64;
         (s, Some(q.length() / radii[turn as usize % ANGLES]))
@@ -174,7 +188,11 @@ impl<'a> Tube<'a> {
                 }
             }
         }
-        let largest = kept.iter().flat_map(|&i| surface.points_of(i)).max().map_or(0, |m| m + 1);
+        let largest = kept
+            .iter()
+            .flat_map(|&i| surface.points_of(i))
+            .max()
+            .map_or(0, |m| m + 1);
         let mut sets = Sets::new(largest as usize);
         for &i in &kept {
             let [a, b, c] = surface.points_of(i);
@@ -191,15 +209,24 @@ impl<'a> Tube<'a> {
         roots.sort_unstable();
         roots.dedup();
         // Marks instead of sorting: a limb of a scan has a million triangles.
-        let last = kept.iter().map(|&i| surface.number(i)).chain(wanted.iter().copied()).max();
+        let last = kept
+            .iter()
+            .map(|&i| surface.number(i))
+            .chain(wanted.iter().copied())
+            .max();
         let mut marked = vec![false; last.map_or(0, |n| n as usize + 1)];
         for &i in &kept {
-            if roots.binary_search(&sets.find(surface.points_of(i)[0])).is_ok() {
+            if roots
+                .binary_search(&sets.find(surface.points_of(i)[0]))
+                .is_ok()
+            {
                 marked[surface.number(i) as usize] = true;
             }
         }
         wanted.iter().for_each(|&n| marked[n as usize] = true);
-        (0..marked.len() as u32).filter(|&n| marked[n as usize]).collect()
+        (0..marked.len() as u32)
+            .filter(|&n| marked[n as usize])
+            .collect()
     }
 }
 
@@ -208,7 +235,10 @@ fn radii(section: &Section) -> Vec<f64> {
     let mut radii = vec![0.0_f64; ANGLES];
     let count = section.contour.len();
     for (i, &a) in section.contour.iter().enumerate() {
-        let (a, b) = (a - section.centroid, section.contour[(i + 1) % count] - section.centroid);
+        let (a, b) = (
+            a - section.centroid,
+            section.contour[(i + 1) % count] - section.centroid,
+        );
         // Sides of a coarse outline span sectors: walk along them.
         let angle = libm::atan2(a.perp_dot(b), a.dot(b)).abs();
         let steps = (2.0 * angle / TAU * ANGLES as f64).ceil().clamp(1.0, 64.0) as u32;
@@ -276,7 +306,9 @@ fn fixing_points(points: &Points, shell: &Shell) -> Vec<DVec3> {
     }
     corners.dedup();
     let count = corners.len().min(SAMPLES);
-    (0..count).map(|k| points.positions[corners[k * corners.len() / count] as usize]).collect()
+    (0..count)
+        .map(|k| points.positions[corners[k * corners.len() / count] as usize])
+        .collect()
 }
 
 /// What `shell` hangs on among `carriers` (shell, surface): the one that holds most of its fixing points, else the
@@ -296,18 +328,27 @@ pub(crate) fn hangs_on(
         if *on == shell || !shells[*on].meets(me, close) {
             continue;
         }
-        let inside: Vec<DVec3> = fixed.iter().copied().filter(|&p| surface.holds(p)).collect();
+        let inside: Vec<DVec3> = fixed
+            .iter()
+            .copied()
+            .filter(|&p| surface.holds(p))
+            .collect();
         if !inside.is_empty() {
             let at = inside.iter().sum::<DVec3>() / inside.len() as f64;
             let size = shells[*on].diagonal();
-            if best.as_ref().is_none_or(|b| (inside.len(), size) > (b.0, b.1)) {
+            if best
+                .as_ref()
+                .is_none_or(|b| (inside.len(), size) > (b.0, b.1))
+            {
                 best = Some((inside.len(), size, Hanging { on: *on, at }));
             }
         }
         // Larger things do not hang on smaller ones that merely lie close.
         if best.is_none() && shells[*on].diagonal() > me.diagonal() {
             for &p in &fixed {
-                let Some((_, q)) = surface.nearest(p) else { continue };
+                let Some((_, q)) = surface.nearest(p) else {
+                    continue;
+                };
                 let d = p.distance(q);
                 if d <= close && nearest.as_ref().is_none_or(|n| d < n.0) {
                     nearest = Some((d, Hanging { on: *on, at: p }));
@@ -342,7 +383,11 @@ pub(crate) fn upper_side(
         for c in points.triangles[t as usize] {
             let root = sets.find(c);
             let high = (points.positions[c as usize] - origin).dot(along) > 0.0;
-            if high { above.push(root) } else { below.push(root) }
+            if high {
+                above.push(root)
+            } else {
+                below.push(root)
+            }
         }
     }
     above.sort_unstable();

@@ -55,21 +55,29 @@ impl Axis {
                 _ if i == last => chord(last - 1),
                 // Weighted by the opposite interval: the derivative of the parabola through three points.
                 _ => {
-                    let (before, after) = (lengths[i] - lengths[i - 1], lengths[i + 1] - lengths[i]);
+                    let (before, after) =
+                        (lengths[i] - lengths[i - 1], lengths[i + 1] - lengths[i]);
                     (chord(i - 1) * after + chord(i) * before) / (before + after)
                 }
             })
             .map(|d| d.try_normalize().unwrap_or(DVec3::Z))
             .collect();
         let mut direction = across.map_or(DVec3::ZERO, |d| d.reject_from_normalized(slopes[0]));
-        direction = direction.try_normalize().unwrap_or_else(|| slopes[0].any_orthonormal_vector());
+        direction = direction
+            .try_normalize()
+            .unwrap_or_else(|| slopes[0].any_orthonormal_vector());
         let mut frames = vec![direction];
         for pair in slopes.windows(2) {
             direction = glam::DQuat::from_rotation_arc(pair[0], pair[1]) * direction;
             direction = direction.reject_from_normalized(pair[1]).normalize();
             frames.push(direction);
         }
-        Some(Axis { points: kept, lengths, slopes, across: frames })
+        Some(Axis {
+            points: kept,
+            lengths,
+            slopes,
+            across: frames,
+        })
     }
 
     /// Length of the curve, m.
@@ -89,7 +97,10 @@ impl Axis {
 
     /// The interval that holds `s`.
     fn interval(&self, s: f64) -> usize {
-        self.lengths.partition_point(|&l| l <= s).clamp(1, self.lengths.len() - 1) - 1
+        self.lengths
+            .partition_point(|&l| l <= s)
+            .clamp(1, self.lengths.len() - 1)
+            - 1
     }
 
     /// Point and derivative at `s`; straight on beyond the ends.
@@ -99,7 +110,10 @@ impl Axis {
         }
         if s >= self.length() {
             let last = self.points.len() - 1;
-            return (self.points[last] + self.slopes[last] * (s - self.length()), self.slopes[last]);
+            return (
+                self.points[last] + self.slopes[last] * (s - self.length()),
+                self.slopes[last],
+            );
         }
         let i = self.interval(s);
         let h = self.lengths[i + 1] - self.lengths[i];
@@ -109,7 +123,8 @@ impl Axis {
         // Cubic Hermite interpolation, written about `a` so that straight stems stay exactly straight.
         let d = b - a;
         let point = a + m * t + (d * 3.0 - m * 2.0 - n) * (t * t) + (m + n - d * 2.0) * (t * t * t);
-        let slope = (m + (d * 3.0 - m * 2.0 - n) * (2.0 * t) + (m + n - d * 2.0) * (3.0 * t * t)) / h;
+        let slope =
+            (m + (d * 3.0 - m * 2.0 - n) * (2.0 * t) + (m + n - d * 2.0) * (3.0 * t * t)) / h;
         (point, slope)
     }
 
@@ -119,16 +134,27 @@ impl Axis {
         let tangent = slope.try_normalize().unwrap_or(DVec3::Z);
         let i = self.interval(s);
         let t = ((s - self.lengths[i]) / (self.lengths[i + 1] - self.lengths[i])).clamp(0.0, 1.0);
-        let x = self.across[i].lerp(self.across[i + 1], t).reject_from_normalized(tangent);
-        let x = x.try_normalize().unwrap_or_else(|| tangent.any_orthonormal_vector());
-        Frame { origin, x, y: tangent.cross(x), tangent }
+        let x = self.across[i]
+            .lerp(self.across[i + 1], t)
+            .reject_from_normalized(tangent);
+        let x = x
+            .try_normalize()
+            .unwrap_or_else(|| tangent.any_orthonormal_vector());
+        Frame {
+            origin,
+            x,
+            y: tangent.cross(x),
+            tangent,
+        }
     }
 
     /// The length whose section plane holds `world`: of several the one near the nearest of the curve's points.
     pub fn length_at(&self, world: DVec3) -> f64 {
         let nearest = (0..self.points.len())
             .min_by(|&a, &b| {
-                self.points[a].distance_squared(world).total_cmp(&self.points[b].distance_squared(world))
+                self.points[a]
+                    .distance_squared(world)
+                    .total_cmp(&self.points[b].distance_squared(world))
             })
             .unwrap_or(0);
         self.length_near(world, self.lengths[nearest])
@@ -150,7 +176,11 @@ impl Axis {
             let next = s + value;
             let next_value = miss(next);
             let slope = (next_value - value) / (next - s);
-            let better = if slope < -0.1 { s - value / slope } else { next };
+            let better = if slope < -0.1 {
+                s - value / slope
+            } else {
+                next
+            };
             let better_value = miss(better);
             let done = (better - s).abs() <= 1e-15 * (1.0 + s.abs());
             (s, value) = (better, better_value);
@@ -168,8 +198,10 @@ mod tests {
 
     #[test]
     fn frames_are_orthonormal_and_lengths_invert() {
-        let points: Vec<DVec3> =
-            (0..30).map(|i| i as f64 * 0.05).map(|a| DVec3::new(a.cos(), a.sin(), 0.3 * a)).collect();
+        let points: Vec<DVec3> = (0..30)
+            .map(|i| i as f64 * 0.05)
+            .map(|a| DVec3::new(a.cos(), a.sin(), 0.3 * a))
+            .collect();
         let axis = Axis::new(&points, None).unwrap();
         for k in 0..100 {
             let s = axis.length() * (k as f64 / 99.0 * 1.2 - 0.1);
@@ -182,7 +214,9 @@ mod tests {
 
     #[test]
     fn a_straight_axis_is_exactly_straight() {
-        let points: Vec<DVec3> = (0..9).map(|i| DVec3::new(0.0, 0.0, i as f64 * 0.125)).collect();
+        let points: Vec<DVec3> = (0..9)
+            .map(|i| DVec3::new(0.0, 0.0, i as f64 * 0.125))
+            .collect();
         let axis = Axis::new(&points, Some(DVec3::X)).unwrap();
         let f = axis.frame(0.3);
         assert_eq!((f.x, f.y, f.tangent), (DVec3::X, DVec3::Y, DVec3::Z));

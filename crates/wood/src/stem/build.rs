@@ -141,24 +141,35 @@ fn section_and_rivals(
     let mut contour: Vec<DVec2> = cut
         .points
         .iter()
-        .map(|&p| DVec2::new((p - frame.origin).dot(frame.x), (p - frame.origin).dot(frame.y)))
+        .map(|&p| {
+            DVec2::new(
+                (p - frame.origin).dot(frame.x),
+                (p - frame.origin).dot(frame.y),
+            )
+        })
         .collect();
     let (area, centroid) = polygon::area_and_centroid(&contour);
     if area < 0.0 {
         contour.reverse();
     }
     let perimeter = polygon::perimeter(&contour);
-    Some((Section { length: s, contour, centroid, area: area.abs(), perimeter }, cut.rivals))
+    Some((
+        Section {
+            length: s,
+            contour,
+            centroid,
+            area: area.abs(),
+            perimeter,
+        },
+        cut.rivals,
+    ))
 }
 
 /// Makes axis and sections of a trace. `near` is the station about which the axis must not bend too tightly.
-pub(crate) fn body(
-    surface: &Surface,
-    trace: &Trace,
-    near: usize,
-) -> Option<Body> {
-    let good: Vec<usize> =
-        (0..trace.cuts.len()).filter(|&i| trace.states[i] == State::Good).collect();
+pub(crate) fn body(surface: &Surface, trace: &Trace, near: usize) -> Option<Body> {
+    let good: Vec<usize> = (0..trace.cuts.len())
+        .filter(|&i| trace.states[i] == State::Good)
+        .collect();
     if good.is_empty() {
         return None;
     }
@@ -167,12 +178,22 @@ pub(crate) fn body(
     let mut t = 0.0;
     for (k, cut) in cuts.iter().enumerate() {
         if k > 0 {
-            t += cut.centre.distance(cuts[k - 1].centre).max(1e-6 * cut.radius);
+            t += cut
+                .centre
+                .distance(cuts[k - 1].centre)
+                .max(1e-6 * cut.radius);
         }
-        stations.push(Station { t, centre: cut.centre, radius: cut.radius, reach: cut.reach });
+        stations.push(Station {
+            t,
+            centre: cut.centre,
+            radius: cut.radius,
+            reach: cut.reach,
+        });
     }
     let last = cuts[cuts.len() - 1];
-    let first = -(cuts[0].centre - trace.tips[0]).dot(cuts[0].normal).max(0.0);
+    let first = -(cuts[0].centre - trace.tips[0])
+        .dot(cuts[0].normal)
+        .max(0.0);
     let end = t + (trace.tips[1] - last.centre).dot(last.normal).max(0.0);
     if end <= first {
         return None;
@@ -186,8 +207,14 @@ pub(crate) fn body(
         .collect();
     let at = stations[good.partition_point(|&g| g < near).min(good.len() - 1)].t;
     let keep = (
-        gaps.iter().map(|g| g.1).filter(|&g| g <= at).fold(first, f64::max),
-        gaps.iter().map(|g| g.0).filter(|&g| g >= at).fold(end, f64::min),
+        gaps.iter()
+            .map(|g| g.1)
+            .filter(|&g| g <= at)
+            .fold(first, f64::max),
+        gaps.iter()
+            .map(|g| g.0)
+            .filter(|&g| g >= at)
+            .fold(end, f64::min),
     );
     let (axis, lengths) = if stations.len() < 3 || t < SHORT * cuts[cuts.len() / 2].radius {
         straight(&stations, first, end, cuts[cuts.len() / 2].normal)?
@@ -201,7 +228,11 @@ pub(crate) fn body(
     };
     let free = (
         if whole(0, good[0]) { first } else { 0.0 },
-        if whole(1, good[good.len() - 1]) { end } else { t },
+        if whole(1, good[good.len() - 1]) {
+            end
+        } else {
+            t
+        },
     );
     let cut_off = |side: usize| {
         let states = if side == 0 {
@@ -212,7 +243,13 @@ pub(crate) fn body(
         trace.ends[side] == End::Fork || states.contains(&State::Fork)
     };
     let kind = StemKind::Round;
-    let mut body = Body { axis, stations: Vec::new(), kind, ends: trace.ends, width: 0.0 };
+    let mut body = Body {
+        axis,
+        stations: Vec::new(),
+        kind,
+        ends: trace.ends,
+        width: 0.0,
+    };
     let tiny = 0.06 * cuts[0].radius.min(last.radius);
     for (i, &t) in lengths.iter().enumerate() {
         // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
@@ -221,9 +258,17 @@ pub(crate) fn body(
         let state = if fork {
             Stretch::Fork
         } else if t < free.0 - 1e-12 {
-            if cut_off(0) { Stretch::Fork } else { Stretch::End }
+            if cut_off(0) {
+                Stretch::Fork
+            } else {
+                Stretch::End
+            }
         } else if t > free.1 + 1e-12 {
-            if cut_off(1) { Stretch::Fork } else { Stretch::End }
+            if cut_off(1) {
+                Stretch::Fork
+            } else {
+                Stretch::End
+            }
         } else {
             Stretch::Free
         };
@@ -231,7 +276,9 @@ pub(crate) fn body(
             body.stations.push((state, None));
             continue;
         }
-        let nearest = stations.partition_point(|q| q.t < t).min(stations.len() - 1);
+        let nearest = stations
+            .partition_point(|q| q.t < t)
+            .min(stations.len() - 1);
         let expected = std::f64::consts::PI * stations[nearest].radius * stations[nearest].radius;
         let found = section_at(surface, &body.axis, s, 0.5 * stations[nearest].radius)
             .filter(|c| c.area > 0.5 * expected && c.area < 1.8 * expected);
@@ -244,22 +291,7 @@ pub(crate) fn body(
         };
         body.stations.push((state, found));
     }
-    spread_forks(&mut body.stations);
     Some(body)
-}
-
-/// Sections that fail next to a fork fail because of it.
-fn spread_forks(stations: &mut [(Stretch, Option<Section>)]) {
-    let count = stations.len();
-    for order in [(1..count).collect::<Vec<_>>(), (1..count).rev().collect()] {
-        for i in order {
-            match (stations[i - 1].0, stations[i].0) {
-                (Stretch::Fork, Stretch::Broken) => stations[i].0 = Stretch::Fork,
-                (Stretch::Broken, Stretch::Fork) => stations[i - 1].0 = Stretch::Fork,
-                _ => {}
-            }
-        }
-    }
 }
 
 /// Axis and sections of a board: straight along its box, whatever notches and holes there are.
@@ -295,23 +327,28 @@ pub(crate) fn board_body(surface: &Surface, plank: &Plank) -> Option<Body> {
             _ => (Stretch::Broken, None),
         })
         .collect();
-    Some(Body { axis, stations, kind: StemKind::Board, ends: [End::Real; 2], width })
+    Some(Body {
+        axis,
+        stations,
+        kind: StemKind::Board,
+        ends: [End::Real; 2],
+        width,
+    })
 }
 
 /// A straight axis through the middle of the centroids along `normal`.
-fn straight(
-    stations: &[Station],
-    first: f64,
-    end: f64,
-    normal: DVec3,
-) -> Option<(Axis, Vec<f64>)> {
+fn straight(stations: &[Station], first: f64, end: f64, normal: DVec3) -> Option<(Axis, Vec<f64>)> {
     let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
     let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
     let radius = stations[stations.len() / 2].radius;
     let count = ((end - first) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
-    let lengths: Vec<f64> =
-        (0..=count).map(|i| first + (end - first) * i as f64 / count as f64).collect();
-    let points: Vec<DVec3> = lengths.iter().map(|t| mean + normal * (t - middle)).collect();
+    let lengths: Vec<f64> = (0..=count)
+        .map(|i| first + (end - first) * i as f64 / count as f64)
+        .collect();
+    let points: Vec<DVec3> = lengths
+        .iter()
+        .map(|t| mean + normal * (t - middle))
+        .collect();
     let axis = Axis::new(&points, None)?;
     (axis.points().len() == lengths.len()).then_some((axis, lengths))
 }
@@ -334,10 +371,14 @@ fn curved(
         if gaps.iter().any(|g| station.t >= g.0 && station.t <= g.1) {
             continue;
         }
-        let k = lengths.partition_point(|&t| t <= station.t).clamp(1, lengths.len() - 1);
+        let k = lengths
+            .partition_point(|&t| t <= station.t)
+            .clamp(1, lengths.len() - 1);
         let u = (station.t - lengths[k - 1]) / (lengths[k] - lengths[k - 1]);
         let s = axis.lengths()[k - 1] + (axis.lengths()[k] - axis.lengths()[k - 1]) * u;
-        let Some(found) = section_at(surface, &axis, s, 0.5 * station.radius) else { continue };
+        let Some(found) = section_at(surface, &axis, s, 0.5 * station.radius) else {
+            continue;
+        };
         let area = std::f64::consts::PI * station.radius * station.radius;
         if found.area > 0.7 * area && found.area < 1.3 * area {
             let frame = axis.frame(s);
@@ -368,10 +409,20 @@ pub(crate) fn taper(body: &Body, run: (f64, f64), place: f64, area: f64) -> Vec<
         for &(at, size) in sizes[from..].iter().take_while(|p| p.0 <= s + window) {
             let u = (at - s) / window;
             let w = (1.0 - u * u) * (1.0 - u * u) + 1e-9;
-            m = [m[0] + w, m[1] + w * u, m[2] + w * u * u, m[3] + w * size, m[4] + w * u * size];
+            m = [
+                m[0] + w,
+                m[1] + w * u,
+                m[2] + w * u * u,
+                m[3] + w * size,
+                m[4] + w * u * size,
+            ];
         }
         let det = m[0] * m[2] - m[1] * m[1];
-        if det > 1e-9 * m[0] * m[0] { (m[3] * m[2] - m[4] * m[1]) / det } else { m[3] / m[0] }
+        if det > 1e-9 * m[0] * m[0] {
+            (m[3] * m[2] - m[4] * m[1]) / det
+        } else {
+            m[3] / m[0]
+        }
     };
     if sizes.len() < 2 {
         return Vec::new();

@@ -46,7 +46,11 @@ fn fit(stations: &[Station], t: f64, sigma: f64, quadratic: bool) -> (DVec3, DVe
     let det = m[0] * (m[2] * m[4] - m[3] * m[3]) - m[1] * (m[1] * m[4] - m[2] * m[3])
         + m[2] * (m[1] * m[3] - m[2] * m[2]);
     if quadratic && to - from >= 5 && det > 1e-9 * m[0] * m[2] * m[4] {
-        let (a, b, c) = (m[2] * m[4] - m[3] * m[3], m[2] * m[3] - m[1] * m[4], m[1] * m[3] - m[2] * m[2]);
+        let (a, b, c) = (
+            m[2] * m[4] - m[3] * m[3],
+            m[2] * m[3] - m[1] * m[4],
+            m[1] * m[3] - m[2] * m[2],
+        );
         let value = (v[0] * a + v[1] * b + v[2] * c) / det;
         let (e, f) = (m[0] * m[4] - m[2] * m[2], m[1] * m[2] - m[0] * m[3]);
         let slope = (v[0] * b + v[1] * e + v[2] * f) / det;
@@ -58,7 +62,9 @@ fn fit(stations: &[Station], t: f64, sigma: f64, quadratic: bool) -> (DVec3, DVe
         return (value, (v[1] * m[0] - v[0] * m[1]) / (det * sigma));
     }
     // Between stations that are too far apart: straight on.
-    let k = stations.partition_point(|s| s.t <= t).clamp(1, stations.len() - 1);
+    let k = stations
+        .partition_point(|s| s.t <= t)
+        .clamp(1, stations.len() - 1);
     let (a, b) = (stations[k - 1], stations[k]);
     let slope = (b.centre - a.centre) / (b.t - a.t);
     (a.centre + slope * (t - a.t), slope)
@@ -108,14 +114,20 @@ fn sample(
             break;
         }
         let step = 0.25 * radius;
-        t = if t + 1.5 * step > last { last } else { t + step };
+        t = if t + 1.5 * step > last {
+            last
+        } else {
+            t + step
+        };
     }
     (points, lengths)
 }
 
 /// Interpolated radius at `t`.
 fn radius_at(stations: &[Station], t: f64) -> f64 {
-    let k = stations.partition_point(|s| s.t <= t).clamp(1, stations.len() - 1);
+    let k = stations
+        .partition_point(|s| s.t <= t)
+        .clamp(1, stations.len() - 1);
     let (a, b) = (stations[k - 1], stations[k]);
     let u = ((t - a.t) / (b.t - a.t)).clamp(0.0, 1.0);
     a.radius + (b.radius - a.radius) * u
@@ -134,7 +146,9 @@ fn too_tight(
         // Curvature of the circle through three points.
         let chord = points[i + 1].distance(points[i - 1]);
         let curvature = 2.0 * a.cross(b).length() / (a.length() * b.length() * chord);
-        let k = stations.partition_point(|s| s.t <= lengths[i]).clamp(1, stations.len() - 1);
+        let k = stations
+            .partition_point(|s| s.t <= lengths[i])
+            .clamp(1, stations.len() - 1);
         let reach = stations[k - 1].reach.max(stations[k].reach);
         curvature * TIGHTEST * reach > 1.0
     })

@@ -71,7 +71,9 @@ pub enum StemError {
         shells: usize,
     },
     /// A fraction or length that the stem does not have.
-    #[error("place {asked} is off the stem, which is {length:.4} m long; nearest place that works: {nearest}")]
+    #[error(
+        "place {asked} is off the stem, which is {length:.4} m long; nearest place that works: {nearest}"
+    )]
     OffStem {
         /// The place asked for.
         asked: Place,
@@ -137,10 +139,16 @@ pub fn find(
     for (node, mesh) in meshes.iter().enumerate() {
         let count = mesh.positions.len();
         if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
-            let found = format!("vertex {i} is {}; coordinates must be finite", mesh.positions[i]);
+            let found = format!(
+                "vertex {i} is {}; coordinates must be finite",
+                mesh.positions[i]
+            );
             return Err(StemError::Invalid { node, found });
         }
-        if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count))
+        if let Some(t) = mesh
+            .triangles
+            .iter()
+            .position(|t| t.iter().any(|&v| v as usize >= count))
         {
             let found = format!("triangle {t} names a vertex beyond the {count} that there are");
             return Err(StemError::Invalid { node, found });
@@ -154,7 +162,10 @@ pub fn find(
         return Err(StemError::Empty);
     }
     let first = attempt(meshes, place, options, context, 0.0);
-    if !matches!(first, Err(StemError::NoStem { .. } | StemError::NowhereFree { .. })) {
+    if !matches!(
+        first,
+        Err(StemError::NoStem { .. } | StemError::NowhereFree { .. })
+    ) {
         return first;
     }
     // Perhaps a soup whose triangles touch only nearly.
@@ -189,12 +200,27 @@ fn attempt(
     tolerance: f64,
 ) -> Result<Found, StemError> {
     context.step("stem", 0.0)?;
-    let points: Vec<Points> = meshes.iter().map(|m| shells::points(m, tolerance)).collect();
-    let shells: Vec<Shell> =
-        points.iter().enumerate().flat_map(|(node, p)| shells::shells(node, p)).collect();
+    let points: Vec<Points> = meshes
+        .iter()
+        .map(|m| shells::points(m, tolerance))
+        .collect();
+    let shells: Vec<Shell> = points
+        .iter()
+        .enumerate()
+        .flat_map(|(node, p)| shells::shells(node, p))
+        .collect();
     let mut order: Vec<usize> = (0..shells.len()).collect();
-    order.sort_by(|&a, &b| shells[b].diagonal().total_cmp(&shells[a].diagonal()).then(a.cmp(&b)));
-    let parts = Parts { points, shells, order };
+    order.sort_by(|&a, &b| {
+        shells[b]
+            .diagonal()
+            .total_cmp(&shells[a].diagonal())
+            .then(a.cmp(&b))
+    });
+    let parts = Parts {
+        points,
+        shells,
+        order,
+    };
     context.step("stem", 0.2)?;
     let (cut, mut followed, at) = match place {
         Place::Point(p) => at_point(&parts, *p, place, options.kind)?,
@@ -215,7 +241,10 @@ fn attempt(
         Course::Board(plank) => [plank.end, plank.end + plank.direction * plank.size[0]],
     };
     let held = tips.map(|tip| {
-        carriers.iter().find(|(i, surface)| *i != cut && surface.holds(tip)).map(|(i, _)| *i)
+        carriers
+            .iter()
+            .find(|(i, surface)| *i != cut && surface.holds(tip))
+            .map(|(i, _)| *i)
     });
     let reversed = turned_over(&followed, tips, held);
     let held = if reversed { [held[1], held[0]] } else { held };
@@ -228,9 +257,17 @@ fn attempt(
         _ => {}
     }
     let Some(surface) = carriers.iter().find(|(i, _)| *i == cut).map(|(_, s)| s) else {
-        return Err(StemError::NoStem { shells: parts.shells.len() });
+        return Err(StemError::NoStem {
+            shells: parts.shells.len(),
+        });
     };
-    let search = Search { parts: &parts, cut, surface, place, options };
+    let search = Search {
+        parts: &parts,
+        cut,
+        surface,
+        place,
+        options,
+    };
     let mut found = search.stem(&followed, at, held)?;
     context.step("stem", 0.8)?;
     found.carried = search.carried(&found, &carriers);
@@ -238,7 +275,9 @@ fn attempt(
     if tolerance > 0.0 {
         found.notes.insert(
             0,
-            format!("the mesh was not connected: {moved} vertices were welded within {tolerance:.2e} m"),
+            format!(
+                "the mesh was not connected: {moved} vertices were welded within {tolerance:.2e} m"
+            ),
         );
     }
     context.step("stem", 1.0)?;
@@ -278,7 +317,9 @@ fn main_stem(
         if parts.shells[i].triangles.len() < 6 {
             continue;
         }
-        let Some((course, volume)) = course(&parts.surface(i), kind) else { continue };
+        let Some((course, volume)) = course(&parts.surface(i), kind) else {
+            continue;
+        };
         if best.as_ref().is_none_or(|b| volume > b.0) {
             best = Some((volume, i, course));
         }
@@ -288,7 +329,9 @@ fn main_stem(
         }
     }
     best.map(|(_, i, course)| (i, course, None))
-        .ok_or(StemError::NoStem { shells: parts.shells.len() })
+        .ok_or(StemError::NoStem {
+            shells: parts.shells.len(),
+        })
 }
 
 /// The shell nearest to a point, the limb of it there, and the nearest point on it.
@@ -300,7 +343,10 @@ fn at_point(
 ) -> Result<(usize, Course, Option<DVec3>), StemError> {
     let mut best: Option<(f64, usize, DVec3)> = None;
     for (i, shell) in parts.shells.iter().enumerate() {
-        let bound = (shell.low - p).max(p - shell.high).max(DVec3::ZERO).length();
+        let bound = (shell.low - p)
+            .max(p - shell.high)
+            .max(DVec3::ZERO)
+            .length();
         if best.is_some_and(|b| bound >= b.0) {
             continue;
         }
@@ -314,14 +360,20 @@ fn at_point(
             }
         }
     }
-    let Some((distance, i, q)) = best else { return Err(StemError::Empty) };
+    let Some((distance, i, q)) = best else {
+        return Err(StemError::Empty);
+    };
     let surface = parts.surface(i);
     let trace = match course(&surface, kind) {
         Some((Course::Board(plank), _)) => {
             let far = 1.5 * plank.size[1];
             if distance > far {
                 let nearest = Place::Point(q);
-                return Err(StemError::FarFromWood { asked: *place, distance, nearest });
+                return Err(StemError::FarFromWood {
+                    asked: *place,
+                    distance,
+                    nearest,
+                });
             }
             return Ok((i, Course::Board(plank), Some(q)));
         }
@@ -331,14 +383,19 @@ fn at_point(
     let Some(trace) = trace else {
         return Err(StemError::NowhereFree {
             asked: *place,
-            found: "the nearest part of the model has no section that is one closed loop".to_owned(),
+            found: "the nearest part of the model has no section that is one closed loop"
+                .to_owned(),
         });
     };
     // Three radii of air around the wood are taken for a hand that was not quite steady.
     let radius = trace.cuts[nearest_station(&trace, q)].radius;
     let inside = surface.holds(p);
     if distance > 3.0 * radius && !inside {
-        return Err(StemError::FarFromWood { asked: *place, distance, nearest: Place::Point(q) });
+        return Err(StemError::FarFromWood {
+            asked: *place,
+            distance,
+            nearest: Place::Point(q),
+        });
     }
     Ok((i, Course::Log(trace), Some(q)))
 }
@@ -360,7 +417,10 @@ fn station_at(trace: &Trace, place: &Place, point: Option<DVec3>) -> usize {
         (Place::Fraction(x), _) => (x.clamp(0.0, 1.0) * trace.cuts.len() as f64) as usize,
         (Place::Length(x), _) => {
             let mut left = *x;
-            let steps = trace.cuts.windows(2).map(|w| w[0].centre.distance(w[1].centre));
+            let steps = trace
+                .cuts
+                .windows(2)
+                .map(|w| w[0].centre.distance(w[1].centre));
             steps
                 .take_while(|step| {
                     left -= step;
@@ -438,7 +498,9 @@ impl Search<'_> {
                 build::body(self.surface, trace, station_at(trace, self.place, at))
             }
         };
-        let body = body.ok_or(StemError::NoStem { shells: self.parts.shells.len() })?;
+        let body = body.ok_or(StemError::NoStem {
+            shells: self.parts.shells.len(),
+        })?;
         let length = body.axis.length();
         let asked = match (self.place, at) {
             (Place::Fraction(x), _) => x * length,
@@ -463,7 +525,10 @@ impl Search<'_> {
             let gap = (zone.range.0 - usable.1).max(usable.0 - zone.range.1);
             if gap < margin {
                 let (a, b) = zone.range;
-                notes.push(format!("the break stays clear of {a:.3} to {b:.3} m, where {}", zone.why));
+                notes.push(format!(
+                    "the break stays clear of {a:.3} to {b:.3} m, where {}",
+                    zone.why
+                ));
             }
         }
         let frame = stem.grain.axis().frame(asked);
@@ -504,35 +569,41 @@ impl Search<'_> {
                 let why = if held.contains(&Some(i)) {
                     "it grows out of other wood".to_owned()
                 } else {
-                    format!("another part of {} triangles is stuck in it", shell.triangles.len())
+                    format!(
+                        "another part of {} triangles is stuck in it",
+                        shell.triangles.len()
+                    )
                 };
                 zones.push(Zone { range, why });
             }
         }
-        zones.sort_by(|a, b| a.range.0.total_cmp(&b.range.0).then(a.range.1.total_cmp(&b.range.1)));
+        zones.sort_by(|a, b| {
+            a.range
+                .0
+                .total_cmp(&b.range.0)
+                .then(a.range.1.total_cmp(&b.range.1))
+        });
         zones
     }
 
     /// The refusal of the place at `asked` (m), with the nearest that works.
-    fn refusal(
-        &self,
-        body: &Body,
-        zones: &[Zone],
-        free: &[(f64, f64)],
-        asked: f64,
-    ) -> StemError {
+    fn refusal(&self, body: &Body, zones: &[Zone], free: &[(f64, f64)], asked: f64) -> StemError {
         let length = body.axis.length();
         let margin = MARGIN * body.radius(asked);
-        let zone = zones.iter().find(|z| asked >= z.range.0 - margin && asked <= z.range.1 + margin);
+        let zone = zones
+            .iter()
+            .find(|z| asked >= z.range.0 - margin && asked <= z.range.1 + margin);
         let lengths = body.axis.lengths();
-        let k = lengths.partition_point(|&l| l < asked).min(lengths.len() - 1);
+        let k = lengths
+            .partition_point(|&l| l < asked)
+            .min(lengths.len() - 1);
         let states = [body.stations[k.saturating_sub(1)].0, body.stations[k].0];
         let found = if let Some(zone) = zone {
             zone.why.clone()
         } else if states.contains(&Stretch::Fork) {
             "the stem forks".to_owned()
         } else if states.contains(&Stretch::Broken) {
-            "the section is not one closed loop".to_owned()
+            "the section is not one plain closed loop (a fork, a hole or a gap)".to_owned()
         } else {
             "the stem ends".to_owned()
         };
@@ -544,7 +615,10 @@ impl Search<'_> {
             })
             .min_by(|a, b| (a - asked).abs().total_cmp(&(b - asked).abs()));
         let Some(s) = nearest else {
-            return StemError::NowhereFree { asked: *self.place, found };
+            return StemError::NowhereFree {
+                asked: *self.place,
+                found,
+            };
         };
         let nearest = match self.place {
             Place::Fraction(_) => Place::Fraction(s / length),
@@ -554,17 +628,26 @@ impl Search<'_> {
                 let outline = build::section_at(self.surface, &body.axis, s, f64::INFINITY);
                 let world = |q: &DVec2| frame.origin + frame.x * q.x + frame.y * q.y;
                 let points = outline.map_or(Vec::new(), |o| o.contour);
-                let side = points.iter().map(world).min_by(|a, b| {
-                    a.distance_squared(*p).total_cmp(&b.distance_squared(*p))
-                });
+                let side = points
+                    .iter()
+                    .map(world)
+                    .min_by(|a, b| a.distance_squared(*p).total_cmp(&b.distance_squared(*p)));
                 Place::Point(side.unwrap_or(frame.origin))
             }
         };
         let point = matches!(self.place, Place::Point(_));
         if !point && (asked < 0.0 || asked > length * (1.0 + 1e-9)) {
-            return StemError::OffStem { asked: *self.place, length, nearest };
+            return StemError::OffStem {
+                asked: *self.place,
+                length,
+                nearest,
+            };
         }
-        StemError::Unusable { asked: *self.place, found, nearest }
+        StemError::Unusable {
+            asked: *self.place,
+            found,
+            nearest,
+        }
     }
 
     fn assemble(
@@ -596,7 +679,10 @@ impl Search<'_> {
         sections.insert(k, section.clone());
         let reach = |s: &Section| {
             let scale = grain.scale(s.length);
-            s.contour.iter().map(|p| (*p / scale).distance(pith)).fold(0.0, f64::max)
+            s.contour
+                .iter()
+                .map(|p| (*p / scale).distance(pith))
+                .fold(0.0, f64::max)
         };
         let extent = sections
             .iter()
@@ -613,8 +699,21 @@ impl Search<'_> {
             }
             RingField::arcs(pith, reach(&section), extent)
         };
-        let ends = (reaches_end(body, zones, usable.0, 0), reaches_end(body, zones, usable.1, 1));
-        Stem { grain, kind: body.kind, sections, place, usable, rings, radius, ends, length }
+        let ends = (
+            reaches_end(body, zones, usable.0, 0),
+            reaches_end(body, zones, usable.1, 1),
+        );
+        Stem {
+            grain,
+            kind: body.kind,
+            sections,
+            place,
+            usable,
+            rings,
+            radius,
+            ends,
+            length,
+        }
     }
 
     /// The pith in the section of the break, m.
@@ -668,8 +767,7 @@ impl Search<'_> {
         let limit = found.stem.radius;
         let barrier = super::trace::section(self.surface, frame.origin, frame.tangent, limit)
             .map_or(Vec::new(), |c| c.triangles);
-        let mut sides =
-            attach::upper_side(points, shell, &barrier, frame.origin, frame.tangent);
+        let mut sides = attach::upper_side(points, shell, &barrier, frame.origin, frame.tangent);
         let mut beyond = |at: DVec3| {
             let high = (at - frame.origin).dot(frame.tangent) > 0.0;
             let (Some(sides), Some((t, _))) = (&mut sides, self.surface.nearest(at)) else {
@@ -709,7 +807,10 @@ fn reaches_end(body: &Body, zones: &[Zone], s: f64, side: usize) -> bool {
     let lengths = body.axis.lengths();
     body.ends[side] == super::trace::End::Real
         && !zones.iter().any(|z| beyond(z.range.0) || beyond(z.range.1))
-        && lengths.iter().zip(&body.stations).all(|(&l, (state, _))| !beyond(l) || plain(*state))
+        && lengths
+            .iter()
+            .zip(&body.stations)
+            .all(|(&l, (state, _))| !beyond(l) || plain(*state))
 }
 
 /// Ranges (m) free for a break: free stretches of the axis without the zones, less a margin.
@@ -723,8 +824,10 @@ fn free_ranges(body: &Body, zones: &[Zone]) -> Vec<(f64, f64)> {
                 continue;
             }
             let end = zone.0.min(run.1);
-            let (a, b) =
-                (start + MARGIN * body.radius(start), end - MARGIN * body.radius(end));
+            let (a, b) = (
+                start + MARGIN * body.radius(start),
+                end - MARGIN * body.radius(end),
+            );
             if b > a {
                 free.push((a, b));
             }

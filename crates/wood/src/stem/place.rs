@@ -35,11 +35,17 @@ impl Place {
     /// # Errors
     /// [`PlaceError`] where the text is none of these.
     pub fn parse(text: &str, unit: f64) -> Result<Self, PlaceError> {
-        let error = |found: String| PlaceError { text: text.to_owned(), found };
+        let error = |found: String| PlaceError {
+            text: text.to_owned(),
+            found,
+        };
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         if parts.len() > 1 {
             if parts.len() != 3 {
-                return Err(error(format!("{} coordinates instead of three", parts.len())));
+                return Err(error(format!(
+                    "{} coordinates instead of three",
+                    parts.len()
+                )));
             }
             let mut point = [0.0; 3];
             for (value, part) in point.iter_mut().zip(&parts) {

@@ -22,7 +22,9 @@ pub(crate) fn area_and_centroid(outline: &[DVec2]) -> (f64, DVec2) {
 
 /// Length of the closed outline.
 pub(crate) fn perimeter(outline: &[DVec2]) -> f64 {
-    (0..outline.len()).map(|i| outline[i].distance(outline[(i + 1) % outline.len()])).sum()
+    (0..outline.len())
+        .map(|i| outline[i].distance(outline[(i + 1) % outline.len()]))
+        .sum()
 }
 
 /// Whether the closed outline holds `p` (even–odd rule).
@@ -43,7 +45,11 @@ pub(crate) fn distance(outline: &[DVec2], p: DVec2) -> f64 {
     for (i, &a) in outline.iter().enumerate() {
         let edge = outline[(i + 1) % outline.len()] - a;
         let along = edge.length_squared();
-        let t = if along > 0.0 { ((p - a).dot(edge) / along).clamp(0.0, 1.0) } else { 0.0 };
+        let t = if along > 0.0 {
+            ((p - a).dot(edge) / along).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         best = best.min((a + edge * t).distance_squared(p));
     }
     best.sqrt()
@@ -111,7 +117,9 @@ pub(crate) fn smallest_rectangle(points: &[DVec2]) -> Option<Rectangle> {
     let hull = hull(points);
     let mut best: Option<(f64, Rectangle)> = None;
     for (i, &a) in hull.iter().enumerate() {
-        let Some(u) = (hull[(i + 1) % hull.len()] - a).try_normalize() else { continue };
+        let Some(u) = (hull[(i + 1) % hull.len()] - a).try_normalize() else {
+            continue;
+        };
         let v = u.perp();
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for &p in &hull {
@@ -122,9 +130,20 @@ pub(crate) fn smallest_rectangle(points: &[DVec2]) -> Option<Rectangle> {
         if best.is_none_or(|(area, _)| size.x * size.y < area) {
             let middle = (low + high) * 0.5;
             let centre = u * middle.x + v * middle.y;
-            let (wide, width, thickness) =
-                if size.x >= size.y { (u, size.x, size.y) } else { (v, size.y, size.x) };
-            best = Some((size.x * size.y, Rectangle { centre, wide, width, thickness }));
+            let (wide, width, thickness) = if size.x >= size.y {
+                (u, size.x, size.y)
+            } else {
+                (v, size.y, size.x)
+            };
+            best = Some((
+                size.x * size.y,
+                Rectangle {
+                    centre,
+                    wide,
+                    width,
+                    thickness,
+                },
+            ));
         }
     }
     best.map(|(_, r)| r)
@@ -135,7 +154,9 @@ pub(crate) fn thinned(outline: &[DVec2], count: usize) -> Vec<DVec2> {
     if outline.len() <= count {
         return outline.to_vec();
     }
-    (0..count).map(|i| outline[i * outline.len() / count]).collect()
+    (0..count)
+        .map(|i| outline[i * outline.len() / count])
+        .collect()
 }
 
 /// Centre and radius of the largest circle inside the outline, to about 0.1 % of its size.
@@ -145,7 +166,13 @@ pub(crate) fn largest_inscribed_circle(outline: &[DVec2]) -> (DVec2, f64) {
     for &p in &outline {
         (low, high) = (low.min(p), high.max(p));
     }
-    let depth = |p: DVec2| if contains(&outline, p) { distance(&outline, p) } else { -1.0 };
+    let depth = |p: DVec2| {
+        if contains(&outline, p) {
+            distance(&outline, p)
+        } else {
+            -1.0
+        }
+    };
     let mut best = (area_and_centroid(&outline).1, 0.0);
     best.1 = depth(best.0);
     const CELLS: i32 = 12;
@@ -161,9 +188,16 @@ pub(crate) fn largest_inscribed_circle(outline: &[DVec2]) -> (DVec2, f64) {
     }
     let mut step = (high - low).max_element() / f64::from(CELLS);
     while step > 1e-3 * (high - low).max_element() {
-        let around = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y, DVec2::ONE, DVec2::NEG_ONE]
-            .map(|d| best.0 + d * step)
-            .map(|p| (p, depth(p)));
+        let around = [
+            DVec2::X,
+            DVec2::Y,
+            DVec2::NEG_X,
+            DVec2::NEG_Y,
+            DVec2::ONE,
+            DVec2::NEG_ONE,
+        ]
+        .map(|d| best.0 + d * step)
+        .map(|p| (p, depth(p)));
         match around.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some(better) if better.1 > best.1 => best = better,
             _ => step *= 0.5,

@@ -44,12 +44,19 @@ impl RingField {
             *radius = polygon::farthest_crossing(outline, pith, DVec2::new(cos, sin));
         }
         let mean = (polygon::area_and_centroid(outline).0.abs() / PI).sqrt();
-        let raw: Vec<f64> = outer.iter().map(|r| r.unwrap_or(mean).max(0.02 * mean)).collect();
+        let raw: Vec<f64> = outer
+            .iter()
+            .map(|r| r.unwrap_or(mean).max(0.02 * mean))
+            .collect();
         // An outline that folds back makes the radius jump; one pass takes the edge off it.
         let outer: Vec<f64> = (0..ANGLES)
             .map(|j| {
                 let (a, b) = (raw[(j + ANGLES - 1) % ANGLES], raw[(j + 1) % ANGLES]);
-                if (a - b).abs() > 0.1 * (a + b) { 0.25 * (a + b) + 0.5 * raw[j] } else { raw[j] }
+                if (a - b).abs() > 0.1 * (a + b) {
+                    0.25 * (a + b) + 0.5 * raw[j]
+                } else {
+                    raw[j]
+                }
             })
             .collect();
         let waves = Waves::of(&outer);
@@ -58,8 +65,16 @@ impl RingField {
             let table = waves.table(&outer, fading);
             if evenly_rising(&table) || fading < 1e-3 {
                 // Without fading every ring is the outline made smaller, which always rises.
-                let table = if fading < 1e-3 { waves.table(&outer, 0.0) } else { table };
-                return RingField { pith, extent, shape: Shape::Table(table) };
+                let table = if fading < 1e-3 {
+                    waves.table(&outer, 0.0)
+                } else {
+                    table
+                };
+                return RingField {
+                    pith,
+                    extent,
+                    shape: Shape::Table(table),
+                };
             }
             fading *= 0.7;
         }
@@ -67,7 +82,11 @@ impl RingField {
 
     /// Rings as arcs about `pith`, which may lie anywhere: `outer` is the radius of ρ = 1, m.
     pub(crate) fn arcs(pith: DVec2, outer: f64, extent: f64) -> Self {
-        RingField { pith, extent, shape: Shape::Arcs(outer) }
+        RingField {
+            pith,
+            extent,
+            shape: Shape::Arcs(outer),
+        }
     }
 
     /// The pith, m.
@@ -153,7 +172,11 @@ impl<'a> Column<'a> {
         let u = (turns - turns.floor()) * ANGLES as f64;
         let j = (u as usize).min(ANGLES - 1);
         let row = |j: usize| &table[j * (LEVELS + 1)..(j + 1) * (LEVELS + 1)];
-        Column { a: row(j), b: row((j + 1) % ANGLES), t: u - j as f64 }
+        Column {
+            a: row(j),
+            b: row((j + 1) % ANGLES),
+            t: u - j as f64,
+        }
     }
 
     fn radius(&self, level: usize) -> f64 {
@@ -190,7 +213,9 @@ impl Waves {
         let weights: Vec<Vec<f64>> = (0..=LEVELS)
             .map(|level| {
                 let ring = level as f64 / LEVELS as f64;
-                (0..=WAVES).map(|k| libm::pow(ring, fading * k as f64)).collect()
+                (0..=WAVES)
+                    .map(|k| libm::pow(ring, fading * k as f64))
+                    .collect()
             })
             .collect();
         for (j, &full) in outer.iter().enumerate() {
@@ -236,8 +261,7 @@ pub(crate) fn likely_pith(outline: &[DVec2]) -> DVec2 {
     let (centre, radius) = polygon::largest_inscribed_circle(outline);
     let middle = (centroid + centre) * 0.5;
     let thin = polygon::thinned(outline, 400);
-    let safe =
-        polygon::contains(&thin, middle) && polygon::distance(&thin, middle) > 0.3 * radius;
+    let safe = polygon::contains(&thin, middle) && polygon::distance(&thin, middle) > 0.3 * radius;
     if safe { middle } else { centre }
 }
 
@@ -289,12 +313,21 @@ mod tests {
         let field = RingField::round(&outline, DVec2::new(0.3, -0.1), 0.1);
         let spread = |ring: f64| {
             let radii: Vec<f64> = (0..90)
-                .map(|i| field.point(ring, f64::from(i) * TAU / 90.0).distance(field.pith()))
+                .map(|i| {
+                    field
+                        .point(ring, f64::from(i) * TAU / 90.0)
+                        .distance(field.pith())
+                })
                 .collect();
             let high = radii.iter().copied().fold(0.0, f64::max);
             let low = radii.iter().copied().fold(f64::INFINITY, f64::min);
             (high - low) / (high + low)
         };
-        assert!(spread(0.2) < 0.5 * spread(1.0), "{} {}", spread(0.2), spread(1.0));
+        assert!(
+            spread(0.2) < 0.5 * spread(1.0),
+            "{} {}",
+            spread(0.2),
+            spread(1.0)
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! Where to begin following a stem: a first section across it.
 
+use super::polygon;
 use super::surface::Surface;
 use super::trace::{Cut, Trace, section, settle, trace};
-use super::polygon;
 use glam::{DMat3, DVec2, DVec3};
 
 /// Stations along a shell's longest direction at which a first section is tried.
@@ -13,7 +13,10 @@ const WHOLE: f64 = 0.8;
 /// Eigenvector of the largest eigenvalue of a symmetric matrix, by squaring.
 fn strongest(mut matrix: DMat3) -> DVec3 {
     for _ in 0..12 {
-        let size = matrix.to_cols_array().iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let size = matrix
+            .to_cols_array()
+            .iter()
+            .fold(0.0, |a: f64, b| a.max(b.abs()));
         if size == 0.0 {
             return DVec3::Y;
         }
@@ -68,7 +71,9 @@ pub(crate) fn main_stem(surface: &Surface) -> Option<Trace> {
     // A stump with its roots is wider than high: the other directions count where the longest does not show it whole.
     let mut best: Option<Trace> = None;
     for direction in directions {
-        let Some((found, whole)) = along(surface, mean, direction) else { continue };
+        let Some((found, whole)) = along(surface, mean, direction) else {
+            continue;
+        };
         if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
             best = Some(found);
         }
@@ -90,7 +95,9 @@ fn along(surface: &Surface, mean: DVec3, direction: DVec3) -> Option<(Trace, boo
     let mut whole = false;
     for station in STATIONS {
         let origin = mean + direction * (low + (high - low) * station);
-        let Some(start) = thickest(surface, origin, direction) else { continue };
+        let Some(start) = thickest(surface, origin, direction) else {
+            continue;
+        };
         // Where the direction does not settle, as in a stump with its roots, that of the spread has to do.
         let seed = settle(surface, start, direction).or_else(|| {
             let cut = section(surface, start, direction, 0.0)?;
@@ -120,7 +127,9 @@ fn from_places(surface: &Surface) -> Option<Trace> {
             break;
         }
         let [a, b, c] = surface.corners((2 * k + 1) * count / (2 * PLACES));
-        let Some(seed) = at_point(surface, (a + b + c) / 3.0) else { continue };
+        let Some(seed) = at_point(surface, (a + b + c) / 3.0) else {
+            continue;
+        };
         let found = trace(surface, seed, true);
         if best.as_ref().is_none_or(|b| found.volume() > b.volume()) {
             best = Some(found);
@@ -165,7 +174,12 @@ pub(crate) fn plank(surface: &Surface) -> Option<Plank> {
         (thin, thickness, r.thickness)
     };
     let end = middle - direction * (0.5 * r.width);
-    Some(Plank { end, direction, wide, size: [r.width, width, thickness] })
+    Some(Plank {
+        end,
+        direction,
+        wide,
+        size: [r.width, width, thickness],
+    })
 }
 
 /// Parts of a rectangle and of a box that a board fills at least: an octagon fills 0.83 of its rectangle, one whose
@@ -188,9 +202,14 @@ pub(crate) fn is_board(surface: &Surface, plank: &Plank) -> bool {
             continue;
         };
         let (x, y) = super::trace::across(cut.normal);
-        let flat: Vec<DVec2> =
-            cut.points.iter().map(|p| DVec2::new(p.dot(x), p.dot(y))).collect();
-        let Some(r) = polygon::smallest_rectangle(&flat) else { continue };
+        let flat: Vec<DVec2> = cut
+            .points
+            .iter()
+            .map(|p| DVec2::new(p.dot(x), p.dot(y)))
+            .collect();
+        let Some(r) = polygon::smallest_rectangle(&flat) else {
+            continue;
+        };
         filled += cut.area / (plank.size[1] * plank.size[2]);
         rectangles += usize::from(cut.area > RECTANGULAR * r.width * r.thickness);
     }
@@ -249,6 +268,10 @@ pub(crate) fn at_point(surface: &Surface, point: DVec3) -> Option<Cut> {
 /// The loop through a surface point, which lies on it only up to rounding.
 fn nearby(surface: &Surface, point: DVec3, direction: DVec3) -> Option<Cut> {
     let cut = section(surface, point, direction, f64::INFINITY)?;
-    let near = cut.points.iter().map(|p| p.distance(point)).fold(f64::INFINITY, f64::min);
+    let near = cut
+        .points
+        .iter()
+        .map(|p| p.distance(point))
+        .fold(f64::INFINITY, f64::min);
     (near < cut.reach).then_some(cut)
 }

@@ -120,8 +120,16 @@ pub(crate) fn points(mesh: &Mesh, tolerance: f64) -> Points {
         }
         number.push(found);
     }
-    let triangles = mesh.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
-    Points { positions, triangles, moved }
+    let triangles = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| number[v as usize]))
+        .collect();
+    Points {
+        positions,
+        triangles,
+        moved,
+    }
 }
 
 /// The shells of a mesh, in order of their first triangle. Triangles without area are left with their neighbours.
@@ -138,7 +146,12 @@ pub(crate) fn shells(node: usize, points: &Points) -> Vec<Shell> {
         if number[root] == u32::MAX {
             number[root] = shells.len() as u32;
             let (low, high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            shells.push(Shell { node, triangles: Vec::new(), low, high });
+            shells.push(Shell {
+                node,
+                triangles: Vec::new(),
+                low,
+                high,
+            });
         }
         let shell = &mut shells[number[root] as usize];
         shell.triangles.push(i as u32);

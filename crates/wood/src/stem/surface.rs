@@ -40,13 +40,22 @@ impl<'a> Surface<'a> {
         let size = shell.high - shell.low;
         let longest = size.max_element().max(f64::MIN_POSITIVE);
         // Cells are cubes. A surface fills about the square of the cells along it, not the cube.
-        let along = (shell.triangles.len() as f64 / PER_CELL).sqrt().clamp(1.0, 90.0);
+        let along = (shell.triangles.len() as f64 / PER_CELL)
+            .sqrt()
+            .clamp(1.0, 90.0);
         let width = longest / along;
         let count = (size / width).floor().as_uvec3() + 1;
         let total = (count.x * count.y * count.z) as usize;
         let cell_of = |t: &[u32; 3]| {
-            let middle = t.iter().map(|&c| points.positions[c as usize]).sum::<DVec3>() / 3.0;
-            let c = ((middle - shell.low) / width).floor().as_uvec3().min(count - 1);
+            let middle = t
+                .iter()
+                .map(|&c| points.positions[c as usize])
+                .sum::<DVec3>()
+                / 3.0;
+            let c = ((middle - shell.low) / width)
+                .floor()
+                .as_uvec3()
+                .min(count - 1);
             ((c.z * count.y + c.y) * count.x + c.x) as usize
         };
         let kept: Vec<u32> = shell
@@ -58,8 +67,10 @@ impl<'a> Surface<'a> {
                 t[0] != t[1] && t[1] != t[2] && t[2] != t[0]
             })
             .collect();
-        let keys: Vec<u32> =
-            kept.iter().map(|&i| cell_of(&points.triangles[i as usize]) as u32).collect();
+        let keys: Vec<u32> = kept
+            .iter()
+            .map(|&i| cell_of(&points.triangles[i as usize]) as u32)
+            .collect();
         let mut starts = vec![0usize; total + 1];
         for &k in &keys {
             starts[k as usize + 1] += 1;
@@ -73,8 +84,10 @@ impl<'a> Surface<'a> {
             numbers[next[k as usize]] = i;
             next[k as usize] += 1;
         }
-        let triangles: Vec<[u32; 3]> =
-            numbers.iter().map(|&i| points.triangles[i as usize]).collect();
+        let triangles: Vec<[u32; 3]> = numbers
+            .iter()
+            .map(|&i| points.triangles[i as usize])
+            .collect();
         let mut cells = Vec::new();
         for k in 0..total {
             let (start, end) = (starts[k], starts[k + 1]);
@@ -86,9 +99,19 @@ impl<'a> Surface<'a> {
                 low = low.min(points.positions[c as usize]);
                 high = high.max(points.positions[c as usize]);
             }
-            cells.push(Cell { middle: (low + high) * 0.5, half: (high - low) * 0.5, start, end });
+            cells.push(Cell {
+                middle: (low + high) * 0.5,
+                half: (high - low) * 0.5,
+                start,
+                end,
+            });
         }
-        Surface { positions: &points.positions, triangles, numbers, cells }
+        Surface {
+            positions: &points.positions,
+            triangles,
+            numbers,
+            cells,
+        }
     }
 
     /// Corners of triangle `i`.
@@ -113,7 +136,9 @@ impl<'a> Surface<'a> {
 
     /// Runs of triangles (indices for [`Surface::corners`]) with the bounding box of each: middle and half size.
     pub fn cells(&self) -> impl Iterator<Item = (DVec3, DVec3, std::ops::Range<usize>)> {
-        self.cells.iter().map(|c| (c.middle, c.half, c.start..c.end))
+        self.cells
+            .iter()
+            .map(|c| (c.middle, c.half, c.start..c.end))
     }
 
     /// Points of triangle `i`.
@@ -141,9 +166,8 @@ impl<'a> Surface<'a> {
                 if above[0] == above[1] && above[1] == above[2] {
                     continue;
                 }
-                let lone = (0..3).find(|&k| {
-                    above[k] != above[(k + 1) % 3] && above[k] != above[(k + 2) % 3]
-                });
+                let lone = (0..3)
+                    .find(|&k| above[k] != above[(k + 1) % 3] && above[k] != above[(k + 2) % 3]);
                 let Some(k) = lone else { continue };
                 let ends = [(k + 1) % 3, (k + 2) % 3].map(|m| {
                     // From the smaller point to the larger: both triangles of an edge get the same bits.
@@ -165,7 +189,12 @@ impl<'a> Surface<'a> {
             .iter()
             .enumerate()
             .map(|(k, c)| {
-                (((p - c.middle).abs() - c.half).max(DVec3::ZERO).length_squared(), k)
+                (
+                    ((p - c.middle).abs() - c.half)
+                        .max(DVec3::ZERO)
+                        .length_squared(),
+                    k,
+                )
             })
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -199,7 +228,9 @@ impl<'a> Surface<'a> {
             [-0.5519, 0.1237, -0.8247],
             [0.1171, 0.2713, 0.9553],
         ];
-        let votes = RAYS.iter().filter(|r| self.crossings(p, DVec3::from_array(**r)) % 2 == 1);
+        let votes = RAYS
+            .iter()
+            .filter(|r| self.crossings(p, DVec3::from_array(**r)) % 2 == 1);
         votes.count() >= 4
     }
 
@@ -255,7 +286,11 @@ fn chain(segments: &[([(u64, DVec3); 2], u32)]) -> Vec<Loop> {
     let mut used = vec![false; segments.len()];
     let mut loops = Vec::new();
     let mut follow = |start: usize, used: &mut Vec<bool>| {
-        let mut line = Loop { points: Vec::new(), triangles: Vec::new(), closed: false };
+        let mut line = Loop {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            closed: false,
+        };
         let mut end = start;
         loop {
             let (segment, side) = (end / 2, end % 2);

@@ -117,7 +117,11 @@ fn closed_loops(surface: &Surface, origin: DVec3, normal: DVec3) -> (Vec<Cut>, O
             continue;
         }
         let holds = polygon::contains(&flat, DVec2::ZERO);
-        let far = if holds { 0.0 } else { polygon::distance(&flat, DVec2::ZERO) };
+        let far = if holds {
+            0.0
+        } else {
+            polygon::distance(&flat, DVec2::ZERO)
+        };
         let cut = Cut {
             centre: origin + x * middle.x + y * middle.y,
             normal,
@@ -138,16 +142,15 @@ fn closed_loops(surface: &Surface, origin: DVec3, normal: DVec3) -> (Vec<Cut>, O
 }
 
 /// The section at or nearest to `origin`, its outline at most `limit` (m) away.
-pub(crate) fn section(
-    surface: &Surface,
-    origin: DVec3,
-    normal: DVec3,
-    limit: f64,
-) -> Option<Cut> {
+pub(crate) fn section(surface: &Surface, origin: DVec3, normal: DVec3, limit: f64) -> Option<Cut> {
     let (mut cuts, meant) = closed_loops(surface, origin, normal);
     let meant = meant?;
     let chosen = &cuts[meant];
-    let near = chosen.points.iter().map(|p| p.distance(origin)).fold(f64::INFINITY, f64::min);
+    let near = chosen
+        .points
+        .iter()
+        .map(|p| p.distance(origin))
+        .fold(f64::INFINITY, f64::min);
     let inside = chosen.centre.distance(origin) <= chosen.reach;
     if !inside && near > limit {
         return None;
@@ -240,7 +243,12 @@ pub(crate) fn trace(surface: &Surface, seed: Cut, through_forks: bool) -> Trace 
     states.push(State::Good);
     cuts.extend(up.cuts);
     states.extend(up.states);
-    let mut trace = Trace { cuts, states, tips: [down.tip, up.tip], ends: [down.end, up.end] };
+    let mut trace = Trace {
+        cuts,
+        states,
+        tips: [down.tip, up.tip],
+        ends: [down.end, up.end],
+    };
     if trace.ends[0] == End::Fork {
         swell(&mut trace, 0, 1);
     }
@@ -269,7 +277,9 @@ fn swell(trace: &mut Trace, from: usize, by: isize) {
     }
     let mut areas: Vec<f64> = run.iter().map(|&k| trace.cuts[k].area).collect();
     areas.sort_by(f64::total_cmp);
-    let Some(&plain) = areas.get(areas.len() / 4) else { return };
+    let Some(&plain) = areas.get(areas.len() / 4) else {
+        return;
+    };
     for k in run {
         if trace.cuts[k].area < 1.2 * plain && trace.cuts[k].rivals == 0 {
             break;
@@ -279,8 +289,12 @@ fn swell(trace: &mut Trace, from: usize, by: isize) {
 }
 
 fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -> Arm {
-    let mut arm =
-        Arm { cuts: Vec::new(), states: Vec::new(), tip: seed.centre, end: End::Real };
+    let mut arm = Arm {
+        cuts: Vec::new(),
+        states: Vec::new(),
+        tip: seed.centre,
+        end: End::Real,
+    };
     let mut direction = direction;
     let mut last = seed.clone();
     let mut remembered: Vec<(f64, f64)> = vec![(seed.area, seed.reach)];
@@ -296,7 +310,12 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
             median(remembered.iter().rev().take(memory).map(|m| m.1)),
         );
         let step = (STEP * last.radius).min(longest_step);
-        let next = section(surface, last.centre + direction * step, direction, last.radius);
+        let next = section(
+            surface,
+            last.centre + direction * step,
+            direction,
+            last.radius,
+        );
         let event = match &next {
             None => Event::Gone,
             Some(c) if c.centre.distance(last.centre) > step + reach => Event::Gone,
@@ -310,7 +329,11 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
                 None
             } else {
                 // A gap that is no fork is bridged only where the stem goes on at once.
-                let far = if fork { 5.0 * reach } else { 1.5 * reach.min(2.0 * last.radius) };
+                let far = if fork {
+                    5.0 * reach
+                } else {
+                    1.5 * reach.min(2.0 * last.radius)
+                };
                 beyond(surface, &last, direction, far, area, reach)
             };
             let Some(cut) = beyond else {
@@ -341,7 +364,12 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
             arm.states.push(State::Cap);
             arm.cuts.push(cut);
             // A stem that goes on thinner is no closing end.
-            let tail = arm.states.iter().rev().take_while(|s| **s == State::Cap).count();
+            let tail = arm
+                .states
+                .iter()
+                .rev()
+                .take_while(|s| **s == State::Cap)
+                .count();
             let recent = &arm.cuts[arm.cuts.len() - tail.min(4)..];
             if tail >= 8 && recent[0].area < 1.15 * recent[recent.len() - 1].area {
                 let from = arm.states.len() - 4;
@@ -380,7 +408,9 @@ fn turned(centres: &[DVec3], direction: DVec3) -> DVec3 {
     } else {
         chord
     };
-    (direction * weight + ahead).try_normalize().unwrap_or(direction)
+    (direction * weight + ahead)
+        .try_normalize()
+        .unwrap_or(direction)
 }
 
 /// The last point, to a thousandth of a step, at which there still is a section.
@@ -418,7 +448,9 @@ fn beyond(
                 && c.centre.distance(at) < 0.5 * reach + 0.8 * off
         });
         let Some(arm) = fitting else { continue };
-        let Some(settled) = settle(surface, arm.centre, direction) else { continue };
+        let Some(settled) = settle(surface, arm.centre, direction) else {
+            continue;
+        };
         let ahead = settled.normal.dot(direction) > 0.4
             && (settled.centre - last.centre).dot(direction) > 0.0;
         if ahead && settled.area < GROWN * area && settled.reach < GROWN * reach {

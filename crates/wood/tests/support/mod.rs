@@ -17,7 +17,8 @@ pub fn data(name: &str) -> Option<PathBuf> {
 
 fn fan(mesh: &mut Mesh, corners: &[u32]) {
     for k in 1..corners.len() - 1 {
-        mesh.triangles.push([corners[0], corners[k], corners[k + 1]]);
+        mesh.triangles
+            .push([corners[0], corners[k], corners[k + 1]]);
     }
 }
 
@@ -32,8 +33,9 @@ pub fn obj(name: &str) -> Option<Mesh> {
                 mesh.positions.push(DVec3::new(c[0], c[1], c[2]));
             }
             Some("f") => {
-                let corners: Vec<u32> =
-                    words.map(|w| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1).collect();
+                let corners: Vec<u32> = words
+                    .map(|w| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1)
+                    .collect();
                 fan(&mut mesh, &corners);
             }
             _ => {}
@@ -46,11 +48,19 @@ pub fn obj(name: &str) -> Option<Mesh> {
 pub fn ply(name: &str, unit: f64) -> Option<Mesh> {
     let text = std::fs::read_to_string(data(name)?).unwrap();
     let (head, body) = text.split_once("end_header").unwrap();
-    let count: usize =
-        head.lines().find_map(|l| l.strip_prefix("element vertex ")).unwrap().trim().parse().unwrap();
+    let count: usize = head
+        .lines()
+        .find_map(|l| l.strip_prefix("element vertex "))
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap();
     let mut mesh = Mesh::default();
     for (i, line) in body.lines().skip(1).enumerate() {
-        let c: Vec<f64> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
+        let c: Vec<f64> = line
+            .split_whitespace()
+            .map(|w| w.parse().unwrap())
+            .collect();
         if i < count {
             mesh.positions.push(DVec3::new(c[0], c[1], c[2]) * unit);
         } else if c.len() > 3 {
@@ -86,6 +96,9 @@ pub fn gltf(name: &str) -> Option<Mesh> {
         .chunks_exact(2)
         .map(|b| u32::from(u16::from_le_bytes([b[0], b[1]])))
         .collect();
-    mesh.triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    mesh.triangles = indices
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]])
+        .collect();
     Some(mesh)
 }
