@@ -6,6 +6,7 @@ mod attach;
 mod axis;
 mod build;
 mod centreline;
+mod error;
 mod find;
 mod grain;
 mod place;
@@ -18,7 +19,8 @@ mod trace;
 
 pub use axis::{Axis, Frame};
 pub use build::{Section, Stem, StemKind};
-pub use find::{Found, PithChoice, StemError, StemOptions, find};
+pub use error::StemError;
+pub use find::{Found, PithChoice, StemOptions, find};
 pub use grain::GrainSpace;
 pub use place::{Place, PlaceError};
 pub use rings::RingField;
