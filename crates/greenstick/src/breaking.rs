@@ -63,6 +63,8 @@ pub struct Broken {
     pub looks: Looks,
     /// Material of the wood inside.
     pub inner_material: u32,
+    /// Whether the pieces were moved apart.
+    pub apart: bool,
 }
 
 impl Broken {
@@ -199,6 +201,7 @@ pub fn break_scene(
         stem: stem.clone(),
         looks,
         inner_material: material,
+        apart: request.part != 0.0,
     })
 }
 

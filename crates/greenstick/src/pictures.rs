@@ -2,13 +2,13 @@
 
 use crate::breaking::Broken;
 use crate::looks::Looks;
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, render,
+    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
 };
 use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
-use greenstick_wood::stem::{Stem, StemKind};
+use greenstick_wood::stem::{Frame, Stem, StemKind};
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark where nothing better is known.
 struct StemShader<'a> {
@@ -119,11 +119,64 @@ pub fn picture_of_break(
         plain: PlainShader::of_materials(&broken.scene.materials),
         blank,
     };
-    let options = PictureOptions {
-        zoom: options.zoom.or(Some(broken.focus())),
-        ..options.clone()
-    };
-    render(&items(&broken.scene, &shader), &options, context)
+    let opened = opened(broken);
+    let scene = if broken.apart { &broken.scene } else { &opened };
+    let mut options = options.clone();
+    if options.zoom.is_none() {
+        let (centre, radius) = broken.focus();
+        options.zoom = Some((centre, radius));
+        if !broken.apart {
+            // Both faces look up, seen from the side on which they stand next to each other.
+            let frame = broken.stem.grain.axis().frame(broken.stem.place);
+            let aside = aside(broken, frame.x);
+            (options.up, options.floor) = (frame.tangent, false);
+            options.zoom = Some((centre + aside / 2.0, radius.max(1.3 * aside.length())));
+            if options.view == View::Automatic {
+                options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
+            }
+        }
+    }
+    render(&items(scene, &shader), &options, context)
+}
+
+/// How steeply an opened break is looked down on, rad.
+const ELEVATION: f64 = 0.5;
+
+/// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
+fn azimuth(frame: &Frame) -> f64 {
+    let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+    // The viewer stands on the far side of the frame's y, so that x runs to the right.
+    libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
+}
+
+/// How far the upper piece is set aside, m.
+fn aside(broken: &Broken, across: DVec3) -> DVec3 {
+    across * (2.5 * broken.stem.radius)
+}
+
+/// The scene with the upper piece turned over and set beside the lower, both faces up.
+fn opened(broken: &Broken) -> Scene {
+    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+    let [low, high] = broken.report.face.range_m;
+    let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
+    let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
+    let about = DAffine3::from_translation(centre + aside(broken, frame.x))
+        * turn
+        * DAffine3::from_translation(-centre);
+    let mut scene = broken.scene.clone();
+    let upper: Vec<usize> = (0..scene.nodes.len())
+        .filter(|&i| scene.nodes[i].name == "upper" || scene.nodes[i].parent == Some(1))
+        .collect();
+    // What was not cut would only stand in the way.
+    let ours = |n: &greenstick_geometry::Node| n.name == "lower" || n.name.starts_with("splinter_");
+    for (i, node) in scene.nodes.iter_mut().enumerate() {
+        if upper.contains(&i) {
+            node.transform = about * node.transform;
+        } else if !ours(node) {
+            node.mesh.triangles.clear();
+        }
+    }
+    scene
 }
 
 /// A picture of any scene in its materials' plain colours.

@@ -3,10 +3,10 @@
 #![deny(missing_docs)]
 
 pub mod appearance;
+mod bark;
 pub mod moisture;
 pub mod noise;
 pub mod primitive;
 pub mod species;
-mod bark;
 pub mod stem;
 pub mod tissue;

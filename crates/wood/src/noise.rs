@@ -89,8 +89,7 @@ pub fn plane(seed: u64, p: glam::DVec2) -> f64 {
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let corner = |i: i64, j: i64| {
         let h = hash(seed, x + i, y + j, 0);
-        let part =
-            |shift: u32| ((h >> shift) & 0xffff_ffff) as f64 * (2.0 / 4_294_967_295.0) - 1.0;
+        let part = |shift: u32| ((h >> shift) & 0xffff_ffff) as f64 * (2.0 / 4_294_967_295.0) - 1.0;
         part(0) * (f.x - i as f64) + part(32) * (f.y - j as f64)
     };
     let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
