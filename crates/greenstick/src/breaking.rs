@@ -63,6 +63,8 @@ pub struct Broken {
     pub looks: Looks,
     /// Material of the wood inside.
     pub inner_material: u32,
+    /// Side of the square that holds the section, m.
+    pub width: f64,
     /// Whether the pieces were moved apart.
     pub apart: bool,
 }
@@ -73,7 +75,7 @@ impl Broken {
         let frame = self.stem.grain.axis().frame(self.stem.place);
         let [low, high] = self.report.face.range_m;
         let middle = frame.origin + frame.tangent * ((low + high) / 2.0);
-        (middle, (2.4 * self.stem.radius).max(0.75 * (high - low)))
+        (middle, (0.8 * self.width).max(0.75 * (high - low)))
     }
 }
 
@@ -169,7 +171,10 @@ pub fn break_scene(
             (stem.usable.1 - stem.place) * 1e3
         ));
     }
-    let looks = looks(stem, p, species, prepared.bark);
+    if model.chips > 0 {
+        notes.push(format!("{} slivers that would have hung in the air stay with the other piece", model.chips));
+    }
+    let looks = looks(stem, p, species, prepared.extent.bark);
     let mut out = assemble(&prepared, &model, request.part);
     context.step("textures", 0.0)?;
     add_inner_material(
@@ -201,6 +206,7 @@ pub fn break_scene(
         stem: stem.clone(),
         looks,
         inner_material: material,
+        width: model.square.1,
         apart: request.part != 0.0,
     })
 }

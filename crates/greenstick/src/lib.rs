@@ -24,5 +24,5 @@ pub use greenstick_wood as wood;
 pub use looks::Looks;
 pub use model::Model;
 pub use pictures::{picture_of_break, picture_of_scene};
-pub use prepare::{Prepared, prepare};
+pub use prepare::{Extent, Prepared, prepare};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};

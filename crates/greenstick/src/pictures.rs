@@ -130,7 +130,9 @@ pub fn picture_of_break(
             let frame = broken.stem.grain.axis().frame(broken.stem.place);
             let aside = aside(broken, frame.x);
             (options.up, options.floor) = (frame.tangent, false);
-            options.zoom = Some((centre + aside / 2.0, radius.max(1.3 * aside.length())));
+            // The stems below the faces fill the lower third.
+            let down = frame.tangent * (-0.35 * radius);
+            options.zoom = Some((centre + aside / 2.0 + down, radius.max(0.85 * aside.length())));
             if options.view == View::Automatic {
                 options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
             }
@@ -151,7 +153,7 @@ fn azimuth(frame: &Frame) -> f64 {
 
 /// How far the upper piece is set aside, m.
 fn aside(broken: &Broken, across: DVec3) -> DVec3 {
-    across * (2.5 * broken.stem.radius)
+    across * (1.2 * broken.width)
 }
 
 /// The scene with the upper piece turned over and set beside the lower, both faces up.
