@@ -28,7 +28,7 @@ pub struct Prepared {
 /// Part of the radius by which the skin may lie off its place in grain space.
 const TOLERANCE: f64 = 2e-3;
 
-/// Finds the stem at `place` and takes it to grain space. `turns` twists the grain by so many rad per m.
+/// Finds the stem at `place` and takes it to grain space.
 ///
 /// # Errors
 /// [`Error::Stem`] where there is no stem that can be broken.
@@ -36,7 +36,6 @@ pub fn prepare(
     mut scene: Scene,
     place: &Place,
     options: &StemOptions,
-    spiral: f64,
     context: &Context,
 ) -> Result<Prepared, Error> {
     let world: Vec<Mesh> = scene
@@ -54,10 +53,6 @@ pub fn prepare(
         })
         .collect();
     let mut found = find(&world, place, options, context)?;
-    if spiral != 0.0 {
-        let turn = spiral / found.stem.radius;
-        found.stem.grain = found.stem.grain.clone().with_spiral(turn, found.stem.place);
-    }
     let node = found.node;
     let mesh = std::mem::take(&mut scene.nodes[node].mesh);
     let (points, count) = mesh.points();
@@ -136,7 +131,11 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     let mut used = vec![false; grain.len()];
     let (mut least, mut most, mut radius) = (f64::INFINITY, 0.0f64, 0.0f64);
     let mut near = Vec::new();
-    let forward = stem.sections.iter().fold(DVec2::ZERO, |sum, s| sum + s.centroid) - pith;
+    let forward = stem
+        .sections
+        .iter()
+        .fold(DVec2::ZERO, |sum, s| sum + s.centroid)
+        - pith;
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for &t in &found.limb {
         let c = corners[t as usize].map(|p| grain[p as usize]);
@@ -145,7 +144,8 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
             if board {
                 // The nearest wood may lie in the middle of an edge.
                 let (a, b) = (point, c[(k + 1) % 3].truncate());
-                let along = ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+                let along =
+                    ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
                 least = least.min(rings.address(a.lerp(b, along)).0);
             }
             let number = corners[t as usize][k] as usize;
@@ -165,14 +165,71 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     if board && high - low < 3.0 {
         let (base, margin) = (libm::atan2(forward.y, forward.x), 0.03 * (high - low));
         let arc = Some((base + low - margin, base + high + margin));
-        return Extent { reach: (0.98 * least, 1.02 * most), radius, bark: 1.0, arc };
+        return Extent {
+            reach: (0.98 * least, 1.02 * most),
+            radius,
+            bark: 1.0,
+            arc,
+        };
     }
     near.sort_by(f64::total_cmp);
     let furrows = near.get(near.len() / 10).copied().unwrap_or(BARK.1) - 0.02;
-    Extent { reach: (0.0, most.max(1.0)), radius, bark: furrows.clamp(BARK.0, BARK.1), arc: None }
+    Extent {
+        reach: (0.0, most.max(1.0)),
+        radius,
+        bark: furrows.clamp(BARK.0, BARK.1),
+        arc: None,
+    }
 }
 
 impl Prepared {
+    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length.
+    pub fn with_spiral(&self, spiral: f64) -> Prepared {
+        let mut made = self.clone();
+        if spiral == 0.0 {
+            return made;
+        }
+        let stem = &mut made.found.stem;
+        stem.grain = stem
+            .grain
+            .clone()
+            .with_spiral(spiral / stem.radius, stem.place);
+        let (space, transform) = (stem.grain.clone(), *self.transform());
+        let mesh = std::mem::take(&mut made.scene.nodes[made.found.node].mesh);
+        for &t in &made.found.limb {
+            for v in mesh.triangles[t as usize] {
+                let p = made.points[v as usize] as usize;
+                let at = transform.transform_point3(mesh.positions[v as usize]);
+                made.grain[p] = space.to_grain_near(at, self.grain[p].z);
+            }
+        }
+        let first_new = mesh.triangles.len() as u32;
+        let mut refined = Refined {
+            mesh,
+            points: std::mem::take(&mut made.points),
+            grain: std::mem::take(&mut made.grain),
+            limb: std::mem::take(&mut made.found.limb),
+            parted: self.parted,
+        };
+        refined.refine(TOLERANCE * made.found.stem.radius, &|_, p, s| {
+            space.to_grain_near(transform.transform_point3(p), s)
+        });
+        made.found.limb = refined.limb;
+        made.found
+            .shell
+            .extend(first_new..refined.mesh.triangles.len() as u32);
+        made.corners = refined
+            .mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|v| refined.points[v as usize]))
+            .collect();
+        made.scene.nodes[made.found.node].mesh = refined.mesh;
+        made.extent = extent(&made.found, &made.corners, &refined.grain);
+        (made.points, made.grain, made.parted) = (refined.points, refined.grain, refined.parted);
+        made
+    }
+
     /// The transform of the node that is cut.
     pub fn transform(&self) -> &DAffine3 {
         &self.scene.nodes[self.found.node].transform
