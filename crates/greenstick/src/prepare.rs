@@ -183,10 +183,10 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
 }
 
 impl Prepared {
-    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length.
+    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length. A board keeps its grain.
     pub fn with_spiral(&self, spiral: f64) -> Prepared {
         let mut made = self.clone();
-        if spiral == 0.0 {
+        if spiral == 0.0 || made.found.stem.kind == StemKind::Board {
             return made;
         }
         let stem = &mut made.found.stem;
