@@ -50,6 +50,8 @@ pub struct Heights {
     pub wanted: (f64, f64),
     /// Lowest and highest height as it is, m from the place of the break.
     pub range: (f64, f64),
+    /// Height between the 5th and the 95th hundredth of the corners, m: the relief of the face before limiting.
+    pub relief_range: f64,
     /// Thorns on the face.
     pub thorns: Vec<Thorn>,
 }
@@ -409,6 +411,18 @@ fn finish(
         [f64::INFINITY, f64::NEG_INFINITY],
     );
     let mut limited = 0;
+    let mut sorted: Vec<f64> = corners.iter().flatten().copied().collect();
+    let at = |part: f64| (part * (sorted.len().max(1) - 1) as f64) as usize;
+    let (low, high) = (at(0.05), at(0.95));
+    let mut hundredth = |i: usize| {
+        sorted.select_nth_unstable_by(i, f64::total_cmp);
+        sorted[i] * setting.radius
+    };
+    let relief_range = if corners.is_empty() {
+        0.0
+    } else {
+        hundredth(high) - hundredth(low)
+    };
     for height in corners.iter_mut().flatten() {
         let h = *height * setting.radius;
         wanted = [wanted[0].min(h), wanted[1].max(h)];
@@ -432,6 +446,7 @@ fn finish(
         limited,
         wanted: (wanted[0], wanted[1]),
         range: (range[0], range[1]),
+        relief_range,
         thorns,
     }
 }

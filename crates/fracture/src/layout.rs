@@ -29,6 +29,8 @@ pub struct LayoutOptions {
     pub sectors: usize,
     /// Ring coordinates between which the layout must lie to hold all of the section and its relief.
     pub reach: (f64, f64),
+    /// Distance from the pith that it must reach, m.
+    pub radius: f64,
     /// Angles (rad) between which the section lies, where the pith is outside of it (a board); `None` for all around.
     pub arc: Option<(f64, f64)>,
     /// Ring coordinate at which the bark begins (fibrous layout); `None` where there is none (a board).
@@ -75,6 +77,15 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
+    /// A node beyond the skin, so far out that a chord of the angle `gap` (rad) to the next stays there too.
+    fn beyond(&mut self, options: &LayoutOptions, phi: f64, gap: f64) -> u32 {
+        let (sin, cos) = libm::sincos(phi);
+        let radius = 1.02 * options.radius / libm::cos((gap / 2.0).min(1.2));
+        self.nodes.push(self.field.pith() + DVec2::new(cos, sin) * radius);
+        self.addresses.push((options.reach.1, phi));
+        self.nodes.len() as u32 - 1
+    }
+
     fn node(&mut self, rho: f64, phi: f64) -> u32 {
         self.nodes.push(self.field.point(rho, phi));
         self.addresses.push((rho, phi));
@@ -101,10 +112,7 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     };
     let columns = if around { sectors } else { sectors + 1 };
     // One ring more than asked lies beyond the bark, at the heights of the last.
-    let rho = |i: usize| match i {
-        _ if i > rings => options.reach.1,
-        _ => inner + (1.0 - inner) * i as f64 / rings as f64,
-    };
+    let rho = |i: usize| inner + (1.0 - inner) * i as f64 / rings as f64;
     let (mut facets, mut cells, mut bundles) = (Vec::new(), Vec::new(), Vec::new());
     let first = usize::from(around);
     if around {
@@ -112,7 +120,12 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     }
     for i in first..=rings + 1 {
         for j in 0..columns {
-            maker.node(rho(i), start + step * j as f64);
+            let phi = start + step * j as f64;
+            if i > rings {
+                maker.beyond(options, phi, step);
+            } else {
+                maker.node(rho(i), phi);
+            }
         }
     }
     let id =
@@ -382,6 +395,7 @@ fn boundary(
     } else {
         1.0
     };
+    let last_one = outside.is_none();
     let mut result = Boundary {
         nodes: Vec::new(),
         ends: [Vec::new(), Vec::new()],
@@ -398,7 +412,11 @@ fn boundary(
         let joined = !around && result.nodes.last().is_some_and(|n| n.0 == angle);
         if !joined {
             let n = result.nodes.len();
-            let id = maker.node(rho + jitter(n), angle);
+            let id = if last_one {
+                maker.beyond(options, angle, widest)
+            } else {
+                maker.node(rho + jitter(n), angle)
+            };
             result.nodes.push((angle, id));
         }
         result.ends[which][j] = result.nodes.len() - 1;
@@ -411,7 +429,11 @@ fn boundary(
         for m in 1..more {
             let between = angle + (next - angle) * m as f64 / more as f64;
             let n = result.nodes.len();
-            let id = maker.node(rho + jitter(n), between);
+            let id = if last_one {
+                maker.beyond(options, between, widest)
+            } else {
+                maker.node(rho + jitter(n), between)
+            };
             result.nodes.push((between, id));
         }
     }

@@ -18,6 +18,12 @@ pub enum Error {
         /// Where, m.
         at: glam::DVec3,
     },
+    /// The species is not known.
+    #[error(transparent)]
+    Species(#[from] greenstick_wood::species::UnknownSpecies),
+    /// The textures of the wood inside could not be made.
+    #[error(transparent)]
+    Texture(#[from] greenstick_skin::texture::TextureError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

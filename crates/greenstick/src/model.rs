@@ -23,6 +23,8 @@ pub struct Model {
     pub heights: Heights,
     /// Middle and side (m) of the square of the section that the inner wood's texture covers.
     pub square: (DVec2, f64),
+    /// Slivers that hung in the air on one side and were given to the other.
+    pub chips: usize,
 }
 
 impl Prepared {
@@ -35,13 +37,10 @@ impl Prepared {
         let options = LayoutOptions {
             rings: p.rings as usize,
             sectors: p.sectors as usize,
-            reach: self.reach,
-            arc: self.arc,
-            bark: if stem.kind == StemKind::Board {
-                None
-            } else {
-                Some((self.bark - 0.02).min(0.95))
-            },
+            reach: self.extent.reach,
+            radius: self.extent.radius,
+            arc: self.extent.arc,
+            bark: (stem.kind != StemKind::Board).then_some(self.extent.bark),
             seed: p.seed,
         };
         let setting = Setting {
@@ -67,7 +66,8 @@ impl Prepared {
             limb: &self.found.limb,
         };
         let level = self.level(heights.range, stem.radius / f64::from(p.rings));
-        let cut = cut(&solid, &heights.surface, level).map_err(|error| self.locate(error))?;
+        let mut cut = cut(&solid, &heights.surface, level).map_err(|error| self.locate(error))?;
+        let chips = cut.absorb_chips(&solid);
         let node = &self.scene.nodes[self.found.node];
         let source = Source {
             mesh: &node.mesh,
@@ -93,6 +93,7 @@ impl Prepared {
             bundles,
             heights,
             square,
+            chips,
         })
     }
 

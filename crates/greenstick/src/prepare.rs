@@ -19,12 +19,8 @@ pub struct Prepared {
     pub grain: Vec<DVec3>,
     /// Point numbers of the corners of its triangles.
     pub corners: Vec<[u32; 3]>,
-    /// Ring coordinates between which all of the limb's skin lies.
-    pub reach: (f64, f64),
-    /// Least ring coordinate of the limb's skin.
-    pub bark: f64,
-    /// Angles (rad) about the pith between which the skin lies, where the pith is outside of it.
-    pub arc: Option<(f64, f64)>,
+    /// What the limb's skin spans about the pith.
+    pub extent: Extent,
     /// Triangles of the skin that were parted because the stem is bent there.
     pub parted: usize,
 }
@@ -102,7 +98,7 @@ pub fn prepare(
         .iter()
         .map(|t| t.map(|v| refined.points[v as usize]))
         .collect();
-    let (reach, bark, arc) = extent(&found, &corners, &refined.grain);
+    let extent = extent(&found, &corners, &refined.grain);
     scene.nodes[node].mesh = refined.mesh;
     Ok(Prepared {
         scene,
@@ -110,64 +106,70 @@ pub fn prepare(
         points: refined.points,
         grain: refined.grain,
         corners,
-        reach,
-        bark,
-        arc,
+        extent,
         parted: refined.parted,
     })
 }
 
-/// Ring coordinates and angles that the limb's skin spans.
-fn extent(
-    found: &Found,
-    corners: &[[u32; 3]],
-    grain: &[DVec3],
-) -> ((f64, f64), f64, Option<(f64, f64)>) {
-    let rings = &found.stem.rings;
+/// What the limb's skin spans about the pith.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Ring coordinates between which all of it lies.
+    pub reach: (f64, f64),
+    /// Greatest distance from the pith, m.
+    pub radius: f64,
+    /// Ring coordinate at which the bark begins.
+    pub bark: f64,
+    /// Angles (rad) between which it lies, where the pith is outside of the section.
+    pub arc: Option<(f64, f64)>,
+}
+
+/// Ring coordinates between which bark may begin: relief deeper than that cuts into the wood.
+const BARK: (f64, f64) = (0.88, 0.96);
+/// How far along the stem, in radii, the skin tells how deep the bark's furrows are.
+const NEAR: f64 = 1.5;
+
+fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
+    let (rings, stem) = (&found.stem.rings, &found.stem);
     let pith = rings.pith();
-    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    let mut angles = Vec::new();
-    let mean: DVec2 = {
-        let points = found
-            .limb
-            .iter()
-            .flat_map(|&t| corners[t as usize])
-            .map(|p| grain[p as usize].truncate());
-        let (sum, n) = points.fold((DVec2::ZERO, 0.0), |(s, n), p| (s + p, n + 1.0));
-        sum / f64::max(n, 1.0)
-    };
-    let forward = mean - pith;
+    let board = stem.kind == StemKind::Board;
+    let mut used = vec![false; grain.len()];
+    let (mut least, mut most, mut radius) = (f64::INFINITY, 0.0f64, 0.0f64);
+    let mut near = Vec::new();
+    let forward = stem.sections.iter().fold(DVec2::ZERO, |sum, s| sum + s.centroid) - pith;
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for &t in &found.limb {
         let c = corners[t as usize].map(|p| grain[p as usize]);
         for k in 0..3 {
-            let (rho, _) = rings.address(c[k].truncate());
-            most = most.max(rho);
-            angles.push(libm::atan2(
-                forward.perp_dot(c[k].truncate() - pith),
-                forward.dot(c[k].truncate() - pith),
-            ));
-            // End faces run through the middle and say nothing of the bark.
-            let slope = (c[(k + 1) % 3] - c[k]).normalize_or_zero();
-            if found.stem.kind == StemKind::Board || slope.z.abs() > 0.3 {
-                let (a, b) = (c[k].truncate(), c[(k + 1) % 3].truncate());
-                let along =
-                    ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+            let point = c[k].truncate();
+            if board {
+                // The nearest wood may lie in the middle of an edge.
+                let (a, b) = (point, c[(k + 1) % 3].truncate());
+                let along = ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
                 least = least.min(rings.address(a.lerp(b, along)).0);
             }
+            let number = corners[t as usize][k] as usize;
+            if std::mem::replace(&mut used[number], true) {
+                continue;
+            }
+            let (rho, _) = rings.address(point);
+            most = most.max(rho);
+            radius = radius.max(point.distance(pith));
+            if (c[k].z - stem.place).abs() < NEAR * stem.radius {
+                near.push(rho);
+            }
+            let angle = libm::atan2(forward.perp_dot(point - pith), forward.dot(point - pith));
+            (low, high) = (low.min(angle), high.max(angle));
         }
     }
-    let board = found.stem.kind == StemKind::Board;
-    let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if board && high - low < 3.0 {
         let (base, margin) = (libm::atan2(forward.y, forward.x), 0.03 * (high - low));
-        return (
-            (0.98 * least, 1.02 * most),
-            1.0,
-            Some((base + low - margin, base + high + margin)),
-        );
+        let arc = Some((base + low - margin, base + high + margin));
+        return Extent { reach: (0.98 * least, 1.02 * most), radius, bark: 1.0, arc };
     }
-    ((0.0, 1.03 * most.max(1.0)), least.clamp(0.5, 1.0), None)
+    near.sort_by(f64::total_cmp);
+    let furrows = near.get(near.len() / 10).copied().unwrap_or(BARK.1) - 0.02;
+    Extent { reach: (0.0, most.max(1.0)), radius, bark: furrows.clamp(BARK.0, BARK.1), arc: None }
 }
 
 impl Prepared {

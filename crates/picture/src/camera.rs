@@ -106,8 +106,8 @@ impl Camera {
     }
 }
 
-/// Two horizontal directions: the one to the right and the one towards a viewer at azimuth 0.
-fn horizontal(up: DVec3) -> (DVec3, DVec3) {
+/// Two horizontal directions of a picture with the upward direction `up` (unit): the one to the right and the one towards a viewer at azimuth 0.
+pub fn horizontal(up: DVec3) -> (DVec3, DVec3) {
     let reference = if up.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
     let across = (reference - up * up.dot(reference)).normalize();
     (across, across.cross(up))

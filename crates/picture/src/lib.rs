@@ -15,7 +15,7 @@ mod scene;
 mod shader;
 mod smooth;
 
-pub use camera::View;
+pub use camera::{View, horizontal};
 pub use picture::Picture;
 pub use render::{PictureOptions, render};
 pub use shader::{Appearance, Hit, PlainShader, Shader};

@@ -180,8 +180,7 @@ fn look(
         let s = scene.see(
             studio,
             ray,
-            camera.pixel,
-            background,
+            (camera.pixel, background),
             &sampler,
             light,
             &mut remembered,

@@ -84,6 +84,8 @@ const INDIRECT_FOOTPRINT: f64 = 16.0;
 const INDIRECT_OPENNESS: f64 = 0.6;
 /// Reflectance of bark and wood seen face on (index of refraction 1.5).
 const FACE_ON: f64 = 0.04;
+/// A single sample is not brighter than this: a highlight met by chance would stay a white pixel.
+const BRIGHTEST: f64 = 4.0;
 /// Smoother highlights than this are noise at few samples.
 const LEAST_ROUGHNESS: f64 = 0.3;
 
@@ -147,13 +149,13 @@ impl<'a> Scene<'a> {
         Some((item, hit, distance))
     }
 
-    /// Light that comes back to `origin` from a unit `direction`. `background` is what is seen where nothing is met.
+    /// Light that comes back to `origin` from a unit `direction`. `background` is what is seen where nothing is met;
+    /// `pixel` the size of a pixel one metre ahead, m; `light` the number of the light to sample and its weight.
     pub fn see(
         &self,
         studio: &Studio,
         (origin, direction): (DVec3, DVec3),
-        pixel: f64,
-        background: DVec3,
+        (pixel, background): (f64, DVec3),
         sampler: &Sampler,
         light: (usize, f64),
         remembered: &mut Remembered,
@@ -184,7 +186,7 @@ impl<'a> Scene<'a> {
         };
         let look = match remembered {
             Some((of, place, side, look))
-                if sampler.index % SHADE_EVERY != 0
+                if !sampler.index.is_multiple_of(SHADE_EVERY)
                     && *of == item
                     && place.distance(hit.position) < hit.footprint
                     && side.dot(hit.geometric_normal) > 0.985 =>
@@ -209,7 +211,7 @@ impl<'a> Scene<'a> {
             sum += surface.scatter(out) * incoming * PI;
         }
         Seen {
-            light: sum,
+            light: sum.min(DVec3::splat(BRIGHTEST)),
             color: DVec3::from_array(look.color),
             normal: look.normal,
             distance: distance + ahead,
@@ -320,7 +322,7 @@ impl Surface<'_> {
     fn scatter(&self, out: DVec3) -> DVec3 {
         let n = self.look.normal;
         let half = (out + self.to).normalize_or(n);
-        let (nl, nv) = (n.dot(out).max(1e-4), n.dot(self.to).max(1e-2));
+        let (nl, nv) = (n.dot(out).max(1e-4), n.dot(self.to).max(0.05));
         let (nh, vh) = (n.dot(half).max(0.0), self.to.dot(half).clamp(0.0, 1.0));
         let a = self.look.roughness * self.look.roughness;
         let a = a * a;
@@ -430,7 +432,14 @@ mod tests {
                 let ray = (from, (to - from).normalize());
                 luminance(
                     scene
-                        .see(studio, ray, 1e-4, DVec3::ONE, &sampler, (0, 1.0), &mut None)
+                        .see(
+                            studio,
+                            ray,
+                            (1e-4, DVec3::ONE),
+                            &sampler,
+                            (0, 1.0),
+                            &mut None,
+                        )
                         .light,
                 )
             })

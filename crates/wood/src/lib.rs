@@ -3,6 +3,7 @@
 #![deny(missing_docs)]
 
 pub mod appearance;
+mod bark;
 pub mod moisture;
 pub mod noise;
 pub mod primitive;

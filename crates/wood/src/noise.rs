@@ -34,24 +34,36 @@ pub fn line(seed: u64, x: f64) -> f64 {
     a + (b - a) * s
 }
 
+/// The largest whole number not above `v`, without the call that `floor` is on older machines.
+fn whole(v: f64) -> i64 {
+    let cut = v as i64;
+    cut - i64::from(v < cut as f64)
+}
+
 /// Noise in space: value (about −1 to 1, mean 0) and its gradient. Features are as wide as 1. With `period` > 0 it
 /// repeats along z after that many cells.
 pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
-    let cell = p.floor();
-    let f = p - cell;
-    let [x, y, z] = cell.to_array().map(|c| c as i64);
+    let [x, y, z] = p.to_array().map(whole);
+    let f = p - DVec3::new(x as f64, y as f64, z as f64);
     let (z0, z1) = if period > 0 {
         (z.rem_euclid(period), (z + 1).rem_euclid(period))
     } else {
         (z, z + 1)
     };
+    let part = |i: i64, factor: u64| (i as u64).wrapping_mul(factor);
+    let xs = [x, x + 1].map(|i| seed ^ part(i, 0x9e37_79b9_7f4a_7c15));
+    let ys = [y, y + 1].map(|i| part(i, 0xc2b2_ae3d_27d4_eb4f));
+    let zs = [z0, z1].map(|i| part(i, 0x1656_67b1_9e37_79f9));
     // Quintic fade: second derivatives are continuous, so relief shows no lattice.
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
-    let corner = |i: i64, j: i64, k: i64| {
-        let h = hash(seed, x + i, y + j, if k == 0 { z0 } else { z1 });
-        let part = |shift: u32| ((h >> shift) & 0xffff) as f64 * (2.0 / 65_535.0) - 1.0;
-        let g = DVec3::new(part(0), part(16), part(32));
+    let corner = |i: usize, j: usize, k: usize| {
+        let h = xs[i] ^ ys[j] ^ zs[k];
+        let h = (h ^ (h >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+        let h = (h ^ (h >> 29)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+        // The upper bits are mixed best.
+        let part = |shift: u32| f64::from((h >> shift) as u16) * (2.0 / 65_535.0) - 1.0;
+        let g = DVec3::new(part(16), part(32), part(48));
         (g, g.dot(f - DVec3::new(i as f64, j as f64, k as f64)))
     };
     let mix = |(ga, a): (DVec3, f64), (gb, b): (DVec3, f64), axis: usize| {
@@ -59,7 +71,7 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
         g[axis] += (b - a) * ds[axis];
         (g, a + (b - a) * s[axis])
     };
-    let plane = |k: i64| {
+    let plane = |k: usize| {
         let low = mix(corner(0, 0, k), corner(1, 0, k), 0);
         let high = mix(corner(0, 1, k), corner(1, 1, k), 0);
         mix(low, high, 1)

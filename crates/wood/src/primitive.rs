@@ -433,5 +433,5 @@ mod tests {
         assert_eq!(digest, DIGEST);
     }
 
-    const DIGEST: u64 = 1;
+    const DIGEST: u64 = 913_962_247_423_457_179;
 }

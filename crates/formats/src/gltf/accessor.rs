@@ -5,10 +5,14 @@ use super::{container, meshopt};
 use crate::Resolve;
 use crate::error::{FormatError, InFile};
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 /// Elements an accessor without any data of its own (all zeros by §3.6.2.3) may claim, as no bytes back it.
 const MOST_UNBACKED: usize = 1 << 20;
+
+/// Bytes that decompression and copies may make of a file altogether: references are short and could each stand for
+/// the whole file.
+const MOST_COPIED: usize = 1 << 31;
 
 /// The document with its data, fetched and decompressed when asked for.
 pub struct Source<'a> {
@@ -18,6 +22,7 @@ pub struct Source<'a> {
     resolve: Resolve<'a>,
     buffers: Vec<OnceCell<Cow<'a, [u8]>>>,
     decoded: Vec<OnceCell<Vec<u8>>>,
+    copied: Cell<usize>,
 }
 
 /// Component types by their codes (§3.6.2.2).
@@ -90,6 +95,7 @@ impl<'a> Source<'a> {
                 .iter()
                 .map(|_| OnceCell::new())
                 .collect(),
+            copied: Cell::new(0),
         }
     }
 
@@ -99,6 +105,18 @@ impl<'a> Source<'a> {
             "a reference to it, but it does not exist",
             format!("a number below {count}"),
         )
+    }
+
+    /// Counts bytes that are about to be made from a reference, and refuses to make too many.
+    pub fn charge(&self, bytes: usize, place: &str) -> Result<(), FormatError> {
+        let total = self.copied.get().saturating_add(bytes);
+        self.copied.set(total);
+        if total <= MOST_COPIED {
+            return Ok(());
+        }
+        let found = format!("{total} bytes unpacked so far");
+        let right = format!("{MOST_COPIED} at most");
+        Err(self.file.malformed(place, found, right))
     }
 
     fn buffer(&self, index: usize) -> Result<&[u8], FormatError> {
@@ -191,6 +209,8 @@ impl<'a> Source<'a> {
             compressed.byte_length,
             &place,
         )?;
+        let size = compressed.count.saturating_mul(compressed.byte_stride);
+        self.charge(size, &place)?;
         let decoded = meshopt::decode(bytes, &compressed)
             .map_err(|found| wrong(found, "a sound meshopt stream"))?;
         let decoded = self.decoded[index].get_or_init(|| decoded);

@@ -12,7 +12,11 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
     for (index, image) in document.images.iter().enumerate() {
         let mut mime_type = image.mime_type.clone().unwrap_or_default();
         let data = match (&image.uri, image.buffer_view) {
-            (_, Some(view)) => ImageSource::Bytes(source.view(view)?.0.to_vec()),
+            (_, Some(view)) => {
+                let (bytes, _) = source.view(view)?;
+                source.charge(bytes.len(), &format!("images[{index}]"))?;
+                ImageSource::Bytes(bytes.to_vec())
+            }
             (Some(uri), _) => match container::data_uri(uri) {
                 Some(Ok((stated, bytes))) => {
                     mime_type = if mime_type.is_empty() {
@@ -26,7 +30,12 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
                     let place = format!("images[{index}]");
                     return Err(source.file.malformed(place, found, "base64"));
                 }
-                None => ImageSource::Reference(uri.clone()),
+                None => {
+                    if mime_type.is_empty() && uri.ends_with(".ktx2") {
+                        mime_type = "image/ktx2".to_owned();
+                    }
+                    ImageSource::Reference(uri.clone())
+                }
             },
             (None, None) => ImageSource::Reference(String::new()),
         };

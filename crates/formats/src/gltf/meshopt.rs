@@ -73,7 +73,7 @@ const MOST_BLOCK_ELEMENTS: usize = 256;
 
 /// Mode 0: bytes of consecutive elements as differences, byte position by byte position.
 fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
-    if stride == 0 || stride > 256 || stride % 4 != 0 {
+    if stride == 0 || stride > 256 || !stride.is_multiple_of(4) {
         return Err("a stride that is no multiple of 4 up to 256");
     }
     let mut stream = Stream(bytes);
@@ -325,7 +325,7 @@ impl Triangles<'_> {
 
 /// Mode 1: triangles as edges they share with recent ones.
 fn triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
-    if count % 3 != 0 {
+    if !count.is_multiple_of(3) {
         return Err("a number of indices that is no multiple of 3");
     }
     let mut stream = Stream(bytes);

@@ -5,8 +5,9 @@ use super::primitive;
 use super::schema::Node as NodeJson;
 use crate::error::FormatError;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
-use greenstick_geometry::{Node, Scene};
+use greenstick_geometry::{Mesh, Node, Scene};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Vertices and triangles that a scene may hold once its instances are copied out. A mesh placed a million times is
 /// a few bytes each in the file, so that nothing else bounds the memory.
@@ -16,14 +17,13 @@ const MOST_EXPANDED: usize = 1 << 27;
 pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
     let nodes = &source.document.nodes;
     let mut visited = vec![false; nodes.len()];
-    // Index, transform of the parent, and the scene node that carries it.
+    // Index, transform of the parent, and the placement that carries it.
     let mut stack: Vec<(usize, DAffine3, Option<usize>)> = roots(source)?
         .into_iter()
         .rev()
         .map(|i| (i, DAffine3::IDENTITY, None))
         .collect();
-    let mut first_use: BTreeMap<usize, usize> = BTreeMap::new();
-    let mut expanded = 0;
+    let mut placements: Vec<Placement> = Vec::new();
     let mut dropped = [("skins", 0), ("cameras", 0), ("lights", 0)];
     while let Some((index, above, parent)) = stack.pop() {
         let place = || format!("nodes[{index}]");
@@ -46,32 +46,14 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
         dropped[1].1 += usize::from(json.camera.is_some());
         dropped[2].1 += usize::from(json.extensions.contains_key("KHR_lights_punctual"));
         let mut carrier = parent;
-        if let Some(mesh_index) = json.mesh {
-            let mesh = match first_use.get(&mesh_index) {
-                Some(&earlier) => scene.nodes[earlier].mesh.clone(),
-                None => primitive::read_mesh(source, mesh_index, scene)?,
-            };
-            expanded += mesh.positions.len() + mesh.triangles.len();
-            if expanded > MOST_EXPANDED {
-                let found = format!("{expanded} vertices and triangles so far");
-                let right = format!("{MOST_EXPANDED} at most, instances counted each");
-                return Err(source.file.malformed(place(), found, right));
-            }
-            if !mesh.triangles.is_empty() {
-                first_use.entry(mesh_index).or_insert(scene.nodes.len());
-                carrier = Some(scene.nodes.len());
-                let name = if json.name.is_empty() {
-                    source.document.meshes[mesh_index].name.clone()
-                } else {
-                    json.name.clone()
-                };
-                scene.nodes.push(Node {
-                    name,
-                    transform,
-                    mesh,
-                    parent,
-                });
-            }
+        if let Some(mesh) = json.mesh {
+            carrier = Some(placements.len());
+            placements.push(Placement {
+                name: &json.name,
+                mesh,
+                transform,
+                parent,
+            });
         }
         stack.extend(
             json.children
@@ -84,6 +66,63 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
         if count > 0 {
             scene.notes.push(format!("{count} {what} were dropped."));
         }
+    }
+    place(source, &placements, scene)
+}
+
+/// A mesh at its place; `parent` is another placement.
+struct Placement<'a> {
+    name: &'a str,
+    mesh: usize,
+    transform: DAffine3,
+    parent: Option<usize>,
+}
+
+/// Reads each mesh once and puts it wherever it is used.
+fn place(source: &Source, placements: &[Placement], scene: &mut Scene) -> Result<(), FormatError> {
+    let mut meshes: BTreeMap<usize, (Mesh, usize)> = BTreeMap::new();
+    let mut expanded = 0_usize;
+    for placement in placements {
+        let index = placement.mesh;
+        let (mesh, uses) = match meshes.entry(index) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(free) => free.insert((primitive::read_mesh(source, index, scene)?, 0)),
+        };
+        *uses += 1;
+        expanded = expanded.saturating_add(mesh.positions.len() + mesh.triangles.len());
+        if expanded > MOST_EXPANDED {
+            let found = format!("more than {MOST_EXPANDED} vertices and triangles");
+            let right = "fewer, instances counted each";
+            return Err(source.file.malformed("nodes", found, right));
+        }
+    }
+    // Scene node of each placement; one without triangles passes its children up.
+    let mut numbers: Vec<Option<usize>> = Vec::with_capacity(placements.len());
+    for placement in placements {
+        let parent = placement.parent.and_then(|p| numbers[p]);
+        let mesh = match meshes.get_mut(&placement.mesh) {
+            Some((mesh, uses)) if *uses > 1 => {
+                *uses -= 1;
+                mesh.clone()
+            }
+            Some((mesh, _)) => std::mem::take(mesh),
+            None => Mesh::default(),
+        };
+        if mesh.triangles.is_empty() {
+            numbers.push(parent);
+            continue;
+        }
+        numbers.push(Some(scene.nodes.len()));
+        let name = match placement.name {
+            "" => source.document.meshes[placement.mesh].name.clone(),
+            name => name.to_owned(),
+        };
+        scene.nodes.push(Node {
+            name,
+            transform: placement.transform,
+            mesh,
+            parent,
+        });
     }
     Ok(())
 }

@@ -125,6 +125,8 @@ fn append_vertices(
             .file
             .malformed(place, found, "fewer than 2^32 in a mesh"));
     }
+    let names = mesh.attributes.len() + primitive.attributes.len();
+    source.charge(names.saturating_mul(12 * mesh.positions.len()), place)?;
     for (name, &accessor) in &primitive.attributes {
         if name == "POSITION" {
             continue;
@@ -226,11 +228,12 @@ fn append_triangles(
             count,
         });
     }
+    source.charge(4 * indices.len(), place)?;
     let base = base as u32;
     let corner = |i: usize| base + indices[i];
     let strip = indices.len().saturating_sub(2);
     match mode {
-        4 if indices.len() % 3 != 0 => {
+        4 if !indices.len().is_multiple_of(3) => {
             let found = format!("{} indices", indices.len());
             return Err(source.file.malformed(place, found, "a multiple of 3"));
         }

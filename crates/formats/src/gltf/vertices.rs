@@ -25,7 +25,9 @@ pub fn attributes(
         data.iter_mut()
             .filter(|v| !v.is_finite())
             .for_each(|v| *v = 0.0);
-        if name == "NORMAL" {
+        if name.starts_with("COLOR_") {
+            data.iter_mut().for_each(|v| *v = v.clamp(0.0, 1.0));
+        } else if name == "NORMAL" {
             unit_normals(&mut data, mesh, used, triangles);
         }
         out.entry(written).or_insert((attribute.width, data));

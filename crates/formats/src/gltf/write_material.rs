@@ -51,7 +51,13 @@ pub fn write(scene: &Scene, builder: &mut Builder, mut names: Option<CompanionNa
                 media_type = image_type(&media_type, bytes);
             }
         }
-        if !media_type.is_empty() {
+        // The core of glTF knows no KTX 2; beside a file's ending the type is not needed.
+        let from_ending = media_type == "image/ktx2"
+            && out
+                .get("uri")
+                .and_then(Value::as_str)
+                .is_some_and(|uri| uri.ends_with(".ktx2"));
+        if !media_type.is_empty() && !from_ending {
             out.insert("mimeType".to_owned(), json!(media_type));
         }
         types.push(media_type);

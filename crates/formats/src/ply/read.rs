@@ -88,9 +88,11 @@ impl<'a> Body<'a> {
         } else {
             kind.size()
         };
-        let element = format!("the list in row {} of {}", place.row, place.element.name);
-        self.file
-            .check_count(&element, length as usize, least, self.bytes.len() + 1)?;
+        if length as usize > (self.bytes.len() + 1) / least {
+            let element = format!("the list in row {} of {}", place.row, place.element.name);
+            self.file
+                .check_count(&element, length as usize, least, self.bytes.len() + 1)?;
+        }
         Ok(length as usize)
     }
 
@@ -110,6 +112,15 @@ impl<'a> Body<'a> {
 struct Place<'a> {
     element: &'a Element,
     row: usize,
+}
+
+/// What a property of the faces is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Corners,
+    Node,
+    Material,
+    Other,
 }
 
 /// Integer columns of the faces.
@@ -233,6 +244,9 @@ fn read_vertices(
         .iter()
         .map(|p| attribute_of(p).2)
         .collect();
+    let places: Vec<Option<usize>> = (0..element.properties.len())
+        .map(|k| axes.iter().position(|&a| a == k))
+        .collect();
     for row in 0..element.count {
         let place = Place { element, row };
         let mut position = DVec3::ZERO;
@@ -242,7 +256,7 @@ fn read_vertices(
                 continue;
             }
             let value = body.scalar(property.kind, &place)?;
-            match axes.iter().position(|&a| a == k) {
+            match places[k] {
                 Some(axis) => position[axis] = value,
                 None => columns[k].push((value / divisors[k]) as f32),
             }
@@ -321,6 +335,14 @@ fn read_faces(
             .any(|p| p.name == name && p.list.is_none())
     };
     let (has_node, has_material) = (has("node"), has("material"));
+    // Comparing names again for each face would take most of the time.
+    let role_of = |p: &Property| match p.name.as_str() {
+        _ if is_corners(p) => Role::Corners,
+        "node" => Role::Node,
+        "material" => Role::Material,
+        _ => Role::Other,
+    };
+    let roles: Vec<Role> = element.properties.iter().map(role_of).collect();
     let vertices = mesh.positions.len();
     let mut triangulator = Triangulator::default();
     let (mut corners, mut points) = (Vec::new(), Vec::new());
@@ -330,9 +352,9 @@ fn read_faces(
         let place = Place { element, row };
         let (mut node, mut material) = (0, 0);
         corners.clear();
-        for property in &element.properties {
+        for (property, &role) in element.properties.iter().zip(&roles) {
             match property.list {
-                Some(list) if is_corners(property) => {
+                Some(list) if role == Role::Corners => {
                     for _ in 0..body.length(list, property.kind, &place)? {
                         let index = body.scalar(property.kind, &place)?;
                         if !(index >= 0.0 && index < vertices as f64) {
@@ -347,10 +369,10 @@ fn read_faces(
                         corners.push(index as u32);
                     }
                 }
-                None if property.name == "node" => {
+                None if role == Role::Node => {
                     node = body.scalar(property.kind, &place)? as i64;
                 }
-                None if property.name == "material" => {
+                None if role == Role::Material => {
                     material = body.scalar(property.kind, &place)? as i64;
                 }
                 _ => body.skip(property, &place)?,

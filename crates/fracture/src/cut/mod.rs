@@ -1,6 +1,7 @@
 //! Cutting a stem's mesh along a break surface into a lower and an upper piece that share the broken face.
 
 mod cap;
+mod chips;
 mod overlay;
 mod polygon;
 

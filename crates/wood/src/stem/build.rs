@@ -55,6 +55,8 @@ pub struct Stem {
     pub length: f64,
 }
 
+/// Below this length in radii the centroids do not tell a direction: the axis is straight, as in a stump.
+const SHORT: f64 = 2.5;
 /// Free space kept from ends, forks and other limbs, in radii.
 pub(crate) const MARGIN: f64 = 0.08;
 
@@ -214,8 +216,8 @@ pub(crate) fn body(surface: &Surface, trace: &Trace, near: usize) -> Option<Body
             .filter(|&g| g >= at)
             .fold(end, f64::min),
     );
-    let (axis, lengths) = if stations.len() < 3 {
-        straight(&stations, first, end, last.normal)?
+    let (axis, lengths) = if stations.len() < 3 || t < SHORT * cuts[cuts.len() / 2].radius {
+        straight(&stations, first, end, cuts[cuts.len() / 2].normal)?
     } else {
         curved(surface, stations.clone(), first, end, keep, &gaps)?
     };
@@ -292,17 +294,6 @@ pub(crate) fn body(surface: &Surface, trace: &Trace, near: usize) -> Option<Body
     Some(body)
 }
 
-/// The line through the centroids by least squares: a point, its t (m), and the direction.
-fn line(stations: &[Station], normal: DVec3) -> (DVec3, f64, DVec3) {
-    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
-    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
-    let slope: DVec3 = stations
-        .iter()
-        .map(|s| (s.centre - mean) * (s.t - middle))
-        .sum();
-    (mean, middle, slope.try_normalize().unwrap_or(normal))
-}
-
 /// Axis and sections of a board: straight along its box, whatever notches and holes there are.
 pub(crate) fn board_body(surface: &Surface, plank: &Plank) -> Option<Body> {
     let [length, width, thickness] = plank.size;
@@ -345,9 +336,10 @@ pub(crate) fn board_body(surface: &Surface, plank: &Plank) -> Option<Body> {
     })
 }
 
-/// A straight axis through the centroids, by least squares.
+/// A straight axis through the middle of the centroids along `normal`.
 fn straight(stations: &[Station], first: f64, end: f64, normal: DVec3) -> Option<(Axis, Vec<f64>)> {
-    let (mean, middle, direction) = line(stations, normal);
+    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
+    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
     let radius = stations[stations.len() / 2].radius;
     let count = ((end - first) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
     let lengths: Vec<f64> = (0..=count)
@@ -355,7 +347,7 @@ fn straight(stations: &[Station], first: f64, end: f64, normal: DVec3) -> Option
         .collect();
     let points: Vec<DVec3> = lengths
         .iter()
-        .map(|t| mean + direction * (t - middle))
+        .map(|t| mean + normal * (t - middle))
         .collect();
     let axis = Axis::new(&points, None)?;
     (axis.points().len() == lengths.len()).then_some((axis, lengths))

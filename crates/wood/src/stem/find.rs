@@ -2,6 +2,7 @@
 
 use super::attach::{self, Hanging, Tube};
 use super::build::{self, Body, MARGIN, Section, Stem, StemKind, Stretch};
+use super::error::StemError;
 use super::polygon;
 use super::rings::{RingField, likely_pith};
 use super::seed::{self, Plank};
@@ -10,7 +11,7 @@ use super::surface::Surface;
 use super::trace::{Trace, trace};
 use super::{GrainSpace, Place};
 use glam::{DVec2, DVec3};
-use greenstick_geometry::{Cancelled, Context, Mesh};
+use greenstick_geometry::{Context, Mesh};
 
 /// A pith that somebody knows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,74 +46,6 @@ pub struct Found {
     pub carried: Vec<(usize, Vec<u32>)>,
     /// What was assumed or repaired, a sentence each.
     pub notes: Vec<String>,
-}
-
-/// Why there is no stem at a place.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum StemError {
-    /// There is nothing to break.
-    #[error("the model has no triangles; a stem is found from a triangle mesh")]
-    Empty,
-    /// A vertex is not a number or a triangle names one that is not there.
-    #[error("mesh {node}: {found}")]
-    Invalid {
-        /// Index of the mesh.
-        node: usize,
-        /// What and where.
-        found: String,
-    },
-    /// No shell has sections.
-    #[error(
-        "no stem found: none of the {shells} connected parts of the model has a section that is one closed loop; \
-         a stem is a tube or a solid that is longer than wide"
-    )]
-    NoStem {
-        /// Number of connected parts.
-        shells: usize,
-    },
-    /// A fraction or length that the stem does not have.
-    #[error(
-        "place {asked} is off the stem, which is {length:.4} m long; nearest place that works: {nearest}"
-    )]
-    OffStem {
-        /// The place asked for.
-        asked: Place,
-        /// Length of the stem, m.
-        length: f64,
-        /// The nearest place that works.
-        nearest: Place,
-    },
-    /// A point in the air.
-    #[error("point {asked} is {distance:.4} m from the nearest wood, which is at {nearest}")]
-    FarFromWood {
-        /// The place asked for.
-        asked: Place,
-        /// Distance to the nearest surface, m.
-        distance: f64,
-        /// The nearest point of a surface.
-        nearest: Place,
-    },
-    /// The stem cannot be broken there.
-    #[error("at {asked} {found}; nearest place that works: {nearest}")]
-    Unusable {
-        /// The place asked for.
-        asked: Place,
-        /// What was found there.
-        found: String,
-        /// The nearest place that works.
-        nearest: Place,
-    },
-    /// The limb has no free place at all.
-    #[error("at {asked} {found}, and no other place on this limb is free for a break")]
-    NowhereFree {
-        /// The place asked for.
-        asked: Place,
-        /// What was found there.
-        found: String,
-    },
-    /// The caller stopped the work.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
 }
 
 /// Shells that others may hang on: the largest ones. A tree with more limbs than this has leaves for the rest.
@@ -603,7 +536,7 @@ impl Search<'_> {
         } else if states.contains(&Stretch::Fork) {
             "the stem forks".to_owned()
         } else if states.contains(&Stretch::Broken) {
-            "the section is not one closed loop".to_owned()
+            "the section is not one plain closed loop (a fork, a hole or a gap)".to_owned()
         } else {
             "the stem ends".to_owned()
         };
@@ -635,7 +568,8 @@ impl Search<'_> {
                 Place::Point(side.unwrap_or(frame.origin))
             }
         };
-        if asked < 0.0 || asked > length * (1.0 + 1e-9) {
+        let point = matches!(self.place, Place::Point(_));
+        if !point && (asked < 0.0 || asked > length * (1.0 + 1e-9)) {
             return StemError::OffStem {
                 asked: *self.place,
                 length,

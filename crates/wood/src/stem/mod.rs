@@ -6,6 +6,7 @@ mod attach;
 mod axis;
 mod build;
 mod centreline;
+mod error;
 mod find;
 mod grain;
 mod place;
@@ -15,12 +16,11 @@ mod seed;
 mod shells;
 mod surface;
 mod trace;
-#[cfg(test)]
-mod zz;
 
 pub use axis::{Axis, Frame};
 pub use build::{Section, Stem, StemKind};
-pub use find::{Found, PithChoice, StemError, StemOptions, find};
+pub use error::StemError;
+pub use find::{Found, PithChoice, StemOptions, find};
 pub use grain::GrainSpace;
 pub use place::{Place, PlaceError};
 pub use rings::RingField;

@@ -12,6 +12,8 @@ const GROWN: f64 = 1.5;
 const SHRUNK: f64 = 0.62;
 /// Sections that the present one is compared with: about two radii of stem.
 const REMEMBERED: usize = 6;
+/// Sections over the height of a stump.
+const STUMP_STEPS: f64 = 24.0;
 /// Sections followed at most in one direction; a stem 1,000 radii long has about 3,300.
 const LONGEST: usize = 6000;
 
@@ -176,12 +178,7 @@ pub(crate) fn settle(surface: &Surface, origin: DVec3, direction: DVec3) -> Opti
     let mut direction = direction.try_normalize()?;
     let mut cut = section(surface, origin, direction, f64::INFINITY)?;
     let mut turn = f64::INFINITY;
-    let shortest = surface.shortest_side();
-    let longest_step = if shortest > 0.5 * cut.radius {
-        shortest / 12.0
-    } else {
-        f64::INFINITY
-    };
+    let longest_step = stump_height(surface, &cut).map_or(f64::INFINITY, |h| h / STUMP_STEPS);
     for _ in 0..10 {
         let near = 2.0 * cut.reach;
         let (mut before, mut behind) = (None, None);
@@ -206,6 +203,12 @@ pub(crate) fn settle(surface: &Surface, origin: DVec3, direction: DVec3) -> Opti
         }
     }
     (turn < 0.2).then_some(cut)
+}
+
+/// Height of a shell that is lower than the section is wide: a stump.
+fn stump_height(surface: &Surface, cut: &Cut) -> Option<f64> {
+    let shortest = surface.shortest_side();
+    (shortest < 1.9 * cut.radius && shortest > 0.5 * cut.radius).then_some(shortest)
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
@@ -297,17 +300,14 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
     let mut remembered: Vec<(f64, f64)> = vec![(seed.area, seed.reach)];
     let mut centres = vec![seed.centre];
     let mut thickest = seed.radius;
-    // A stump is shorter than a few of its radii. A flat shell says nothing about its length.
-    let shortest = surface.shortest_side();
-    let longest_step = if shortest > 0.5 * seed.radius {
-        shortest / 8.0
-    } else {
-        f64::INFINITY
-    };
+    let stump = stump_height(surface, seed);
+    let longest_step = stump.map_or(f64::INFINITY, |height| height / STUMP_STEPS);
+    // Roots spread so fast that only the last section compares.
+    let memory = if stump.is_some() { 1 } else { REMEMBERED };
     while arm.cuts.len() < LONGEST {
         let (area, reach) = (
-            median(remembered.iter().rev().take(REMEMBERED).map(|m| m.0)),
-            median(remembered.iter().rev().take(REMEMBERED).map(|m| m.1)),
+            median(remembered.iter().rev().take(memory).map(|m| m.0)),
+            median(remembered.iter().rev().take(memory).map(|m| m.1)),
         );
         let step = (STEP * last.radius).min(longest_step);
         let next = section(
@@ -381,7 +381,10 @@ fn march(surface: &Surface, seed: &Cut, direction: DVec3, through_forks: bool) -
             remembered.push((cut.area, cut.reach));
             centres.push(cut.centre);
             thickest = thickest.max(cut.radius);
-            direction = turned(&centres, direction);
+            // Over a stump's few steps the centroids say more of its roots than of its direction.
+            if stump.is_none() {
+                direction = turned(&centres, direction);
+            }
             arm.states.push(State::Good);
             arm.cuts.push(cut);
         }

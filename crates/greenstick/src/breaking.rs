@@ -1,0 +1,464 @@
+//! The whole way from a scene and a request to broken pieces with materials, and a report.
+
+use crate::looks::{Looks, looks};
+use crate::model::Model;
+use crate::report::{
+    BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport, closed_volume,
+};
+use crate::{Error, Prepared, prepare};
+use glam::{DAffine3, DVec2, DVec3};
+use greenstick_fracture::parameters::{BreakParameters, Surface};
+use greenstick_fracture::recipe::Recipe;
+use greenstick_geometry::{
+    Context, Image, ImageSource, Material, Mesh, Node, Scene, Texture, TextureReference,
+    mesh::NO_MATERIAL,
+};
+use greenstick_skin::pieces::lacks_material;
+use greenstick_skin::texture;
+use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
+use greenstick_wood::primitive;
+use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
+use greenstick_wood::stem::{Place, Stem, StemKind, StemOptions};
+
+/// What is to be broken, where and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BreakRequest {
+    /// Where.
+    pub place: Place,
+    /// What is known of the stem.
+    pub stem: StemOptions,
+    /// How.
+    pub recipe: Recipe,
+    /// How far the pieces are moved apart, m.
+    pub part: f64,
+    /// How much the thorns are bent and torn loose, 0 (not at all) to 1.
+    pub fray: f64,
+    /// Width of the baked textures, pixels (even; half as high).
+    pub texture_width: u32,
+}
+
+impl Default for BreakRequest {
+    fn default() -> Self {
+        BreakRequest {
+            place: Place::Fraction(0.5),
+            stem: StemOptions::default(),
+            recipe: Recipe::default(),
+            part: 0.0,
+            fray: 0.0,
+            texture_width: 2048,
+        }
+    }
+}
+
+/// Broken pieces.
+#[derive(Debug, Clone)]
+pub struct Broken {
+    /// The pieces `lower`, `upper` and so on, then what was not touched.
+    pub scene: Scene,
+    /// What was done.
+    pub report: BreakReport,
+    /// The stem that was broken.
+    pub stem: Stem,
+    /// What its wood and bark look like.
+    pub looks: Looks,
+    /// Material of the wood inside.
+    pub inner_material: u32,
+    /// Side of the square that holds the section, m.
+    pub width: f64,
+    /// Whether the pieces were moved apart.
+    pub apart: bool,
+}
+
+impl Broken {
+    /// Centre and radius (m) of a ball about the break, for a picture.
+    pub fn focus(&self) -> (DVec3, f64) {
+        let frame = self.stem.grain.axis().frame(self.stem.place);
+        let [low, high] = self.report.face.range_m;
+        let middle = frame.origin + frame.tangent * ((low + high) / 2.0);
+        (middle, (0.8 * self.width).max(0.75 * (high - low)))
+    }
+}
+
+/// The built-in branch as a scene.
+pub fn built_in_branch() -> Scene {
+    let mesh = primitive::branch(&primitive::BranchOptions::default());
+    let material = Material {
+        name: "bark".into(),
+        ..bark_material()
+    };
+    let node = Node {
+        name: "branch".into(),
+        transform: DAffine3::IDENTITY,
+        mesh,
+        parent: None,
+    };
+    Scene {
+        nodes: vec![node],
+        materials: vec![material],
+        ..Scene::default()
+    }
+}
+
+/// Bark as one colour, for meshes that come without a material.
+fn bark_material() -> Material {
+    Material {
+        name: "bark".into(),
+        base_color: [0.18, 0.125, 0.085, 1.0],
+        roughness: 0.95,
+        ..Material::default()
+    }
+}
+
+/// Breaks a stem in a scene.
+///
+/// # Errors
+/// [`Error`] where there is no stem at the place, it cannot be cut there, or the caller cancelled.
+pub fn break_scene(
+    scene: Scene,
+    request: &BreakRequest,
+    context: &Context,
+) -> Result<Broken, Error> {
+    let p = &request.recipe.face;
+    context.step("check", 0.0)?;
+    let mut repairs = scene.notes.clone();
+    let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
+    let area = scene
+        .nodes
+        .iter()
+        .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
+        .sum();
+    context.step("stem", 0.0)?;
+    let prepared = prepare(
+        scene,
+        &request.place,
+        &request.stem,
+        p.spiral_angle.to_radians(),
+        context,
+    )?;
+    repairs.extend(prepared.found.notes.iter().cloned());
+    if prepared.parted > 0 {
+        repairs.push(format!(
+            "{} triangles near the break were parted because the stem is bent there",
+            prepared.parted
+        ));
+    }
+    let stem = &prepared.found.stem;
+    let node = &prepared.scene.nodes[prepared.found.node];
+    let shell = part_of(&node.mesh, prepared.found.shell.iter().map(|&t| t as usize));
+    let (closed, volume) = closed_volume(&shell);
+    let input = InputReport {
+        meshes: prepared.scene.nodes.len(),
+        triangles,
+        area_m2: area,
+        volume_m3: volume.map(|v| v * volume_scale(node)),
+        closed,
+        repairs,
+    };
+    context.step("break", 0.0)?;
+    let mut notes = Vec::new();
+    let species = request.recipe.species()?;
+    let material = prepared.scene.materials.len() as u32 + u32::from(lacks_material(&shell));
+    let (relief, species_report) = relief(&prepared, &request.recipe, species, &mut notes)?;
+    let model = prepared.model(p, relief, material)?;
+    if model.heights.limited > 0 {
+        notes.push(format!(
+            "{} of the face's corners were limited: the break would have reached from {:.1} to {:.1} mm, but only \
+             {:.1} to {:.1} mm along the stem are free",
+            model.heights.limited,
+            model.heights.wanted.0 * 1e3,
+            model.heights.wanted.1 * 1e3,
+            (stem.usable.0 - stem.place) * 1e3,
+            (stem.usable.1 - stem.place) * 1e3
+        ));
+    }
+    if model.chips > 0 {
+        notes.push(format!("{} slivers that would have hung in the air stay with the other piece", model.chips));
+    }
+    let looks = looks(stem, p, species, prepared.extent.bark);
+    let mut out = assemble(&prepared, &model, request.part);
+    context.step("textures", 0.0)?;
+    add_inner_material(
+        &mut out,
+        &prepared,
+        &model,
+        &looks,
+        request.texture_width,
+        context,
+    )?;
+    let pieces = out
+        .nodes
+        .iter()
+        .take(pieces_in(&out))
+        .map(|n| PieceReport::of(&n.name, &n.mesh, volume_scale(n)))
+        .collect();
+    let report = BreakReport {
+        input,
+        place: place_report(&prepared),
+        face: face_report(p, &model),
+        species: species_report,
+        pieces,
+        crack_volume_m3: None,
+        notes,
+    };
+    Ok(Broken {
+        scene: out,
+        report,
+        stem: stem.clone(),
+        looks,
+        inner_material: material,
+        width: model.square.1,
+        apart: request.part != 0.0,
+    })
+}
+
+/// How many of the first nodes are pieces of the stem.
+fn pieces_in(scene: &Scene) -> usize {
+    let ours =
+        |n: &&Node| n.name == "lower" || n.name == "upper" || n.name.starts_with("splinter_");
+    scene.nodes.iter().take_while(ours).count()
+}
+
+/// Cubic metres per cubic unit of a node's coordinates.
+fn volume_scale(node: &Node) -> f64 {
+    node.transform.matrix3.determinant().abs()
+}
+
+fn place_report(prepared: &Prepared) -> PlaceReport {
+    let stem = &prepared.found.stem;
+    PlaceReport {
+        mesh: prepared.scene.nodes[prepared.found.node].name.clone(),
+        kind: match stem.kind {
+            StemKind::Round => "round".into(),
+            StemKind::Board => "board".into(),
+        },
+        stem_length_m: stem.length,
+        length_m: stem.place,
+        point_m: stem.grain.axis().frame(stem.place).origin.to_array(),
+        radius_m: stem.radius,
+        pith_m: stem.rings.pith().to_array(),
+        free_m: [stem.usable.0, stem.usable.1],
+    }
+}
+
+fn face_report(p: &BreakParameters, model: &Model) -> FaceReport {
+    FaceReport {
+        surface: match p.surface {
+            Surface::Smooth => "smooth".into(),
+            Surface::Fibrous => "fibrous".into(),
+        },
+        bundles: model.bundles.bundles.len(),
+        thorns: model.heights.thorns.len(),
+        range_m: [model.heights.range.0, model.heights.range.1],
+        limited: model.heights.limited,
+        wanted_m: [model.heights.wanted.0, model.heights.wanted.1],
+    }
+}
+
+/// Median over the Wood Handbook's species of the shear-lag length over the bundle's width: the wood that the relief
+/// of the parameters stands for.
+const TYPICAL_SLENDERNESS: f64 = 2.87;
+
+/// Factor on the relief that the species calls for.
+fn relief(
+    prepared: &Prepared,
+    recipe: &Recipe,
+    species: Option<&Species>,
+    notes: &mut Vec<String>,
+) -> Result<(f64, Option<SpeciesReport>), Error> {
+    let Some(species) = species else {
+        return Ok((1.0, None));
+    };
+    let radius = prepared.found.stem.radius;
+    let moisture = recipe.moisture.unwrap_or(AIR_DRY_PERCENT);
+    let height = match species.fracture_height(
+        radius,
+        DEFAULT_BUNDLE_DIAMETER,
+        moisture,
+        Fallback::TwelvePercent,
+    ) {
+        Ok(height) => height,
+        Err(error) => {
+            notes.push(format!(
+                "the height of the face does not follow the species: {error}"
+            ));
+            return Ok((1.0, None));
+        }
+    };
+    let relief = match height.rule {
+        HeightRule::Eq9 => {
+            let plain = prepared.model(&recipe.face, 1.0, 0)?;
+            height.ratio * radius / plain.heights.relief_range.max(1e-9)
+        }
+        HeightRule::ShearLag => {
+            height.ratio * radius / DEFAULT_BUNDLE_DIAMETER / TYPICAL_SLENDERNESS
+        }
+    };
+    let report = SpeciesReport {
+        name: species.name.clone(),
+        scientific_name: species.scientific_name.clone(),
+        moisture_percent: moisture,
+        rule: height.rule.to_string(),
+        basis: height.basis.to_string(),
+        height_m: height.ratio * radius,
+        relief,
+    };
+    Ok((relief, Some(report)))
+}
+
+/// The triangles `which` of a mesh with the vertices they use, in their order.
+fn part_of(mesh: &Mesh, which: impl Iterator<Item = usize>) -> Mesh {
+    let mut new = vec![u32::MAX; mesh.positions.len()];
+    let mut kept = Vec::new();
+    let mut part = Mesh::default();
+    for t in which {
+        let corners = mesh.triangles[t].map(|v| {
+            if new[v as usize] == u32::MAX {
+                new[v as usize] = kept.len() as u32;
+                kept.push(v as usize);
+            }
+            new[v as usize]
+        });
+        part.triangles.push(corners);
+        if !mesh.materials.is_empty() {
+            part.materials.push(mesh.materials[t]);
+        }
+    }
+    part.positions = kept.iter().map(|&v| mesh.positions[v]).collect();
+    for (name, attribute) in &mesh.attributes {
+        let data = kept
+            .iter()
+            .flat_map(|&v| attribute.at(v).iter().copied())
+            .collect();
+        let attribute = greenstick_geometry::Attribute {
+            width: attribute.width,
+            data,
+        };
+        part.attributes.insert(name.clone(), attribute);
+    }
+    part
+}
+
+/// The scene of the pieces and of everything that was not cut.
+fn assemble(prepared: &Prepared, model: &Model, part: f64) -> Scene {
+    let (scene, found) = (&prepared.scene, &prepared.found);
+    let along = found.stem.grain.axis().frame(found.stem.place).tangent;
+    let moved = DAffine3::from_translation(along * part);
+    let cut = &scene.nodes[found.node];
+    let mut out = Scene {
+        nodes: Vec::new(),
+        materials: scene.materials.clone(),
+        textures: scene.textures.clone(),
+        images: scene.images.clone(),
+        notes: Vec::new(),
+    };
+    let node = |name: &str, transform, mesh| Node {
+        name: name.into(),
+        transform,
+        mesh,
+        parent: None,
+    };
+    out.nodes
+        .push(node("lower", cut.transform, model.lower.clone()));
+    out.nodes
+        .push(node("upper", moved * cut.transform, model.upper.clone()));
+    let mut gone: Vec<Vec<bool>> = scene
+        .nodes
+        .iter()
+        .map(|n| vec![false; n.mesh.triangles.len()])
+        .collect();
+    for &t in &found.shell {
+        gone[found.node][t as usize] = true;
+    }
+    for (i, triangles) in &found.carried {
+        for &t in triangles {
+            gone[*i][t as usize] = true;
+        }
+        let source = &scene.nodes[*i];
+        let mesh = part_of(&source.mesh, triangles.iter().map(|&t| t as usize));
+        let name = format!("{}_with_upper", source.name);
+        out.nodes.push(Node {
+            parent: Some(1),
+            ..node(&name, moved * source.transform, mesh)
+        });
+    }
+    for (i, source) in scene.nodes.iter().enumerate() {
+        if gone[i].iter().all(|g| !g) {
+            out.nodes.push(Node {
+                parent: None,
+                ..source.clone()
+            });
+        } else if gone[i].iter().any(|g| !g) {
+            let rest = (0..source.mesh.triangles.len()).filter(|&t| !gone[i][t]);
+            out.nodes.push(node(
+                &source.name,
+                source.transform,
+                part_of(&source.mesh, rest),
+            ));
+        }
+    }
+    out
+}
+
+/// Adds the material of the wood inside with its textures, and one of bark where the mesh had none.
+fn add_inner_material(
+    out: &mut Scene,
+    prepared: &Prepared,
+    model: &Model,
+    looks: &Looks,
+    width: u32,
+    context: &Context,
+) -> Result<(), Error> {
+    if out.nodes.iter().any(|n| lacks_material(&n.mesh)) {
+        let bark = out.materials.len() as u32;
+        out.materials.push(bark_material());
+        for node in &mut out.nodes {
+            node.mesh
+                .materials
+                .resize(node.mesh.triangles.len(), NO_MATERIAL);
+            node.mesh
+                .materials
+                .iter_mut()
+                .filter(|m| **m == NO_MATERIAL)
+                .for_each(|m| *m = bark);
+        }
+    }
+    let stem = &prepared.found.stem;
+    let (middle, side) = model.square;
+    let section = |p: DVec2| stem.rings.address(p + middle);
+    let baked = texture::bake(width, side, &section, &looks.wood, context)?;
+    let mut reference = |name: &str, bytes: Vec<u8>| {
+        let image = Image {
+            name: format!("inner_wood_{name}"),
+            mime_type: "image/png".into(),
+            source: ImageSource::Bytes(bytes),
+        };
+        out.images.push(image);
+        // Linear filtering with mipmaps; clamped across, repeating along the grain.
+        let sampler = [Some(9729), Some(9987), Some(33071), Some(10497)];
+        out.textures.push(Texture {
+            image: Some(out.images.len() - 1),
+            alternatives: Vec::new(),
+            sampler,
+        });
+        let scale = [(0.5 / side) as f32, (1.0 / side) as f32];
+        TextureReference {
+            texture: out.textures.len() - 1,
+            coordinates: 0,
+            transform: Some(([0.0, 0.0], 0.0, scale)),
+            strength: 1.0,
+        }
+    };
+    let (color, normal, roughness) = (
+        reference("color", baked.color),
+        reference("normal", baked.normal),
+        reference("roughness", baked.roughness),
+    );
+    out.materials.push(Material {
+        name: "inner_wood".into(),
+        base_color_texture: Some(color),
+        normal_texture: Some(normal),
+        metallic_roughness_texture: Some(roughness),
+        ..Material::default()
+    });
+    Ok(())
+}

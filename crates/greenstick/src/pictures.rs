@@ -1,0 +1,208 @@
+//! Pictures of broken stems and of any scene.
+
+use crate::breaking::Broken;
+use crate::looks::Looks;
+use glam::{DAffine3, DVec2, DVec3};
+use greenstick_geometry::{Context, Scene};
+use greenstick_picture::{
+    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
+};
+use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
+use greenstick_wood::stem::{Frame, Stem, StemKind};
+
+/// Shades the wood inside by its address at the pixel, and the skin as bark where nothing better is known.
+struct StemShader<'a> {
+    stem: &'a Stem,
+    looks: &'a Looks,
+    inner: u32,
+    plain: PlainShader,
+    /// For each material whether it says nothing of the colour: no colour of its own, or only a texture.
+    blank: Vec<bool>,
+}
+
+impl StemShader<'_> {
+    fn wood(&self, hit: &Hit, grain: DVec3) -> Appearance {
+        let frame = self.stem.grain.axis().frame(grain.z);
+        let (ring, angle) = self.stem.rings.address(grain.truncate());
+        let point = WoodPoint {
+            ring,
+            angle,
+            across: grain.truncate() - self.stem.rings.pith(),
+            along: grain.z,
+            end_grain: hit.geometric_normal.dot(frame.tangent).abs(),
+        };
+        let surface = self.looks.wood.wood(&point, hit.footprint);
+        finish(hit, &surface, [frame.x, frame.y, frame.tangent])
+    }
+
+    fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
+        let (point, directions) = match grain {
+            Some(grain) => {
+                let frame = self.stem.grain.axis().frame(grain.z);
+                let across: DVec2 = grain.truncate() - self.stem.rings.pith();
+                let angle = libm::atan2(across.y, across.x);
+                let point = BarkPoint {
+                    angle,
+                    along: grain.z,
+                    radius: across.length(),
+                };
+                (point, [frame.x, frame.y, frame.tangent])
+            }
+            None => {
+                // Off the limb: the world's own axes, as far as the bark's look goes as good as any.
+                let p = hit.position;
+                let angle = libm::atan2(hit.normal.z, hit.normal.x);
+                let point = BarkPoint {
+                    angle,
+                    along: p.y,
+                    radius: self.stem.radius,
+                };
+                (point, [DVec3::X, DVec3::Z, DVec3::Y])
+            }
+        };
+        let surface = bark(&self.looks.bark, &point, hit.footprint);
+        finish(hit, &surface, directions)
+    }
+}
+
+fn finish(hit: &Hit, surface: &WoodSurface, [x, y, along]: [DVec3; 3]) -> Appearance {
+    let rise = x * surface.slope.x + y * surface.slope.y + along * surface.slope.z;
+    Appearance {
+        color: surface.color,
+        roughness: surface.roughness,
+        normal: hit.bumped(rise),
+    }
+}
+
+impl Shader for StemShader<'_> {
+    fn shade(&self, hit: &Hit) -> Appearance {
+        let grain = hit
+            .attribute("_GRAIN")
+            .map(|g| DVec3::new(g[0], g[1], g[2]))
+            .filter(|g| *g != DVec3::ZERO);
+        let material = hit.material();
+        match grain {
+            Some(grain) if material == self.inner => self.wood(hit, grain),
+            grain => {
+                if !self.blank.get(material as usize).copied().unwrap_or(true) {
+                    return self.plain.shade(hit);
+                }
+                match grain {
+                    // A board's skin is sawn wood.
+                    Some(grain) if self.stem.kind == StemKind::Board => self.wood(hit, grain),
+                    grain => self.bark(hit, grain),
+                }
+            }
+        }
+    }
+}
+
+/// A picture of a broken stem, turned to the break unless `options` say otherwise.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture_of_break(
+    broken: &Broken,
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
+    let blank = broken
+        .scene
+        .materials
+        .iter()
+        .map(|m| m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3])
+        .collect();
+    let shader = StemShader {
+        stem: &broken.stem,
+        looks: &broken.looks,
+        inner: broken.inner_material,
+        plain: PlainShader::of_materials(&broken.scene.materials),
+        blank,
+    };
+    let opened = opened(broken);
+    let scene = if broken.apart { &broken.scene } else { &opened };
+    let mut options = options.clone();
+    if options.zoom.is_none() {
+        let (centre, radius) = broken.focus();
+        options.zoom = Some((centre, radius));
+        if !broken.apart {
+            // Both faces look up, seen from the side on which they stand next to each other.
+            let frame = broken.stem.grain.axis().frame(broken.stem.place);
+            let aside = aside(broken, frame.x);
+            (options.up, options.floor) = (frame.tangent, false);
+            // The stems below the faces fill the lower third.
+            let down = frame.tangent * (-0.35 * radius);
+            options.zoom = Some((centre + aside / 2.0 + down, radius.max(0.85 * aside.length())));
+            if options.view == View::Automatic {
+                options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
+            }
+        }
+    }
+    render(&items(scene, &shader), &options, context)
+}
+
+/// How steeply an opened break is looked down on, rad.
+const ELEVATION: f64 = 0.5;
+
+/// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
+fn azimuth(frame: &Frame) -> f64 {
+    let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+    // The viewer stands on the far side of the frame's y, so that x runs to the right.
+    libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
+}
+
+/// How far the upper piece is set aside, m.
+fn aside(broken: &Broken, across: DVec3) -> DVec3 {
+    across * (1.2 * broken.width)
+}
+
+/// The scene with the upper piece turned over and set beside the lower, both faces up.
+fn opened(broken: &Broken) -> Scene {
+    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+    let [low, high] = broken.report.face.range_m;
+    let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
+    let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
+    let about = DAffine3::from_translation(centre + aside(broken, frame.x))
+        * turn
+        * DAffine3::from_translation(-centre);
+    let mut scene = broken.scene.clone();
+    let upper: Vec<usize> = (0..scene.nodes.len())
+        .filter(|&i| scene.nodes[i].name == "upper" || scene.nodes[i].parent == Some(1))
+        .collect();
+    // What was not cut would only stand in the way.
+    let ours = |n: &greenstick_geometry::Node| n.name == "lower" || n.name.starts_with("splinter_");
+    for (i, node) in scene.nodes.iter_mut().enumerate() {
+        if upper.contains(&i) {
+            node.transform = about * node.transform;
+        } else if !ours(node) {
+            node.mesh.triangles.clear();
+        }
+    }
+    scene
+}
+
+/// A picture of any scene in its materials' plain colours.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture_of_scene(
+    scene: &Scene,
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
+    let shader = PlainShader::of_materials(&scene.materials);
+    render(&items(scene, &shader), options, context)
+}
+
+fn items<'a>(scene: &'a Scene, shader: &'a (dyn Shader + Sync)) -> Vec<Item<'a>> {
+    scene
+        .nodes
+        .iter()
+        .filter(|n| !n.mesh.triangles.is_empty())
+        .map(|n| Item {
+            mesh: &n.mesh,
+            transform: n.transform,
+            shader,
+        })
+        .collect()
+}

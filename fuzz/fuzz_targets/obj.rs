@@ -1,0 +1,9 @@
+//! Any bytes as the Obj format: read or refused, never a panic.
+#![no_main]
+
+use greenstick_formats::{Format, read};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let resolve = |_: &str| Ok(bytes.to_vec());
+    let _ = read(Format::Obj, bytes, "fuzz", None, &resolve);
+});
