@@ -71,7 +71,12 @@ pub struct BreakOptions {
     /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off); without it, a branch that comes with the program
     pub input: Option<PathBuf>,
     /// Where to break it: a fraction, a length, or a point
-    #[arg(long, value_name = "PLACE", default_value = "0.5", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "PLACE",
+        default_value = "0.5",
+        allow_hyphen_values = true
+    )]
     pub at: String,
     /// File for the pieces, in the format of its ending [default: broken.glb, without --picture]
     #[arg(short, long, value_name = "FILE")]
@@ -90,23 +95,43 @@ pub struct BreakOptions {
     #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
     pub recipe: Option<PathBuf>,
     /// Set a parameter; `greenstick parameters` lists them
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, help_heading = "How it breaks")]
+    #[arg(
+        long,
+        value_name = "KEY=VALUE",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
     pub set: Vec<String>,
     /// Species, by common or scientific name
     #[arg(long, value_name = "NAME", help_heading = "How it breaks")]
     pub species: Option<String>,
     /// Moisture content, percent of the oven-dry mass (12 is air-dry)
-    #[arg(long, value_name = "PERCENT", allow_hyphen_values = true, help_heading = "How it breaks")]
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
     pub moisture: Option<String>,
     /// Which of all the breaks with these parameters
-    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, help_heading = "How it breaks")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
     pub seed: Option<String>,
     /// Write the recipe that all of these give together
     #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
     pub save_recipe: Option<PathBuf>,
 
     /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
-    #[arg(long, value_name = "POINT", allow_hyphen_values = true, help_heading = "What it is")]
+    #[arg(
+        long,
+        value_name = "POINT",
+        allow_hyphen_values = true,
+        help_heading = "What it is"
+    )]
     pub pith: Option<String>,
     /// What the stem is; else judged by its section
     #[arg(long, help_heading = "What it is")]

@@ -58,7 +58,11 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         progress.stage("encode")?;
-        outputs.extend(files::encode(&broken.scene, path, unit.unwrap_or_default())?);
+        outputs.extend(files::encode(
+            &broken.scene,
+            path,
+            unit.unwrap_or_default(),
+        )?);
     }
     if let Some(path) = &targets.picture {
         progress.stage("picture")?;

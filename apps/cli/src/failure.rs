@@ -51,7 +51,9 @@ impl Failure {
             (_, true) => "\x1b[1;31merror:\x1b[0m ",
             (_, false) => "error: ",
         };
-        let hint = self.hint.map_or(String::new(), |h| format!("\n  hint: {h}"));
+        let hint = self
+            .hint
+            .map_or(String::new(), |h| format!("\n  hint: {h}"));
         // With stderr closed there is nobody to tell.
         let _ = writeln!(errors, "{head}{}{hint}", self.message);
         ExitCode::from(self.code)

@@ -149,7 +149,9 @@ impl State {
 
 fn new_bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix:10} {bar:30} {percent:>3} % {msg}") {
+    if let Ok(style) =
+        ProgressStyle::with_template("{spinner} {prefix:10} {bar:30} {percent:>3} % {msg}")
+    {
         bar.set_style(style);
     }
     bar

@@ -172,7 +172,10 @@ pub fn break_scene(
         ));
     }
     if model.chips > 0 {
-        notes.push(format!("{} slivers that would have hung in the air stay with the other piece", model.chips));
+        notes.push(format!(
+            "{} slivers that would have hung in the air stay with the other piece",
+            model.chips
+        ));
     }
     let looks = looks(stem, p, species, prepared.extent.bark);
     let mut out = assemble(&prepared, &model, request.part);

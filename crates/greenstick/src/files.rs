@@ -54,10 +54,7 @@ pub enum FileError {
 impl FileError {
     /// Whether other input or other names would help; otherwise the place failed.
     pub fn is_in_the_request(&self) -> bool {
-        !matches!(
-            self,
-            FileError::Unwritable { .. } | FileError::Encoding(_)
-        )
+        !matches!(self, FileError::Unwritable { .. } | FileError::Encoding(_))
     }
 }
 
@@ -332,12 +329,10 @@ impl Staged {
         }
         if !folder_of(place).is_dir() {
             let missing = format!("there is no folder {}", folder_of(place).display());
-            return Err(unwritable(io::Error::new(
-                io::ErrorKind::NotFound,
-                missing,
-            )));
+            return Err(unwritable(io::Error::new(io::ErrorKind::NotFound, missing)));
         }
-        let (beside, mut file) = free_name(place, |path| fs::File::create_new(path)).map_err(unwritable)?;
+        let (beside, mut file) =
+            free_name(place, |path| fs::File::create_new(path)).map_err(unwritable)?;
         let staged = Staged {
             place: place.to_owned(),
             beside: Some(beside),
@@ -397,10 +392,7 @@ impl Drop for Staged {
 }
 
 /// Tries names beside `place` until `make` finds one free.
-fn free_name<T>(
-    place: &Path,
-    make: impl Fn(&Path) -> io::Result<T>,
-) -> io::Result<(PathBuf, T)> {
+fn free_name<T>(place: &Path, make: impl Fn(&Path) -> io::Result<T>) -> io::Result<(PathBuf, T)> {
     const TRIES: u32 = 100;
     let name = place.file_name().unwrap_or_default().to_string_lossy();
     let process = std::process::id();

@@ -6,6 +6,7 @@
 
 mod breaking;
 mod error;
+pub mod files;
 mod looks;
 mod model;
 mod pictures;

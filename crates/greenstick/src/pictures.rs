@@ -132,9 +132,15 @@ pub fn picture_of_break(
             (options.up, options.floor) = (frame.tangent, false);
             // The stems below the faces fill the lower third.
             let down = frame.tangent * (-0.35 * radius);
-            options.zoom = Some((centre + aside / 2.0 + down, radius.max(0.85 * aside.length())));
+            options.zoom = Some((
+                centre + aside / 2.0 + down,
+                radius.max(0.85 * aside.length()),
+            ));
             if options.view == View::Automatic {
-                options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
+                options.view = View::Direction {
+                    azimuth: azimuth(&frame),
+                    elevation: ELEVATION,
+                };
             }
         }
     }

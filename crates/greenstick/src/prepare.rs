@@ -136,7 +136,11 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     let mut used = vec![false; grain.len()];
     let (mut least, mut most, mut radius) = (f64::INFINITY, 0.0f64, 0.0f64);
     let mut near = Vec::new();
-    let forward = stem.sections.iter().fold(DVec2::ZERO, |sum, s| sum + s.centroid) - pith;
+    let forward = stem
+        .sections
+        .iter()
+        .fold(DVec2::ZERO, |sum, s| sum + s.centroid)
+        - pith;
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for &t in &found.limb {
         let c = corners[t as usize].map(|p| grain[p as usize]);
@@ -145,7 +149,8 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
             if board {
                 // The nearest wood may lie in the middle of an edge.
                 let (a, b) = (point, c[(k + 1) % 3].truncate());
-                let along = ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
+                let along =
+                    ((pith - a).dot(b - a) / (b - a).length_squared().max(1e-300)).clamp(0.0, 1.0);
                 least = least.min(rings.address(a.lerp(b, along)).0);
             }
             let number = corners[t as usize][k] as usize;
@@ -165,11 +170,21 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     if board && high - low < 3.0 {
         let (base, margin) = (libm::atan2(forward.y, forward.x), 0.03 * (high - low));
         let arc = Some((base + low - margin, base + high + margin));
-        return Extent { reach: (0.98 * least, 1.02 * most), radius, bark: 1.0, arc };
+        return Extent {
+            reach: (0.98 * least, 1.02 * most),
+            radius,
+            bark: 1.0,
+            arc,
+        };
     }
     near.sort_by(f64::total_cmp);
     let furrows = near.get(near.len() / 10).copied().unwrap_or(BARK.1) - 0.02;
-    Extent { reach: (0.0, most.max(1.0)), radius, bark: furrows.clamp(BARK.0, BARK.1), arc: None }
+    Extent {
+        reach: (0.0, most.max(1.0)),
+        radius,
+        bark: furrows.clamp(BARK.0, BARK.1),
+        arc: None,
+    }
 }
 
 impl Prepared {

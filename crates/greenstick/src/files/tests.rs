@@ -8,7 +8,8 @@ impl Folder {
     fn new() -> Folder {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let n = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("greenstick-files-{}-{n}", std::process::id()));
+        let path =
+            std::env::temp_dir().join(format!("greenstick-files-{}-{n}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Folder(path)
     }
@@ -113,11 +114,18 @@ fn a_mesh_and_its_companions_are_read_and_written() {
     let files = encode(&source.scene, &out, LengthUnit::Metre).unwrap();
     write_all(&files).unwrap();
     let again = read(&out, None).unwrap();
-    let far = again.nodes[0].transform.transform_point3(again.nodes[0].mesh.positions[1]);
+    let far = again.nodes[0]
+        .transform
+        .transform_point3(again.nodes[0].mesh.positions[1]);
     assert!((far.length() - 0.01).abs() < 1e-9, "{far}");
     assert_eq!(again.materials[0].name, "bark");
     let unknown = encode(&source.scene, &folder.0.join("out.xyz"), LengthUnit::Metre);
-    assert!(unknown.unwrap_err().to_string().contains(".glb, .gltf, .obj"));
+    assert!(
+        unknown
+            .unwrap_err()
+            .to_string()
+            .contains(".glb, .gltf, .obj")
+    );
     let missing = read(&folder.0.join("none.ply"), None).unwrap_err();
     assert!(missing.to_string().contains("none.ply") && missing.is_in_the_request());
 }
