@@ -192,18 +192,22 @@ fn recipe(options: &BreakOptions) -> Result<Recipe, Failure> {
         })
         .transpose()?;
     let presets: Vec<&str> = options.preset.iter().map(String::as_str).collect();
-    let mut settings = options.set.clone();
-    for (key, value) in [
+    let own: Vec<String> = [
         ("species", &options.species),
         ("moisture", &options.moisture),
         ("seed", &options.seed),
-    ] {
-        settings.extend(value.as_ref().map(|v| format!("{key}={v}")));
-    }
-    let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+    ]
+    .into_iter()
+    .filter_map(|(key, value)| value.as_ref().map(|v| format!("{key}={v}")))
+    .collect();
+    let settings: Vec<&str> = options.set.iter().chain(&own).map(String::as_str).collect();
     Recipe::resolve(&presets, text.as_deref(), &settings).map_err(|error| {
         let message = match (&error, &options.recipe) {
             (RecipeError::At { .. }, Some(path)) => format!("{}: {error}", path.display()),
+            (RecipeError::Setting { setting, problem }, _) => {
+                let key = own.contains(setting).then(|| setting.split('=').next());
+                format!("--{}: {problem}", key.flatten().unwrap_or("set"))
+            }
             _ => error.to_string(),
         };
         Failure::request(message).hint(hint(&error))
@@ -219,6 +223,7 @@ fn hint(error: &RecipeError) -> &'static str {
     match problem {
         Problem::Preset(_) => "`greenstick presets` lists them",
         Problem::Species(_) => "`greenstick species` lists them",
+        Problem::NotASetting => "such as --set high.height=2",
         Problem::Moisture(_) => "12 is air-dry, 30 and more is green",
         _ => "`greenstick parameters` lists keys, units and ranges",
     }

@@ -2,10 +2,13 @@
 //! the user stopped it.
 
 use greenstick::files::FileError;
+use greenstick::formats::FormatError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
+use greenstick::wood::species::nearest;
 use greenstick::wood::stem::{Place, StemError};
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Why the program ends without having done its work.
@@ -81,8 +84,13 @@ impl From<FileError> for Failure {
             FileError::Unwritable { .. } => {
                 failure.hint("name another place with -o or --picture, or create the folder")
             }
-            FileError::Content(_) => failure
-                .hint("`greenstick check FILE` says what is wrong with a mesh that can be read"),
+            FileError::Unreadable { path, .. } => match near(&path) {
+                Some(name) => failure.hint(format!("there is a file {name}")),
+                None => failure,
+            },
+            FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
+                failure.hint("export or download the file again")
+            }
             _ => failure,
         }
     }
@@ -124,6 +132,23 @@ impl From<PictureError> for Failure {
             _ => Failure::work(error),
         }
     }
+}
+
+/// A file in the folder of one that is not there, with nearly its name.
+fn near(path: &Path) -> Option<String> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    let wanted = path.file_name()?.to_string_lossy();
+    let near = nearest(&wanted, names.iter().map(String::as_str));
+    let found = near.into_iter().find(|name| *name != wanted)?;
+    Some(path.with_file_name(found).display().to_string())
 }
 
 /// A place as it can be typed whatever the unit of the file.

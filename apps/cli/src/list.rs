@@ -77,7 +77,9 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     }
     sections.retain(|s| !s.parameters.is_empty());
     if sections.is_empty() {
-        let near = nearest(wanted, known.iter().map(String::as_str));
+        let groups = known.iter().filter_map(|k| k.split('.').next());
+        let mut near = nearest(wanted, known.iter().map(String::as_str).chain(groups));
+        near.dedup();
         return Err(Failure::request(format!(
             "unknown parameter \"{wanted}\"{}",
             suggestion(&near)

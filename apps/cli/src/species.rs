@@ -125,13 +125,13 @@ fn one(s: &Species) -> String {
     };
     let _ = writeln!(text, "{} ({}), {group}", s.name, s.scientific_name);
     let _ = writeln!(text, "from {}\n", s.source);
-    let _ = writeln!(text, "{:44}{:>12}{:>12}", "", "12 %", "green");
+    let _ = writeln!(text, "{:50}{:>12}{:>12}", "", "12 %", "green");
     for property in Property::ALL {
         let (scale, unit) = shown_in(property);
         let value = |x: Option<f64>| x.map_or("–".to_owned(), |x| significant(x / scale));
         let _ = writeln!(
             text,
-            "{:44}{:>12}{:>12}  {unit}",
+            "{:50}{:>12}{:>12}  {unit}",
             property.name(),
             value(s.dry.get(property)),
             value(s.green.as_ref().and_then(|g| g.get(property))),
@@ -140,14 +140,14 @@ fn one(s: &Species) -> String {
     let gravity = |x: Option<f64>| x.map_or("–".to_owned(), significant);
     let _ = writeln!(
         text,
-        "{:44}{:>12}{:>12}\n",
+        "{:50}{:>12}{:>12}\n",
         "specific gravity",
         gravity(s.dry.specific_gravity),
         gravity(s.green.as_ref().and_then(|g| g.specific_gravity)),
     );
     let mut fact = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
-            let _ = writeln!(text, "{name:44}{:>12}  {unit}", significant(value / scale));
+            let _ = writeln!(text, "{name:50}{:>12}  {unit}", significant(value / scale));
         }
     };
     fact("density at 12 %", s.air_dry_density, 1.0, "kg/m³");
@@ -181,7 +181,7 @@ fn one(s: &Species) -> String {
     );
     let _ = writeln!(
         text,
-        "{:44}{}",
+        "{:50}{}",
         "height of the broken face, air-dry",
         rule(s)
     );
