@@ -41,7 +41,11 @@ fn broken_files_are_refused_with_their_name_and_fault() {
     };
     let cases: [(&str, Vec<u8>, &[&str]); 10] = [
         ("empty.glb", vec![], &["empty"]),
-        ("cut.ply", ply("3", "1", "0 0 0\n1 0").into(), &["early"]),
+        (
+            "cut.ply",
+            ply("3", "1", "0 0 0\n1 0").into(),
+            &["claims 3", "10 bytes"],
+        ),
         (
             "nan.ply",
             ply("3", "1", "0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n").into(),
