@@ -311,11 +311,14 @@ impl<'a> Maker<'a> {
         // Slivers: a few bundles side by side share one height; short ones are common, long ones rare.
         let group = random(
             purpose::GROUP,
-            i64::from(bundle.ring / 2),
-            i64::from(bundle.sector / 3),
+            i64::from(bundle.ring / 3),
+            i64::from(bundle.sector / 2),
         );
         let own = random(purpose::SLIVER, key, 0);
-        let sliver = 0.75 * (group * group - 0.33) + 0.5 * (own * own * own - 0.25);
+        let rare = |x: f64| x * x * x * x;
+        let sliver = 1.1 * (rare(group) - 0.2) + 1.3 * (rare(own) - 0.2);
+        // Both halves keep their splinters: every other slab tears downwards.
+        let sliver = if slab.height > 0.0 { sliver } else { -sliver };
         let along_ring = bundle.phi * 0.8;
         let step = noise::line(
             self.seed(purpose::STEP) + u64::from(bundle.ring),
@@ -334,7 +337,10 @@ impl<'a> Maker<'a> {
         let tip = if thorn > 0.0 {
             base + thorn
         } else {
-            base + fibre * (0.4 + 1.6 * own)
+            // A blade that runs out to a point, on the piece that keeps this slab's splinters.
+            let length = random(purpose::FIBRE, key, 1);
+            let blade = relief * torn * p.sliver_height * (0.06 + 1.1 * length * length * length);
+            base + fibre * (2.0 * own - 0.5) + if slab.height > 0.0 { blade } else { -blade }
         };
         Level {
             base,

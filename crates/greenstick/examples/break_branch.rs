@@ -72,8 +72,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     std::fs::write("/tmp/broken.glb", &files[0].bytes)?;
     let options = PictureOptions {
-        width: 800,
-        height: 800,
+        width: 1000,
+        height: 1000,
         samples: 8,
         ..PictureOptions::default()
     };

@@ -82,10 +82,6 @@ impl Broken {
 /// The built-in branch as a scene.
 pub fn built_in_branch() -> Scene {
     let mesh = primitive::branch(&primitive::BranchOptions::default());
-    let material = Material {
-        name: "bark".into(),
-        ..bark_material()
-    };
     let node = Node {
         name: "branch".into(),
         transform: DAffine3::IDENTITY,
@@ -94,15 +90,18 @@ pub fn built_in_branch() -> Scene {
     };
     Scene {
         nodes: vec![node],
-        materials: vec![material],
+        materials: vec![bark_material()],
         ..Scene::default()
     }
 }
 
+/// Name of the material that stands for bark where the input has none.
+pub(crate) const OWN_BARK: &str = "bark";
+
 /// Bark as one colour, for meshes that come without a material.
 fn bark_material() -> Material {
     Material {
-        name: "bark".into(),
+        name: OWN_BARK.into(),
         base_color: [0.18, 0.125, 0.085, 1.0],
         roughness: 0.95,
         ..Material::default()

@@ -1,6 +1,6 @@
 //! Pictures of broken stems and of any scene.
 
-use crate::breaking::Broken;
+use crate::breaking::{Broken, OWN_BARK};
 use crate::looks::Looks;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
@@ -106,11 +106,9 @@ pub fn picture_of_break(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let blank = broken
-        .scene
-        .materials
-        .iter()
-        .map(|m| m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3])
+    // Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
+    let blank = (broken.scene.materials.iter())
+        .map(|m| m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3])
         .collect();
     let shader = StemShader {
         stem: &broken.stem,
@@ -131,16 +129,10 @@ pub fn picture_of_break(
             let aside = aside(broken, frame.x);
             (options.up, options.floor) = (frame.tangent, false);
             // The stems below the faces fill the lower third.
-            let down = frame.tangent * (-0.35 * radius);
-            options.zoom = Some((
-                centre + aside / 2.0 + down,
-                radius.max(0.85 * aside.length()),
-            ));
+            let down = frame.tangent * (-0.2 * radius);
+            options.zoom = Some((centre + aside / 2.0 + down, radius.max(0.85 * aside.length())));
             if options.view == View::Automatic {
-                options.view = View::Direction {
-                    azimuth: azimuth(&frame),
-                    elevation: ELEVATION,
-                };
+                options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
             }
         }
     }
