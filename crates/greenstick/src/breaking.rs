@@ -127,13 +127,11 @@ pub fn break_scene(
         .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
         .sum();
     context.step("stem", 0.0)?;
-    let prepared = prepare(
-        scene,
-        &request.place,
-        &request.stem,
-        p.spiral_angle.to_radians(),
-        context,
-    )?;
+    let prepared = prepare(scene, &request.place, &request.stem, context)?;
+    let prepared = match p.spiral_angle {
+        0.0 => prepared,
+        spiral => prepared.with_spiral(spiral.to_radians()),
+    };
     repairs.extend(prepared.found.notes.iter().cloned());
     if prepared.parted > 0 {
         repairs.push(format!(

@@ -28,7 +28,7 @@ pub struct Prepared {
 /// Part of the radius by which the skin may lie off its place in grain space.
 const TOLERANCE: f64 = 2e-3;
 
-/// Finds the stem at `place` and takes it to grain space. `turns` twists the grain by so many rad per m.
+/// Finds the stem at `place` and takes it to grain space.
 ///
 /// # Errors
 /// [`Error::Stem`] where there is no stem that can be broken.
@@ -36,7 +36,6 @@ pub fn prepare(
     mut scene: Scene,
     place: &Place,
     options: &StemOptions,
-    spiral: f64,
     context: &Context,
 ) -> Result<Prepared, Error> {
     let world: Vec<Mesh> = scene
@@ -54,10 +53,6 @@ pub fn prepare(
         })
         .collect();
     let mut found = find(&world, place, options, context)?;
-    if spiral != 0.0 {
-        let turn = spiral / found.stem.radius;
-        found.stem.grain = found.stem.grain.clone().with_spiral(turn, found.stem.place);
-    }
     let node = found.node;
     let mesh = std::mem::take(&mut scene.nodes[node].mesh);
     let (points, count) = mesh.points();
@@ -188,6 +183,53 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
 }
 
 impl Prepared {
+    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length.
+    pub fn with_spiral(&self, spiral: f64) -> Prepared {
+        let mut made = self.clone();
+        if spiral == 0.0 {
+            return made;
+        }
+        let stem = &mut made.found.stem;
+        stem.grain = stem
+            .grain
+            .clone()
+            .with_spiral(spiral / stem.radius, stem.place);
+        let (space, transform) = (stem.grain.clone(), *self.transform());
+        let mesh = std::mem::take(&mut made.scene.nodes[made.found.node].mesh);
+        for &t in &made.found.limb {
+            for v in mesh.triangles[t as usize] {
+                let p = made.points[v as usize] as usize;
+                let at = transform.transform_point3(mesh.positions[v as usize]);
+                made.grain[p] = space.to_grain_near(at, self.grain[p].z);
+            }
+        }
+        let first_new = mesh.triangles.len() as u32;
+        let mut refined = Refined {
+            mesh,
+            points: std::mem::take(&mut made.points),
+            grain: std::mem::take(&mut made.grain),
+            limb: std::mem::take(&mut made.found.limb),
+            parted: self.parted,
+        };
+        refined.refine(TOLERANCE * made.found.stem.radius, &|_, p, s| {
+            space.to_grain_near(transform.transform_point3(p), s)
+        });
+        made.found.limb = refined.limb;
+        made.found
+            .shell
+            .extend(first_new..refined.mesh.triangles.len() as u32);
+        made.corners = refined
+            .mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|v| refined.points[v as usize]))
+            .collect();
+        made.scene.nodes[made.found.node].mesh = refined.mesh;
+        made.extent = extent(&made.found, &made.corners, &refined.grain);
+        (made.points, made.grain, made.parted) = (refined.points, refined.grain, refined.parted);
+        made
+    }
+
     /// The transform of the node that is cut.
     pub fn transform(&self) -> &DAffine3 {
         &self.scene.nodes[self.found.node].transform
