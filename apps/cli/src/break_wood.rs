@@ -54,7 +54,11 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
-    let broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
+    let mut broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
+    broken
+        .report
+        .notes
+        .extend(doubt_about_unit(options, broken.report.place.stem_length_m));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         progress.stage("encode")?;
@@ -158,6 +162,22 @@ fn read(options: &BreakOptions, unit: Option<LengthUnit>) -> Result<Source, Fail
             files: Vec::new(),
         }),
     }
+}
+
+/// Metres. No tree is longer; the tallest known is 116 m high.
+const LONGEST: f64 = 120.0;
+
+/// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
+fn doubt_about_unit(options: &BreakOptions, length: f64) -> Option<String> {
+    let format = options.input.as_deref().and_then(Format::of_path)?;
+    let doubtful = options.unit.is_none() && !format.is_in_metres() && length > LONGEST;
+    doubtful.then(|| {
+        format!(
+            "{} files do not say their unit; read in metres the stem is {length:.0} m long: if it is in millimetres, \
+             say --unit mm",
+            format.name()
+        )
+    })
 }
 
 fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {

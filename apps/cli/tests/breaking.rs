@@ -3,6 +3,8 @@
 mod support;
 
 use serde_json::Value;
+use std::fs;
+use std::path::Path;
 use support::{Folder, shared};
 
 fn json(text: &str) -> Value {
@@ -185,9 +187,38 @@ fn scanned_and_modelled_wood_breaks() {
         ]);
         assert_eq!(run.code, 0, "{name}: {}", run.err);
         let report = json(&run.out);
+        // The pole is in millimetres, which its format cannot say.
+        assert_eq!(run.out.contains("--unit mm"), name.contains("pole"));
         if report["input"]["closed"] == true {
             assert_volumes_add_up(&report);
         }
         assert_eq!(folder.names(), ["out.glb"]);
     }
+}
+
+#[test]
+fn the_recipe_in_the_guide_is_read_and_its_keys_exist() {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/artists.md");
+    let guide = fs::read_to_string(guide).unwrap();
+    let (_, rest) = guide.split_once("```toml\n").unwrap();
+    let (recipe, _) = rest.split_once("```").unwrap();
+    let folder = Folder::new();
+    folder.write("r.toml", recipe);
+    let run = folder.quick(&["--recipe", "r.toml", "-o", "a.glb"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(run.out.contains("Oak, white"), "{}", run.out);
+    let (_, table) = guide.split_once("| to have | change |").unwrap();
+    let (table, _) = table.split_once("\n\n").unwrap();
+    let mut keys = 0;
+    for key in table
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .filter(|k| !k.starts_with("--"))
+    {
+        let key = key.split('=').next().unwrap();
+        assert_eq!(folder.run(&["parameters", key]).code, 0, "{key}");
+        keys += 1;
+    }
+    assert!(keys > 8);
 }

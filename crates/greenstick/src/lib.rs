@@ -54,3 +54,8 @@ pub use model::Model;
 pub use pictures::{picture_of_break, picture_of_scene};
 pub use prepare::{Extent, Prepared, prepare};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
+
+/// Keeps the example in the README one that compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
