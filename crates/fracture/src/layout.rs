@@ -81,7 +81,8 @@ impl Maker<'_> {
     fn beyond(&mut self, options: &LayoutOptions, phi: f64, gap: f64) -> u32 {
         let (sin, cos) = libm::sincos(phi);
         let radius = 1.02 * options.radius / libm::cos((gap / 2.0).min(1.2));
-        self.nodes.push(self.field.pith() + DVec2::new(cos, sin) * radius);
+        self.nodes
+            .push(self.field.pith() + DVec2::new(cos, sin) * radius);
         self.addresses.push((options.reach.1, phi));
         self.nodes.len() as u32 - 1
     }

@@ -108,7 +108,9 @@ pub fn picture_of_break(
 ) -> Result<Picture, PictureError> {
     // Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
     let blank = (broken.scene.materials.iter())
-        .map(|m| m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3])
+        .map(|m| {
+            m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
+        })
         .collect();
     let shader = StemShader {
         stem: &broken.stem,
@@ -130,9 +132,15 @@ pub fn picture_of_break(
             (options.up, options.floor) = (frame.tangent, false);
             // The stems below the faces fill the lower third.
             let down = frame.tangent * (-0.2 * radius);
-            options.zoom = Some((centre + aside / 2.0 + down, radius.max(0.85 * aside.length())));
+            options.zoom = Some((
+                centre + aside / 2.0 + down,
+                radius.max(0.85 * aside.length()),
+            ));
             if options.view == View::Automatic {
-                options.view = View::Direction { azimuth: azimuth(&frame), elevation: ELEVATION };
+                options.view = View::Direction {
+                    azimuth: azimuth(&frame),
+                    elevation: ELEVATION,
+                };
             }
         }
     }

@@ -1,13 +1,18 @@
-//! Random parameters over the whole of their ranges: pieces are always closed and add up.
+//! Random parameters over the whole of their ranges, on a bent branch, a board and a scanned pole: both pieces are
+//! always closed, oriented and free of crossings, and their volumes add up to the input's.
 
-use greenstick::fracture::parameters::BreakParameters;
+use greenstick::fracture::parameters::{BreakParameters, Kind, Parameters, Value};
 use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::wood::{noise, primitive, stem};
+use greenstick::{Prepared, prepare};
 
-fn scene(mesh: Mesh) -> Scene {
+const SETS: usize = 1000;
+
+fn scene(mesh: Mesh, scale: f64) -> Scene {
+    let transform = glam::DAffine3::from_scale(glam::DVec3::splat(scale));
     let node = Node {
         name: "stem".into(),
-        transform: glam::DAffine3::IDENTITY,
+        transform,
         mesh,
         parent: None,
     };
@@ -17,77 +22,133 @@ fn scene(mesh: Mesh) -> Scene {
     }
 }
 
-#[test]
-fn a_default_break_of_the_built_in_branch_is_sound() {
-    let mesh = primitive::branch(&Default::default());
-    let volume = mesh.volume();
-    let t = std::time::Instant::now();
-    let prepared = greenstick::prepare(
-        scene(mesh),
-        &stem::Place::Fraction(0.5),
+/// The scanned pole, where the data folder is there.
+fn pole() -> Option<Scene> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pole.ply");
+    let bytes = std::fs::read(&root).ok()?;
+    let unit = Some(greenstick::formats::LengthUnit::Millimetre);
+    greenstick::formats::read(
+        greenstick::formats::Format::Ply,
+        &bytes,
+        "pole.ply",
+        unit,
+        &|_| Err(std::io::ErrorKind::NotFound.into()),
+    )
+    .ok()
+}
+
+/// A value anywhere in every parameter's range; counts and frequencies evenly over their orders of magnitude.
+fn random_parameters(set: usize) -> BreakParameters {
+    let mut p = BreakParameters::default();
+    let unit = |i: usize| noise::unit(0xd1ce, set as i64, i as i64, 0);
+    for (i, info) in BreakParameters::table().into_iter().enumerate() {
+        let u = unit(i);
+        // A third of all parameters stays as it is, so that sets are not all of one kind.
+        if unit(i + 1000) < 0.33 && info.key != "seed" {
+            continue;
+        }
+        let value = match info.kind {
+            Kind::Number { min, max, .. } if max / min.max(1e-9) >= 1000.0 && min > 0.0 => {
+                Value::Number(min * (max / min).powf(u))
+            }
+            Kind::Number { min, max, .. } => Value::Number(min + (max - min) * u),
+            Kind::Integer { min, max } if max <= 1000 && min > 0 => {
+                let (min, max) = (min as f64, max as f64);
+                Value::Integer((min * (max / min).powf(u)).round() as u64)
+            }
+            Kind::Integer { min, max } => Value::Integer(min + ((max - min) as f64 * u) as u64),
+            Kind::Choice { options } => {
+                Value::Text(options[(u * options.len() as f64) as usize % options.len()].to_owned())
+            }
+        };
+        p.set(&info.key, &value)
+            .unwrap_or_else(|e| panic!("{}: {e}", info.key));
+    }
+    // Proportions must not pass 1 together.
+    let sum = p.pith_proportion + p.heartwood_proportion + p.phloem_proportion;
+    if sum > 1.0 {
+        p.pith_proportion /= sum * 1.001;
+        p.heartwood_proportion /= sum * 1.001;
+        p.phloem_proportion /= sum * 1.001;
+    }
+    // The largest faces are made often enough to be tried, and seldom enough for the time there is.
+    while p.rings * p.sectors > 12_000 && set % 100 != 0 {
+        (p.rings, p.sectors) = (p.rings / 2, p.sectors / 2);
+    }
+    (p.rings, p.sectors) = (p.rings.max(3), p.sectors.max(10));
+    p.check().unwrap();
+    p
+}
+
+fn sound(prepared: &Prepared, set: usize, volume: f64, failures: &mut Vec<String>) {
+    let p = random_parameters(set);
+    let prepared = prepared.with_spiral(p.spiral_angle.to_radians());
+    let model = match prepared.model(&p, 1.0, 0) {
+        Ok(model) => model,
+        Err(error) => {
+            failures.push(format!("set {set}: {error}"));
+            return;
+        }
+    };
+    let mut sum = 0.0;
+    for (name, piece) in [("lower", &model.lower), ("upper", &model.upper)] {
+        let report = piece.check();
+        if !report.is_solid() {
+            failures.push(format!(
+                "set {set} {name} rings {} sectors {} spiral {:.1} {:?}: {report}",
+                p.rings, p.sectors, p.spiral_angle, p.surface
+            ));
+        }
+        sum += piece.volume();
+    }
+    if (sum / volume - 1.0).abs() > 1e-6 {
+        failures.push(format!("set {set}: volumes {sum} against {volume}"));
+    }
+}
+
+fn run(name: &str, scene: Scene, place: f64) {
+    let volume = scene.nodes[0].mesh.volume();
+    let prepared = prepare(
+        scene,
+        &stem::Place::Fraction(place),
         &Default::default(),
-        0.0,
         &Context::quiet(),
     )
     .unwrap();
-    eprintln!(
-        "prepare {:?} radius {} usable {:?} place {} limb {} parted {} reach {:?} bark {}",
-        t.elapsed(),
-        prepared.found.stem.radius,
-        prepared.found.stem.usable,
-        prepared.found.stem.place,
-        prepared.found.limb.len(),
-        prepared.parted,
-        prepared.reach,
-        prepared.bark
+    let sets: usize = std::env::var("SETS")
+        .ok()
+        .and_then(|s| s.parse().ok())
+        .unwrap_or(SETS / 3 + 1);
+    let mut failures = Vec::new();
+    for set in 0..sets {
+        sound(&prepared, set, volume, &mut failures);
+    }
+    assert!(
+        failures.is_empty(),
+        "{name}: {} of {sets} sets\n{}",
+        failures.len(),
+        failures.join("\n")
     );
-    for seed in 0..6 {
-        for surface in ["fibrous", "smooth"] {
-            let mut p = BreakParameters {
-                seed,
-                ..Default::default()
-            };
-            use greenstick::fracture::parameters::Parameters;
-            p.set_text("surface", surface).unwrap();
-            let t = std::time::Instant::now();
-            let model = prepared.model(&p, 1.0, 1).unwrap();
-            let time = t.elapsed();
-            {
-                let l = &model.bundles.layout;
-                let bad: Vec<_> = l
-                    .facets
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, f)| {
-                        let [a, b, c] = f.map(|n| l.nodes[n as usize]);
-                        (b - a).perp_dot(c - a) <= 0.0
-                    })
-                    .map(|(i, f)| {
-                        (
-                            i,
-                            model.bundles.bundles[l.cells[i] as usize].ring,
-                            f.map(|n| model.bundles.addresses[n as usize]),
-                        )
-                    })
-                    .collect();
-                eprintln!(
-                    "bad facets {} of {} {:?}",
-                    bad.len(),
-                    l.facets.len(),
-                    &bad[..bad.len().min(4)]
-                );
-            }
-            let mut sum = 0.0;
-            for (name, piece) in [("lower", &model.lower), ("upper", &model.upper)] {
-                let report = piece.check();
-                eprintln!(
-                    "{seed} {surface} {name} {time:?} {} triangles\n{report}",
-                    piece.triangles.len()
-                );
-                sum += piece.volume();
-            }
-            assert!((sum / volume - 1.0).abs() < 1e-9, "{sum} {volume}");
-            let _ = noise::unit(1, 2, 3, 4);
-        }
+}
+
+#[test]
+fn random_breaks_of_a_bent_branch_are_sound() {
+    run(
+        "branch",
+        scene(primitive::branch(&Default::default()), 1.0),
+        0.45,
+    );
+}
+
+#[test]
+fn random_breaks_of_a_board_are_sound() {
+    run("board", scene(primitive::board(0.9, 0.12, 0.025), 1.0), 0.4);
+}
+
+#[test]
+fn random_breaks_of_a_scanned_pole_are_sound() {
+    match pole() {
+        Some(scene) => run("pole", scene, 0.6),
+        None => println!("skipped: tests/data/pole.ply is not there"),
     }
 }

@@ -26,8 +26,15 @@ impl Cut {
             }
         };
         let whole = |t: &&u32| self.sides[**t as usize] == side;
-        solid.limb.iter().filter(whole).for_each(|&t| join(solid.triangles[t as usize]));
-        self.skin.iter().filter(|s| s.upper == upper).for_each(|s| join(s.corners));
+        solid
+            .limb
+            .iter()
+            .filter(whole)
+            .for_each(|&t| join(solid.triangles[t as usize]));
+        self.skin
+            .iter()
+            .filter(|s| s.upper == upper)
+            .for_each(|s| join(s.corners));
         self.cap.iter().for_each(|t| join(*t));
         let mut sizes = vec![0u32; parent.len()];
         for &t in solid.limb.iter().filter(whole) {
@@ -36,8 +43,14 @@ impl Cut {
         for s in self.skin.iter().filter(|s| s.upper == upper) {
             sizes[root(&mut parent, s.corners[0]) as usize] += 1;
         }
-        let Some(main) = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i))) else { return 0 };
-        let chips = sizes.iter().enumerate().filter(|&(i, &n)| i != main && n > 0).count();
+        let Some(main) = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i))) else {
+            return 0;
+        };
+        let chips = sizes
+            .iter()
+            .enumerate()
+            .filter(|&(i, &n)| i != main && n > 0)
+            .count();
         if chips == 0 {
             return 0;
         }
