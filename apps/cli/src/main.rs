@@ -1,1 +1,35 @@
-fn main() {}
+//! The program `greenstick`: arguments, files, progress and messages. What it does to wood is in the libraries.
+
+mod arguments;
+mod break_wood;
+mod failure;
+mod inspect;
+mod list;
+mod progress;
+mod species;
+mod values;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        // Help and version are no failures; they go to stdout with code 0, all else to stderr with code 2.
+        Err(told) => {
+            let _ = told.print();
+            return ExitCode::from(if told.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let done = match &arguments.command {
+        Command::Break(options) => break_wood::run(options),
+        Command::Check(options) => inspect::check(options),
+        Command::Picture(options) => inspect::picture(options),
+        Command::Parameters(options) => list::parameters(options),
+        Command::Presets(options) => list::presets(options),
+        Command::Species(options) => species::run(options),
+    };
+    done.unwrap_or_else(Failure::tell)
+}

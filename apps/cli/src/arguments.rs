@@ -1,0 +1,311 @@
+//! What may be asked of the program, and the help that explains it.
+
+use crate::values;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use greenstick::formats::LengthUnit;
+use greenstick::wood::stem::StemKind;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples
+  greenstick break                                     a branch that comes with the program
+  greenstick break pole.ply --at 0.4                   at two fifths of its length
+  greenstick break tree.glb --at 0.3,2.1,-0.4          the limb at a point, the rest of the tree stays
+  greenstick break beam.stl --unit mm --at 120cm       STL, OBJ, PLY and OFF do not say their unit
+  greenstick break --preset splintering-tension --species \"white oak\" --seed 7
+  greenstick presets                                   ways in which wood breaks
+  greenstick parameters                                everything that --set takes
+  greenstick check broken.glb                          whether a mesh is closed and sound
+
+Exit codes
+  0    done
+  1    the work failed: no stem that can be cut, a place that cannot be written
+  2    the request was wrong: an option, a name, an input that is no sound mesh
+  130  stopped with Ctrl-C; nothing was written";
+
+const BREAK_EXAMPLES: &str = "\
+Places (--at)
+  0.4           a fraction of the stem's length from its base
+  12cm          a length from its base
+  0.3,2.1,-0.4  a point in the world, in the file's unit; picks the limb that is nearest
+
+What comes first gives way to what comes later
+  defaults, --preset, --recipe, --set, then --species, --moisture and --seed
+
+Examples
+  greenstick break
+  greenstick break pole.ply -o halves.glb --part 3cm --picture halves.png
+  greenstick break tree.obj --at 0.3,2.1,-0.4 -o broken.obj
+  greenstick break board.gltf --kind board --pith 0,-4cm --preset brash
+  greenstick break --set high.height=2 --set sapwood.perlin_amplitude=0.3 --set seed=9
+  greenstick break --preset twist --save-recipe twist.toml
+  greenstick break --recipe twist.toml --json > report.json";
+
+/// Breaks wood: a mesh of a branch, trunk, log or board goes in, halves that fit come out.
+#[derive(Debug, Parser)]
+#[command(name = "greenstick", version, after_help = EXAMPLES, max_term_width = 110)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Break a mesh, or the branch that comes with the program
+    Break(Box<BreakOptions>),
+    /// Say whether meshes are closed, oriented, manifold and free of crossings
+    Check(CheckOptions),
+    /// Take a picture of a mesh
+    Picture(PictureOptions),
+    /// List the parameters that --set and recipes take
+    Parameters(ParametersOptions),
+    /// List the presets
+    Presets(PresetsOptions),
+    /// List the species, or everything that is known of one
+    Species(SpeciesOptions),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = BREAK_EXAMPLES)]
+pub struct BreakOptions {
+    /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off); without it, a branch that comes with the program
+    pub input: Option<PathBuf>,
+    /// Where to break it: a fraction, a length, or a point
+    #[arg(
+        long,
+        value_name = "PLACE",
+        default_value = "0.5",
+        allow_hyphen_values = true
+    )]
+    pub at: String,
+    /// File for the pieces, in the format of its ending [default: broken.glb, without --picture]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// File for a picture of the break [default: broken.png, without --output]
+    #[arg(long, value_name = "FILE.png")]
+    pub picture: Option<PathBuf>,
+    /// Unit of length in the input, where its format has none; also of the output
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+
+    /// Preset to start from; several may be given, later ones over earlier ones
+    #[arg(long, value_name = "NAME", help_heading = "How it breaks")]
+    pub preset: Vec<String>,
+    /// Recipe file to read
+    #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
+    pub recipe: Option<PathBuf>,
+    /// Set a parameter; `greenstick parameters` lists them
+    #[arg(
+        long,
+        value_name = "KEY=VALUE",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
+    pub set: Vec<String>,
+    /// Species, by common or scientific name
+    #[arg(long, value_name = "NAME", help_heading = "How it breaks")]
+    pub species: Option<String>,
+    /// Moisture content, percent of the oven-dry mass (12 is air-dry)
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
+    pub moisture: Option<String>,
+    /// Which of all the breaks with these parameters
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        allow_hyphen_values = true,
+        help_heading = "How it breaks"
+    )]
+    pub seed: Option<String>,
+    /// Write the recipe that all of these give together
+    #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
+    pub save_recipe: Option<PathBuf>,
+
+    /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
+    #[arg(
+        long,
+        value_name = "POINT",
+        allow_hyphen_values = true,
+        help_heading = "What it is"
+    )]
+    pub pith: Option<String>,
+    /// What the stem is; else judged by its section
+    #[arg(long, help_heading = "What it is")]
+    pub kind: Option<KindWord>,
+
+    /// Move the pieces apart by this length, such as 3cm
+    #[arg(long, value_name = "DISTANCE", default_value = "0", value_parser = values::distance,
+        allow_hyphen_values = true, help_heading = "What comes out")]
+    pub part: f64,
+    /// Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 where no amount is given]
+    #[arg(long, value_name = "AMOUNT", num_args = 0..=1, default_value = "0", default_missing_value = "0.5",
+        value_parser = values::amount, hide_default_value = true, help_heading = "What comes out")]
+    pub fray: f64,
+    /// Width of the baked textures, pixels
+    #[arg(long, value_name = "PIXELS", default_value = "2048", value_parser = values::texture_size,
+        help_heading = "What comes out")]
+    pub texture_size: u32,
+    #[command(flatten)]
+    pub shot: Shot,
+
+    /// Print the report as JSON
+    #[arg(long, help_heading = "How it is told")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "How it is told")]
+    pub quiet: bool,
+    /// Threads to use [default: as many as the machine offers]; the output is the same
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "How it is told")]
+    pub threads: Option<u16>,
+}
+
+/// How a picture is taken.
+#[derive(Debug, Args)]
+pub struct Shot {
+    /// Size of the picture, pixels
+    #[arg(long, visible_alias = "size", value_name = "WIDTHxHEIGHT", default_value = "1200x900",
+        value_parser = values::size, help_heading = "Picture")]
+    pub picture_size: (u32, u32),
+    /// Camera rays for each pixel of the picture, 1 to 65536
+    #[arg(long, value_name = "NUMBER", default_value = "16", value_parser = clap::value_parser!(u32).range(1..=65_536),
+        help_heading = "Picture")]
+    pub samples: u32,
+    /// Direction from which the picture is taken, degrees; else chosen to suit
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = values::view, allow_hyphen_values = true,
+        help_heading = "Picture")]
+    pub view: Option<(f64, f64)>,
+}
+
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Meshes to check
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Unit of length in the files, where their format has none
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+    /// Exit with code 1 where a mesh is not a sound solid; else the code is 0 once the report is printed
+    #[arg(long)]
+    pub strict: bool,
+    /// Do not look for triangles that cross, which takes most of the time
+    #[arg(long)]
+    pub fast: bool,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Materials are shown in their plain colours; their textures are not.")]
+pub struct PictureOptions {
+    /// Mesh to show
+    pub file: PathBuf,
+    /// File for the picture
+    #[arg(short, long, value_name = "FILE.png", default_value = "picture.png")]
+    pub output: PathBuf,
+    /// Unit of length in the file, where its format has none
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+    #[command(flatten)]
+    pub shot: Shot,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Threads to use [default: as many as the machine offers]; the picture is the same
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub struct ParametersOptions {
+    /// Only this parameter, or those of this group (`sapwood`)
+    pub key: Option<String>,
+    /// Print them as JSON
+    #[arg(long, conflicts_with_all = ["markdown", "schema"])]
+    pub json: bool,
+    /// Print the reference page in Markdown
+    #[arg(long, conflicts_with_all = ["schema", "key"])]
+    pub markdown: bool,
+    /// Print a JSON schema of recipes, for editors
+    #[arg(long, conflicts_with = "key")]
+    pub schema: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct PresetsOptions {
+    /// Print the recipe of this preset
+    pub name: Option<String>,
+    /// Print the list as JSON
+    #[arg(long, conflicts_with = "markdown")]
+    pub json: bool,
+    /// Print the reference page in Markdown
+    #[arg(long, conflicts_with = "name")]
+    pub markdown: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SpeciesOptions {
+    /// Common or scientific name
+    pub name: Option<String>,
+    /// Print as JSON, in SI units
+    #[arg(long, conflicts_with = "markdown")]
+    pub json: bool,
+    /// Print the reference page in Markdown
+    #[arg(long, conflicts_with = "name")]
+    pub markdown: bool,
+}
+
+/// Units of length.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum UnitWord {
+    #[value(help = "millimetres")]
+    Mm,
+    #[value(help = "centimetres")]
+    Cm,
+    #[value(help = "metres")]
+    M,
+}
+
+impl From<UnitWord> for LengthUnit {
+    fn from(word: UnitWord) -> Self {
+        match word {
+            UnitWord::Mm => LengthUnit::Millimetre,
+            UnitWord::Cm => LengthUnit::Centimetre,
+            UnitWord::M => LengthUnit::Metre,
+        }
+    }
+}
+
+/// Kinds of stem.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum KindWord {
+    #[value(help = "a branch, trunk, log or pole")]
+    Round,
+    #[value(help = "a board or beam, sawn from a trunk")]
+    Board,
+}
+
+impl From<KindWord> for StemKind {
+    fn from(word: KindWord) -> Self {
+        match word {
+            KindWord::Round => StemKind::Round,
+            KindWord::Board => StemKind::Board,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

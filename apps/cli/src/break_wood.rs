@@ -1,0 +1,316 @@
+//! `greenstick break`: from options to a request, and from what the library returns to files and a report.
+
+use crate::arguments::{BreakOptions, Shot};
+use crate::failure::{Failure, print};
+use crate::progress::{Progress, Stage};
+use crate::values;
+use greenstick::files::{self, Output, Source};
+use greenstick::formats::{Format, LengthUnit};
+use greenstick::fracture::recipe::{Recipe, RecipeError};
+use greenstick::picture::{PictureOptions, View};
+use greenstick::wood::stem::StemOptions;
+use greenstick::{BreakReport, BreakRequest};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const OUTPUT: &str = "broken.glb";
+const PICTURE: &str = "broken.png";
+
+/// Where everything goes.
+struct Targets {
+    pieces: Option<PathBuf>,
+    picture: Option<PathBuf>,
+    recipe: Option<PathBuf>,
+}
+
+/// A file that was written.
+#[derive(Serialize)]
+struct Written {
+    path: String,
+    bytes: usize,
+}
+
+/// The library's report, the files and the time.
+#[derive(Serialize)]
+struct FullReport<'a> {
+    #[serde(flatten)]
+    report: &'a BreakReport,
+    outputs: &'a [Written],
+    stages: &'a [Stage],
+}
+
+pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
+    let unit = options.unit.map(LengthUnit::from);
+    let targets = targets(options)?;
+    let request = request(options, unit.unwrap_or_default())?;
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    progress.stage("read")?;
+    let source = read(options, unit)?;
+    targets.check(&source.files)?;
+    let mut scene = source.scene;
+    if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
+        files::carry_images(&mut scene, input, pieces);
+    }
+    let mut broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
+    broken
+        .report
+        .notes
+        .extend(doubt_about_unit(options, broken.report.place.stem_length_m));
+    let mut outputs = Vec::new();
+    if let Some(path) = &targets.pieces {
+        progress.stage("encode")?;
+        outputs.extend(files::encode(
+            &broken.scene,
+            path,
+            unit.unwrap_or_default(),
+        )?);
+    }
+    if let Some(path) = &targets.picture {
+        progress.stage("picture")?;
+        let how = picture_options(&options.shot, options.threads);
+        let picture =
+            progress.watch(|context| greenstick::picture_of_break(&broken, &how, context))?;
+        outputs.push(Output {
+            path: path.clone(),
+            bytes: picture.png(),
+        });
+    }
+    if let Some(path) = &targets.recipe {
+        outputs.push(Output {
+            path: path.clone(),
+            bytes: request.recipe.to_toml().into_bytes(),
+        });
+    }
+    progress.stage("write")?;
+    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
+    files::check_distinct(&paths, &source.files)?;
+    files::write_all(&outputs)?;
+    let stages = progress.finish();
+    if !options.quiet || options.json {
+        let written: Vec<Written> = outputs
+            .iter()
+            .map(|o| Written {
+                path: o.path.display().to_string(),
+                bytes: o.bytes.len(),
+            })
+            .collect();
+        print(&told(&broken.report, &written, &stages, options.json)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// With neither file named both are written under their usual names; with one named, only that.
+fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
+    let neither = options.output.is_none() && options.picture.is_none();
+    let usual = |name: &str| neither.then(|| PathBuf::from(name));
+    let targets = Targets {
+        pieces: options.output.clone().or_else(|| usual(OUTPUT)),
+        picture: options.picture.clone().or_else(|| usual(PICTURE)),
+        recipe: options.save_recipe.clone(),
+    };
+    if let Some(path) = &targets.pieces
+        && Format::of_path(path).is_none()
+    {
+        let path = path.clone();
+        return Err(files::FileError::UnknownEnding { path }.into());
+    }
+    if let Some(path) = &targets.picture {
+        check_png(path)?;
+    }
+    Ok(targets)
+}
+
+/// Refuses pictures that would be named as what they are not.
+pub fn check_png(path: &Path) -> Result<(), Failure> {
+    let png = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if png {
+        Ok(())
+    } else {
+        Err(Failure::request(format!(
+            "{}: pictures are PNG files; expected a name that ends in .png",
+            path.display()
+        )))
+    }
+}
+
+impl Targets {
+    /// Whether all of it can be written, before any work is done.
+    fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let all: Vec<&Path> = [&self.pieces, &self.picture, &self.recipe]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+        files::check_distinct(&all, inputs)?;
+        for path in all {
+            files::check_writable(path)?;
+        }
+        Ok(())
+    }
+}
+
+fn read(options: &BreakOptions, unit: Option<LengthUnit>) -> Result<Source, Failure> {
+    match &options.input {
+        Some(path) => Ok(files::load(path, unit)?),
+        None => Ok(Source {
+            scene: greenstick::built_in_branch(),
+            files: Vec::new(),
+        }),
+    }
+}
+
+/// Metres. No tree is longer; the tallest known is 116 m high.
+const LONGEST: f64 = 120.0;
+
+/// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
+fn doubt_about_unit(options: &BreakOptions, length: f64) -> Option<String> {
+    let format = options.input.as_deref().and_then(Format::of_path)?;
+    let doubtful = options.unit.is_none() && !format.is_in_metres() && length > LONGEST;
+    doubtful.then(|| {
+        format!(
+            "{} files do not say their unit; read in metres the stem is {length:.0} m long: if it is in millimetres, \
+             say --unit mm",
+            format.name()
+        )
+    })
+}
+
+fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {
+    let place = values::place(&options.at, unit).map_err(Failure::request)?;
+    let pith = options
+        .pith
+        .as_ref()
+        .map(|text| values::pith(text, unit).map_err(Failure::request))
+        .transpose()?;
+    Ok(BreakRequest {
+        place,
+        stem: StemOptions {
+            pith,
+            kind: options.kind.map(Into::into),
+        },
+        recipe: recipe(options)?,
+        part: options.part,
+        fray: options.fray,
+        texture_width: options.texture_size,
+    })
+}
+
+fn recipe(options: &BreakOptions) -> Result<Recipe, Failure> {
+    let text = options
+        .recipe
+        .as_ref()
+        .map(|path| {
+            std::fs::read_to_string(path).map_err(|e| {
+                Failure::request(format!("{}: cannot be read: {e}", path.display()))
+                    .hint("--save-recipe FILE.toml writes a recipe to start from")
+            })
+        })
+        .transpose()?;
+    let presets: Vec<&str> = options.preset.iter().map(String::as_str).collect();
+    let own: Vec<String> = [
+        ("species", &options.species),
+        ("moisture", &options.moisture),
+        ("seed", &options.seed),
+    ]
+    .into_iter()
+    .filter_map(|(key, value)| value.as_ref().map(|v| format!("{key}={v}")))
+    .collect();
+    let settings: Vec<&str> = options.set.iter().chain(&own).map(String::as_str).collect();
+    Recipe::resolve(&presets, text.as_deref(), &settings).map_err(|error| {
+        let message = match (&error, &options.recipe) {
+            (RecipeError::At { .. }, Some(path)) => format!("{}: {error}", path.display()),
+            (RecipeError::Setting { setting, problem }, _) => {
+                let key = own.contains(setting).then(|| setting.split('=').next());
+                format!("--{}: {problem}", key.flatten().unwrap_or("set"))
+            }
+            _ => error.to_string(),
+        };
+        Failure::request(message).hint(hint(&error))
+    })
+}
+
+/// Where what is right can be looked up.
+fn hint(error: &RecipeError) -> &'static str {
+    use greenstick::fracture::recipe::Problem;
+    let (RecipeError::At { problem, .. }
+    | RecipeError::Setting { problem, .. }
+    | RecipeError::Whole(problem)) = error;
+    match problem {
+        Problem::Preset(_) => "`greenstick presets` lists them",
+        Problem::Species(_) => "`greenstick species` lists them",
+        Problem::NotASetting => "such as --set high.height=2",
+        Problem::Moisture(_) => "12 is air-dry, 30 and more is green",
+        _ => "`greenstick parameters` lists keys, units and ranges",
+    }
+}
+
+/// Gives the work so many threads.
+pub fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|e| Failure::work(format!("cannot start {threads} threads: {e}")))
+}
+
+/// A shot as the picture crate takes it.
+pub fn picture_options(shot: &Shot, threads: Option<u16>) -> PictureOptions {
+    let view = match shot.view {
+        Some((azimuth, elevation)) => View::Direction { azimuth, elevation },
+        None => View::Automatic,
+    };
+    PictureOptions {
+        width: shot.picture_size.0,
+        height: shot.picture_size.1,
+        samples: shot.samples,
+        view,
+        threads: threads.map(usize::from),
+        ..PictureOptions::default()
+    }
+}
+
+fn told(
+    report: &BreakReport,
+    outputs: &[Written],
+    stages: &[Stage],
+    json: bool,
+) -> Result<String, Failure> {
+    if json {
+        let full = FullReport {
+            report,
+            outputs,
+            stages,
+        };
+        let text = serde_json::to_string_pretty(&full)
+            .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
+        return Ok(text + "\n");
+    }
+    let mut text = report.to_string();
+    for file in outputs {
+        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
+    }
+    let total: f64 = stages.iter().map(|s| s.seconds).sum();
+    let listed: Vec<String> = stages
+        .iter()
+        .filter(|s| s.seconds >= 0.005)
+        .map(|s| format!("{} {:.2}", s.name, s.seconds))
+        .collect();
+    let _ = writeln!(text, "time     {total:.2} s: {}", listed.join(", "));
+    Ok(text)
+}
+
+/// A number of bytes in the unit that suits it.
+fn size(bytes: usize) -> String {
+    match bytes as f64 {
+        b if b >= 1e6 => format!("{:.1} MB", b / 1e6),
+        b if b >= 1e3 => format!("{:.1} kB", b / 1e3),
+        b => format!("{b} bytes"),
+    }
+}

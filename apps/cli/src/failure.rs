@@ -1,0 +1,171 @@
+//! What can go wrong, in words and as an exit code: 1 where the work failed, 2 where the request was wrong, 130 where
+//! the user stopped it.
+
+use greenstick::files::FileError;
+use greenstick::formats::FormatError;
+use greenstick::geometry::Cancelled;
+use greenstick::picture::PictureError;
+use greenstick::wood::species::nearest;
+use greenstick::wood::stem::{Place, StemError};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Why the program ends without having done its work.
+#[derive(Debug)]
+pub struct Failure {
+    code: u8,
+    message: String,
+    hint: Option<String>,
+}
+
+impl Failure {
+    /// Something in the request must be changed.
+    pub fn request(message: impl ToString) -> Self {
+        Failure {
+            code: 2,
+            message: message.to_string(),
+            hint: None,
+        }
+    }
+
+    /// The request was right, but the work could not be done.
+    pub fn work(message: impl ToString) -> Self {
+        Failure {
+            code: 1,
+            ..Failure::request(message)
+        }
+    }
+
+    /// Adds what to do next.
+    pub fn hint(self, hint: impl ToString) -> Self {
+        Failure {
+            hint: Some(hint.to_string()),
+            ..self
+        }
+    }
+
+    /// Prints the failure; returns its exit code.
+    pub fn tell(self) -> ExitCode {
+        let mut errors = std::io::stderr().lock();
+        let colored = errors.is_terminal() && std::env::var_os("NO_COLOR").is_none();
+        let head = match (self.code, colored) {
+            (130, _) => "",
+            (_, true) => "\x1b[1;31merror:\x1b[0m ",
+            (_, false) => "error: ",
+        };
+        let hint = self
+            .hint
+            .map_or(String::new(), |h| format!("\n  hint: {h}"));
+        // With stderr closed there is nobody to tell.
+        let _ = writeln!(errors, "{head}{}{hint}", self.message);
+        ExitCode::from(self.code)
+    }
+}
+
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Failure {
+            code: 130,
+            message: "stopped; nothing was written".to_owned(),
+            hint: None,
+        }
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        let failure = if error.is_in_the_request() {
+            Failure::request(&error)
+        } else {
+            Failure::work(&error)
+        };
+        match error {
+            FileError::Unwritable { .. } => {
+                failure.hint("name another place with -o or --picture, or create the folder")
+            }
+            FileError::Unreadable { path, .. } => match near(&path) {
+                Some(name) => failure.hint(format!("there is a file {name}")),
+                None => failure,
+            },
+            FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
+                failure.hint("export or download the file again")
+            }
+            _ => failure,
+        }
+    }
+}
+
+impl From<greenstick::Error> for Failure {
+    fn from(error: greenstick::Error) -> Self {
+        use greenstick::Error;
+        let point = "a point of the limb works on any mesh: --at x,y,z in metres";
+        match &error {
+            Error::Cancelled(_) | Error::Stem(StemError::Cancelled(_)) => Cancelled.into(),
+            Error::Stem(
+                StemError::OffStem { nearest, .. }
+                | StemError::Unusable { nearest, .. }
+                | StemError::FarFromWood { nearest, .. },
+            ) => Failure::request(&error).hint(format!("try --at {}", typed(nearest))),
+            Error::Stem(StemError::Empty | StemError::Invalid { .. }) | Error::Species(_) => {
+                Failure::request(&error)
+            }
+            Error::Stem(StemError::NoStem { .. }) => Failure::work(&error).hint(format!(
+                "{point}; `greenstick check FILE` lists holes and other faults"
+            )),
+            Error::Stem(StemError::NowhereFree { .. }) => Failure::work(&error).hint(point),
+            Error::Cut { .. } => Failure::work(&error).hint(
+                "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
+            ),
+            _ => Failure::work(&error),
+        }
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        match error {
+            PictureError::Cancelled(cancelled) => cancelled.into(),
+            PictureError::Size { .. } | PictureError::Samples { .. } | PictureError::View(_) => {
+                Failure::request(error)
+            }
+            _ => Failure::work(error),
+        }
+    }
+}
+
+/// A file in the folder of one that is not there, with nearly its name.
+fn near(path: &Path) -> Option<String> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    let wanted = path.file_name()?.to_string_lossy();
+    let near = nearest(&wanted, names.iter().map(String::as_str));
+    let found = near.into_iter().find(|name| *name != wanted)?;
+    Some(path.with_file_name(found).display().to_string())
+}
+
+/// A place as it can be typed whatever the unit of the file.
+fn typed(place: &Place) -> String {
+    match place {
+        Place::Point(p) => format!("{:.4}m,{:.4}m,{:.4}m", p.x, p.y, p.z),
+        other => other.to_string(),
+    }
+}
+
+/// Prints to stdout. A reader that has gone away (`| head`) is no failure.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::work(format!("cannot print to stdout: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

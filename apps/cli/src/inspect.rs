@@ -1,0 +1,118 @@
+//! `greenstick check` and `greenstick picture`: for any mesh, broken or not.
+
+use crate::arguments::{CheckOptions, PictureOptions};
+use crate::break_wood::{check_png, picture_options, use_threads};
+use crate::failure::{Failure, print};
+use crate::progress::Progress;
+use greenstick::files::{self, Output};
+use greenstick::geometry::{CheckOptions as How, Report};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// What is found of one file.
+#[derive(Serialize)]
+struct FileReport {
+    file: String,
+    meshes: Vec<MeshReport>,
+    notes: Vec<String>,
+}
+
+/// What is found of one mesh, in the world's metres.
+#[derive(Serialize)]
+struct MeshReport {
+    name: String,
+    solid: bool,
+    #[serde(flatten)]
+    report: Report,
+}
+
+pub fn check(options: &CheckOptions) -> Result<ExitCode, Failure> {
+    let mut reports = Vec::new();
+    for path in &options.files {
+        reports.push(check_file(path, options)?);
+    }
+    if options.json {
+        let text = serde_json::to_string_pretty(&reports)
+            .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
+        print(&(text + "\n"))?;
+    } else {
+        reports.iter().try_for_each(|r| print(&words(r)))?;
+    }
+    let sound = reports.iter().flat_map(|r| &r.meshes).all(|m| m.solid);
+    Ok(ExitCode::from(u8::from(options.strict && !sound)))
+}
+
+fn check_file(path: &Path, options: &CheckOptions) -> Result<FileReport, Failure> {
+    let scene = files::read(path, options.unit.map(Into::into))?;
+    let how = How {
+        self_intersections: !options.fast,
+    };
+    let meshes = scene
+        .nodes
+        .iter()
+        .filter(|node| !node.mesh.triangles.is_empty())
+        .map(|node| {
+            let report = node.mesh.transformed(&node.transform).check_with(how);
+            MeshReport {
+                name: node.name.clone(),
+                solid: report.is_solid(),
+                report,
+            }
+        })
+        .collect();
+    Ok(FileReport {
+        file: path.display().to_string(),
+        meshes,
+        notes: scene.notes,
+    })
+}
+
+fn words(file: &FileReport) -> String {
+    let mut text = format!("{}\n", file.file);
+    for note in &file.notes {
+        let _ = writeln!(text, "  note: {note}");
+    }
+    for mesh in &file.meshes {
+        let verdict = if mesh.solid {
+            "a sound solid"
+        } else {
+            "not a sound solid"
+        };
+        let _ = writeln!(text, "  {}: {verdict}", mesh.name);
+        for line in mesh.report.to_string().lines() {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+    text
+}
+
+pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
+    check_png(&options.output)?;
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    progress.stage("read")?;
+    let source = files::load(&options.file, options.unit.map(Into::into))?;
+    files::check_distinct(&[&options.output], &source.files)?;
+    files::check_writable(&options.output)?;
+    let how = picture_options(&options.shot, options.threads);
+    let picture =
+        progress.watch(|context| greenstick::picture_of_scene(&source.scene, &how, context))?;
+    progress.stage("write")?;
+    let bytes = picture.png();
+    files::write_all(&[Output {
+        path: options.output.clone(),
+        bytes,
+    }])?;
+    progress.finish();
+    if !options.quiet {
+        print(&format!(
+            "wrote {}, {} × {} pixels\n",
+            options.output.display(),
+            picture.width,
+            picture.height
+        ))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,117 @@
+//! Values as they are typed: distances, piths, views, sizes. Errors say what would be right; clap puts the option's name
+//! before them.
+
+use greenstick::formats::LengthUnit;
+use greenstick::wood::stem::{PithChoice, Place};
+
+/// `3cm`, `12mm`, `0.1m` or `0`, in metres.
+pub fn distance(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let wrong = || "expected a length with its unit: 3cm, 12mm or 0.1m".to_owned();
+    let (digits, scale) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]
+        .iter()
+        .find_map(|(unit, scale)| text.strip_suffix(unit).map(|d| (d.trim_end(), *scale)))
+        .unwrap_or((text, f64::NAN));
+    let number: f64 = digits.parse().map_err(|_| wrong())?;
+    match number * scale {
+        _ if number == 0.0 => Ok(0.0),
+        metres if metres.is_finite() && metres > 0.0 => Ok(metres),
+        metres if metres < 0.0 => Err("the length is negative; expected 0 or more".to_owned()),
+        _ => Err(wrong()),
+    }
+}
+
+/// A number from 0 to 1.
+pub fn amount(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err(
+            "expected a number from 0 to 1; where a file name follows, write --fray=0.5".to_owned(),
+        ),
+    }
+}
+
+/// A place, in the unit of the file.
+pub fn place(text: &str, unit: LengthUnit) -> Result<Place, String> {
+    Place::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
+}
+
+/// `x,y,z` in the world, or `x,y` in the section, in the unit of the file.
+pub fn pith(text: &str, unit: LengthUnit) -> Result<PithChoice, String> {
+    let in_section = text.split(',').count() == 2;
+    let full = if in_section {
+        format!("{text},0")
+    } else {
+        text.to_owned()
+    };
+    match Place::parse(&full, unit.metres()) {
+        Ok(Place::Point(p)) if in_section => Ok(PithChoice::Section(p.truncate())),
+        Ok(Place::Point(p)) => Ok(PithChoice::World(p)),
+        _ => Err(format!(
+            "--pith: \"{text}\" is no point; expected x,y,z in the world or x,y in the section, from its middle"
+        )),
+    }
+}
+
+/// Azimuth and elevation, degrees to radians.
+pub fn view(text: &str) -> Result<(f64, f64), String> {
+    let wrong = || {
+        "expected AZIMUTH,ELEVATION in degrees, the second from -90 to 90, such as 30,15".to_owned()
+    };
+    let (azimuth, elevation) = text.split_once(',').ok_or_else(wrong)?;
+    let number = |t: &str| t.trim().parse::<f64>().map_err(|_| wrong());
+    let (azimuth, elevation) = (number(azimuth)?, number(elevation)?);
+    if azimuth.is_finite() && elevation.abs() <= 90.0 {
+        Ok((azimuth.to_radians(), elevation.to_radians()))
+    } else {
+        Err(wrong())
+    }
+}
+
+/// `1200x900`.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let most = greenstick::picture::MAXIMUM_SIDE;
+    let wrong =
+        || format!("expected WIDTHxHEIGHT in pixels, each from 1 to {most}, such as 1200x900");
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
+    let side = |t: &str| t.trim().parse::<u32>().map_err(|_| wrong());
+    let (width, height) = (side(width)?, side(height)?);
+    if (1..=most).contains(&width) && (1..=most).contains(&height) {
+        Ok((width, height))
+    } else {
+        Err(wrong())
+    }
+}
+
+/// Width of the baked textures, pixels: even, 8 to 16384.
+pub fn texture_size(text: &str) -> Result<u32, String> {
+    match text.parse::<u32>() {
+        Ok(x) if (8..=16_384).contains(&x) && x % 2 == 0 => Ok(x),
+        _ => Err("expected an even number of pixels from 8 to 16384".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_in_metres_and_radians() {
+        assert!((distance("3cm").unwrap() - 0.03).abs() < 1e-15);
+        assert_eq!(distance("0"), Ok(0.0));
+        assert_eq!(distance("1.5 m"), Ok(1.5));
+        for wrong in ["3", "-3cm", "NaNm", "infm", "cm", "3km", ""] {
+            assert!(distance(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert!(size("0x5").is_err() && size("99999x5").is_err() && size("5").is_err());
+        assert!(view("0,91").is_err() && view("NaN,0").is_err());
+        let (azimuth, elevation) = view("180, -45").unwrap();
+        assert!((azimuth + 4.0 * elevation).abs() < 1e-15);
+        let section = pith("1,-2", LengthUnit::Millimetre).unwrap();
+        assert!(matches!(section, PithChoice::Section(p) if (p.y + 0.002).abs() < 1e-12));
+        assert!(pith("1cm", LengthUnit::Metre).is_err());
+        assert!(texture_size("7").is_err() && texture_size("512") == Ok(512));
+        assert!(amount("1.1").is_err() && amount("NaN").is_err());
+    }
+}

@@ -1,0 +1,49 @@
+//! The reference pages below `docs/reference`, as the program prints them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// The program's commands that print a page, which is named after them.
+const PAGES: [&str; 3] = ["parameters", "presets", "species"];
+
+/// Who writes the pages, for whoever wants to change one.
+const MARK: &str =
+    "<!-- Written by `cargo xtask generate`; change the declarations, not this file. -->\n\n";
+
+/// Writes every page, or, with `check`, only compares; a line for each page that is not as it should be.
+pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
+    let folder = root.join("docs/reference");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut faults = Vec::new();
+    for page in PAGES {
+        let path = folder.join(format!("{page}.md"));
+        let text = format!("{MARK}{}", printed(root, page)?);
+        if !check {
+            fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        } else if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
+            faults.push(format!(
+                "docs/reference/{page}.md is not what the program prints; run `cargo xtask generate`"
+            ));
+        }
+    }
+    Ok(faults)
+}
+
+/// What `greenstick PAGE --markdown` prints.
+fn printed(root: &Path, page: &str) -> Result<String, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let arguments = ["run", "--quiet", "--package", "greenstick-cli", "--"];
+    let output = Command::new(cargo)
+        .args(arguments)
+        .args([page, "--markdown"])
+        .current_dir(root)
+        .output()
+        .map_err(|e| format!("cargo run did not start: {e}"))?;
+    let told = String::from_utf8_lossy(&output.stderr);
+    if !output.status.success() {
+        return Err(format!("greenstick {page} --markdown failed: {told}"));
+    }
+    String::from_utf8(output.stdout)
+        .map_err(|e| format!("greenstick {page} --markdown did not print UTF-8: {e}"))
+}
