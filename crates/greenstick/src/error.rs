@@ -18,6 +18,9 @@ pub enum Error {
         /// Where, m.
         at: glam::DVec3,
     },
+    /// Cracks could not be made.
+    #[error(transparent)]
+    Crack(#[from] greenstick_fracture::cracks::CrackError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -4,11 +4,13 @@
 //! as often as they change.
 #![deny(missing_docs)]
 
+mod cracks;
 mod error;
 mod model;
 mod prepare;
 mod refine;
 
+pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
