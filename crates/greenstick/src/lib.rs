@@ -32,6 +32,7 @@
 #![deny(missing_docs)]
 
 mod breaking;
+mod cracks;
 mod error;
 pub mod files;
 mod looks;
@@ -42,6 +43,7 @@ mod refine;
 mod report;
 
 pub use breaking::{BreakRequest, Broken, break_scene, built_in_branch};
+pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;

@@ -97,7 +97,7 @@ impl Prepared {
         })
     }
 
-    fn pieces(&self, source: &Source, cut: &Cut, inner: &InnerWood) -> (Mesh, Mesh) {
+    pub(crate) fn pieces(&self, source: &Source, cut: &Cut, inner: &InnerWood) -> (Mesh, Mesh) {
         let positions = pieces::positions(source, cut, inner.stem);
         let cap = pieces::cap(source, cut, &positions, inner);
         let piece = |upper| pieces::piece(source, cut, &positions, &cap, inner, upper);
@@ -106,7 +106,7 @@ impl Prepared {
 
     /// Length (m) along the grain over which a line at the skin bends by no more than a fraction of a bundle's
     /// thickness (m), within the given range of heights (m from the place).
-    fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
+    pub(crate) fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
         const SAG: f64 = 0.02;
         let stem = &self.found.stem;
         let at = |i: usize, s: f64| {
@@ -140,7 +140,7 @@ impl Prepared {
     }
 
     /// The square of the section that holds the limb's skin.
-    fn square(&self) -> (DVec2, f64) {
+    pub(crate) fn square(&self) -> (DVec2, f64) {
         let points = self
             .found
             .limb
@@ -153,7 +153,7 @@ impl Prepared {
         ((low + high) / 2.0, (high - low).max_element() * 1.02)
     }
 
-    fn locate(&self, error: CutError) -> Error {
+    pub(crate) fn locate(&self, error: CutError) -> Error {
         let at = match &error {
             CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => {
                 *at

@@ -108,7 +108,9 @@ pub fn cap(source: &Source, cut: &Cut, positions: &[DVec3], inner: &InnerWood) -
         let grain_normal = (gb - ga).cross(gc - ga).normalize_or_zero();
         let end = face.top && grain_normal.z.abs() > END_GRAIN;
         let bundle = inner.bundles.bundles.get(face.cell as usize);
-        let group = match (face.top, inner.smooth) {
+        // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
+        let smooth = inner.smooth && bundle.is_some();
+        let group = match (face.top, smooth) {
             (true, true) => 0,
             (true, false) => u64::from(face.cell) + 1,
             // Walls of one bundle are told apart by their direction in sixteen parts.
@@ -151,7 +153,8 @@ fn smooth_normals(
     for (triangle, face) in cut.cap.iter().zip(&cut.faces).filter(|(_, f)| f.top) {
         let [a, b, c] = triangle.map(|id| positions[id as usize]);
         let normal = (b - a).cross(c - a);
-        let group = if inner.smooth {
+        let bundle = (face.cell as usize) < inner.bundles.bundles.len();
+        let group = if inner.smooth && bundle {
             0
         } else {
             u64::from(face.cell) + 1
