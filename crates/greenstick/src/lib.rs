@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 mod error;
+mod kept;
 mod model;
 mod prepare;
 mod refine;
@@ -16,5 +17,5 @@ pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_skin as skin;
 pub use greenstick_wood as wood;
-pub use model::Model;
+pub use model::{Broken, Model};
 pub use prepare::{Prepared, prepare};

@@ -21,6 +21,6 @@ mod zz;
 pub use axis::{Axis, Frame};
 pub use build::{Section, Stem, StemKind};
 pub use find::{Found, PithChoice, StemError, StemOptions, find};
-pub use grain::GrainSpace;
+pub use grain::{Chart, GrainSpace};
 pub use place::{Place, PlaceError};
 pub use rings::RingField;
