@@ -253,7 +253,13 @@ fn subdivided(mut mesh: Mesh, least: usize) -> Mesh {
 
 /// Reading, breaking and writing a mesh of more than a million triangles.
 fn million() {
-    let mesh = subdivided(primitive::branch(&Default::default()), 1_000_000);
+    let mesh = subdivided(
+        primitive::branch(&primitive::BranchOptions {
+            around: 134,
+            ..Default::default()
+        }),
+        1_000_000,
+    );
     let count = mesh.triangles.len();
     let glb = |scene: &Scene| {
         let mut scene = scene.clone();

@@ -186,9 +186,13 @@ impl<'a> Overlay<'a> {
     /// The part of a triangle over a facet (Sutherland and Hodgman 1974), each corner named by what it is.
     fn clip(&self, corners: [u32; 3], facet: u32, out: &mut Vec<(Corner, Support)>) {
         out.clear();
-        let inside: [[bool; 3]; 3] = [0, 1, 2].map(|k| corners.map(|p| self.inside(facet, k, p)));
-        if inside.iter().any(|line| line.iter().all(|i| !i)) {
-            return;
+        let mut inside = [[false; 3]; 3];
+        for k in 0..3u8 {
+            let line = corners.map(|p| self.inside(facet, k, p));
+            if line == [false; 3] {
+                return;
+            }
+            inside[usize::from(k)] = line;
         }
         let nodes = self.surface.layout.facets[facet as usize];
         out.extend((0..3).map(|i| (Corner::Point(i), Support::Skin(i))));
@@ -381,7 +385,8 @@ impl<'a> Overlay<'a> {
         polygon: &[Placed],
         spans: &mut Vec<(u32, u32, u32)>,
     ) -> Result<(), CutError> {
-        let layout = self.surface.layout.clone();
+        let surface = self.surface;
+        let layout = &surface.layout;
         let count = polygon.len();
         // The polygon's boundary with the cut points put in: (vertex, in the upper part, support of the next edge).
         let mut ring: Vec<(u32, Option<bool>, Support)> = Vec::with_capacity(count + 4);
@@ -541,8 +546,11 @@ impl<'a> Overlay<'a> {
     fn expand(&mut self, spans: &[(u32, u32, u32)]) {
         let mut inner: FxHashMap<u32, Vec<(u32, f64, u32, u32)>> = FxHashMap::default();
         for &(a, b, edge) in spans {
+            let Some(cuts) = self.cuts.get(&(a, b)) else {
+                continue;
+            };
             let list = inner.entry(edge).or_default();
-            for cut in self.cuts.get(&(a, b)).into_iter().flatten() {
+            for cut in cuts {
                 if !list.iter().any(|l| l.2 == cut.id) {
                     list.push((a, cut.fraction, cut.id, b));
                 }
@@ -598,17 +606,24 @@ impl<'a> Overlay<'a> {
     /// Joins the pieces of a triangle on either side of the surface and triangulates them.
     fn join(&mut self, triangle: u32, corners: [u32; 3]) -> Result<(), CutError> {
         let mut pieces = std::mem::take(&mut self.pieces);
-        let twin: FxHashMap<(u32, u32), bool> = pieces
+        // Edges along the layout's, by their ends; of several the last counts.
+        let mut twins: Vec<(u32, u32, bool)> = pieces
             .iter()
             .filter(|p| p.edge != NONE)
-            .map(|p| ((p.from, p.to), p.upper))
+            .map(|p| (p.from, p.to, p.upper))
             .collect();
+        twins.sort_by_key(|t| (t.0, t.1));
+        let twin = |from: u32, to: u32| {
+            let end = twins.partition_point(|t| (t.0, t.1) <= (from, to));
+            let last = twins[..end].last();
+            last.filter(|t| (t.0, t.1) == (from, to)).map(|t| t.2)
+        };
         for p in &pieces {
-            if p.edge != NONE && p.upper && twin.get(&(p.to, p.from)) == Some(&false) {
+            if p.edge != NONE && p.upper && twin(p.to, p.from) == Some(false) {
                 self.walls.push((p.edge, [p.from, p.to]));
             }
         }
-        pieces.retain(|p| p.edge == NONE || twin.get(&(p.to, p.from)) != Some(&p.upper));
+        pieces.retain(|p| p.edge == NONE || twin(p.to, p.from) != Some(p.upper));
         self.drop_needless(&mut pieces, corners);
         let mut triangulator = std::mem::take(&mut self.triangulator);
         for upper in [false, true] {
