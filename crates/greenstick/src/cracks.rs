@@ -6,11 +6,12 @@ use glam::DVec2;
 use greenstick_fracture::cracks::{
     CrackPlan, Direction, EndFace, Grooved, Setting, end_grooves, grooves,
 };
-use greenstick_fracture::cut::{Solid, cut};
+use greenstick_fracture::cut::{Ground, Skin, cut_again};
 use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, Surface as SurfaceKind};
 use greenstick_geometry::Mesh;
-use greenstick_skin::pieces::{InnerWood, Source};
+use greenstick_skin::face::face;
+use greenstick_skin::pieces::{self, InnerWood};
 use std::sync::Arc;
 
 /// A break with cracks in both faces.
@@ -115,8 +116,9 @@ impl Prepared {
         let options = LayoutOptions {
             rings: END_RINGS,
             sectors: END_SECTORS,
-            reach: self.reach,
-            arc: self.arc,
+            reach: self.extent.reach,
+            radius: self.extent.radius,
+            arc: self.extent.arc,
             bark: None,
             seed: p.seed,
         };
@@ -167,23 +169,15 @@ impl Prepared {
         smooth: bool,
     ) -> Result<(Mesh, Mesh), Error> {
         let stem = &self.found.stem;
-        let solid = Solid {
-            triangles: &self.corners,
-            points: &self.grain,
-            shell: &self.found.shell,
-            limb: &self.found.limb,
-        };
+        let solid = self.solid();
         let (low, high) = made.surface.range();
-        let range = (low - stem.place, high - stem.place);
-        let level = self.level(range, 0.025 * stem.radius);
-        let cut = cut(&solid, &made.surface, level).map_err(|error| self.locate(error))?;
-        let node = &self.scene.nodes[self.found.node];
-        let source = Source {
-            mesh: &node.mesh,
-            transform: &node.transform,
-            points: &self.points,
-            grain: &self.grain,
-        };
+        let level = self.level((low - stem.place, high - stem.place), 0.025 * stem.radius);
+        let skin = Skin::new(&solid, (low, high));
+        let ground = Ground::new(&skin, &made.surface.layout);
+        let mut cut = cut_again(&solid, &skin, &ground, &made.surface, level)
+            .map_err(|error| self.locate(error))?;
+        cut.absorb_chips(&solid);
+        let source = self.source();
         let mut bundles = bundles.clone();
         let new = &made.surface.layout.nodes[made.first_node..];
         bundles
@@ -195,9 +189,12 @@ impl Prepared {
             bundles: &bundles,
             zone,
             material,
-            square: self.square(),
+            square: self.kept.square,
             smooth,
         };
-        Ok(self.pieces(&source, &cut, &inner))
+        let face = face(&source, &cut, &inner);
+        let patch = pieces::patch(&source, &cut, &skin, &face.places);
+        let piece = |upper| pieces::piece(&source, &cut, &patch, &face, &inner, upper);
+        Ok((piece(false), piece(true)))
     }
 }

@@ -25,6 +25,7 @@ pub enum Error {
     #[error(transparent)]
     Texture(#[from] greenstick_skin::texture::TextureError),
     /// Cracks could not be made.
+    #[error(transparent)]
     Crack(#[from] greenstick_fracture::cracks::CrackError),
     /// The caller stopped the work.
     #[error(transparent)]

@@ -19,7 +19,7 @@ fn prepared(mesh: Mesh, at: f64) -> Prepared {
         ..Scene::default()
     };
     let place = stem::Place::Fraction(at);
-    prepare(scene, &place, &Default::default(), 0.0, &Context::quiet()).unwrap()
+    prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap()
 }
 
 /// Three groups of random size.
