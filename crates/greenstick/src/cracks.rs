@@ -47,13 +47,12 @@ const END_SECTORS: usize = 48;
 const END_RINGS: usize = 4;
 
 impl Prepared {
-    fn crack_setting(&self, deepest: f64) -> Setting {
+    fn crack_setting(&self) -> Setting {
         let stem = &self.found.stem;
-        let range = (-deepest * stem.radius, deepest * stem.radius);
         Setting {
             radius: stem.radius,
             usable: stem.usable,
-            level: self.level(range, 0.1 * stem.radius),
+            level: f64::INFINITY,
         }
     }
 
@@ -70,8 +69,7 @@ impl Prepared {
         material: u32,
     ) -> Result<CrackedBreak, Error> {
         let stem = &self.found.stem;
-        let deepest = plan.cracks.iter().map(|c| c.depth).fold(0.0, f64::max);
-        let setting = self.crack_setting(deepest.max(0.01));
+        let setting = self.crack_setting();
         let smooth = p.surface == SurfaceKind::Smooth;
         let proportions = p.proportions();
         let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
@@ -123,8 +121,7 @@ impl Prepared {
             seed: p.seed,
         };
         let bundles = layout::smooth(&stem.rings, &options);
-        let deepest = plan.cracks.iter().map(|c| c.depth).fold(0.0, f64::max);
-        let mut setting = self.crack_setting(deepest.max(0.01));
+        let mut setting = self.crack_setting();
         // The wood of the end itself may be cracked, though not broken.
         let beyond = end.at(stem.rings.pith());
         let (low, high) = setting.usable;
@@ -171,12 +168,12 @@ impl Prepared {
         let stem = &self.found.stem;
         let solid = self.solid();
         let (low, high) = made.surface.range();
-        let level = self.level((low - stem.place, high - stem.place), 0.025 * stem.radius);
         let skin = Skin::new(&solid, (low, high));
         let ground = Ground::new(&skin, &made.surface.layout);
-        let mut cut = cut_again(&solid, &skin, &ground, &made.surface, level)
+        let mut cut = cut_again(&solid, &skin, &ground, &made.surface)
             .map_err(|error| self.locate(error))?;
         cut.absorb_chips(&solid);
+        cut.part_at(&self.grain, &self.kept.levels);
         let source = self.source();
         let mut bundles = bundles.clone();
         let new = &made.surface.layout.nodes[made.first_node..];

@@ -4,11 +4,8 @@ use crate::Prepared;
 use glam::{DAffine3, DVec2};
 use greenstick_fracture::cut::{Ground, Skin, Solid};
 use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
-use greenstick_wood::stem::{Chart, Found};
+use greenstick_wood::stem::{Found, LayeredGrain};
 use std::sync::{Arc, Mutex};
-
-/// Part of the radius by which a vertex within the wood may lie off its exact place.
-const OFF: f64 = 1e-5;
 
 /// Made once for a prepared stem.
 #[derive(Debug, Default)]
@@ -20,7 +17,9 @@ pub(crate) struct Kept {
     /// A vertex of each point.
     pub vertices: Vec<u32>,
     /// Grain space to the node's coordinates.
-    pub chart: Chart,
+    pub chart: LayeredGrain,
+    /// Levels of the grain, m.
+    pub levels: Vec<f64>,
     /// Middle and side (m) of the square of the section that holds the limb's skin.
     pub square: (DVec2, f64),
     /// The layout that was used last.
@@ -40,6 +39,7 @@ impl Kept {
     /// Makes what is kept for a mesh, its vertices' points, and their grain coordinates.
     pub fn new(
         found: &Found,
+        layers: &LayeredGrain,
         solid: &Solid,
         triangles: &[[u32; 3]],
         points: &[u32],
@@ -61,12 +61,8 @@ impl Kept {
             triangles: skin.order.iter().map(|&t| triangles[t as usize]).collect(),
             skin,
             vertices,
-            chart: Chart::new(
-                &stem.grain,
-                &transform.inverse(),
-                stem.usable,
-                (stem.radius, OFF * stem.radius),
-            ),
+            chart: layers.into(&transform.inverse()),
+            levels: layers.levels().collect(),
             square: ((low + high) / 2.0, (high - low).max_element() * 1.02),
             last: Mutex::default(),
         }

@@ -91,20 +91,15 @@ impl Prepared {
         } else {
             heights::fibrous(&laid.bundles, p, &setting)
         };
-        let level = if smooth {
-            f64::INFINITY
-        } else {
-            self.level(heights.range, stem.radius / f64::from(p.rings))
-        };
         let mut cut = cut_again(
             &self.solid(),
             &self.kept.skin,
             &laid.ground,
             &heights.surface,
-            level,
         )
         .map_err(|error| self.locate(error))?;
         let chips = cut.absorb_chips(&self.solid());
+        cut.part_at(&self.grain, &self.kept.levels);
         let mut broken = Drawn {
             face: Face::default(),
             patch: Patch::default(),
@@ -185,43 +180,6 @@ impl Prepared {
         })
     }
 
-    /// Length (m) along the grain over which a line at the skin bends by no more than a fraction of a bundle's
-    /// thickness (m), within the given range of heights (m from the place).
-    pub(crate) fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
-        const SAG: f64 = 0.02;
-        let stem = &self.found.stem;
-        // The chart leads to the node's coordinates.
-        let scale = self.transform().matrix3.determinant().abs().cbrt();
-        let at = |i: usize, s: f64| {
-            let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::FRAC_PI_2);
-            self.kept.chart.place(DVec3::new(
-                cos * stem.radius,
-                sin * stem.radius,
-                stem.place + s,
-            )) * scale
-        };
-        let mut level = range.1 - range.0;
-        for _ in 0..8 {
-            let steps = ((range.1 - range.0) / level).ceil() as usize;
-            let sag = (0..steps * 4)
-                .map(|n| {
-                    let (i, s) = (n % 4, range.0 + level * (n / 4) as f64);
-                    let chord = (at(i, s) + at(i, s + level)) / 2.0;
-                    chord.distance(at(i, s + level / 2.0))
-                })
-                .fold(0.0, f64::max);
-            if sag <= SAG * thickness {
-                break;
-            }
-            level /= 2.0;
-        }
-        if level < range.1 - range.0 {
-            level
-        } else {
-            f64::INFINITY
-        }
-    }
-
     pub(crate) fn locate(&self, error: CutError) -> Error {
         let at = match &error {
             CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => {
@@ -233,7 +191,7 @@ impl Prepared {
         };
         Error::Cut {
             error,
-            at: self.found.stem.grain.to_world(at),
+            at: self.layers.to_world(at),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::refine::Refined;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::Solid;
 use greenstick_geometry::{Context, Mesh, Scene};
-use greenstick_wood::stem::{Found, Place, StemKind, StemOptions, find};
+use greenstick_wood::stem::{Found, LayeredGrain, Place, StemKind, StemOptions, find};
 use std::sync::Arc;
 
 /// A scene with the stem found in it.
@@ -16,6 +16,8 @@ pub struct Prepared {
     pub scene: Scene,
     /// The stem, and which triangles of which node it is made of.
     pub found: Found,
+    /// The map between the world and grain space that the stem is cut in.
+    pub layers: LayeredGrain,
     /// Point of every vertex of the cut node's mesh.
     pub points: Vec<u32>,
     /// Grain coordinates of every point of that mesh; NaN off the limb.
@@ -30,15 +32,13 @@ pub struct Prepared {
     pub(crate) kept: Arc<Kept>,
 }
 
-/// Part of the radius by which the skin may lie off its place in grain space.
-const TOLERANCE: f64 = 2e-3;
 
 /// Finds the stem at `place` and takes it to grain space.
 ///
 /// # Errors
 /// [`Error::Stem`] where there is no stem that can be broken.
 pub fn prepare(
-    mut scene: Scene,
+    scene: Scene,
     place: &Place,
     options: &StemOptions,
     context: &Context,
@@ -58,46 +58,33 @@ pub fn prepare(
         })
         .collect();
     let mut found = find(&world, place, options, context)?;
-    let node = found.node;
-    let mesh = std::mem::take(&mut scene.nodes[node].mesh);
+    drop(world);
+    let (layers, free) = LayeredGrain::of(&found.stem);
+    found.stem.usable = free;
+    Ok(laid(scene, found, layers))
+}
+
+/// Takes a found stem to grain space.
+fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
+    let transform = scene.nodes[found.node].transform;
+    let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
     let (points, count) = mesh.points();
     let mut grain = vec![DVec3::NAN; count];
-    let mut guess = found.stem.place;
     for &t in &found.limb {
         for v in mesh.triangles[t as usize] {
             let p = points[v as usize] as usize;
             if grain[p].is_nan() {
-                let at = world[node].positions[v as usize];
-                grain[p] = found.stem.grain.to_grain(at);
-                guess = grain[p].z;
+                grain[p] = layers.to_grain(transform.transform_point3(mesh.positions[v as usize]));
             }
         }
     }
-    let _ = guess;
-    drop(world);
-    let transform = scene.nodes[node].transform;
-    let first_new = mesh.triangles.len() as u32;
-    let mut refined = Refined {
-        mesh,
-        points,
-        grain,
-        limb: std::mem::take(&mut found.limb),
-        parted: 0,
-    };
-    let space = found.stem.grain.clone();
-    refined.refine(TOLERANCE * found.stem.radius, &|_, p, s| {
-        space.to_grain_near(transform.transform_point3(p), s)
-    });
-    found.limb = refined.limb;
-    found
-        .shell
-        .extend(first_new..refined.mesh.triangles.len() as u32);
-    let corners: Vec<[u32; 3]> = refined
-        .mesh
-        .triangles
-        .iter()
-        .map(|t| t.map(|v| refined.points[v as usize]))
-        .collect();
+    let mut refined =
+        Refined { mesh, points, grain, limb: std::mem::take(&mut found.limb), parted: 0 };
+    let made = refined.part(&layers, &transform, &found.shell);
+    found.limb = std::mem::take(&mut refined.limb);
+    found.shell.extend(made);
+    let corners: Vec<[u32; 3]> =
+        refined.mesh.triangles.iter().map(|t| t.map(|v| refined.points[v as usize])).collect();
     let extent = extent(&found, &corners, &refined.grain);
     let kept = {
         let solid = Solid {
@@ -106,20 +93,20 @@ pub fn prepare(
             shell: &found.shell,
             limb: &found.limb,
         };
-        let mesh = &refined.mesh;
-        Kept::new(&found, &solid, &mesh.triangles, &refined.points, &transform)
+        Kept::new(&found, &layers, &solid, &refined.mesh.triangles, &refined.points, &transform)
     };
-    scene.nodes[node].mesh = refined.mesh;
-    Ok(Prepared {
+    scene.nodes[found.node].mesh = refined.mesh;
+    Prepared {
         scene,
         found,
+        layers,
         points: refined.points,
         grain: refined.grain,
         corners,
         extent,
         parted: refined.parted,
         kept: Arc::new(kept),
-    })
+    }
 }
 
 /// What the limb's skin spans about the pith.
@@ -201,49 +188,12 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
 impl Prepared {
     /// The same stem with grain that winds about the axis by `spiral` rad per radius of length. A board keeps its grain.
     pub fn with_spiral(&self, spiral: f64) -> Prepared {
-        let mut made = self.clone();
-        if spiral == 0.0 || made.found.stem.kind == StemKind::Board {
-            return made;
+        let stem = &self.found.stem;
+        if spiral == 0.0 || stem.kind == StemKind::Board {
+            return self.clone();
         }
-        let stem = &mut made.found.stem;
-        stem.grain = stem
-            .grain
-            .clone()
-            .with_spiral(spiral / stem.radius, stem.place);
-        let (space, transform) = (stem.grain.clone(), *self.transform());
-        let mesh = std::mem::take(&mut made.scene.nodes[made.found.node].mesh);
-        for &t in &made.found.limb {
-            for v in mesh.triangles[t as usize] {
-                let p = made.points[v as usize] as usize;
-                let at = transform.transform_point3(mesh.positions[v as usize]);
-                made.grain[p] = space.to_grain_near(at, self.grain[p].z);
-            }
-        }
-        let first_new = mesh.triangles.len() as u32;
-        let mut refined = Refined {
-            mesh,
-            points: std::mem::take(&mut made.points),
-            grain: std::mem::take(&mut made.grain),
-            limb: std::mem::take(&mut made.found.limb),
-            parted: self.parted,
-        };
-        refined.refine(TOLERANCE * made.found.stem.radius, &|_, p, s| {
-            space.to_grain_near(transform.transform_point3(p), s)
-        });
-        made.found.limb = refined.limb;
-        made.found
-            .shell
-            .extend(first_new..refined.mesh.triangles.len() as u32);
-        made.corners = refined
-            .mesh
-            .triangles
-            .iter()
-            .map(|t| t.map(|v| refined.points[v as usize]))
-            .collect();
-        made.scene.nodes[made.found.node].mesh = refined.mesh;
-        made.extent = extent(&made.found, &made.corners, &refined.grain);
-        (made.points, made.grain, made.parted) = (refined.points, refined.grain, refined.parted);
-        made
+        let layers = self.layers.clone().with_spiral(spiral / stem.radius, stem.usable);
+        laid(self.scene.clone(), self.found.clone(), layers)
     }
 
     /// The transform of the node that is cut.

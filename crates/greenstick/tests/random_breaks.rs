@@ -74,7 +74,8 @@ fn random_parameters(set: usize) -> BreakParameters {
         p.phloem_proportion /= sum * 1.001;
     }
     // The largest faces are made often enough to be tried, and seldom enough for the time there is.
-    while p.rings * p.sectors > 12_000 && set % 100 != 0 {
+    let most = if set % 50 == 49 { 12_000 } else { 2_000 };
+    while p.rings * p.sectors > most {
         (p.rings, p.sectors) = (p.rings / 2, p.sectors / 2);
     }
     (p.rings, p.sectors) = (p.rings.max(3), p.sectors.max(10));

@@ -77,7 +77,7 @@ struct Maker<'a> {
 pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     let mut places = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
     places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
-    places.extend(cut.inside.iter().map(|&g| source.chart.place(g)));
+    places.extend(cut.inside.iter().map(|&g| source.chart.to_world(g)));
     // Vertices of the mesh itself are not expected here, but have their place behind the others.
     let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
     if least < cut.points {
@@ -138,7 +138,10 @@ impl Maker<'_> {
         let (mut run, mut cell) = (0, NONE);
         for t in 0..count {
             let face = self.cut.faces[t];
-            if run == 0 || (!self.inner.smooth && face.cell != cell) {
+            // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
+            let known = self.inner.bundles.bundles.len() as u32;
+            let smooth = self.inner.smooth && face.cell < known && cell < known;
+            if run == 0 || (!smooth && face.cell != cell) {
                 run += 1;
             }
             cell = face.cell;

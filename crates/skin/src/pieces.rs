@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::layout::Bundles;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
-use greenstick_wood::stem::{Chart, Stem};
+use greenstick_wood::stem::{LayeredGrain, Stem};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ pub struct Source<'a> {
     /// Grain coordinates of each point, NaN off the limb.
     pub grain: &'a [DVec3],
     /// Grain coordinates to the node's.
-    pub chart: &'a Chart,
+    pub chart: &'a LayeredGrain,
 }
 
 /// What the broken face shows.

@@ -61,12 +61,10 @@ const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
 /// Builds the broken face from the outline found by `overlay`.
-/// Walls are parted at every `level` m along the grain (infinite for none).
 pub(super) fn build<'a>(
     surface: &'a Surface,
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
-    level: f64,
 ) -> Result<Cap, CutError> {
     for list in overlay.rails.values_mut() {
         list.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -118,7 +116,7 @@ pub(super) fn build<'a>(
     };
     builder.cap.triangles.reserve(layout.facets.len() * 3);
     builder.cap.faces.reserve(layout.facets.len() * 3);
-    builder.place_corners(level);
+    builder.place_corners();
     let stepped = builder.heights.len() > layout.nodes.len();
     if stepped {
         builder.place_knots();
@@ -160,8 +158,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Makes one vertex for every distinct height at every node, and for every level between them.
-    fn place_corners(&mut self, level: f64) {
+    /// Makes one vertex for every distinct height at every node.
+    fn place_corners(&mut self) {
         let (layout, ground) = (self.layout(), self.ground);
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
@@ -189,33 +187,8 @@ impl<'a> Builder<'a, '_> {
                 continue;
             }
             self.heights[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            let (low, high) = (
-                self.heights[first].0,
-                self.heights[self.heights.len() - 1].0,
-            );
-            if high - low > level {
-                self.place_levels(n, first, level);
-            }
         }
         self.starts.push(self.heights.len() as u32);
-    }
-
-    /// Makes the vertices at the levels over a node, whose heights start at `first`.
-    fn place_levels(&mut self, n: usize, first: usize, level: f64) {
-        let (low, high) = (
-            self.heights[first].0,
-            self.heights[self.heights.len() - 1].0,
-        );
-        for i in (low / level).ceil() as i64..=(high / level).floor() as i64 {
-            let h = i as f64 * level;
-            // A level next to a corner would only make slivers.
-            let free = |p: &(f64, u32)| (p.0 - h).abs() > 0.2 * level;
-            if self.heights[first..].iter().all(free) {
-                let id = self.add(self.layout().nodes[n].extend(h), n as u32);
-                self.heights.push((h, id));
-            }
-        }
-        self.heights[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     }
 
     /// Makes a vertex where the two rims of a wall cross.

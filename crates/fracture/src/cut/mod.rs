@@ -4,6 +4,7 @@ mod cap;
 mod chips;
 mod follow;
 mod ground;
+mod layers;
 mod overlay;
 mod polygon;
 
@@ -157,15 +158,14 @@ pub enum CutError {
     },
 }
 
-/// Cuts `solid` along `surface`. Walls along the grain are parted at every `level` m, so that they can follow a bent
-/// stem; infinite for a straight one.
+/// Cuts `solid` along `surface`.
 ///
 /// # Errors
 /// [`CutError`] where the skin is not a closed surface around the break.
-pub fn cut(solid: &Solid, surface: &Surface, level: f64) -> Result<Cut, CutError> {
+pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
     let ground = Ground::new(&skin, &surface.layout);
-    cut_again(solid, &skin, &ground, surface, level)
+    cut_again(solid, &skin, &ground, surface)
 }
 
 /// [`cut`] with what stays the same from cut to cut: the sorted `skin` of `solid`, within whose reach the surface must
@@ -178,7 +178,6 @@ pub fn cut_again(
     skin: &Skin,
     ground: &Ground,
     surface: &Surface,
-    level: f64,
 ) -> Result<Cut, CutError> {
     let band = surface.range();
     let mut overlay = Overlay::new(surface, solid.points);
@@ -212,7 +211,7 @@ pub fn cut_again(
         spread(solid, skin, &mut sides)?;
     }
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay, level)?;
+    let cap = cap::build(surface, ground, &mut overlay)?;
     let skin = overlay
         .skin
         .iter()
