@@ -37,6 +37,9 @@ pub struct Prepared {
 /// Part of the radius by which the skin may lie off its place in grain space.
 const TOLERANCE: f64 = 2e-3;
 
+/// Part of the radius within which two points have about the same length along the axis.
+const NEARBY: f64 = 0.1;
+
 /// Finds the stem at `place` and takes it to grain space. `turns` twists the grain by so many rad per m.
 ///
 /// # Errors
@@ -71,18 +74,28 @@ pub fn prepare(
     let mesh = std::mem::take(&mut scene.nodes[node].mesh);
     let (points, count) = mesh.points();
     let mut grain = vec![DVec3::NAN; count];
-    let mut guess = found.stem.place;
     for &t in &found.limb {
-        for v in mesh.triangles[t as usize] {
+        let corners = mesh.triangles[t as usize];
+        for v in corners {
             let p = points[v as usize] as usize;
-            if grain[p].is_nan() {
-                let at = world[node].positions[v as usize];
-                grain[p] = found.stem.grain.to_grain(at);
-                guess = grain[p].z;
+            if !grain[p].is_nan() {
+                continue;
             }
+            let at = world[node].positions[v as usize];
+            // A corner close by that is known already spares the search along the axis.
+            let near = corners.iter().find(|&&n| {
+                !grain[points[n as usize] as usize].is_nan()
+                    && world[node].positions[n as usize].distance(at) < NEARBY * found.stem.radius
+            });
+            grain[p] = match near {
+                Some(&n) => {
+                    let guess = grain[points[n as usize] as usize].z;
+                    found.stem.grain.to_grain_near(at, guess)
+                }
+                None => found.stem.grain.to_grain(at),
+            };
         }
     }
-    let _ = guess;
     drop(world);
     let transform = scene.nodes[node].transform;
     let first_new = mesh.triangles.len() as u32;
@@ -92,9 +105,11 @@ pub fn prepare(
         grain,
         limb: std::mem::take(&mut found.limb),
         parted: 0,
+        short: 0.0,
     };
     let space = found.stem.grain.clone();
-    refined.refine(TOLERANCE * found.stem.radius, &|_, p, s| {
+    let radius = found.stem.radius;
+    refined.refine(TOLERANCE * radius, radius, &|_, p, s| {
         space.to_grain_near(transform.transform_point3(p), s)
     });
     found.limb = refined.limb;

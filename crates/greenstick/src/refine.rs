@@ -18,6 +18,8 @@ pub(crate) struct Refined {
     pub limb: Vec<u32>,
     /// How many triangles were parted.
     pub parted: usize,
+    /// Length (m) of edges that are straight enough in any case.
+    pub short: f64,
 }
 
 /// Most rounds of halving: an edge becomes 2⁸ parts at most.
@@ -25,8 +27,16 @@ const ROUNDS: usize = 8;
 
 impl Refined {
     /// Halves edges of limb triangles whose middle in the world, brought to grain space by `to_grain`, is farther than
-    /// `tolerance` (m) from the middle in grain space.
-    pub(crate) fn refine(&mut self, tolerance: f64, to_grain: &dyn Fn(&Mesh, DVec3, f64) -> DVec3) {
+    /// `tolerance` (m) from the middle in grain space. `radius` is that of the stem, m.
+    pub(crate) fn refine(
+        &mut self,
+        tolerance: f64,
+        radius: f64,
+        to_grain: &dyn Fn(&Mesh, DVec3, f64) -> DVec3,
+    ) {
+        // No stem bends tighter than by its own radius r, so an edge of length l sags by less than l² / 8r; the
+        // eightfold allows for what grain space stretches on the inner side of a bend.
+        self.short = (tolerance * radius).sqrt();
         for _ in 0..ROUNDS {
             if !self.round(tolerance, to_grain) {
                 return;
@@ -45,6 +55,9 @@ impl Refined {
             let middles: [Option<u32>; 3] = [0, 1, 2].map(|k| {
                 let (a, b) = (corners[k], corners[(k + 1) % 3]);
                 let (p, q) = (self.points[a as usize], self.points[b as usize]);
+                if self.grain[p as usize].distance(self.grain[q as usize]) <= self.short {
+                    return None;
+                }
                 let key = (p.min(q), p.max(q));
                 let half = match halves.get(&key) {
                     Some(half) => *half,
