@@ -194,6 +194,9 @@ impl Inside {
     }
 }
 
+/// An attribute that all pieces have: name, width, values on the broken face, and those on a skin that lacks it.
+type Own<'a> = (&'a str, usize, &'a [f32], &'a dyn Fn() -> Vec<f32>);
+
 /// Zone code of the skin.
 const BARK: f32 = 4.0;
 
@@ -267,7 +270,7 @@ impl<'a> SkinBuilder<'a> {
         let normals: Vec<f32> = face.normals.iter().flatten().map(|n| sign * n).collect();
         let coordinates = face.coordinates.as_flattened();
         let skin_normals = || skin_normals(&self.positions, &self.triangles);
-        let own: [(&str, usize, &[f32], &dyn Fn() -> Vec<f32>); 6] = [
+        let own: [Own; 6] = [
             ("NORMAL", 3, &normals, &skin_normals),
             ("TEXCOORD_0", 2, coordinates, &|| vec![0.0; skin * 2]),
             ("_RING", 1, &inside.rings, &|| vec![1.0; skin]),
@@ -311,12 +314,8 @@ impl<'a> SkinBuilder<'a> {
                 self.source.grain[self.source.points[vertices[i] as usize] as usize]
                     * f64::from(w[i])
             };
-            let mut sum = at(0);
-            for i in 1..3 {
-                if w[i] != 0.0 {
-                    sum += at(i);
-                }
-            }
+            // Vertices without weight may lie off the limb and have no grain coordinates.
+            let sum: DVec3 = (0..3).filter(|&i| i == 0 || w[i] != 0.0).map(at).sum();
             let sum = if sum.is_finite() { sum } else { DVec3::ZERO };
             data.extend(sum.as_vec3().to_array());
         }

@@ -1,0 +1,239 @@
+//! The walls of the broken face, along the grain between tops of different heights.
+
+use super::super::follow::{Chains, follow};
+use super::super::polygon;
+use super::super::{CapFace, CutError};
+use super::{Builder, INSIDE, of};
+use crate::surface::Edge;
+use glam::DVec2;
+
+impl Builder<'_, '_> {
+    pub(super) fn fill_walls(&mut self) -> Result<(), CutError> {
+        let layout = self.layout();
+        for (e, edge) in layout.edges.iter().enumerate() {
+            let Some([a, b]) = self.rims(edge) else {
+                continue;
+            };
+            if a == b {
+                continue;
+            }
+            let knot = self.knot(e as u32);
+            let touched = self.touched[e] || edge.nodes.iter().any(|&n| self.pierced[n as usize]);
+            if !touched {
+                let (facet, k) = edge.facets[0];
+                if self.status[facet as usize][usize::from(k)] == INSIDE {
+                    self.fill_whole_wall(edge, [a, b], knot);
+                }
+                continue;
+            }
+            let chains = if self.touched[e] {
+                of(&self.walls, e as u32)
+            } else {
+                Vec::new()
+            };
+            match knot {
+                None => self.fill_wall(e as u32, edge, [a, b], (0.0, 1.0), &chains)?,
+                Some((t, _)) => {
+                    self.fill_wall(e as u32, edge, [a, b], (0.0, t), &chains)?;
+                    self.fill_wall(e as u32, edge, [a, b], (t, 1.0), &chains)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes that a wall begins, and what it belongs to.
+    fn begin_wall(&mut self, edge: &Edge, left_high: bool) -> CapFace {
+        self.cap.walls.push(self.cap.triangles.len() as u32);
+        let facet = edge.facets[usize::from(!left_high)].0;
+        CapFace {
+            cell: self.layout().cells[facet as usize],
+            top: false,
+        }
+    }
+
+    /// Places in `heights` of the vertices over `node` from one height to another, both of them corners there.
+    fn column(&self, node: u32, a: f64, b: f64) -> (usize, usize) {
+        let (low, high) = (a.min(b), a.max(b));
+        let (mut from, mut to) = (
+            self.starts[node as usize] as usize,
+            self.starts[node as usize + 1] as usize,
+        );
+        while from + 1 < to && self.heights[from].0 < low {
+            from += 1;
+        }
+        while to > from + 1 && self.heights[to - 1].0 > high {
+            to -= 1;
+        }
+        (from, to)
+    }
+
+    /// Fills a wall that the outline does not touch: a trapezium, or two triangles where its rims cross.
+    fn fill_whole_wall(&mut self, edge: &Edge, [a, b]: [[f64; 2]; 2], knot: Option<(f64, u32)>) {
+        let left = self.column(edge.nodes[0], a[0], b[0]);
+        let right = self.column(edge.nodes[1], a[1], b[1]);
+        let Some((t, id)) = knot else {
+            let left_high = a[0] + a[1] > b[0] + b[1];
+            let face = self.begin_wall(edge, left_high);
+            self.fill_between(left, right, left_high, face);
+            return;
+        };
+        let at = self.heights.len();
+        self.heights.push((a[0] + (a[1] - a[0]) * t, id));
+        let face = self.begin_wall(edge, a[0] > b[0]);
+        self.fill_between(left, (at, at + 1), a[0] > b[0], face);
+        let face = self.begin_wall(edge, a[1] > b[1]);
+        self.fill_between((at, at + 1), right, a[1] > b[1], face);
+        self.heights.pop();
+    }
+
+    /// Triangles between two columns of vertices, each from its lowest to its highest, by the shorter diagonals.
+    fn fill_between(
+        &mut self,
+        (mut i, left): (usize, usize),
+        (mut j, right): (usize, usize),
+        forward: bool,
+        face: CapFace,
+    ) {
+        while i + 1 < left || j + 1 < right {
+            let ((low, p), (base, q)) = (self.heights[i], self.heights[j]);
+            let climbs_right = match (i + 1 < left, j + 1 < right) {
+                (true, true) => {
+                    (self.heights[j + 1].0 - low).abs() <= (self.heights[i + 1].0 - base).abs()
+                }
+                (_, right) => right,
+            };
+            let r = if climbs_right {
+                j += 1;
+                self.heights[j].1
+            } else {
+                i += 1;
+                self.heights[i].1
+            };
+            self.push(if forward { [p, q, r] } else { [p, r, q] }, face);
+        }
+    }
+
+    /// Vertices on a rim of a wall within `span`, from its start to its end, the ends included.
+    fn rim(&self, e: u32, edge: &Edge, which: u8, span: (f64, f64)) -> Vec<u32> {
+        let (facet, k) = edge.facets[usize::from(which)];
+        let corners = self.corners[facet as usize];
+        let ends = [corners[usize::from(k)], corners[(usize::from(k) + 1) % 3]];
+        let [start, end] = if which == 0 { ends } else { [ends[1], ends[0]] };
+        let knot = self.knot(e);
+        let mut rim = vec![if span.0 == 0.0 {
+            start
+        } else {
+            knot.map_or(start, |k| k.1)
+        }];
+        let list = self.overlay.rails.get(&(e, which));
+        rim.extend(
+            list.into_iter()
+                .flatten()
+                .filter(|p| p.0 > span.0 && p.0 < span.1)
+                .map(|p| p.1),
+        );
+        rim.push(if span.1 == 1.0 {
+            end
+        } else {
+            knot.map_or(end, |k| k.1)
+        });
+        rim
+    }
+
+    /// Vertices of the line along the grain over `node` strictly between two heights, ascending.
+    fn upright(&self, node: u32, low: f64, high: f64) -> Vec<u32> {
+        let range = self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize;
+        let mut list: Vec<(f64, u32)> = self.heights[range]
+            .iter()
+            .filter(|p| p.0 > low && p.0 < high)
+            .copied()
+            .collect();
+        if let Some(pierced) = self.overlay.uprights.get(&node) {
+            list.extend(pierced.iter().filter(|p| p.0 > low && p.0 < high));
+            list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        list.into_iter().map(|p| p.1).collect()
+    }
+
+    fn fill_wall(
+        &mut self,
+        e: u32,
+        edge: &Edge,
+        [a, b]: [[f64; 2]; 2],
+        span: (f64, f64),
+        chains: Chains,
+    ) -> Result<(), CutError> {
+        let middle = (span.0 + span.1) / 2.0;
+        let at = |rim: [f64; 2]| rim[0] + (rim[1] - rim[0]) * middle;
+        // The higher facet's wood stands behind the wall; seen from the lower one, its border is counter-clockwise.
+        let left_high = at(a) > at(b);
+        let (high, low) = if left_high { (0, 1) } else { (1, 0) };
+        let (mut top, bottom) = (self.rim(e, edge, high, span), self.rim(e, edge, low, span));
+        let (high_rim, low_rim) = if left_high { (a, b) } else { (b, a) };
+        let mut border = bottom;
+        if span.1 == 1.0 {
+            border.extend(self.upright(edge.nodes[1], low_rim[1], high_rim[1]));
+        }
+        top.reverse();
+        border.extend(top);
+        if span.0 == 0.0 {
+            let mut down = self.upright(edge.nodes[0], low_rim[0], high_rim[0]);
+            down.reverse();
+            border.extend(down);
+        }
+        border.dedup();
+        if border.first() == border.last() {
+            border.pop();
+        }
+        if !left_high {
+            border.reverse();
+        }
+        let traced = follow(chains, &border).ok_or_else(|| self.gap(chains))?;
+        let mut loops = traced.loops;
+        let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
+        if !traced.met {
+            let within = |l: &Vec<u32>| {
+                let t = (self.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
+                t > span.0 && t < span.1
+            };
+            loops.retain(within);
+            if self.starts_inside(e, edge, span) {
+                loops.insert(0, border);
+            }
+        }
+        if loops.is_empty() {
+            return Ok(());
+        }
+        let along = (q - p) / (q - p).length();
+        let sign = if left_high { 1.0 } else { -1.0 };
+        let mut triangulator = std::mem::take(&mut self.triangulator);
+        let flat = |id: u32| {
+            let g = self.grain(id);
+            DVec2::new(sign * (g.truncate() - p).dot(along), g.z)
+        };
+        let mut triangles = Vec::new();
+        let filled = polygon::fill(&mut triangulator, &loops, flat, &mut triangles);
+        self.triangulator = triangulator;
+        filled.map_err(|_| CutError::Face {
+            at: self.grain(loops[0][0]),
+        })?;
+        let face = self.begin_wall(edge, left_high);
+        for triangle in triangles {
+            self.push(triangle, face);
+        }
+        Ok(())
+    }
+
+    /// Whether the start of a wall that the outline does not cross lies inside the stem.
+    fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
+        let (facet, k) = edge.facets[0];
+        let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
+        let crossed = self
+            .overlay
+            .rails
+            .get(&(e, 0))
+            .map_or(0, |l| l.iter().filter(|p| p.0 < span.0).count());
+        inside != (crossed % 2 == 1)
+    }
+}
