@@ -83,17 +83,18 @@ pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heig
     let maker = Maker::new(p, setting);
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
+    let proportions = p.proportions();
     let heights: Vec<f64> = bundles
         .layout
         .nodes
         .iter()
-        .zip(&bundles.addresses)
+        .zip(bundles.addresses.iter().zip(&bundles.directions))
         .enumerate()
-        .map(|(n, (&at, &(rho, phi)))| {
+        .map(|(n, (&at, (&(rho, phi), &direction)))| {
             // Beyond the bark the heights of the outermost ring run on.
             let rho = rho.min(1.0);
-            let zone = p.proportions().zone_at(rho, 0.5 / rings);
-            let unit = unit(rho, phi);
+            let zone = proportions.zone_at(rho, 0.5 / rings);
+            let unit = direction * rho;
             let across = (at - pith) / setting.radius;
             let key = if rho >= 1.0 {
                 (1 << 40) + (wrap(phi) * 1e6) as i64
@@ -134,6 +135,8 @@ pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Hei
             length: l.thorn * setting.radius,
         })
         .collect();
+    // Facets of a bundle follow each other, so the last height made at a node is most often the one asked for.
+    let mut last = vec![(NONE, 0.0); bundles.layout.nodes.len()];
     let corners = bundles
         .layout
         .facets
@@ -144,10 +147,13 @@ pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Hei
             let tip = bundles.tips[cell as usize];
             facet.map(|n| {
                 if n == tip && tip != NONE {
-                    level.tip
-                } else {
-                    maker.border(level, cell, n, bundles, pith)
+                    return level.tip;
                 }
+                let known = &mut last[n as usize];
+                if known.0 != cell {
+                    *known = (cell, maker.border(level, cell, n, bundles, pith));
+                }
+                known.1
             })
         })
         .collect();
@@ -381,7 +387,7 @@ impl<'a> Maker<'a> {
         let slope = level.slant.dot(at - level.middle) / self.setting.radius;
         if bundles.bundles[cell as usize].bark {
             // Nodes beyond the bark repeat the heights of those below them, so that the edge runs straight outwards.
-            let unit = unit(1.0, phi);
+            let unit = bundles.directions[node as usize];
             let edge = self.p.bark_height
                 * (self.bark_edge(phi) - self.bark_edge(bundles.bundles[cell as usize].phi));
             let lean = (unit * self.setting.radius - (level.middle - pith)).dot(self.tilt)

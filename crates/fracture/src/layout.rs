@@ -65,6 +65,8 @@ pub struct Bundles {
     pub bundles: Vec<Bundle>,
     /// Ring coordinate and angle (rad) of every node.
     pub addresses: Vec<(f64, f64)>,
+    /// Cosine and sine of the angle of every node.
+    pub directions: Vec<DVec2>,
     /// For each bundle the node within it that carries its tip, or [`crate::surface::NONE`].
     pub tips: Vec<u32>,
 }
@@ -92,6 +94,14 @@ impl Maker<'_> {
         self.addresses.push((rho, phi));
         self.nodes.len() as u32 - 1
     }
+}
+
+fn directions(addresses: &[(f64, f64)]) -> Vec<DVec2> {
+    let direction = |&(_, phi): &(f64, f64)| {
+        let (sin, cos) = libm::sincos(phi);
+        DVec2::new(cos, sin)
+    };
+    addresses.iter().map(direction).collect()
 }
 
 /// An irrational offset (rad), so that no ray runs exactly through a vertex of a symmetrical mesh.
@@ -158,6 +168,7 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     Bundles {
         layout: Arc::new(layout),
         bundles,
+        directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips,
     }
@@ -228,6 +239,7 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> B
     Bundles {
         layout: Arc::new(layout),
         bundles: build.bundles,
+        directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips: build.tips,
     }
@@ -577,6 +589,10 @@ fn add_tip(maker: &mut Maker, facets: &mut Vec<[u32; 3]>, first: usize) -> u32 {
 }
 
 /// The angle brought to −π … π.
+#[inline]
 pub fn wrap(angle: f64) -> f64 {
+    if (-PI..PI).contains(&angle) {
+        return angle;
+    }
     angle - TAU * ((angle + PI) / TAU).floor()
 }

@@ -1,6 +1,7 @@
 //! Procedural fracture: break surfaces in wood, cracks, and cutting a mesh along them.
 #![deny(missing_docs)]
 
+pub mod cracks;
 pub mod cut;
 pub mod heights;
 pub mod layout;

@@ -5,7 +5,6 @@
 //! around nearly every fibre bundle.
 
 use glam::DVec2;
-use rustc_hash::FxHashMap;
 
 /// "No facet": beyond the border of the triangulation.
 pub const NONE: u32 = u32::MAX;
@@ -47,24 +46,29 @@ pub struct Edge {
 impl Layout {
     /// The layout of `facets` over `nodes`. Facets must be counter-clockwise and share whole edges.
     pub fn new(nodes: Vec<DVec2>, facets: Vec<[u32; 3]>, cells: Vec<u32>) -> Self {
-        let mut known: FxHashMap<u64, u32> =
-            FxHashMap::with_capacity_and_hasher(facets.len() * 3 / 2 + 8, Default::default());
-        let mut edges: Vec<Edge> = Vec::with_capacity(facets.len() * 3 / 2 + 8);
+        let mut edges: Vec<Edge> = Vec::with_capacity(facets.len() * 3 / 2 + nodes.len() + 8);
         let mut sides = Vec::with_capacity(facets.len());
+        // For each node its latest edge to a node of a larger number, and for each edge the one before it there.
+        let mut latest = vec![NONE; nodes.len()];
+        let mut before: Vec<u32> = Vec::with_capacity(edges.capacity());
         for (f, facet) in facets.iter().enumerate() {
             let mut side = [0; 3];
             for k in 0..3 {
                 let (a, b) = (facet[k], facet[(k + 1) % 3]);
-                let nodes = [a.min(b), a.max(b)];
-                let e = *known
-                    .entry(u64::from(nodes[0]) << 32 | u64::from(nodes[1]))
-                    .or_insert_with(|| {
-                        edges.push(Edge {
-                            nodes,
-                            facets: [(NONE, 0); 2],
-                        });
-                        edges.len() as u32 - 1
+                let ends = [a.min(b), a.max(b)];
+                let mut e = latest[ends[0] as usize];
+                while e != NONE && edges[e as usize].nodes[1] != ends[1] {
+                    e = before[e as usize];
+                }
+                if e == NONE {
+                    e = edges.len() as u32;
+                    edges.push(Edge {
+                        nodes: ends,
+                        facets: [(NONE, 0); 2],
                     });
+                    before.push(latest[ends[0] as usize]);
+                    latest[ends[0] as usize] = e;
+                }
                 edges[e as usize].facets[usize::from(a > b)] = (f as u32, k as u8);
                 side[k] = e;
             }

@@ -24,6 +24,9 @@ pub enum Error {
     /// The textures of the wood inside could not be made.
     #[error(transparent)]
     Texture(#[from] greenstick_skin::texture::TextureError),
+    /// Cracks could not be made.
+    #[error(transparent)]
+    Crack(#[from] greenstick_fracture::cracks::CrackError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

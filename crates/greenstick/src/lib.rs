@@ -32,9 +32,11 @@
 #![deny(missing_docs)]
 
 mod breaking;
+mod cracks;
 mod error;
 pub mod files;
 mod looks;
+mod kept;
 mod model;
 mod pictures;
 mod prepare;
@@ -42,6 +44,7 @@ mod refine;
 mod report;
 
 pub use breaking::{BreakRequest, Broken, break_scene, built_in_branch};
+pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
@@ -50,7 +53,7 @@ pub use greenstick_picture as picture;
 pub use greenstick_skin as skin;
 pub use greenstick_wood as wood;
 pub use looks::Looks;
-pub use model::Model;
+pub use model::{Drawn, Model};
 pub use pictures::{picture_of_break, picture_of_scene};
 pub use prepare::{Extent, Prepared, prepare};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};

@@ -2,13 +2,16 @@
 
 use crate::{Error, Prepared};
 use glam::{DVec2, DVec3};
-use greenstick_fracture::cut::{Cut, CutError, Solid, cut};
+use greenstick_fracture::cut::{Cut, CutError, cut_again};
 use greenstick_fracture::heights::{self, Heights, Setting};
-use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::layout::{Bundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_geometry::Mesh;
-use greenstick_skin::pieces::{self, InnerWood, Source};
+use greenstick_skin::face::{Face, face};
+use greenstick_skin::pieces::{self, InnerWood, Patch, Source};
 use greenstick_wood::stem::StemKind;
+use greenstick_wood::tissue::Proportions;
+use std::sync::Arc;
 
 /// A broken stem.
 #[derive(Debug, Clone)]
@@ -18,7 +21,7 @@ pub struct Model {
     /// The upper piece.
     pub upper: Mesh,
     /// Fibre bundles of the face.
-    pub bundles: Bundles,
+    pub bundles: Arc<Bundles>,
     /// The surface, and what was done to fit it in.
     pub heights: Heights,
     /// Middle and side (m) of the square of the section that the inner wood's texture covers.
@@ -27,95 +30,175 @@ pub struct Model {
     pub chips: usize,
 }
 
+/// A broken stem as it is drawn: what the break changes, with the rest of the skin by reference.
+///
+/// Each piece consists of the skin that the break does not come near ([`Prepared::skin_below`] and
+/// [`Prepared::skin_above`]), the skin about the break, whole triangles and parts of cut ones ([`Drawn::patch`]), and
+/// the broken face, which the upper piece has turned over.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The broken face.
+    pub face: Face,
+    /// The skin about the break.
+    pub patch: Patch,
+    /// Fibre bundles of the face.
+    pub bundles: Arc<Bundles>,
+    /// The surface, and what was done to fit it in.
+    pub heights: Heights,
+    /// Middle and side (m) of the square of the section that the inner wood's texture covers.
+    pub square: (DVec2, f64),
+    cut: Cut,
+    proportions: Proportions,
+    material: u32,
+    smooth: bool,
+    chips: usize,
+}
+
 impl Prepared {
-    /// Breaks the stem. `relief` scales the torn relief (1 for none); `material` is that of the wood inside.
+    /// Breaks the stem and makes meshes of both pieces. `relief` scales the torn relief (1 for none); `material` is that
+    /// of the wood inside.
     ///
     /// # Errors
     /// [`Error::Cut`] where the mesh is open or not a manifold at the break.
     pub fn model(&self, p: &BreakParameters, relief: f64, material: u32) -> Result<Model, Error> {
+        let broken = self.drawn(p, relief, material)?;
+        Ok(Model {
+            lower: self.piece(&broken, false),
+            upper: self.piece(&broken, true),
+            bundles: broken.bundles,
+            heights: broken.heights,
+            square: broken.square,
+            chips: broken.chips,
+        })
+    }
+
+    /// Breaks the stem as [`Prepared::model`] does, up to what is drawn: no more is made anew than the break changes.
+    ///
+    /// # Errors
+    /// [`Error::Cut`] where the mesh is open or not a manifold at the break.
+    pub fn drawn(&self, p: &BreakParameters, relief: f64, material: u32) -> Result<Drawn, Error> {
         let stem = &self.found.stem;
-        let options = LayoutOptions {
-            rings: p.rings as usize,
-            sectors: p.sectors as usize,
-            reach: self.extent.reach,
-            radius: self.extent.radius,
-            arc: self.extent.arc,
-            bark: (stem.kind != StemKind::Board).then_some(self.extent.bark),
-            seed: p.seed,
-        };
+        let smooth = p.surface == Surface::Smooth;
+        let laid = self.kept.laid(self, &self.layout_options(p), smooth);
         let setting = Setting {
             radius: stem.radius,
             place: stem.place,
             usable: stem.usable,
             relief,
         };
-        let smooth = p.surface == Surface::Smooth;
-        let (bundles, heights) = if smooth {
-            let bundles = layout::smooth(&stem.rings, &options);
-            let heights = heights::smooth(&bundles, p, &setting);
-            (bundles, heights)
+        let heights = if smooth {
+            heights::smooth(&laid.bundles, p, &setting)
         } else {
-            let bundles = layout::fibrous(&stem.rings, &options);
-            let heights = heights::fibrous(&bundles, p, &setting);
-            (bundles, heights)
+            heights::fibrous(&laid.bundles, p, &setting)
         };
-        let solid = Solid {
-            triangles: &self.corners,
-            points: &self.grain,
-            shell: &self.found.shell,
-            limb: &self.found.limb,
+        let level = if smooth {
+            f64::INFINITY
+        } else {
+            self.level(heights.range, stem.radius / f64::from(p.rings))
         };
-        let level = self.level(heights.range, stem.radius / f64::from(p.rings));
-        let mut cut = cut(&solid, &heights.surface, level).map_err(|error| self.locate(error))?;
-        let chips = cut.absorb_chips(&solid);
-        let node = &self.scene.nodes[self.found.node];
-        let source = Source {
-            mesh: &node.mesh,
-            transform: &node.transform,
-            points: &self.points,
-            grain: &self.grain,
-        };
-        let square = self.square();
-        let proportions = p.proportions();
-        let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
-        let inner = InnerWood {
-            stem,
-            bundles: &bundles,
-            zone: &zone,
-            material,
-            square,
-            smooth,
-        };
-        let (lower, upper) = self.pieces(&source, &cut, &inner);
-        Ok(Model {
-            lower,
-            upper,
-            bundles,
+        let mut cut = cut_again(
+            &self.solid(),
+            &self.kept.skin,
+            &laid.ground,
+            &heights.surface,
+            level,
+        )
+        .map_err(|error| self.locate(error))?;
+        let chips = cut.absorb_chips(&self.solid());
+        let mut broken = Drawn {
+            face: Face::default(),
+            patch: Patch::default(),
+            bundles: laid.bundles.clone(),
             heights,
-            square,
+            square: self.kept.square,
+            cut,
+            proportions: p.proportions(),
+            material,
+            smooth,
             chips,
+        };
+        let source = self.source();
+        let (face, patch) = self.with_inner(&broken, |inner| {
+            let face = face(&source, &broken.cut, inner);
+            let patch = pieces::patch(&source, &broken.cut, &self.kept.skin, &face.places);
+            (face, patch)
+        });
+        (broken.face, broken.patch) = (face, patch);
+        Ok(broken)
+    }
+
+    /// One piece of a broken stem as a mesh of its own, in the coordinates of the node that was cut.
+    pub fn piece(&self, broken: &Drawn, upper: bool) -> Mesh {
+        self.with_inner(broken, |inner| {
+            pieces::piece(
+                &self.source(),
+                &broken.cut,
+                &broken.patch,
+                &broken.face,
+                inner,
+                upper,
+            )
         })
     }
 
-    fn pieces(&self, source: &Source, cut: &Cut, inner: &InnerWood) -> (Mesh, Mesh) {
-        let positions = pieces::positions(source, cut, inner.stem);
-        let cap = pieces::cap(source, cut, &positions, inner);
-        let piece = |upper| pieces::piece(source, cut, &positions, &cap, inner, upper);
-        (piece(false), piece(true))
+    /// Triangles of the cut node's mesh that lie wholly below all that changes with the break.
+    pub fn skin_below(&self, broken: &Drawn) -> &[[u32; 3]] {
+        &self.kept.triangles[..broken.cut.sides.below]
+    }
+
+    /// Triangles of the cut node's mesh that lie wholly above all that changes with the break.
+    pub fn skin_above(&self, broken: &Drawn) -> &[[u32; 3]] {
+        &self.kept.triangles[broken.cut.sides.above..]
+    }
+
+    fn layout_options(&self, p: &BreakParameters) -> LayoutOptions {
+        LayoutOptions {
+            rings: p.rings as usize,
+            sectors: p.sectors as usize,
+            reach: self.extent.reach,
+            radius: self.extent.radius,
+            arc: self.extent.arc,
+            bark: (self.found.stem.kind != StemKind::Board).then_some(self.extent.bark),
+            seed: p.seed,
+        }
+    }
+
+    pub(crate) fn source(&self) -> Source<'_> {
+        Source {
+            mesh: &self.scene.nodes[self.found.node].mesh,
+            points: &self.points,
+            vertices: &self.kept.vertices,
+            grain: &self.grain,
+            chart: &self.kept.chart,
+        }
+    }
+
+    fn with_inner<T>(&self, broken: &Drawn, then: impl FnOnce(&InnerWood) -> T) -> T {
+        let zone = |rho: f64| broken.proportions.zone_at(rho, 0.0).code();
+        then(&InnerWood {
+            stem: &self.found.stem,
+            bundles: &broken.bundles,
+            zone: &zone,
+            material: broken.material,
+            square: broken.square,
+            smooth: broken.smooth,
+        })
     }
 
     /// Length (m) along the grain over which a line at the skin bends by no more than a fraction of a bundle's
     /// thickness (m), within the given range of heights (m from the place).
-    fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
+    pub(crate) fn level(&self, range: (f64, f64), thickness: f64) -> f64 {
         const SAG: f64 = 0.02;
         let stem = &self.found.stem;
+        // The chart leads to the node's coordinates.
+        let scale = self.transform().matrix3.determinant().abs().cbrt();
         let at = |i: usize, s: f64| {
             let (sin, cos) = libm::sincos(i as f64 * std::f64::consts::FRAC_PI_2);
-            stem.grain.to_world(DVec3::new(
+            self.kept.chart.place(DVec3::new(
                 cos * stem.radius,
                 sin * stem.radius,
                 stem.place + s,
-            ))
+            )) * scale
         };
         let mut level = range.1 - range.0;
         for _ in 0..8 {
@@ -139,21 +222,7 @@ impl Prepared {
         }
     }
 
-    /// The square of the section that holds the limb's skin.
-    fn square(&self) -> (DVec2, f64) {
-        let points = self
-            .found
-            .limb
-            .iter()
-            .flat_map(|&t| self.corners[t as usize])
-            .map(|p| self.grain[p as usize]);
-        let (low, high) = points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-            (low.min(p.truncate()), high.max(p.truncate()))
-        });
-        ((low + high) / 2.0, (high - low).max_element() * 1.02)
-    }
-
-    fn locate(&self, error: CutError) -> Error {
+    pub(crate) fn locate(&self, error: CutError) -> Error {
         let at = match &error {
             CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => {
                 *at

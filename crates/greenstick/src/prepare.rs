@@ -1,10 +1,13 @@
 //! From a scene and a place to a stem that is ready to be broken, again and again, with changing parameters.
 
 use crate::Error;
+use crate::kept::Kept;
 use crate::refine::Refined;
 use glam::{DAffine3, DVec2, DVec3};
+use greenstick_fracture::cut::Solid;
 use greenstick_geometry::{Context, Mesh, Scene};
 use greenstick_wood::stem::{Found, Place, StemKind, StemOptions, find};
+use std::sync::Arc;
 
 /// A scene with the stem found in it.
 #[derive(Debug, Clone)]
@@ -23,6 +26,8 @@ pub struct Prepared {
     pub extent: Extent,
     /// Triangles of the skin that were parted because the stem is bent there.
     pub parted: usize,
+    /// What breaks share.
+    pub(crate) kept: Arc<Kept>,
 }
 
 /// Part of the radius by which the skin may lie off its place in grain space.
@@ -94,6 +99,16 @@ pub fn prepare(
         .map(|t| t.map(|v| refined.points[v as usize]))
         .collect();
     let extent = extent(&found, &corners, &refined.grain);
+    let kept = {
+        let solid = Solid {
+            triangles: &corners,
+            points: &refined.grain,
+            shell: &found.shell,
+            limb: &found.limb,
+        };
+        let mesh = &refined.mesh;
+        Kept::new(&found, &solid, &mesh.triangles, &refined.points, &transform)
+    };
     scene.nodes[node].mesh = refined.mesh;
     Ok(Prepared {
         scene,
@@ -103,6 +118,7 @@ pub fn prepare(
         corners,
         extent,
         parted: refined.parted,
+        kept: Arc::new(kept),
     })
 }
 
@@ -183,10 +199,10 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
 }
 
 impl Prepared {
-    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length.
+    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length. A board keeps its grain.
     pub fn with_spiral(&self, spiral: f64) -> Prepared {
         let mut made = self.clone();
-        if spiral == 0.0 {
+        if spiral == 0.0 || made.found.stem.kind == StemKind::Board {
             return made;
         }
         let stem = &mut made.found.stem;

@@ -1,5 +1,6 @@
 //! Closed, textured meshes from what fracture produces.
 #![deny(missing_docs)]
 
+pub mod face;
 pub mod pieces;
 pub mod texture;

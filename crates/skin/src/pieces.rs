@@ -1,15 +1,11 @@
 //! The pieces of a cut as meshes: skin with its attributes carried over, broken faces with their own.
-//!
-//! The wood inside has texture coordinates in metres. End grain reads (x, y) of the section, shifted so that the
-//! section's middle is the middle of a square of side W; side grain reads W + distance from the pith across and the
-//! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
-//! therefore serves both, with the scale (1/2W, 1/W).
 
-use glam::{DAffine3, DVec2, DVec3};
-use greenstick_fracture::cut::{Cut, Host, Side};
-use greenstick_fracture::layout::{Bundles, wrap};
+use crate::face::Face;
+use glam::{DVec2, DVec3};
+use greenstick_fracture::cut::{Cut, Host, Side, Skin};
+use greenstick_fracture::layout::Bundles;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
-use greenstick_wood::stem::Stem;
+use greenstick_wood::stem::{Chart, Stem};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
@@ -18,12 +14,14 @@ use std::collections::BTreeMap;
 pub struct Source<'a> {
     /// The mesh, in its node's coordinates.
     pub mesh: &'a Mesh,
-    /// The node's coordinates to the world.
-    pub transform: &'a DAffine3,
     /// Point number of each vertex.
     pub points: &'a [u32],
+    /// A vertex of each point.
+    pub vertices: &'a [u32],
     /// Grain coordinates of each point, NaN off the limb.
     pub grain: &'a [DVec3],
+    /// Grain coordinates to the node's.
+    pub chart: &'a Chart,
 }
 
 /// What the broken face shows.
@@ -43,181 +41,157 @@ pub struct InnerWood<'a> {
     pub smooth: bool,
 }
 
-/// The broken face with its attributes, oriented for the lower piece. Positions are in the node's coordinates.
+/// A vertex between those of the source mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PatchVertex {
+    /// Position.
+    pub position: DVec3,
+    /// Source vertices.
+    pub vertices: [u32; 3],
+    /// Their weights.
+    pub weights: [f32; 3],
+}
+
+/// The skin about a break. Vertices are numbered through: those of the source mesh first, then the patch's own.
 #[derive(Debug, Clone, Default)]
-pub struct CapMesh {
-    /// Positions.
-    pub positions: Vec<DVec3>,
-    /// Triangles.
-    pub triangles: Vec<[u32; 3]>,
-    normals: Vec<f32>,
-    coordinates: Vec<f32>,
+pub struct Patch {
+    /// Number of vertices of the source mesh.
+    pub first: u32,
+    /// Vertices made along the break.
+    pub vertices: Vec<PatchVertex>,
+    /// Attributes of `vertices`, those of the source mesh.
+    pub attributes: BTreeMap<String, Attribute>,
+    /// Triangles that are parts of cut ones, for the lower and the upper piece.
+    pub parts: [Vec<[u32; 3]>; 2],
+    /// The source triangle of each of `parts`.
+    pub sources: [Vec<u32>; 2],
+    /// Whole triangles of the source mesh for the lower and the upper piece whose rank ([`Sides`]) lies between those
+    /// that are surely below and above.
+    ///
+    /// [`Sides`]: greenstick_fracture::cut::Sides
+    pub whole: [Vec<[u32; 3]>; 2],
+}
+
+/// Makes the skin about the break; `skin` is the sorted skin that was cut.
+pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch {
+    let mut patch = Patch {
+        first: source.mesh.positions.len() as u32,
+        ..Patch::default()
+    };
+    let mut known: FxHashMap<(u32, u32, u32), u32> = FxHashMap::default();
+    for part in &cut.skin {
+        let t = part.source;
+        let vertices = source.mesh.triangles[t as usize];
+        let corners = part.corners.map(|id| {
+            let holds = |point: u32| {
+                let holds = |v: &u32| source.points[*v as usize] == point;
+                vertices.iter().copied().find(holds).unwrap_or(vertices[0])
+            };
+            let (key, vertices, weights) = match cut.host(id) {
+                Host::Point(p) => return holds(p),
+                Host::Edge { ends, t } => {
+                    let [a, b] = ends.map(holds);
+                    ((id, a, b), [a, b, a], [1.0 - t, t, 0.0])
+                }
+                Host::Face { weights, .. } => ((id, u32::MAX, t), vertices, weights),
+                Host::Inside => ((id, u32::MAX, t), vertices, [1.0, 0.0, 0.0]),
+            };
+            *known.entry(key).or_insert_with(|| {
+                patch.vertices.push(PatchVertex {
+                    position: places[id as usize - cut.points],
+                    vertices,
+                    weights: weights.map(|w| w as f32),
+                });
+                patch.first + patch.vertices.len() as u32 - 1
+            })
+        });
+        let side = usize::from(part.upper);
+        patch.parts[side].push(corners);
+        patch.sources[side].push(t);
+    }
+    for (i, side) in cut.sides.between.iter().enumerate() {
+        let side = match side {
+            Side::Lower => 0,
+            Side::Upper => 1,
+            Side::Split | Side::Elsewhere => continue,
+        };
+        let t = skin.order[cut.sides.below + i];
+        patch.whole[side].push(source.mesh.triangles[t as usize]);
+    }
+    for (name, attribute) in &source.mesh.attributes {
+        let vertices = patch.vertices.iter().map(|v| (v.vertices, v.weights));
+        let data = interpolate(name, attribute, vertices);
+        let width = attribute.width;
+        patch
+            .attributes
+            .insert(name.clone(), Attribute { width, data });
+    }
+    patch
+}
+
+/// One piece of a cut as a mesh of its own: its share of the skin, and the broken face. Shells that were not cut are not
+/// in it.
+pub fn piece(
+    source: &Source,
+    cut: &Cut,
+    patch: &Patch,
+    face: &Face,
+    inner: &InnerWood,
+    upper: bool,
+) -> Mesh {
+    let mut builder = SkinBuilder::new(source, patch);
+    let side = if upper { Side::Upper } else { Side::Lower };
+    for t in 0..source.mesh.triangles.len() {
+        if cut.sides[t] == side {
+            let corners = source.mesh.triangles[t].map(|v| builder.vertex(v));
+            builder.triangle(corners, source.mesh.material(t));
+        }
+    }
+    let half = usize::from(upper);
+    for (part, &t) in patch.parts[half].iter().zip(&patch.sources[half]) {
+        let corners = part.map(|v| builder.vertex(v));
+        builder.triangle(corners, source.mesh.material(t as usize));
+    }
+    builder.finish(&Inside::new(cut, face, inner), face, inner, upper)
+}
+
+/// What the vertices of a broken face carry besides their place.
+struct Inside {
+    /// Number of the first vertex made by the cut.
+    first: usize,
     rings: Vec<f32>,
     sectors: Vec<f32>,
     zones: Vec<f32>,
     grain: Vec<f32>,
 }
 
-/// Cosine of the angle between a face's normal and the grain above which it shows end grain.
-const END_GRAIN: f64 = 0.5;
-/// How fast side grain drifts across the texture along a ring, so that tangential faces are not one flat colour.
-const DRIFT: f64 = 0.12;
-
-/// Where each vertex of a cut lies, in the node's coordinates.
-pub fn positions(source: &Source, cut: &Cut, stem: &Stem) -> Vec<DVec3> {
-    let mut at_point = vec![DVec3::NAN; cut.points];
-    for (vertex, &point) in source.points.iter().enumerate() {
-        at_point[point as usize] = source.mesh.positions[vertex];
-    }
-    let back = source.transform.inverse();
-    let corner =
-        |t: u32, k: usize| source.mesh.positions[source.mesh.triangles[t as usize][k] as usize];
-    let made: Vec<DVec3> = cut
-        .vertices
-        .iter()
-        .map(|v| match v.host {
-            Host::Point(p) => at_point[p as usize],
-            Host::Edge { ends: [a, b], t } => at_point[a as usize].lerp(at_point[b as usize], t),
-            Host::Face {
-                triangle,
-                weights: w,
-            } => {
-                corner(triangle, 0) * w[0] + corner(triangle, 1) * w[1] + corner(triangle, 2) * w[2]
-            }
-            Host::Inside => back.transform_point3(stem.grain.to_world(v.grain)),
-        })
-        .collect();
-    at_point.extend(made);
-    at_point
-}
-
-/// The broken face of a cut; `positions` as from [`positions`].
-pub fn cap(source: &Source, cut: &Cut, positions: &[DVec3], inner: &InnerWood) -> CapMesh {
-    let mut cap = CapMesh::default();
-    let grain_of = |id: u32| cut.grain(source.grain, id);
-    let smooth_normals = smooth_normals(cut, positions, inner);
-    let layout = &inner.bundles.layout;
-    // One mesh vertex for every use of a cut's vertex that differs in normal or texture.
-    let mut known: FxHashMap<(u32, u64), u32> = FxHashMap::default();
-    known.reserve(cut.vertices.len() * 2);
-    debug_assert_eq!(layout.cells.len(), layout.facets.len());
-    for (triangle, face) in cut.cap.iter().zip(&cut.faces) {
-        let [a, b, c] = triangle.map(|id| positions[id as usize]);
-        let flat = (b - a).cross(c - a).normalize_or_zero();
-        let [ga, gb, gc] = triangle.map(grain_of);
-        let grain_normal = (gb - ga).cross(gc - ga).normalize_or_zero();
-        let end = face.top && grain_normal.z.abs() > END_GRAIN;
-        let bundle = inner.bundles.bundles.get(face.cell as usize);
-        let group = match (face.top, inner.smooth) {
-            (true, true) => 0,
-            (true, false) => u64::from(face.cell) + 1,
-            // Walls of one bundle are told apart by their direction in sixteen parts.
-            (false, _) => {
-                let turn =
-                    libm::atan2(grain_normal.y, grain_normal.x) / std::f64::consts::TAU + 0.5;
-                1 << 40 | u64::from(face.cell) << 6 | (turn * 16.0) as u64
-            }
+impl Inside {
+    fn new(cut: &Cut, face: &Face, inner: &InnerWood) -> Self {
+        let mut inside = Inside {
+            first: cut.points,
+            rings: Vec::with_capacity(face.ids.len()),
+            sectors: Vec::with_capacity(face.ids.len()),
+            zones: Vec::with_capacity(face.ids.len()),
+            grain: Vec::with_capacity(face.ids.len() * 3),
         };
-        let key_part = group << 1 | u64::from(end);
-        let corners = triangle.map(|id| {
-            *known.entry((id, key_part)).or_insert_with(|| {
-                let normal = if face.top {
-                    smooth_normals.get(&(id, group)).copied().unwrap_or(flat)
-                } else {
-                    flat
-                };
-                cap.push(
-                    positions[id as usize],
-                    grain_of(id),
-                    normal,
-                    end,
-                    bundle.map(|b| (b.phi, b.sector)),
-                    inner,
-                )
-            })
-        });
-        cap.triangles.push(corners);
-    }
-    cap
-}
-
-/// Mean normals of the tops at each vertex of each group.
-fn smooth_normals(
-    cut: &Cut,
-    positions: &[DVec3],
-    inner: &InnerWood,
-) -> FxHashMap<(u32, u64), DVec3> {
-    let mut sums: FxHashMap<(u32, u64), DVec3> = FxHashMap::default();
-    for (triangle, face) in cut.cap.iter().zip(&cut.faces).filter(|(_, f)| f.top) {
-        let [a, b, c] = triangle.map(|id| positions[id as usize]);
-        let normal = (b - a).cross(c - a);
-        let group = if inner.smooth {
-            0
-        } else {
-            u64::from(face.cell) + 1
-        };
-        for &id in triangle {
-            *sums.entry((id, group)).or_default() += normal;
+        let skin = cut.points + cut.vertices.len();
+        for (&id, &cell) in face.ids.iter().zip(&face.cells) {
+            // Vertices of the broken face are the cut's own, never the mesh's.
+            let grain = cut.grain(&[], id);
+            let node = (id as usize).checked_sub(skin).map(|i| cut.nodes[i]);
+            let address = node.and_then(|n| inner.bundles.addresses.get(n as usize));
+            let rho = match address {
+                Some(address) => address.0,
+                None => inner.stem.rings.address(grain.truncate()).0,
+            };
+            let bundle = inner.bundles.bundles.get(cell as usize);
+            inside.rings.push(rho.min(1.0) as f32);
+            inside.sectors.push(bundle.map_or(0.0, |b| b.sector as f32));
+            inside.zones.push(f32::from((inner.zone)(rho)));
+            inside.grain.extend(grain.as_vec3().to_array());
         }
+        inside
     }
-    sums.values_mut().for_each(|n| *n = n.normalize_or_zero());
-    sums
-}
-
-impl CapMesh {
-    fn push(
-        &mut self,
-        position: DVec3,
-        grain: DVec3,
-        normal: DVec3,
-        end: bool,
-        bundle: Option<(f64, u32)>,
-        inner: &InnerWood,
-    ) -> u32 {
-        let across = grain.truncate();
-        let (rho, phi) = inner.stem.rings.address(across);
-        let (middle, sector) = bundle.unwrap_or((phi, 0));
-        let (corner, width) = (inner.square.0 - inner.square.1 / 2.0, inner.square.1);
-        let coordinates = if end {
-            across - corner
-        } else {
-            let r = across.distance(inner.stem.rings.pith());
-            let phi = middle + wrap(phi - middle);
-            DVec2::new(width + r * (1.0 + DRIFT * phi), grain.z)
-        };
-        self.positions.push(position);
-        self.normals.extend(normal.as_vec3().to_array());
-        self.coordinates.extend(coordinates.as_vec2().to_array());
-        self.rings.push(rho.min(1.0) as f32);
-        self.sectors.push(sector as f32);
-        self.zones.push(f32::from((inner.zone)(rho)));
-        self.grain.extend(grain.as_vec3().to_array());
-        self.positions.len() as u32 - 1
-    }
-}
-
-/// One piece of a cut: its share of the skin, and the broken face. Shells that were not cut are not in it.
-pub fn piece(
-    source: &Source,
-    cut: &Cut,
-    positions: &[DVec3],
-    cap: &CapMesh,
-    inner: &InnerWood,
-    upper: bool,
-) -> Mesh {
-    let mut builder = SkinBuilder::new(source, cut, positions);
-    let side = if upper { Side::Upper } else { Side::Lower };
-    for (t, &s) in cut.sides.iter().enumerate() {
-        if s == side {
-            let corners = source.mesh.triangles[t].map(|v| builder.whole(v));
-            builder.triangle(corners, source.mesh.material(t));
-        }
-    }
-    for part in cut.skin.iter().filter(|p| p.upper == upper) {
-        let corners = part.corners.map(|id| builder.cut_vertex(part.source, id));
-        builder.triangle(corners, source.mesh.material(part.source as usize));
-    }
-    builder.finish(cap, inner, upper)
 }
 
 /// Zone code of the skin.
@@ -225,29 +199,26 @@ const BARK: f32 = 4.0;
 
 struct SkinBuilder<'a> {
     source: &'a Source<'a>,
-    cut: &'a Cut,
-    at: &'a [DVec3],
+    patch: &'a Patch,
     positions: Vec<DVec3>,
     /// Source vertices and weights of every vertex.
     weights: Vec<([u32; 3], [f32; 3])>,
     triangles: Vec<[u32; 3]>,
     materials: Vec<u32>,
-    whole: Vec<u32>,
-    parts: FxHashMap<(u32, u32, u32), u32>,
+    /// For each vertex of the source mesh and of the patch its number here.
+    known: Vec<u32>,
 }
 
 impl<'a> SkinBuilder<'a> {
-    fn new(source: &'a Source<'a>, cut: &'a Cut, at: &'a [DVec3]) -> Self {
+    fn new(source: &'a Source<'a>, patch: &'a Patch) -> Self {
         SkinBuilder {
             source,
-            cut,
-            at,
+            patch,
             positions: Vec::new(),
             weights: Vec::new(),
             triangles: Vec::new(),
             materials: Vec::new(),
-            whole: vec![u32::MAX; source.mesh.positions.len()],
-            parts: FxHashMap::default(),
+            known: vec![u32::MAX; patch.first as usize + patch.vertices.len()],
         }
     }
 
@@ -256,60 +227,31 @@ impl<'a> SkinBuilder<'a> {
         self.materials.push(material);
     }
 
-    fn push(&mut self, position: DVec3, vertices: [u32; 3], weights: [f64; 3]) -> u32 {
-        self.positions.push(position);
-        self.weights.push((vertices, weights.map(|w| w as f32)));
-        self.positions.len() as u32 - 1
-    }
-
-    fn whole(&mut self, vertex: u32) -> u32 {
-        if self.whole[vertex as usize] == u32::MAX {
-            let p = self.source.mesh.positions[vertex as usize];
-            self.whole[vertex as usize] = self.push(p, [vertex; 3], [1.0, 0.0, 0.0]);
-        }
-        self.whole[vertex as usize]
-    }
-
-    /// Vertex `id` of the cut as a corner of a part of triangle `t`.
-    fn cut_vertex(&mut self, t: u32, id: u32) -> u32 {
-        let vertices = self.source.mesh.triangles[t as usize];
-        let holds = |point: u32| {
-            vertices
-                .iter()
-                .copied()
-                .find(|&v| self.source.points[v as usize] == point)
-                .unwrap_or(vertices[0])
-        };
-        let position = self.at[id as usize];
-        match self.cut.host(id) {
-            Host::Point(p) => self.whole(holds(p)),
-            Host::Edge { ends, t } => {
-                let [a, b] = ends.map(holds);
-                if let Some(&known) = self.parts.get(&(id, a, b)) {
-                    return known;
+    fn vertex(&mut self, vertex: u32) -> u32 {
+        if self.known[vertex as usize] == u32::MAX {
+            self.known[vertex as usize] = self.positions.len() as u32;
+            match vertex.checked_sub(self.patch.first) {
+                None => {
+                    self.positions
+                        .push(self.source.mesh.positions[vertex as usize]);
+                    self.weights.push(([vertex; 3], [1.0, 0.0, 0.0]));
                 }
-                let made = self.push(position, [a, b, a], [1.0 - t, t, 0.0]);
-                self.parts.insert((id, a, b), made);
-                made
-            }
-            Host::Face { weights, .. } => {
-                if let Some(&known) = self.parts.get(&(id, u32::MAX, t)) {
-                    return known;
+                Some(i) => {
+                    let made = &self.patch.vertices[i as usize];
+                    self.positions.push(made.position);
+                    self.weights.push((made.vertices, made.weights));
                 }
-                let made = self.push(position, vertices, weights);
-                self.parts.insert((id, u32::MAX, t), made);
-                made
             }
-            Host::Inside => self.push(position, vertices, [1.0, 0.0, 0.0]),
         }
+        self.known[vertex as usize]
     }
 
-    fn finish(self, cap: &CapMesh, inner: &InnerWood, upper: bool) -> Mesh {
+    fn finish(self, inside: &Inside, face: &Face, inner: &InnerWood, upper: bool) -> Mesh {
         let skin = self.positions.len();
-        let total = skin + cap.positions.len();
+        let total = skin + face.ids.len();
         let mut attributes: BTreeMap<String, Attribute> = BTreeMap::new();
         for (name, attribute) in &self.source.mesh.attributes {
-            let mut data = self.interpolate(name, attribute);
+            let mut data = interpolate(name, attribute, self.weights.iter().copied());
             // What the wood inside has no value for: white for colours, nothing for the rest.
             let fill = if name.starts_with("COLOR_") { 1.0 } else { 0.0 };
             data.resize(total * attribute.width, fill);
@@ -321,19 +263,17 @@ impl<'a> SkinBuilder<'a> {
                 },
             );
         }
-        let normals: Vec<f32> = if upper {
-            cap.normals.iter().map(|n| -n).collect()
-        } else {
-            cap.normals.clone()
-        };
+        let sign = if upper { -1.0 } else { 1.0 };
+        let normals: Vec<f32> = face.normals.iter().flatten().map(|n| sign * n).collect();
+        let coordinates = face.coordinates.as_flattened();
         let skin_normals = || skin_normals(&self.positions, &self.triangles);
         let own: [(&str, usize, &[f32], &dyn Fn() -> Vec<f32>); 6] = [
             ("NORMAL", 3, &normals, &skin_normals),
-            ("TEXCOORD_0", 2, &cap.coordinates, &|| vec![0.0; skin * 2]),
-            ("_RING", 1, &cap.rings, &|| vec![1.0; skin]),
-            ("_SECTOR", 1, &cap.sectors, &|| vec![0.0; skin]),
-            ("_ZONE", 1, &cap.zones, &|| vec![BARK; skin]),
-            ("_GRAIN", 3, &cap.grain, &|| self.grain()),
+            ("TEXCOORD_0", 2, coordinates, &|| vec![0.0; skin * 2]),
+            ("_RING", 1, &inside.rings, &|| vec![1.0; skin]),
+            ("_SECTOR", 1, &inside.sectors, &|| vec![0.0; skin]),
+            ("_ZONE", 1, &inside.zones, &|| vec![BARK; skin]),
+            ("_GRAIN", 3, &inside.grain, &|| self.grain()),
         ];
         for (name, width, values, missing) in own {
             let entry = attributes.entry(name.to_owned()).or_insert_with(|| {
@@ -351,9 +291,11 @@ impl<'a> SkinBuilder<'a> {
             attributes,
             materials: self.materials,
         };
-        mesh.positions.extend(&cap.positions);
+        let first = inside.first;
+        mesh.positions
+            .extend(face.ids.iter().map(|&id| face.places[id as usize - first]));
         let shift = skin as u32;
-        mesh.triangles.extend(cap.triangles.iter().map(|t| {
+        mesh.triangles.extend(face.triangles.iter().map(|t| {
             let [a, b, c] = t.map(|v| v + shift);
             if upper { [a, c, b] } else { [a, b, c] }
         }));
@@ -380,34 +322,39 @@ impl<'a> SkinBuilder<'a> {
         }
         data
     }
+}
 
-    fn interpolate(&self, name: &str, attribute: &Attribute) -> Vec<f32> {
-        let width = attribute.width;
-        let mut data = Vec::with_capacity(self.weights.len() * width);
-        for (vertices, weights) in &self.weights {
-            if weights[0] == 1.0 {
-                data.extend_from_slice(attribute.at(vertices[0] as usize));
-                continue;
+/// Values of an attribute between vertices.
+fn interpolate(
+    name: &str,
+    attribute: &Attribute,
+    vertices: impl ExactSizeIterator<Item = ([u32; 3], [f32; 3])>,
+) -> Vec<f32> {
+    let width = attribute.width;
+    let mut data = Vec::with_capacity(vertices.len() * width);
+    for (vertices, weights) in vertices {
+        if weights[0] == 1.0 {
+            data.extend_from_slice(attribute.at(vertices[0] as usize));
+            continue;
+        }
+        let first = data.len();
+        data.extend((0..width).map(|c| {
+            (0..3)
+                .map(|i| attribute.at(vertices[i] as usize)[c] * weights[i])
+                .sum::<f32>()
+        }));
+        if name == "NORMAL" || name == "TANGENT" {
+            let v = &mut data[first..first + 3.min(width)];
+            let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
+            if length > 0.0 {
+                v.iter_mut().for_each(|x| *x /= length);
             }
-            let first = data.len();
-            data.extend((0..width).map(|c| {
-                (0..3)
-                    .map(|i| attribute.at(vertices[i] as usize)[c] * weights[i])
-                    .sum::<f32>()
-            }));
-            if name == "NORMAL" || name == "TANGENT" {
-                let v = &mut data[first..first + 3.min(width)];
-                let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
-                if length > 0.0 {
-                    v.iter_mut().for_each(|x| *x /= length);
-                }
-                if width == 4 {
-                    data[first + 3] = attribute.at(vertices[0] as usize)[3];
-                }
+            if width == 4 {
+                data[first + 3] = attribute.at(vertices[0] as usize)[3];
             }
         }
-        data
     }
+    data
 }
 
 /// Area-weighted vertex normals of a skin that came without; vertices at one position share them.

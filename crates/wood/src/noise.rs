@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 /// A well-mixed hash of a place in an integer lattice.
+#[inline]
 pub fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     let mut h = seed
         ^ (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
@@ -14,12 +15,23 @@ pub fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     h ^ (h >> 32)
 }
 
+/// The largest integer not above `x`, and the rest, 0 to 1. Without a call into the mathematics library, as most
+/// processors' basic instruction sets have no such operation.
+#[inline]
+fn split(x: f64) -> (i64, f64) {
+    let whole = x as i64;
+    let whole = whole - i64::from(x < whole as f64);
+    (whole, x - whole as f64)
+}
+
 /// A number from 0 to 1 for an integer place.
+#[inline]
 pub fn unit(seed: u64, x: i64, y: i64, z: i64) -> f64 {
     (hash(seed, x, y, z) >> 11) as f64 / 9_007_199_254_740_992.0
 }
 
 /// 3t² − 2t³ between two edges.
+#[inline]
 pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -27,10 +39,9 @@ pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
 
 /// A smooth function of one number: −1 to 1, with features as wide as 1.
 pub fn line(seed: u64, x: f64) -> f64 {
-    let cell = x.floor();
-    let f = x - cell;
+    let (cell, f) = split(x);
     let s = f * f * (3.0 - 2.0 * f);
-    let [a, b] = [0, 1].map(|i| unit(seed, cell as i64 + i, 0, 0) * 2.0 - 1.0);
+    let [a, b] = [0, 1].map(|i| unit(seed, cell + i, 0, 0) * 2.0 - 1.0);
     a + (b - a) * s
 }
 
@@ -83,9 +94,8 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
 
 /// Noise in the plane: about −1 to 1, mean 0, features as wide as 1 (Perlin 2002).
 pub fn plane(seed: u64, p: glam::DVec2) -> f64 {
-    let cell = p.floor();
-    let f = p - cell;
-    let (x, y) = (cell.x as i64, cell.y as i64);
+    let ((x, u), (y, v)) = (split(p.x), split(p.y));
+    let f = glam::DVec2::new(u, v);
     let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let corner = |i: i64, j: i64| {
         let h = hash(seed, x + i, y + j, 0);

@@ -2,41 +2,58 @@
 //!
 //! Tops of facets and walls between them are plane polygons. Where the outline crosses one, its boundary is followed
 //! alternately along the outline and along its own border (Weiler and Atherton 1977). Vertices on a border are made
-//! once and taken by every face that meets there, so the faces close without gaps.
+//! once and taken by every face that meets there, so the faces close without gaps. Faces that the outline does not
+//! touch, nearly all, are triangles and trapezia and take short ways.
 
+use super::follow::{Chains, follow};
+use super::ground::{Ground, NEAR};
 use super::overlay::Overlay;
 use super::polygon;
-use super::{CapFace, CutError, Host};
+use super::{CapFace, CutError};
 use crate::surface::{Edge, Layout, NONE, Surface};
-use glam::DVec2;
-use rustc_hash::FxHashMap;
+use glam::{DVec2, DVec3};
+use greenstick_geometry::triangulate::Triangulator;
 
 /// The triangles of the broken face, oriented for the lower piece.
 #[derive(Default)]
 pub(super) struct Cap {
+    /// Vertices within the wood.
+    pub inside: Vec<DVec3>,
+    /// Nodes they lie over, or [`NONE`].
+    pub nodes: Vec<u32>,
     pub triangles: Vec<[u32; 3]>,
     pub faces: Vec<CapFace>,
+    /// First triangle of every wall.
+    pub walls: Vec<u32>,
 }
-
-/// Directed edges of one face, by their start.
-type Chains = FxHashMap<u32, u32>;
 
 pub(super) struct Builder<'a, 'b> {
     surface: &'a Surface,
-    overlay: &'b mut Overlay<'a>,
+    ground: &'a Ground,
+    overlay: &'b Overlay<'a>,
+    /// Number of the first vertex in [`Cap::inside`].
+    first: u32,
     /// Vertex at each corner of each facet.
     corners: Vec<[u32; 3]>,
     /// For each node where its list in `heights` starts.
     starts: Vec<u32>,
     /// Distinct heights of the facets about each node, ascending, with their vertices.
     heights: Vec<(f64, u32)>,
-    /// Outline on each facet that has one.
-    tops: FxHashMap<u32, Chains>,
-    walls: FxHashMap<u32, Chains>,
-    /// Where the two rims of a wall cross: edge → (fraction, vertex).
-    knots: FxHashMap<u32, (f64, u32)>,
+    /// Outline on facets and on walls: (facet or edge, (from, to)), sorted.
+    tops: Vec<(u32, (u32, u32))>,
+    walls: Vec<(u32, (u32, u32))>,
+    /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
+    knots: Vec<(f64, u32)>,
+    knot_of: Vec<u32>,
+    /// Whether the outline touches the wall over an edge or its rims.
+    touched: Vec<bool>,
+    /// Whether the line along the grain over a node pierces the skin.
+    pierced: Vec<bool>,
     /// For each corner of each facet whether it lies inside the stem: 0 unknown, 1 outside, 2 inside.
     status: Vec<[u8; 3]>,
+    /// Triangles of tops that the outline crosses: (facet, triangle).
+    crossed: Vec<(u32, [u32; 3])>,
+    triangulator: Triangulator,
     cap: Cap,
 }
 
@@ -47,118 +64,164 @@ const INSIDE: u8 = 2;
 /// Walls are parted at every `level` m along the grain (infinite for none).
 pub(super) fn build<'a>(
     surface: &'a Surface,
+    ground: &'a Ground,
     overlay: &mut Overlay<'a>,
     level: f64,
 ) -> Result<Cap, CutError> {
-    let (tops, walls) = (
-        std::mem::take(&mut overlay.tops),
-        std::mem::take(&mut overlay.walls),
-    );
+    for list in overlay.rails.values_mut() {
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        list.dedup();
+    }
+    for list in overlay.uprights.values_mut() {
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let sorted = |list: Vec<(u32, [u32; 2])>| {
+        let mut list: Vec<(u32, (u32, u32))> =
+            list.into_iter().map(|(f, [a, b])| (f, (a, b))).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    };
+    let tops = sorted(std::mem::take(&mut overlay.tops));
+    let walls = sorted(std::mem::take(&mut overlay.walls));
+    let layout = &surface.layout;
+    let mut touched = vec![false; layout.edges.len()];
+    let mut pierced = vec![false; layout.nodes.len()];
+    // Only sets flags: the order of the map does not matter.
+    overlay
+        .rails
+        .keys()
+        .for_each(|k| touched[k.0 as usize] = true);
+    walls.iter().for_each(|w| touched[w.0 as usize] = true);
+    overlay
+        .uprights
+        .keys()
+        .for_each(|&n| pierced[n as usize] = true);
     let mut builder = Builder {
         surface,
+        ground,
+        first: (overlay.points() + overlay.vertices.len()) as u32,
         overlay,
         corners: Vec::new(),
         starts: Vec::new(),
         heights: Vec::new(),
-        tops: FxHashMap::default(),
-        walls: FxHashMap::default(),
-        knots: FxHashMap::default(),
-        status: vec![[0; 3]; surface.layout.facets.len()],
+        tops,
+        walls,
+        knots: Vec::new(),
+        knot_of: Vec::new(),
+        touched,
+        pierced,
+        status: vec![[0; 3]; layout.facets.len()],
+        crossed: Vec::new(),
+        triangulator: Triangulator::default(),
         cap: Cap::default(),
     };
-    for (facet, [from, to]) in tops {
-        builder.tops.entry(facet).or_default().insert(from, to);
-    }
-    for (edge, [from, to]) in walls {
-        builder.walls.entry(edge).or_default().insert(from, to);
-    }
-    for list in builder.overlay.rails.values_mut() {
-        list.sort_by(|a, b| a.0.total_cmp(&b.0));
-        list.dedup();
-    }
-    for list in builder.overlay.uprights.values_mut() {
-        list.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
+    builder.cap.triangles.reserve(layout.facets.len() * 3);
+    builder.cap.faces.reserve(layout.facets.len() * 3);
     builder.place_corners(level);
-    builder.place_knots();
-    builder.fill_touched_tops()?;
+    let stepped = builder.heights.len() > layout.nodes.len();
+    if stepped {
+        builder.place_knots();
+    }
+    let loose = builder.fill_touched_tops()?;
     builder.spread_status()?;
-    builder.fill_whole_tops()?;
-    builder.fill_walls()?;
+    builder.fill_whole_tops(&loose)?;
+    if stepped {
+        builder.fill_walls()?;
+    }
     Ok(builder.cap)
 }
 
-impl Builder<'_, '_> {
-    fn layout(&self) -> &Layout {
+/// The chains of one facet or edge.
+fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
+    let from = list.partition_point(|c| c.0 < key);
+    list[from..]
+        .iter()
+        .take_while(|c| c.0 == key)
+        .map(|c| c.1)
+        .collect()
+}
+
+impl<'a> Builder<'a, '_> {
+    fn layout(&self) -> &'a Layout {
         &self.surface.layout
+    }
+
+    fn add(&mut self, grain: DVec3, node: u32) -> u32 {
+        self.cap.inside.push(grain);
+        self.cap.nodes.push(node);
+        self.first + self.cap.inside.len() as u32 - 1
+    }
+
+    fn grain(&self, id: u32) -> DVec3 {
+        match id.checked_sub(self.first) {
+            Some(i) => self.cap.inside[i as usize],
+            None => self.overlay.grain(id),
+        }
     }
 
     /// Makes one vertex for every distinct height at every node, and for every level between them.
     fn place_corners(&mut self, level: f64) {
-        let layout = self.surface.layout.clone();
-        let mut starts = vec![0u32; layout.nodes.len() + 1];
-        for facet in &layout.facets {
-            facet.iter().for_each(|&n| starts[n as usize + 1] += 1);
-        }
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut around = vec![(0u32, 0u8); layout.facets.len() * 3];
-        let mut next = starts.clone();
-        for (f, facet) in layout.facets.iter().enumerate() {
-            for (k, &n) in facet.iter().enumerate() {
-                around[next[n as usize] as usize] = (f as u32, k as u8);
-                next[n as usize] += 1;
-            }
-        }
+        let (layout, ground) = (self.layout(), self.ground);
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
+        self.heights = Vec::with_capacity(layout.nodes.len() * 3);
+        self.cap.inside.reserve(layout.nodes.len() * 3);
+        self.cap.nodes.reserve(layout.nodes.len() * 3);
         for n in 0..layout.nodes.len() {
             let first = self.heights.len();
             self.starts.push(first as u32);
-            let list = &around[starts[n] as usize..starts[n + 1] as usize];
-            for &(f, k) in list {
+            let list = ground.node_starts[n] as usize..ground.node_starts[n + 1] as usize;
+            for &(f, k) in &ground.around[list] {
                 let h = self.surface.heights[f as usize][usize::from(k)];
-                let id = match self.heights[first..]
-                    .iter()
-                    .find(|(height, _)| *height == h)
-                {
+                let known = self.heights[first..].iter().find(|p| p.0 == h);
+                let id = match known {
                     Some(&(_, id)) => id,
                     None => {
-                        let id = self.overlay.add(layout.nodes[n].extend(h), Host::Inside);
+                        let id = self.add(layout.nodes[n].extend(h), n as u32);
                         self.heights.push((h, id));
                         id
                     }
                 };
                 self.corners[f as usize][usize::from(k)] = id;
             }
-            self.heights[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (Some(&(low, _)), Some(&(high, _))) =
-                (self.heights.get(first), self.heights.last())
-            else {
+            if self.heights.len() < first + 2 {
                 continue;
-            };
+            }
+            self.heights[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            let (low, high) = (
+                self.heights[first].0,
+                self.heights[self.heights.len() - 1].0,
+            );
             if high - low > level {
-                for i in (low / level).ceil() as i64..=(high / level).floor() as i64 {
-                    let h = i as f64 * level;
-                    // A level next to a corner would only make slivers.
-                    if self.heights[first..]
-                        .iter()
-                        .all(|p| (p.0 - h).abs() > 0.2 * level)
-                    {
-                        let id = self.overlay.add(layout.nodes[n].extend(h), Host::Inside);
-                        self.heights.push((h, id));
-                    }
-                }
-                self.heights[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
+                self.place_levels(n, first, level);
             }
         }
         self.starts.push(self.heights.len() as u32);
     }
 
+    /// Makes the vertices at the levels over a node, whose heights start at `first`.
+    fn place_levels(&mut self, n: usize, first: usize, level: f64) {
+        let (low, high) = (
+            self.heights[first].0,
+            self.heights[self.heights.len() - 1].0,
+        );
+        for i in (low / level).ceil() as i64..=(high / level).floor() as i64 {
+            let h = i as f64 * level;
+            // A level next to a corner would only make slivers.
+            let free = |p: &(f64, u32)| (p.0 - h).abs() > 0.2 * level;
+            if self.heights[first..].iter().all(free) {
+                let id = self.add(self.layout().nodes[n].extend(h), n as u32);
+                self.heights.push((h, id));
+            }
+        }
+        self.heights[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    }
+
     /// Makes a vertex where the two rims of a wall cross.
     fn place_knots(&mut self) {
-        let layout = self.surface.layout.clone();
+        let layout = self.layout();
+        self.knot_of = vec![NONE; layout.edges.len()];
         for (e, edge) in layout.edges.iter().enumerate() {
             let Some([a, b]) = self.rims(edge) else {
                 continue;
@@ -167,18 +230,30 @@ impl Builder<'_, '_> {
             if u * v < 0.0 {
                 let t = u / (u - v);
                 let [p, q] = edge.nodes.map(|n| layout.nodes[n as usize]);
-                let id = self
-                    .overlay
-                    .add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), Host::Inside);
-                self.knots.insert(e as u32, (t, id));
+                let id = self.add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), NONE);
+                self.knot_of[e] = self.knots.len() as u32;
+                self.knots.push((t, id));
             }
         }
+    }
+
+    fn knot(&self, e: u32) -> Option<(f64, u32)> {
+        let number = *self.knot_of.get(e as usize)?;
+        self.knots.get(number as usize).copied()
     }
 
     /// Heights of both facets of an inner edge along it, in the order of its nodes.
     fn rims(&self, edge: &Edge) -> Option<[[f64; 2]; 2]> {
         let [(f, i), (g, j)] = edge.facets;
-        (f != NONE && g != NONE).then(|| [self.surface.rail(f, i), self.surface.rail(g, j)])
+        (f != NONE && g != NONE).then(|| {
+            // The left facet has the nodes in the edge's order, the right one turned round.
+            let (h, l) = (
+                &self.surface.heights[f as usize],
+                &self.surface.heights[g as usize],
+            );
+            let (i, j) = (usize::from(i), usize::from(j));
+            [[h[i], h[(i + 1) % 3]], [l[(j + 1) % 3], l[j]]]
+        })
     }
 
     /// Vertices on side `k` of a facet between its corners, in its own direction, with their fraction along the edge.
@@ -193,7 +268,7 @@ impl Builder<'_, '_> {
             .get(&(e, which))
             .cloned()
             .unwrap_or_default();
-        if let Some(&knot) = self.knots.get(&e) {
+        if let Some(knot) = self.knot(e) {
             list.insert(list.partition_point(|p| p.0 < knot.0), knot);
         }
         if which == 1 {
@@ -212,11 +287,14 @@ impl Builder<'_, '_> {
         border
     }
 
-    fn fill_touched_tops(&mut self) -> Result<(), CutError> {
-        let mut facets: Vec<u32> = self.tops.keys().copied().collect();
-        facets.sort_unstable();
+    /// Fills the tops whose border the outline meets. Returns the facets within which it closes, whose status is not
+    /// known yet.
+    fn fill_touched_tops(&mut self) -> Result<Vec<u32>, CutError> {
+        let mut facets: Vec<u32> = self.tops.iter().map(|t| t.0).collect();
+        facets.dedup();
+        let mut loose = Vec::new();
         for facet in facets {
-            let chains = self.tops.remove(&facet).unwrap_or_default();
+            let chains = of(&self.tops, facet);
             let border = self.border(facet);
             let ids: Vec<u32> = border.iter().map(|b| b.0).collect();
             let traced = follow(&chains, &ids);
@@ -231,45 +309,41 @@ impl Builder<'_, '_> {
                 }
                 self.fill_top(facet, &traced.loops)?;
             } else {
-                // Closed loops within the facet: kept until the status of its border is known.
-                self.tops.insert(facet, chains);
+                loose.push(facet);
             }
         }
-        Ok(())
+        Ok(loose)
     }
 
     fn fill_top(&mut self, facet: u32, loops: &[Vec<u32>]) -> Result<(), CutError> {
-        let face = CapFace {
-            cell: self.layout().cells[facet as usize],
-            top: true,
-        };
         let mut triangles = Vec::new();
-        polygon::fill(
+        let mut triangulator = std::mem::take(&mut self.triangulator);
+        let filled = polygon::fill(
+            &mut triangulator,
             loops,
-            |id| self.overlay.grain(id).truncate(),
+            |id| self.grain(id).truncate(),
             &mut triangles,
-        )
-        .map_err(|_| CutError::Face {
-            at: self.overlay.grain(loops[0][0]),
+        );
+        self.triangulator = triangulator;
+        filled.map_err(|_| CutError::Face {
+            at: self.grain(loops[0][0]),
         })?;
-        self.push(triangles, face);
+        self.crossed
+            .extend(triangles.into_iter().map(|t| (facet, t)));
         Ok(())
     }
 
-    fn push(&mut self, triangles: Vec<[u32; 3]>, face: CapFace) {
-        self.cap.faces.extend(triangles.iter().map(|_| face));
-        self.cap.triangles.extend(triangles);
-    }
-
-    fn gap(&self, chains: &Chains) -> CutError {
-        let id = chains.keys().copied().min().unwrap_or(0);
+    fn gap(&self, chains: Chains) -> CutError {
         CutError::Face {
-            at: self.overlay.grain(id),
+            at: self.grain(chains.first().map_or(self.first, |c| c.0)),
         }
     }
 
     /// How many times the line along the grain over `node` pierces the skin between two heights.
-    fn pierced(&self, node: u32, a: f64, b: f64) -> usize {
+    fn count_pierced(&self, node: u32, a: f64, b: f64) -> usize {
+        if !self.pierced[node as usize] {
+            return 0;
+        }
         let (low, high) = (a.min(b), a.max(b));
         self.overlay
             .uprights
@@ -277,9 +351,11 @@ impl Builder<'_, '_> {
             .map_or(0, |l| l.iter().filter(|p| p.0 > low && p.0 < high).count())
     }
 
-    /// Carries inside and outside from facets that the outline crosses to all others.
+    /// Carries inside and outside from facets that the outline crosses to all others. Where there is no skin above or
+    /// below, a whole region of the layout has one status.
     fn spread_status(&mut self) -> Result<(), CutError> {
-        let layout = self.surface.layout.clone();
+        let layout = self.layout();
+        let mut regions = vec![0u8; self.ground.rims.len()];
         let mut queue: Vec<u32> = (0..layout.facets.len() as u32)
             .filter(|&f| self.status[f as usize][0] != 0)
             .collect();
@@ -291,77 +367,130 @@ impl Builder<'_, '_> {
                 if g == NONE || self.status[g as usize][0] != 0 {
                     continue;
                 }
+                let region = self.ground.regions[g as usize];
+                if region != NEAR && regions[region as usize] != 0 {
+                    continue;
+                }
                 // Corner k of f is the end of g's side.
                 let node = layout.facets[f as usize][k];
                 let (a, b) = (
                     self.surface.heights[f as usize][k],
                     self.surface.heights[g as usize][(side + 1) % 3],
                 );
-                let flip = self.pierced(node, a, b) % 2 == 1;
+                let flip = self.count_pierced(node, a, b) % 2 == 1;
                 let inside = (self.status[f as usize][k] == INSIDE) != flip;
-                self.status[g as usize] = [if inside { INSIDE } else { OUTSIDE }; 3];
-                queue.push(g);
+                let status = if inside { INSIDE } else { OUTSIDE };
+                if region == NEAR {
+                    self.status[g as usize] = [status; 3];
+                    queue.push(g);
+                } else {
+                    regions[region as usize] = status;
+                    for &f in &self.ground.rims[region as usize] {
+                        self.status[f as usize] = [status; 3];
+                        queue.push(f);
+                    }
+                }
             }
         }
-        match self.status.iter().any(|s| s[0] == 0) {
-            true => Err(CutError::Misses),
-            false => Ok(()),
-        }
-    }
-
-    fn fill_whole_tops(&mut self) -> Result<(), CutError> {
-        for facet in 0..self.surface.layout.facets.len() as u32 {
-            let status = self.status[facet as usize];
-            let chains = self.tops.remove(&facet);
-            let whole = status == [INSIDE; 3]
-                && self.layout().sides[facet as usize].iter().all(|e| {
-                    !self.overlay.rails.contains_key(&(*e, 0))
-                        && !self.overlay.rails.contains_key(&(*e, 1))
-                });
-            if chains.is_none() && whole && self.knotless(facet) {
-                self.cap.triangles.push(self.corners[facet as usize]);
-                self.cap.faces.push(CapFace {
-                    cell: self.layout().cells[facet as usize],
-                    top: true,
-                });
-                continue;
-            }
-            let crossed = (0..3).any(|k| {
-                self.side(facet, k)
-                    .iter()
-                    .any(|(_, id)| !self.is_knot(facet, k, *id))
-            });
-            if crossed && chains.is_none() {
-                continue;
-            }
-            let mut loops: Vec<Vec<u32>> = Vec::new();
-            if status == [INSIDE; 3] {
-                loops.push(self.border(facet).into_iter().map(|b| b.0).collect());
-            }
-            if let Some(chains) = &chains {
-                loops.extend(follow(chains, &[]).ok_or_else(|| self.gap(chains))?.loops);
-            }
-            if !loops.is_empty() {
-                self.fill_top(facet, &loops)?;
+        for (status, &region) in self.status.iter_mut().zip(&self.ground.regions) {
+            if status[0] == 0 {
+                let known = regions.get(region as usize).copied().unwrap_or(0);
+                if known == 0 {
+                    return Err(CutError::Misses);
+                }
+                *status = [known; 3];
             }
         }
         Ok(())
     }
 
-    fn knotless(&self, facet: u32) -> bool {
-        self.knots.is_empty()
-            || self.layout().sides[facet as usize]
-                .iter()
-                .all(|e| !self.knots.contains_key(e))
+    fn fill_whole_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {
+        for &facet in loose {
+            let chains = of(&self.tops, facet);
+            let mut loops: Vec<Vec<u32>> = Vec::new();
+            if self.status[facet as usize] == [INSIDE; 3] {
+                loops.push(self.border(facet).into_iter().map(|b| b.0).collect());
+            }
+            let traced = follow(&chains, &[]).ok_or_else(|| self.gap(&chains))?;
+            loops.extend(traced.loops);
+            if !loops.is_empty() {
+                self.fill_top(facet, &loops)?;
+            }
+        }
+        self.crossed.sort_by_key(|c| c.0);
+        let crossed = std::mem::take(&mut self.crossed);
+        let mut done = crossed.iter().peekable();
+        let tops = std::mem::take(&mut self.tops);
+        let mut outlined = tops.iter().map(|t| t.0).peekable();
+        let layout = self.surface.layout.as_ref();
+        for facet in 0..layout.facets.len() as u32 {
+            let face = CapFace {
+                cell: layout.cells[facet as usize],
+                top: true,
+            };
+            while outlined.next_if(|&f| f < facet).is_some() {}
+            if outlined.peek() == Some(&facet) {
+                while let Some((_, triangle)) = done.next_if(|c| c.0 == facet) {
+                    self.push(*triangle, face);
+                }
+            } else if self.status[facet as usize] == [INSIDE; 3] && !self.is_crossed(facet) {
+                self.fill_whole_top(facet, face);
+            }
+        }
+        Ok(())
     }
 
-    fn is_knot(&self, facet: u32, k: u8, id: u32) -> bool {
-        let e = self.layout().sides[facet as usize][usize::from(k)];
-        self.knots.get(&e).is_some_and(|knot| knot.1 == id)
+    /// Whether the outline crosses the border of a facet.
+    fn is_crossed(&self, facet: u32) -> bool {
+        let layout = self.layout();
+        (0..3u8).any(|k| {
+            let e = layout.sides[facet as usize][usize::from(k)];
+            let which = u8::from(layout.edges[e as usize].facets[1] == (facet, k));
+            self.touched[e as usize] && self.overlay.rails.contains_key(&(e, which))
+        })
+    }
+
+    /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.
+    fn fill_whole_top(&mut self, facet: u32, face: CapFace) {
+        let c = self.corners[facet as usize];
+        if self.knots.is_empty() {
+            return self.push(c, face);
+        }
+        let m = self.layout().sides[facet as usize].map(|e| self.knot(e).map(|k| k.1));
+        match m {
+            [None, None, None] => self.push(c, face),
+            [Some(x), Some(y), Some(z)] => {
+                for t in [[c[0], x, z], [x, c[1], y], [z, y, c[2]], [x, y, z]] {
+                    self.push(t, face);
+                }
+            }
+            _ => {
+                for k in 0..3 {
+                    let [a, b, d] = [c[k], c[(k + 1) % 3], c[(k + 2) % 3]];
+                    match [m[k], m[(k + 1) % 3], m[(k + 2) % 3]] {
+                        [Some(x), None, None] => {
+                            self.push([a, x, d], face);
+                            self.push([x, b, d], face);
+                        }
+                        [Some(x), Some(y), None] => {
+                            self.push([x, b, y], face);
+                            self.push([a, x, y], face);
+                            self.push([a, y, d], face);
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, triangle: [u32; 3], face: CapFace) {
+        self.cap.faces.push(face);
+        self.cap.triangles.push(triangle);
     }
 
     fn fill_walls(&mut self) -> Result<(), CutError> {
-        let layout = self.surface.layout.clone();
+        let layout = self.layout();
         for (e, edge) in layout.edges.iter().enumerate() {
             let Some([a, b]) = self.rims(edge) else {
                 continue;
@@ -369,16 +498,101 @@ impl Builder<'_, '_> {
             if a == b {
                 continue;
             }
-            let chains = self.walls.remove(&(e as u32)).unwrap_or_default();
-            let mut spans: Vec<(f64, f64)> = vec![(0.0, 1.0)];
-            if let Some(knot) = self.knots.get(&(e as u32)) {
-                spans = vec![(0.0, knot.0), (knot.0, 1.0)];
+            let knot = self.knot(e as u32);
+            let touched = self.touched[e] || edge.nodes.iter().any(|&n| self.pierced[n as usize]);
+            if !touched {
+                let (facet, k) = edge.facets[0];
+                if self.status[facet as usize][usize::from(k)] == INSIDE {
+                    self.fill_whole_wall(edge, [a, b], knot);
+                }
+                continue;
             }
-            for span in spans {
-                self.fill_wall(e as u32, edge, [a, b], span, &chains)?;
+            let chains = if self.touched[e] {
+                of(&self.walls, e as u32)
+            } else {
+                Vec::new()
+            };
+            match knot {
+                None => self.fill_wall(e as u32, edge, [a, b], (0.0, 1.0), &chains)?,
+                Some((t, _)) => {
+                    self.fill_wall(e as u32, edge, [a, b], (0.0, t), &chains)?;
+                    self.fill_wall(e as u32, edge, [a, b], (t, 1.0), &chains)?;
+                }
             }
         }
         Ok(())
+    }
+
+    /// Notes that a wall begins, and what it belongs to.
+    fn begin_wall(&mut self, edge: &Edge, left_high: bool) -> CapFace {
+        self.cap.walls.push(self.cap.triangles.len() as u32);
+        let facet = edge.facets[usize::from(!left_high)].0;
+        CapFace {
+            cell: self.layout().cells[facet as usize],
+            top: false,
+        }
+    }
+
+    /// Places in `heights` of the vertices over `node` from one height to another, both of them corners there.
+    fn column(&self, node: u32, a: f64, b: f64) -> (usize, usize) {
+        let (low, high) = (a.min(b), a.max(b));
+        let (mut from, mut to) = (
+            self.starts[node as usize] as usize,
+            self.starts[node as usize + 1] as usize,
+        );
+        while from + 1 < to && self.heights[from].0 < low {
+            from += 1;
+        }
+        while to > from + 1 && self.heights[to - 1].0 > high {
+            to -= 1;
+        }
+        (from, to)
+    }
+
+    /// Fills a wall that the outline does not touch: a trapezium, or two triangles where its rims cross.
+    fn fill_whole_wall(&mut self, edge: &Edge, [a, b]: [[f64; 2]; 2], knot: Option<(f64, u32)>) {
+        let left = self.column(edge.nodes[0], a[0], b[0]);
+        let right = self.column(edge.nodes[1], a[1], b[1]);
+        let Some((t, id)) = knot else {
+            let left_high = a[0] + a[1] > b[0] + b[1];
+            let face = self.begin_wall(edge, left_high);
+            self.fill_between(left, right, left_high, face);
+            return;
+        };
+        let at = self.heights.len();
+        self.heights.push((a[0] + (a[1] - a[0]) * t, id));
+        let face = self.begin_wall(edge, a[0] > b[0]);
+        self.fill_between(left, (at, at + 1), a[0] > b[0], face);
+        let face = self.begin_wall(edge, a[1] > b[1]);
+        self.fill_between((at, at + 1), right, a[1] > b[1], face);
+        self.heights.pop();
+    }
+
+    /// Triangles between two columns of vertices, each from its lowest to its highest, by the shorter diagonals.
+    fn fill_between(
+        &mut self,
+        (mut i, left): (usize, usize),
+        (mut j, right): (usize, usize),
+        forward: bool,
+        face: CapFace,
+    ) {
+        while i + 1 < left || j + 1 < right {
+            let ((low, p), (base, q)) = (self.heights[i], self.heights[j]);
+            let climbs_right = match (i + 1 < left, j + 1 < right) {
+                (true, true) => {
+                    (self.heights[j + 1].0 - low).abs() <= (self.heights[i + 1].0 - base).abs()
+                }
+                (_, right) => right,
+            };
+            let r = if climbs_right {
+                j += 1;
+                self.heights[j].1
+            } else {
+                i += 1;
+                self.heights[i].1
+            };
+            self.push(if forward { [p, q, r] } else { [p, r, q] }, face);
+        }
     }
 
     /// Vertices on a rim of a wall within `span`, from its start to its end, the ends included.
@@ -387,7 +601,7 @@ impl Builder<'_, '_> {
         let corners = self.corners[facet as usize];
         let ends = [corners[usize::from(k)], corners[(usize::from(k) + 1) % 3]];
         let [start, end] = if which == 0 { ends } else { [ends[1], ends[0]] };
-        let knot = self.knots.get(&e);
+        let knot = self.knot(e);
         let mut rim = vec![if span.0 == 0.0 {
             start
         } else {
@@ -429,7 +643,7 @@ impl Builder<'_, '_> {
         edge: &Edge,
         [a, b]: [[f64; 2]; 2],
         span: (f64, f64),
-        chains: &Chains,
+        chains: Chains,
     ) -> Result<(), CutError> {
         let middle = (span.0 + span.1) / 2.0;
         let at = |rim: [f64; 2]| rim[0] + (rim[1] - rim[0]) * middle;
@@ -458,11 +672,10 @@ impl Builder<'_, '_> {
         }
         let traced = follow(chains, &border).ok_or_else(|| self.gap(chains))?;
         let mut loops = traced.loops;
+        let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
         if !traced.met {
-            let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
             let within = |l: &Vec<u32>| {
-                let t =
-                    (self.overlay.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
+                let t = (self.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
                 t > span.0 && t < span.1
             };
             loops.retain(within);
@@ -473,23 +686,23 @@ impl Builder<'_, '_> {
         if loops.is_empty() {
             return Ok(());
         }
-        let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
         let along = (q - p) / (q - p).length();
         let sign = if left_high { 1.0 } else { -1.0 };
+        let mut triangulator = std::mem::take(&mut self.triangulator);
         let flat = |id: u32| {
-            let g = self.overlay.grain(id);
+            let g = self.grain(id);
             DVec2::new(sign * (g.truncate() - p).dot(along), g.z)
         };
         let mut triangles = Vec::new();
-        polygon::fill(&loops, flat, &mut triangles).map_err(|_| CutError::Face {
-            at: self.overlay.grain(loops[0][0]),
+        let filled = polygon::fill(&mut triangulator, &loops, flat, &mut triangles);
+        self.triangulator = triangulator;
+        filled.map_err(|_| CutError::Face {
+            at: self.grain(loops[0][0]),
         })?;
-        let high_facet = edge.facets[usize::from(high)].0;
-        let face = CapFace {
-            cell: self.layout().cells[high_facet as usize],
-            top: false,
-        };
-        self.push(triangles, face);
+        let face = self.begin_wall(edge, left_high);
+        for triangle in triangles {
+            self.push(triangle, face);
+        }
         Ok(())
     }
 
@@ -504,97 +717,4 @@ impl Builder<'_, '_> {
             .map_or(0, |l| l.iter().filter(|p| p.0 < span.0).count());
         inside != (crossed % 2 == 1)
     }
-}
-
-struct Traced {
-    loops: Vec<Vec<u32>>,
-    /// Border vertices that the loops pass.
-    border: Vec<u32>,
-    /// Whether the outline meets the border.
-    met: bool,
-}
-
-/// Follows the outline's chains and, from the end of one to the start of the next, the border (counter-clockwise).
-fn follow(chains: &Chains, border: &[u32]) -> Option<Traced> {
-    let place: FxHashMap<u32, usize> = border.iter().enumerate().map(|(i, &id)| (id, i)).collect();
-    let ends: rustc_hash::FxHashSet<u32> = chains.values().copied().collect();
-    let mut starts: Vec<u32> = chains
-        .keys()
-        .copied()
-        .filter(|id| place.contains_key(id) && !ends.contains(id))
-        .collect();
-    starts.sort_by_key(|id| place[id]);
-    let mut traced = Traced {
-        loops: Vec::new(),
-        border: Vec::new(),
-        met: !starts.is_empty(),
-    };
-    let mut used: Vec<bool> = vec![false; starts.len()];
-    let mut passed = 0;
-    for first in 0..starts.len() {
-        if used[first] {
-            continue;
-        }
-        let mut corners = Vec::new();
-        let mut current = first;
-        loop {
-            used[current] = true;
-            let mut id = starts[current];
-            corners.push(id);
-            while let Some(&next) = chains.get(&id) {
-                id = next;
-                corners.push(id);
-                passed += 1;
-                if passed > chains.len() {
-                    return None;
-                }
-            }
-            let mut i = *place.get(&id)?;
-            loop {
-                i = (i + 1) % border.len();
-                if let Ok(n) = starts.binary_search_by_key(&i, |s| place[s]) {
-                    current = n;
-                    break;
-                }
-                corners.push(border[i]);
-                traced.border.push(border[i]);
-                if corners.len() > border.len() + chains.len() + 2 {
-                    return None;
-                }
-            }
-            if current == first {
-                break;
-            }
-            if used[current] {
-                return None;
-            }
-        }
-        traced.loops.push(corners);
-    }
-    if passed < chains.len() {
-        // What is left must be closed loops (or chains of another part of this face).
-        let mut left: Vec<u32> = chains.keys().copied().collect();
-        left.sort_unstable();
-        let mut seen: rustc_hash::FxHashSet<u32> = traced.loops.iter().flatten().copied().collect();
-        for first in left {
-            if seen.contains(&first) {
-                continue;
-            }
-            let mut corners = vec![first];
-            let mut id = chains[&first];
-            while id != first {
-                if !chains.contains_key(&id) || corners.len() > chains.len() {
-                    corners.clear();
-                    break;
-                }
-                corners.push(id);
-                id = chains[&id];
-            }
-            seen.extend(&corners);
-            if !corners.is_empty() {
-                traced.loops.push(corners);
-            }
-        }
-    }
-    Some(traced)
 }

@@ -3,11 +3,15 @@
 //! Where the skin bulges or the surface runs out steeply, a sliver of one piece may be joined to it nowhere. It is
 //! joined to the other piece by the face between them; that face is taken out and the chip changes sides.
 
-use super::{Cut, Side, Solid};
+use super::{Cut, Side, Solid, root};
 
 impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. Returns how many.
     pub fn absorb_chips(&mut self, solid: &Solid) -> usize {
+        // One closed outline parts a stem in two and no more.
+        if self.outlines <= 1 {
+            return 0;
+        }
         let mut moved = 0;
         for upper in [false, true] {
             moved += self.absorb(solid, upper);
@@ -17,7 +21,7 @@ impl Cut {
 
     fn absorb(&mut self, solid: &Solid, upper: bool) -> usize {
         let side = if upper { Side::Upper } else { Side::Lower };
-        let mut parent: Vec<u32> = (0..(self.points + self.vertices.len()) as u32).collect();
+        let mut parent: Vec<u32> = (0..(self.points + self.vertices.len() + self.inside.len()) as u32).collect();
         let mut join = |t: [u32; 3]| {
             let a = root(&mut parent, t[0]);
             for other in [t[1], t[2]] {
@@ -57,7 +61,7 @@ impl Cut {
         let mut is_chip = |v: u32| root(&mut parent, v) as usize != main;
         for &t in solid.limb {
             if self.sides[t as usize] == side && is_chip(solid.triangles[t as usize][0]) {
-                self.sides[t as usize] = if upper { Side::Lower } else { Side::Upper };
+                self.sides.set(t, if upper { Side::Lower } else { Side::Upper });
             }
         }
         for s in self.skin.iter_mut().filter(|s| s.upper == upper) {
@@ -66,18 +70,15 @@ impl Cut {
             }
         }
         let kept: Vec<bool> = self.cap.iter().map(|t| !is_chip(t[0])).collect();
+        let mut before = vec![0u32];
+        for k in &kept {
+            before.push(before[before.len() - 1] + u32::from(*k));
+        }
+        self.walls.iter_mut().for_each(|w| *w = before[*w as usize]);
         let mut keep = kept.iter();
         self.cap.retain(|_| *keep.next().unwrap_or(&true));
         let mut keep = kept.iter();
         self.faces.retain(|_| *keep.next().unwrap_or(&true));
         chips
     }
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }

@@ -2,12 +2,16 @@
 
 mod cap;
 mod chips;
+mod follow;
+mod ground;
 mod overlay;
 mod polygon;
 
 use crate::surface::Surface;
 use glam::DVec3;
+pub use ground::{Ground, Sides, Skin};
 use overlay::{Overlay, Place};
+use rustc_hash::FxHashMap;
 
 /// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,21 +91,30 @@ pub struct Solid<'a> {
     pub limb: &'a [u32],
 }
 
-/// A mesh cut in two. Vertices are numbered through: points of the mesh first, then [`Cut::vertices`].
+/// A mesh cut in two. Vertices are numbered through: points of the mesh first, then [`Cut::vertices`], then those within
+/// the wood.
 #[derive(Debug, Clone)]
 pub struct Cut {
     /// Number of points of the mesh.
     pub points: usize,
-    /// Vertices made by the cut.
+    /// Vertices made by the cut on the skin.
     pub vertices: Vec<CutVertex>,
+    /// Grain coordinates (x, y, s) of the vertices within the wood, m.
+    pub inside: Vec<DVec3>,
+    /// Node of the layout that each of `inside` lies over, or [`crate::surface::NONE`].
+    pub nodes: Vec<u32>,
     /// Piece of each triangle of the mesh.
-    pub sides: Vec<Side>,
+    pub sides: Sides,
     /// Parts of split triangles.
     pub skin: Vec<SkinTriangle>,
-    /// The broken face, oriented for the lower piece; the upper piece takes it turned over.
+    /// The broken face, oriented for the lower piece; the upper piece takes it turned over. Tops of cells come first.
     pub cap: Vec<[u32; 3]>,
     /// What each triangle of `cap` belongs to.
     pub faces: Vec<CapFace>,
+    /// For every wall its first triangle in `cap`.
+    pub walls: Vec<u32>,
+    /// Closed outlines of the break on the skin.
+    pub outlines: usize,
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -150,17 +163,56 @@ pub enum CutError {
 /// # Errors
 /// [`CutError`] where the skin is not a closed surface around the break.
 pub fn cut(solid: &Solid, surface: &Surface, level: f64) -> Result<Cut, CutError> {
+    let skin = Skin::new(solid, surface.range());
+    let ground = Ground::new(&skin, &surface.layout);
+    cut_again(solid, &skin, &ground, surface, level)
+}
+
+/// [`cut`] with what stays the same from cut to cut: the sorted `skin` of `solid`, within whose reach the surface must
+/// lie, and the `ground` of the surface's layout on it.
+///
+/// # Errors
+/// As [`cut`].
+pub fn cut_again(
+    solid: &Solid,
+    skin: &Skin,
+    ground: &Ground,
+    surface: &Surface,
+    level: f64,
+) -> Result<Cut, CutError> {
+    let band = surface.range();
     let mut overlay = Overlay::new(surface, solid.points);
-    let mut sides = vec![Side::Elsewhere; solid.triangles.len()];
-    for &t in solid.limb {
-        sides[t as usize] = match overlay.lay(t, solid.triangles[t as usize])? {
-            Place::Lower => Side::Lower,
-            Place::Upper => Side::Upper,
-            Place::Split => Side::Split,
+    let mut relief = ground::Relief::new(skin, ground, surface);
+    let window = skin.window(band);
+    let mut sides = Sides::new(skin, window);
+    let mut candidates = Vec::new();
+    let mut doubtful = false;
+    for rank in window.0..window.1 {
+        let (low, high) = skin.span(rank);
+        let t = skin.order[rank];
+        sides.between[rank - window.0] = if high <= band.0 {
+            Side::Lower
+        } else if low > band.1 {
+            Side::Upper
+        } else if !skin.is_limb(rank) {
+            doubtful = true;
+            Side::Elsewhere
+        } else {
+            match relief.meet(rank, solid, &mut candidates)? {
+                Side::Split => match overlay.split(t, solid.triangles[t as usize], &candidates)? {
+                    Place::Lower => Side::Lower,
+                    Place::Upper => Side::Upper,
+                    Place::Split => Side::Split,
+                },
+                side => side,
+            }
         };
     }
-    spread(solid, &mut sides)?;
-    let cap = cap::build(surface, &mut overlay, level)?;
+    if doubtful {
+        spread(solid, skin, &mut sides)?;
+    }
+    let outlines = outlines(&overlay);
+    let cap = cap::build(surface, ground, &mut overlay, level)?;
     let skin = overlay
         .skin
         .iter()
@@ -173,33 +225,64 @@ pub fn cut(solid: &Solid, surface: &Surface, level: f64) -> Result<Cut, CutError
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
+        inside: cap.inside,
+        nodes: cap.nodes,
         sides,
         skin,
         cap: cap.triangles,
         faces: cap.faces,
+        walls: cap.walls,
+        outlines,
     })
 }
 
-/// Gives every triangle of the shell the side of those it is joined to.
-fn spread(solid: &Solid, sides: &mut [Side]) -> Result<(), CutError> {
+/// Number of closed lines that the outline of the break consists of.
+fn outlines(overlay: &Overlay) -> usize {
+    let edges = overlay.tops.iter().chain(&overlay.walls).map(|(_, edge)| *edge);
+    let mut next: FxHashMap<u32, u32> = edges.map(|[a, b]| (a, b)).collect();
+    let starts: Vec<u32> = overlay.tops.iter().map(|(_, edge)| edge[0]).collect();
+    let mut count = 0;
+    for start in starts {
+        let mut at = start;
+        count += usize::from(next.contains_key(&start));
+        while let Some(to) = next.remove(&at) {
+            at = to;
+        }
+    }
+    count
+}
+
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
+    }
+    i
+}
+
+/// Joins the points of each of `triangles`.
+fn unite(parent: &mut [u32], solid: &Solid, triangles: &[u32]) {
+    for &t in triangles {
+        let [a, b, c] = solid.triangles[t as usize];
+        let a = root(parent, a);
+        for other in [b, c] {
+            let other = root(parent, other);
+            parent[other as usize] = a;
+        }
+    }
+}
+
+/// Gives parts of the shell off the limb the side of those they are joined to. On the limb, triangles on different
+/// sides never share a point: the surface has one height over it.
+fn spread(solid: &Solid, skin: &Skin, sides: &mut Sides) -> Result<(), CutError> {
     let mut parent: Vec<u32> = (0..solid.points.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
-    for &t in solid.shell {
-        if sides[t as usize] != Side::Split {
-            let [a, b, c] = solid.triangles[t as usize];
-            let a = root(&mut parent, a);
-            for other in [b, c] {
-                let other = root(&mut parent, other);
-                parent[other as usize] = a;
-            }
-        }
-    }
+    let whole: Vec<u32> = solid
+        .shell
+        .iter()
+        .copied()
+        .filter(|&t| sides[t as usize] != Side::Split)
+        .collect();
+    unite(&mut parent, solid, &whole);
     let mut known = vec![Side::Elsewhere; solid.points.len()];
     for &t in solid.limb {
         let side = sides[t as usize];
@@ -212,11 +295,12 @@ fn spread(solid: &Solid, sides: &mut [Side]) -> Result<(), CutError> {
         }
         known[r] = side;
     }
-    for &t in solid.shell {
-        if sides[t as usize] == Side::Elsewhere {
-            let r = root(&mut parent, solid.triangles[t as usize][0]) as usize;
+    for (i, side) in sides.between.iter_mut().enumerate() {
+        if *side == Side::Elsewhere {
+            let t = skin.order[sides.below + i] as usize;
+            let r = root(&mut parent, solid.triangles[t][0]) as usize;
             // A part that the limb does not touch at all stays with the lower piece.
-            sides[t as usize] = if known[r] == Side::Upper {
+            *side = if known[r] == Side::Upper {
                 Side::Upper
             } else {
                 Side::Lower
@@ -229,9 +313,12 @@ fn spread(solid: &Solid, sides: &mut [Side]) -> Result<(), CutError> {
 impl Cut {
     /// Grain coordinates of a vertex; `points` as given to [`cut`].
     pub fn grain(&self, points: &[DVec3], id: u32) -> DVec3 {
-        match (id as usize).checked_sub(self.points) {
-            None => points[id as usize],
-            Some(i) => self.vertices[i].grain,
+        let Some(i) = (id as usize).checked_sub(self.points) else {
+            return points[id as usize];
+        };
+        match self.vertices.get(i) {
+            Some(vertex) => vertex.grain,
+            None => self.inside[i - self.vertices.len()],
         }
     }
 
@@ -239,7 +326,7 @@ impl Cut {
     pub fn host(&self, id: u32) -> Host {
         match (id as usize).checked_sub(self.points) {
             None => Host::Point(id),
-            Some(i) => self.vertices[i].host,
+            Some(i) => self.vertices.get(i).map_or(Host::Inside, |v| v.host),
         }
     }
 }

@@ -10,6 +10,7 @@ use super::{CutError, CutVertex, Host};
 use crate::surface::{NONE, Surface};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::intersect::orient2d as orientation;
+use greenstick_geometry::triangulate::Triangulator;
 use rustc_hash::FxHashMap;
 
 /// What an edge of a clipped polygon lies on.
@@ -85,8 +86,7 @@ pub(super) struct Overlay<'a> {
     nodes: FxHashMap<(u32, u32), u32>,
     cuts: FxHashMap<(u32, u32), Vec<Cut>>,
     pieces: Vec<Piece>,
-    grid: Grid,
-    candidates: Vec<u32>,
+    triangulator: Triangulator,
 }
 
 /// Which side of the surface a whole triangle lies on.
@@ -115,9 +115,13 @@ impl<'a> Overlay<'a> {
             nodes: FxHashMap::default(),
             cuts: FxHashMap::default(),
             pieces: Vec::new(),
-            grid: Grid::new(surface),
-            candidates: Vec::new(),
+            triangulator: Triangulator::default(),
         }
+    }
+
+    /// Number of the skin's points.
+    pub fn points(&self) -> usize {
+        self.points.len()
     }
 
     /// Grain coordinates of a vertex.
@@ -137,28 +141,8 @@ impl<'a> Overlay<'a> {
         self.points[point as usize].truncate()
     }
 
-    /// Lays triangle number `triangle` with the points `corners` over the surface.
-    pub fn lay(&mut self, triangle: u32, corners: [u32; 3]) -> Result<Place, CutError> {
-        let mut candidates = std::mem::take(&mut self.candidates);
-        let [a, b, c] = corners.map(|p| self.points[p as usize]);
-        let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-        let (surface_low, surface_high) = self.grid.find(
-            (a.min(b).min(c)).truncate(),
-            a.max(b).max(c).truncate(),
-            &mut candidates,
-        );
-        let place = if low > surface_high {
-            Ok(Place::Upper)
-        } else if high <= surface_low {
-            Ok(Place::Lower)
-        } else {
-            self.split(triangle, corners, &candidates)
-        };
-        self.candidates = candidates;
-        place
-    }
-
-    fn split(
+    /// Lays triangle number `triangle` with the points `corners` over the facets `candidates`.
+    pub fn split(
         &mut self,
         triangle: u32,
         corners: [u32; 3],
@@ -202,9 +186,13 @@ impl<'a> Overlay<'a> {
     /// The part of a triangle over a facet (Sutherland and Hodgman 1974), each corner named by what it is.
     fn clip(&self, corners: [u32; 3], facet: u32, out: &mut Vec<(Corner, Support)>) {
         out.clear();
-        let inside: [[bool; 3]; 3] = [0, 1, 2].map(|k| corners.map(|p| self.inside(facet, k, p)));
-        if inside.iter().any(|line| line.iter().all(|i| !i)) {
-            return;
+        let mut inside = [[false; 3]; 3];
+        for k in 0..3u8 {
+            let line = corners.map(|p| self.inside(facet, k, p));
+            if line == [false; 3] {
+                return;
+            }
+            inside[usize::from(k)] = line;
         }
         let nodes = self.surface.layout.facets[facet as usize];
         out.extend((0..3).map(|i| (Corner::Point(i), Support::Skin(i))));
@@ -304,7 +292,11 @@ impl<'a> Overlay<'a> {
             orientation(c, a, p),
             orientation(a, b, p),
         ];
-        (w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / (w[0] + w[1] + w[2])
+        // Rounding must not lead past the corners, between which whole triangles are told from cut ones.
+        let height = (w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / (w[0] + w[1] + w[2]);
+        height
+            .max(h[0].min(h[1]).min(h[2]))
+            .min(h[0].max(h[1]).max(h[2]))
     }
 
     /// The vertex where the skin's edge p–q (p < q) crosses side `k` of `facet`, and its fraction of that side.
@@ -393,7 +385,8 @@ impl<'a> Overlay<'a> {
         polygon: &[Placed],
         spans: &mut Vec<(u32, u32, u32)>,
     ) -> Result<(), CutError> {
-        let layout = self.surface.layout.clone();
+        let surface = self.surface;
+        let layout = &surface.layout;
         let count = polygon.len();
         // The polygon's boundary with the cut points put in: (vertex, in the upper part, support of the next edge).
         let mut ring: Vec<(u32, Option<bool>, Support)> = Vec::with_capacity(count + 4);
@@ -553,8 +546,11 @@ impl<'a> Overlay<'a> {
     fn expand(&mut self, spans: &[(u32, u32, u32)]) {
         let mut inner: FxHashMap<u32, Vec<(u32, f64, u32, u32)>> = FxHashMap::default();
         for &(a, b, edge) in spans {
+            let Some(cuts) = self.cuts.get(&(a, b)) else {
+                continue;
+            };
             let list = inner.entry(edge).or_default();
-            for cut in self.cuts.get(&(a, b)).into_iter().flatten() {
+            for cut in cuts {
                 if !list.iter().any(|l| l.2 == cut.id) {
                     list.push((a, cut.fraction, cut.id, b));
                 }
@@ -610,18 +606,26 @@ impl<'a> Overlay<'a> {
     /// Joins the pieces of a triangle on either side of the surface and triangulates them.
     fn join(&mut self, triangle: u32, corners: [u32; 3]) -> Result<(), CutError> {
         let mut pieces = std::mem::take(&mut self.pieces);
-        let twin: FxHashMap<(u32, u32), bool> = pieces
+        // Edges along the layout's, by their ends; of several the last counts.
+        let mut twins: Vec<(u32, u32, bool)> = pieces
             .iter()
             .filter(|p| p.edge != NONE)
-            .map(|p| ((p.from, p.to), p.upper))
+            .map(|p| (p.from, p.to, p.upper))
             .collect();
+        twins.sort_by_key(|t| (t.0, t.1));
+        let twin = |from: u32, to: u32| {
+            let end = twins.partition_point(|t| (t.0, t.1) <= (from, to));
+            let last = twins[..end].last();
+            last.filter(|t| (t.0, t.1) == (from, to)).map(|t| t.2)
+        };
         for p in &pieces {
-            if p.edge != NONE && p.upper && twin.get(&(p.to, p.from)) == Some(&false) {
+            if p.edge != NONE && p.upper && twin(p.to, p.from) == Some(false) {
                 self.walls.push((p.edge, [p.from, p.to]));
             }
         }
-        pieces.retain(|p| p.edge == NONE || twin.get(&(p.to, p.from)) != Some(&p.upper));
+        pieces.retain(|p| p.edge == NONE || twin(p.to, p.from) != Some(p.upper));
         self.drop_needless(&mut pieces, corners);
+        let mut triangulator = std::mem::take(&mut self.triangulator);
         for upper in [false, true] {
             let edges: Vec<[u32; 2]> = pieces
                 .iter()
@@ -635,7 +639,9 @@ impl<'a> Overlay<'a> {
             };
             let mut triangles = Vec::new();
             polygon::trace(&edges, flat)
-                .and_then(|loops| polygon::fill(&loops, flat, &mut triangles).ok())
+                .and_then(|loops| {
+                    polygon::fill(&mut triangulator, &loops, flat, &mut triangles).ok()
+                })
                 .ok_or_else(|| CutError::Outline {
                     triangle,
                     at: self.grain(edges.first().map_or(corners[0], |e| e[0])),
@@ -643,6 +649,7 @@ impl<'a> Overlay<'a> {
             self.skin
                 .extend(triangles.into_iter().map(|t| (triangle, t, upper)));
         }
+        self.triangulator = triangulator;
         self.pieces = pieces;
         Ok(())
     }
@@ -665,120 +672,5 @@ impl<'a> Overlay<'a> {
                 pieces.swap_remove(j);
             }
         }
-    }
-}
-
-/// Facets by place, for finding those near a triangle.
-struct Grid {
-    low: DVec2,
-    scale: DVec2,
-    size: [usize; 2],
-    starts: Vec<u32>,
-    facets: Vec<u32>,
-    /// Lowest and highest height of each facet.
-    heights: Vec<(f64, f64)>,
-    boxes: Vec<[f64; 4]>,
-    mark: Vec<u32>,
-    turn: u32,
-}
-
-impl Grid {
-    fn new(surface: &Surface) -> Self {
-        let layout = &surface.layout;
-        let boxes: Vec<[f64; 4]> = layout
-            .facets
-            .iter()
-            .map(|f| {
-                let [a, b, c] = f.map(|n| layout.nodes[n as usize]);
-                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-                [low.x, low.y, high.x, high.y]
-            })
-            .collect();
-        let far = f64::INFINITY;
-        let all = boxes.iter().fold([far, far, -far, -far], |m, b| {
-            [
-                m[0].min(b[0]),
-                m[1].min(b[1]),
-                m[2].max(b[2]),
-                m[3].max(b[3]),
-            ]
-        });
-        let side = ((layout.facets.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
-        let (low, high) = (DVec2::new(all[0], all[1]), DVec2::new(all[2], all[3]));
-        let scale = DVec2::splat(side as f64) / (high - low).max(DVec2::splat(1e-300));
-        let mut grid = Grid {
-            low,
-            scale,
-            size: [side, side],
-            starts: vec![0; side * side + 1],
-            facets: Vec::new(),
-            heights: surface
-                .heights
-                .iter()
-                .map(|h| (h[0].min(h[1]).min(h[2]), h[0].max(h[1]).max(h[2])))
-                .collect(),
-            mark: vec![0; boxes.len()],
-            boxes: Vec::new(),
-            turn: 0,
-        };
-        for b in &boxes {
-            grid.each(b, |g, cell| g.starts[cell + 1] += 1);
-        }
-        for i in 1..grid.starts.len() {
-            grid.starts[i] += grid.starts[i - 1];
-        }
-        grid.facets = vec![0; grid.starts[side * side] as usize];
-        let mut next = grid.starts.clone();
-        for (f, b) in boxes.iter().enumerate() {
-            grid.each(b, |g, cell| {
-                g.facets[next[cell] as usize] = f as u32;
-                next[cell] += 1;
-            });
-        }
-        grid.boxes = boxes;
-        grid
-    }
-
-    fn cell(&self, p: DVec2) -> [usize; 2] {
-        let c = (p - self.low) * self.scale;
-        [
-            (c.x.max(0.0) as usize).min(self.size[0] - 1),
-            (c.y.max(0.0) as usize).min(self.size[1] - 1),
-        ]
-    }
-
-    fn each(&mut self, b: &[f64; 4], mut visit: impl FnMut(&mut Self, usize)) {
-        let (low, high) = (
-            self.cell(DVec2::new(b[0], b[1])),
-            self.cell(DVec2::new(b[2], b[3])),
-        );
-        for j in low[1]..=high[1] {
-            for i in low[0]..=high[0] {
-                visit(self, j * self.size[0] + i);
-            }
-        }
-    }
-
-    /// Facets whose box meets the box from `low` to `high`, ascending, and their range of heights.
-    fn find(&mut self, low: DVec2, high: DVec2, out: &mut Vec<u32>) -> (f64, f64) {
-        out.clear();
-        self.turn += 1;
-        let turn = self.turn;
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        self.each(&[low.x, low.y, high.x, high.y], |g, cell| {
-            for i in g.starts[cell]..g.starts[cell + 1] {
-                let f = g.facets[i as usize];
-                let b = &g.boxes[f as usize];
-                let meets = b[0] <= high.x && b[2] >= low.x && b[1] <= high.y && b[3] >= low.y;
-                if meets && g.mark[f as usize] != turn {
-                    g.mark[f as usize] = turn;
-                    let h = g.heights[f as usize];
-                    range = (range.0.min(h.0), range.1.max(h.1));
-                    out.push(f);
-                }
-            }
-        });
-        out.sort_unstable();
-        range
     }
 }

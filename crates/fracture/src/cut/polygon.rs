@@ -63,12 +63,13 @@ pub(super) fn area(corners: &[u32], flat: &impl Fn(u32) -> DVec2) -> f64 {
 
 /// Fills loops (outer ones counter-clockwise, holes clockwise) with triangles, every corner used.
 pub(super) fn fill(
+    triangulator: &mut Triangulator,
     loops: &[Vec<u32>],
     flat: impl Fn(u32) -> DVec2,
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), TriangulateError> {
     if let [only] = loops {
-        return fill_one(only, &[], &flat, triangles);
+        return fill_one(triangulator, only, &[], &flat, triangles);
     }
     let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| area(l, &flat) >= 0.0);
     for &ring in &outer {
@@ -77,12 +78,13 @@ pub(super) fn fill(
             .copied()
             .filter(|h| contains(ring, flat(h[0]), &flat))
             .collect();
-        fill_one(ring, &within, &flat, triangles)?;
+        fill_one(triangulator, ring, &within, &flat, triangles)?;
     }
     Ok(())
 }
 
 fn fill_one(
+    triangulator: &mut Triangulator,
     ring: &[u32],
     holes: &[&Vec<u32>],
     flat: &impl Fn(u32) -> DVec2,
@@ -102,7 +104,7 @@ fn fill_one(
     }
     let points: Vec<DVec2> = ids.iter().map(|&id| flat(id)).collect();
     let mut filled = Vec::with_capacity(ids.len());
-    Triangulator::default().polygon_with_holes(&points, &starts, &mut filled)?;
+    triangulator.polygon_with_holes(&points, &starts, &mut filled)?;
     // A sliver may turn the other way by rounding; its edges must run as the ring does all the same.
     let turned = holes.is_empty() && area(ring, flat) < 0.0;
     triangles.extend(filled.into_iter().map(|t| {

@@ -95,7 +95,7 @@ parameters! {
             /// Height by which the edge of the bark runs up and down, in flaps along its furrows.
             bark_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
             /// Turn of the splinters about the axis, for breaks by twisting.
-            spiral_angle: f64 = 0.0, "", number(DegreePerRadius, -180.0, 180.0);
+            spiral_angle: f64 = 0.0, "", number(DegreePerRadius, -30.0, 30.0);
         }
     }
     groups {

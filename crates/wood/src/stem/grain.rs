@@ -4,7 +4,7 @@
 //! break a section is scaled with the stem's taper, as the grain follows the bark.
 
 use super::Axis;
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// The map between the world and grain space.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,5 +82,105 @@ impl GrainSpace {
         DVec2::new(turn.x, -turn.y)
             .rotate(DVec2::new(d.dot(f.x), d.dot(f.y)))
             .extend(s)
+    }
+}
+
+/// Grain space in tabulated form, for placing many points: from grain coordinates through the world to any other
+/// coordinates.
+#[derive(Debug, Clone, Default)]
+pub struct Chart {
+    low: f64,
+    /// Rows per metre.
+    scale: f64,
+    /// Place of the axis, and what a metre across along either direction amounts to.
+    rows: Vec<[DVec3; 3]>,
+}
+
+impl Chart {
+    /// A table between lengths `range` (m) of the world's place mapped by `map`. Within `radius` m about the axis it is off
+    /// by no more than `tolerance` m, as far as a table of some ten thousand rows can be.
+    pub fn new(
+        space: &GrainSpace,
+        map: &DAffine3,
+        range: (f64, f64),
+        (radius, tolerance): (f64, f64),
+    ) -> Self {
+        const MOST: usize = 1 << 14;
+        let (low, high) = (range.0, range.1.max(range.0 + 1e-9));
+        let mut steps = 64;
+        loop {
+            let step = (high - low) / steps as f64;
+            let row = |s: f64| {
+                let f = space.axis.frame(s);
+                let (k, turn) = (space.scale(s), space.turn(s));
+                let x = (f.x * turn.x + f.y * turn.y) * k;
+                let y = (f.y * turn.x - f.x * turn.y) * k;
+                [
+                    map.transform_point3(f.origin),
+                    map.transform_vector3(x),
+                    map.transform_vector3(y),
+                ]
+            };
+            let rows: Vec<[DVec3; 3]> = (0..=steps).map(|i| row(low + step * i as f64)).collect();
+            let off = (0..steps)
+                .map(|i| {
+                    let middle = row(low + step * (i as f64 + 0.5));
+                    let miss =
+                        |k: usize| (rows[i][k] + rows[i + 1][k]).distance(middle[k] * 2.0) / 2.0;
+                    miss(0) + radius * (miss(1) + miss(2))
+                })
+                .fold(0.0, f64::max);
+            if off <= tolerance || steps >= MOST {
+                return Chart {
+                    low,
+                    scale: 1.0 / step,
+                    rows,
+                };
+            }
+            steps *= 2;
+        }
+    }
+
+    /// The place of the grain coordinates (x, y, s). Beyond the table's ends it runs straight on.
+    pub fn place(&self, p: DVec3) -> DVec3 {
+        let u = (p.z - self.low) * self.scale;
+        let i = (u.max(0.0) as usize).min(self.rows.len().saturating_sub(2));
+        let [Some(a), Some(b)] = [self.rows.get(i), self.rows.get(i + 1)] else {
+            return p;
+        };
+        let t = u - i as f64;
+        let at = |row: &[DVec3; 3]| row[0] + row[1] * p.x + row[2] * p.y;
+        let (a, b) = (at(a), at(b));
+        a + (b - a) * t
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chart_places_points_as_the_space_does() {
+        let points: Vec<DVec3> = (0..30)
+            .map(|i| f64::from(i) * 0.05)
+            .map(|a| DVec3::new(a.cos(), a.sin(), 0.3 * a))
+            .collect();
+        let axis = Axis::new(&points, None).unwrap();
+        let length = axis.length();
+        let taper = vec![(0.0, 1.2), (length / 2.0, 1.0), (length, 0.7)];
+        let space = GrainSpace::new(axis, taper).with_spiral(0.8, 0.3);
+        let map = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(2.0),
+            glam::DQuat::from_rotation_x(0.7),
+            DVec3::new(1.0, -3.0, 0.2),
+        );
+        let chart = Chart::new(&space, &map, (0.1, length - 0.1), (0.05, 1e-7));
+        for i in 0..500 {
+            let s = 0.1 + (length - 0.2) * f64::from(i) / 499.0;
+            let (sin, cos) = (f64::from(i) * 1.7).sin_cos();
+            let p = DVec3::new(0.05 * cos, 0.05 * sin, s);
+            let exact = map.transform_point3(space.to_world(p));
+            assert!(chart.place(p).distance(exact) < 2.5e-7);
+        }
     }
 }

@@ -21,6 +21,6 @@ pub use axis::{Axis, Frame};
 pub use build::{Section, Stem, StemKind};
 pub use error::StemError;
 pub use find::{Found, PithChoice, StemOptions, find};
-pub use grain::GrainSpace;
+pub use grain::{Chart, GrainSpace};
 pub use place::{Place, PlaceError};
 pub use rings::RingField;

@@ -1,0 +1,535 @@
+//! Grooves: strips of the section along the cracks' courses, sunk into the heights of a surface.
+//!
+//! A strip's lines (both flanks, the bottom in the middle, lines across) are drawn into the surface's triangulation.
+//! Then every node is lowered by the depth of the strip there. The depth depends on the place alone, so facets that
+//! agreed on an edge still agree to the last bit, steps keep their heights, and the surface stays a height field: no
+//! wall of a groove can cross anything. Where grooves overlap, the deeper one counts at each node.
+
+use super::refine::Refined;
+use super::{CrackError, CrackPlan, Direction, PlannedCrack, depth};
+use crate::surface::{Layout, Surface};
+use glam::{DVec2, DVec3};
+use greenstick_wood::stem::RingField;
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// The stem that grooves are made in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// Radius of the stem, m.
+    pub radius: f64,
+    /// Lengths along the axis that grooves must keep within, m.
+    pub usable: (f64, f64),
+    /// Height (m) along the grain after which the walls of a groove are parted, so that they can follow a bent stem;
+    /// infinite for a straight one.
+    pub level: f64,
+}
+
+/// A surface with grooves.
+#[derive(Debug, Clone)]
+pub struct Grooved {
+    /// The surface. Nodes of the surface it was made from keep their numbers; new ones follow them.
+    pub surface: Surface,
+    /// Number of the first node that is new.
+    pub first_node: usize,
+    /// Cells from this number on are walls of grooves, two for each crack of the plan in its order: right of its
+    /// course, then left of it.
+    pub first_cell: u32,
+    /// Cracks that were made.
+    pub cracks: usize,
+    /// Cracks that would not have opened visibly: no shrinkage, or too short.
+    pub closed: usize,
+    /// Cracks whose place lies outside of the section.
+    pub outside: usize,
+    /// Corners of facets whose depth was limited to the usable length.
+    pub limited: usize,
+    /// Deepest place below (or above) the face, m.
+    pub deepest: f64,
+    /// Widest opening at the face, m.
+    pub widest: f64,
+}
+
+/// Lines closer than this part of the radius to a node run through it.
+const NEAR: f64 = 1e-5;
+/// Openings narrower than this part of the radius are not made.
+const NARROWEST: f64 = 4e-4;
+/// Strips of a wall are parted into no more than so many parts.
+const MOST_PARTS: usize = 12;
+/// Parts of the way from the outline to the layout's border at which an open crack ends and has run out.
+const BEYOND: [f64; 2] = [0.55, 0.85];
+/// Share of the free length within which depths are left alone, and that they never pass.
+const FREE: f64 = 0.75;
+const MOST: f64 = 0.97;
+
+/// A strip: points across the groove, row by row along its course, with the depth of each.
+struct Strip {
+    rows: Vec<Vec<(DVec2, f64)>>,
+    bounds: (DVec2, DVec2),
+}
+
+/// Sinks the cracks of `plan` into a break surface. For the piece below the face give [`Direction::Down`], for the one
+/// above [`Direction::Up`], and cut once with each.
+///
+/// # Errors
+/// [`CrackError`] where the stem makes no sense or the surface's facets are folded.
+pub fn grooves(
+    plan: &CrackPlan,
+    field: &RingField,
+    surface: &Surface,
+    direction: Direction,
+    setting: &Setting,
+) -> Result<Grooved, CrackError> {
+    sink(plan, field, surface, direction, setting, 0.0)
+}
+
+/// An end of a stem, as a plane across the grain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndFace {
+    /// Whether it is the far end (greater lengths).
+    pub far: bool,
+    /// Length along the axis (m) over the origin of the section.
+    pub height: f64,
+    /// Rise of the plane along x and y.
+    pub slope: DVec2,
+    /// Distance (m) beyond the plane at which there is no wood.
+    pub clearance: f64,
+}
+
+/// Cosine to the grain above which a triangle of the skin may be end face.
+const FACING: f64 = 0.5;
+/// How far from the farthest point (in radii) end face may lie.
+const END_ZONE: f64 = 1.5;
+/// Clearance beside what the end's roughness needs, in radii.
+const CLEAR: f64 = 0.01;
+
+impl EndFace {
+    /// The plane nearest to the skin's triangles that face the end (`corners` are point numbers of the triangles in
+    /// `limb`, `points` grain coordinates, `radius` the stem's, m).
+    ///
+    /// # Errors
+    /// [`CrackError::NoEnd`] where nothing faces the end.
+    pub fn fit(
+        corners: &[[u32; 3]],
+        limb: &[u32],
+        points: &[DVec3],
+        far: bool,
+        radius: f64,
+    ) -> Result<Self, CrackError> {
+        let sign = if far { 1.0 } else { -1.0 };
+        let triangles = || {
+            limb.iter()
+                .map(|&t| corners[t as usize].map(|p| points[p as usize]))
+        };
+        let outmost = triangles()
+            .flatten()
+            .map(|p| sign * p.z)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let mut facing: Vec<(DVec3, f64)> = Vec::new();
+        for [a, b, c] in triangles() {
+            let normal = (b - a).cross(c - a);
+            let near = [a, b, c]
+                .iter()
+                .all(|p| sign * p.z > outmost - END_ZONE * radius);
+            if near && sign * normal.z > FACING * normal.length() {
+                // Midpoints of the sides integrate a square exactly.
+                facing.extend(
+                    [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0].map(|m| (m, normal.z.abs())),
+                );
+            }
+        }
+        let found = facing.len() / 3;
+        let none = CrackError::NoEnd {
+            which: if far { "far" } else { "near" },
+            found,
+        };
+        let total: f64 = facing.iter().map(|f| f.1).sum();
+        if total <= 0.0 {
+            return Err(none);
+        }
+        let mean = facing.iter().map(|f| f.0 * f.1).sum::<DVec3>() / total;
+        let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (p, w) in &facing {
+            let d = *p - mean;
+            xx += w * d.x * d.x;
+            xy += w * d.x * d.y;
+            yy += w * d.y * d.y;
+            xz += w * d.x * d.z;
+            yz += w * d.y * d.z;
+        }
+        let det = xx * yy - xy * xy;
+        if det <= 1e-12 * (xx + yy) * (xx + yy) {
+            return Err(none);
+        }
+        let slope = DVec2::new(xz * yy - yz * xy, yz * xx - xz * xy) / det;
+        let height = mean.z - slope.dot(mean.truncate());
+        let over = triangles()
+            .flatten()
+            .map(|p| sign * (p.z - height - slope.dot(p.truncate())))
+            .fold(0.0, f64::max);
+        Ok(EndFace {
+            far,
+            height,
+            slope,
+            clearance: over + CLEAR * radius,
+        })
+    }
+
+    /// Length along the axis (m) of the plane at a point of the section.
+    pub fn at(&self, p: DVec2) -> f64 {
+        self.height + self.slope.dot(p)
+    }
+}
+
+/// A surface that lies beyond the end of a stem but for the grooves of its cracks. Cutting along it leaves the stem
+/// with cracks below it (above it for the near end), and chips to throw away on its other side.
+///
+/// # Errors
+/// As [`grooves`].
+pub fn end_grooves(
+    plan: &CrackPlan,
+    field: &RingField,
+    layout: &Arc<Layout>,
+    end: &EndFace,
+    setting: &Setting,
+) -> Result<Grooved, CrackError> {
+    let (direction, beyond) = if end.far {
+        (Direction::Down, end.clearance)
+    } else {
+        (Direction::Up, -end.clearance)
+    };
+    let heights: Vec<f64> = layout.nodes.iter().map(|&p| end.at(p) + beyond).collect();
+    let surface = Surface {
+        layout: layout.clone(),
+        heights: layout
+            .facets
+            .iter()
+            .map(|f| f.map(|n| heights[n as usize]))
+            .collect(),
+    };
+    sink(plan, field, &surface, direction, setting, end.clearance)
+}
+
+fn sink(
+    plan: &CrackPlan,
+    field: &RingField,
+    surface: &Surface,
+    direction: Direction,
+    setting: &Setting,
+    clearance: f64,
+) -> Result<Grooved, CrackError> {
+    let (low, high) = setting.usable;
+    if !(setting.radius > 0.0 && setting.radius.is_finite() && low < high && setting.level > 0.0) {
+        return Err(CrackError::Stem {
+            radius: setting.radius,
+            low,
+            high,
+        });
+    }
+    let mut grooved = Grooved {
+        surface: Surface::default(),
+        first_node: surface.layout.nodes.len(),
+        first_cell: surface.layout.cells.iter().max().map_or(0, |c| c + 1),
+        cracks: 0,
+        closed: 0,
+        outside: 0,
+        limited: 0,
+        deepest: 0.0,
+        widest: 0.0,
+    };
+    let mut refined = Refined::new(surface, NEAR * setting.radius);
+    let mut drawn: Vec<(usize, Strip, FxHashMap<u32, f64>)> = Vec::new();
+    for (number, crack) in plan.cracks.iter().enumerate() {
+        let widest = widest(crack, field, setting.radius);
+        if widest < NARROWEST * setting.radius || crack.depth <= 0.0 {
+            grooved.closed += 1;
+            continue;
+        }
+        let Some(strip) = strip(crack, field, setting, clearance, &mut refined) else {
+            grooved.outside += 1;
+            continue;
+        };
+        match draw(&strip, &mut refined)? {
+            Some(exact) => drawn.push((number, strip, exact)),
+            None => {
+                grooved.outside += 1;
+                continue;
+            }
+        }
+        grooved.cracks += 1;
+        grooved.widest = grooved.widest.max(widest);
+    }
+    lower(&mut refined, &drawn, direction, setting, &mut grooved);
+    grooved.deepest = (grooved.deepest - clearance).max(0.0);
+    grooved.surface = refined.finish();
+    Ok(grooved)
+}
+
+fn widest(crack: &PlannedCrack, field: &RingField, radius: f64) -> f64 {
+    crack
+        .course
+        .iter()
+        .zip(&crack.parts)
+        .map(|(&(rho, phi), &t)| {
+            let r = field.point(rho, phi).distance(field.pith()) / radius;
+            crack.width(t, r) * radius
+        })
+        .fold(0.0, f64::max)
+}
+
+/// The strip of a crack; `None` where its place is beyond the layout.
+fn strip(
+    crack: &PlannedCrack,
+    field: &RingField,
+    setting: &Setting,
+    clearance: f64,
+    refined: &mut Refined,
+) -> Option<Strip> {
+    let radius = setting.radius;
+    // Part of the course, point of it, and factor on opening and depth.
+    let mut course: Vec<(f64, DVec2, f64)> = crack
+        .course
+        .iter()
+        .zip(&crack.parts)
+        .map(|(&(rho, phi), &t)| (t, field.point(rho, phi), 1.0))
+        .collect();
+    let most = crack.depth * radius + clearance;
+    let parts = ((most / setting.level).ceil() as usize).clamp(1, MOST_PARTS);
+    let &(rho, phi) = crack.course.last()?;
+    let mut reach = border(field, phi, rho, refined)? - rho;
+    for _ in 0..8 {
+        if crack.open {
+            course.truncate(crack.course.len());
+            for (i, beyond) in BEYOND.iter().enumerate() {
+                let p = field.point(rho + beyond * reach, phi);
+                course.push((1.0, p, 1.0 - i as f64));
+            }
+        }
+        let strip = rows(crack, field, &course, (radius, clearance, parts));
+        if strip.rows.iter().flatten().all(|p| refined.holds(p.0)) {
+            return Some(strip);
+        }
+        if !crack.open {
+            return None;
+        }
+        reach *= 0.9;
+    }
+    None
+}
+
+/// The greatest ring coordinate at an angle that the layout holds, from `rho` on.
+fn border(field: &RingField, phi: f64, rho: f64, refined: &mut Refined) -> Option<f64> {
+    let mut holds = |r: f64| refined.holds(field.point(r, phi));
+    if !holds(rho) {
+        return None;
+    }
+    let (mut inside, mut outside) = (rho, rho + 0.01);
+    while holds(outside) {
+        inside = outside;
+        outside = rho + 2.0 * (outside - rho);
+    }
+    for _ in 0..30 {
+        let middle = (inside + outside) / 2.0;
+        if holds(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    Some(inside)
+}
+
+fn rows(
+    crack: &PlannedCrack,
+    field: &RingField,
+    course: &[(f64, DVec2, f64)],
+    (radius, clearance, parts): (f64, f64, usize),
+) -> Strip {
+    let last = course.len() - 1;
+    let mut bounds = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let rows = course
+        .iter()
+        .enumerate()
+        .map(|(i, &(t, p, factor))| {
+            let ahead = course[(i + 1).min(last)].1 - course[i.saturating_sub(1)].1;
+            let left = ahead.perp().normalize_or_zero();
+            let r = p.distance(field.pith()) / radius;
+            let half = 0.5 * crack.width(t, r) * radius * factor;
+            let face = crack.depth * radius * depth(super::opening(t, crack.open)) * factor;
+            // Beyond an end face the walls go on as they are, so that the opening is right at the face.
+            let (half, deep) = if face > 0.0 && half > 0.0 {
+                (half * (face + clearance) / face, face + clearance)
+            } else {
+                (0.0, 0.0)
+            };
+            let n = parts as i64;
+            (-n..=n)
+                .map(|k| {
+                    let off = k as f64 / parts as f64;
+                    let point = p + left * (half * off);
+                    bounds = (bounds.0.min(point), bounds.1.max(point));
+                    (point, deep * (1.0 - off.abs()))
+                })
+                .collect()
+        })
+        .collect();
+    Strip { rows, bounds }
+}
+
+/// Draws the strip's lines; the depths of the nodes on them. `None` where it leaves the layout.
+fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f64>>, CrackError> {
+    let mut ids: Vec<Vec<u32>> = Vec::with_capacity(strip.rows.len());
+    for row in &strip.rows {
+        let mut line = Vec::with_capacity(row.len());
+        for &(p, _) in row {
+            match refined.point(p) {
+                Some(n) => line.push(n),
+                None => return Ok(None),
+            }
+        }
+        ids.push(line);
+    }
+    let mut exact: FxHashMap<u32, f64> = FxHashMap::default();
+    let mut run = |refined: &mut Refined, from: (u32, f64), to: (u32, f64)| {
+        if from.0 == to.0 {
+            return Ok(());
+        }
+        let path = refined.line(from.0, to.0)?;
+        let (a, b) = (refined.nodes[from.0 as usize], refined.nodes[to.0 as usize]);
+        for n in path {
+            let t = (refined.nodes[n as usize] - a).dot(b - a) / (b - a).length_squared();
+            let deep = from.1 + (to.1 - from.1) * t.clamp(0.0, 1.0);
+            let known = exact.entry(n).or_insert(deep);
+            *known = known.min(deep);
+        }
+        Ok(())
+    };
+    let columns = strip.rows[0].len();
+    // Flanks first: what they pass keeps the level of the face.
+    let order = (0..columns).map(|k| {
+        if k % 2 == 0 {
+            k / 2
+        } else {
+            columns - 1 - k / 2
+        }
+    });
+    for k in order {
+        for i in 1..ids.len() {
+            let end = |i: usize| (ids[i][k], strip.rows[i][k].1);
+            run(refined, end(i - 1), end(i))?;
+        }
+    }
+    for i in 0..ids.len() {
+        for k in 1..columns {
+            let end = |k: usize| (ids[i][k], strip.rows[i][k].1);
+            run(refined, end(k - 1), end(k))?;
+        }
+    }
+    Ok(Some(exact))
+}
+
+impl Strip {
+    /// Depth at a point (m, 0 outside) and whether it is left of the course.
+    fn depth(&self, p: DVec2) -> (f64, bool) {
+        let mut best = (0.0, false);
+        if p.cmplt(self.bounds.0).any() || p.cmpgt(self.bounds.1).any() {
+            return best;
+        }
+        for pair in self.rows.windows(2) {
+            let (low, high) = pair
+                .iter()
+                .flat_map(|row| [row[0].0, row[row.len() / 2].0, row[row.len() - 1].0])
+                .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), q| {
+                    (l.min(q), h.max(q))
+                });
+            if p.cmplt(low).any() || p.cmpgt(high).any() {
+                continue;
+            }
+            for k in 1..pair[0].len() {
+                let [a, b] = [pair[0][k - 1], pair[0][k]];
+                let [c, d] = [pair[1][k - 1], pair[1][k]];
+                for t in [[a, c, d], [a, d, b]] {
+                    if let Some(deep) = within(t, p)
+                        && deep > best.0
+                    {
+                        best = (deep, k > pair[0].len() / 2);
+                    }
+                }
+            }
+        }
+        best
+    }
+}
+
+fn within([a, b, c]: [(DVec2, f64); 3], p: DVec2) -> Option<f64> {
+    let area = (b.0 - a.0).perp_dot(c.0 - a.0);
+    let u = (b.0 - p).perp_dot(c.0 - p) / area;
+    let v = (c.0 - p).perp_dot(a.0 - p) / area;
+    let w = 1.0 - u - v;
+    (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some(a.1 * u + b.1 * v + c.1 * w)
+}
+
+/// Lowers (or lifts) the corners of all facets.
+fn lower(
+    refined: &mut Refined,
+    drawn: &[(usize, Strip, FxHashMap<u32, f64>)],
+    direction: Direction,
+    setting: &Setting,
+    grooved: &mut Grooved,
+) {
+    let depths: Vec<f64> = refined
+        .nodes
+        .iter()
+        .enumerate()
+        .map(|(n, &p)| {
+            drawn
+                .iter()
+                .map(|(_, strip, exact)| match exact.get(&(n as u32)) {
+                    Some(&deep) => deep,
+                    None => strip.depth(p).0,
+                })
+                .fold(0.0, f64::max)
+        })
+        .collect();
+    for f in 0..refined.facets.len() {
+        let facet = refined.facets[f];
+        if facet.iter().all(|&n| depths[n as usize] == 0.0) {
+            continue;
+        }
+        for (k, n) in facet.into_iter().enumerate() {
+            let wanted = depths[n as usize];
+            let h = refined.heights[f][k];
+            let free = match direction {
+                Direction::Down => h - setting.usable.0,
+                Direction::Up => setting.usable.1 - h,
+            }
+            .max(0.0);
+            let over = wanted - FREE * free;
+            let deep = if over > 0.0 {
+                grooved.limited += 1;
+                let room = (MOST - FREE) * free;
+                FREE * free + room * over / (over + room)
+            } else {
+                wanted
+            };
+            grooved.deepest = grooved.deepest.max(deep);
+            refined.heights[f][k] = match direction {
+                Direction::Down => h - deep,
+                Direction::Up => h + deep,
+            };
+        }
+        let centre = facet
+            .map(|n| refined.nodes[n as usize])
+            .into_iter()
+            .sum::<DVec2>()
+            / 3.0;
+        let of = drawn
+            .iter()
+            .map(|(number, strip, _)| (strip.depth(centre), *number));
+        if let Some(((_, left), number)) = of
+            .filter(|((deep, _), _)| *deep > 0.0)
+            .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
+        {
+            refined.cells[f] = grooved.first_cell + 2 * number as u32 + u32::from(left);
+        }
+    }
+}
