@@ -5,6 +5,7 @@ use greenstick::files::FileError;
 use greenstick::formats::FormatError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
+use greenstick::skin::texture::TextureError;
 use greenstick::wood::species::nearest;
 use greenstick::wood::stem::{Place, StemError};
 use std::io::{IsTerminal, Write};
@@ -101,7 +102,9 @@ impl From<greenstick::Error> for Failure {
         use greenstick::Error;
         let point = "a point of the limb works on any mesh: --at x,y,z in metres";
         match &error {
-            Error::Cancelled(_) | Error::Stem(StemError::Cancelled(_)) => Cancelled.into(),
+            Error::Cancelled(_)
+            | Error::Stem(StemError::Cancelled(_))
+            | Error::Texture(TextureError::Cancelled(_)) => Cancelled.into(),
             Error::Stem(
                 StemError::OffStem { nearest, .. }
                 | StemError::Unusable { nearest, .. }

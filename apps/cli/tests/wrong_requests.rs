@@ -228,3 +228,27 @@ fn checks_and_lists_answer_and_refuse() {
         assert_says(&run.err, &[part]);
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_stops_the_work_and_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    let folder = Folder::new();
+    let child = Command::new(env!("CARGO_BIN_EXE_greenstick"))
+        .args(["break", "--samples", "400", "--picture-size", "600x900"])
+        .current_dir(&folder.0)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The picture alone takes minutes; the handler is set within milliseconds.
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(told, "stopped; nothing was written\n");
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
