@@ -41,6 +41,8 @@ pub struct Grooved {
     pub closed: usize,
     /// Cracks whose place lies outside of the section.
     pub outside: usize,
+    /// Cracks left out because the face's facets are too thin or folded where they run.
+    pub undrawn: usize,
     /// Corners of facets whose depth was limited to the usable length.
     pub limited: usize,
     /// Deepest place below (or above) the face, m.
@@ -50,7 +52,9 @@ pub struct Grooved {
 }
 
 /// Lines closer than this part of the radius to a node run through it.
-const NEAR: f64 = 1e-5;
+const NEAR: f64 = 1e-7;
+/// Rows of a strip narrower than this part of the radius are left out; only its tips are narrower.
+const THINNEST: f64 = 2e-4;
 /// Openings narrower than this part of the radius are not made.
 const NARROWEST: f64 = 4e-4;
 /// Strips of a wall are parted into no more than so many parts.
@@ -71,7 +75,7 @@ struct Strip {
 /// above [`Direction::Up`], and cut once with each.
 ///
 /// # Errors
-/// [`CrackError`] where the stem makes no sense or the surface's facets are folded.
+/// [`CrackError`] where the stem makes no sense.
 pub fn grooves(
     plan: &CrackPlan,
     field: &RingField,
@@ -232,6 +236,7 @@ fn sink(
         cracks: 0,
         closed: 0,
         outside: 0,
+        undrawn: 0,
         limited: 0,
         deepest: 0.0,
         widest: 0.0,
@@ -248,13 +253,11 @@ fn sink(
             grooved.outside += 1;
             continue;
         };
-        match draw(&strip, &mut refined)? {
-            Some(exact) => drawn.push((number, strip, exact)),
-            None => {
-                grooved.outside += 1;
-                continue;
-            }
-        }
+        let Some(exact) = draw(&strip, &mut refined) else {
+            grooved.undrawn += 1;
+            continue;
+        };
+        drawn.push((number, strip, exact));
         grooved.cracks += 1;
         grooved.widest = grooved.widest.max(widest);
     }
@@ -372,26 +375,33 @@ fn rows(
                 .collect()
         })
         .collect();
+    let rows: Vec<Vec<(DVec2, f64)>> = rows;
+    let wide = |i: usize, row: &[(DVec2, f64)]| {
+        i == 0 || i == last || row[0].0.distance(row[parts].0) > THINNEST * radius
+    };
+    let rows = rows
+        .into_iter()
+        .enumerate()
+        .filter(|(i, row)| wide(*i, row))
+        .map(|(_, row)| row)
+        .collect();
     Strip { rows, bounds }
 }
 
-/// Draws the strip's lines; the depths of the nodes on them. `None` where it leaves the layout.
-fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f64>>, CrackError> {
+/// Draws the strip's lines; the depths of the nodes on them. `None` where facets are folded or too thin for it.
+fn draw(strip: &Strip, refined: &mut Refined) -> Option<FxHashMap<u32, f64>> {
     let mut ids: Vec<Vec<u32>> = Vec::with_capacity(strip.rows.len());
     for row in &strip.rows {
         let mut line = Vec::with_capacity(row.len());
         for &(p, _) in row {
-            match refined.point(p) {
-                Some(n) => line.push(n),
-                None => return Ok(None),
-            }
+            line.push(refined.point(p)?);
         }
         ids.push(line);
     }
     let mut exact: FxHashMap<u32, f64> = FxHashMap::default();
     let mut run = |refined: &mut Refined, from: (u32, f64), to: (u32, f64)| {
         if from.0 == to.0 {
-            return Ok(());
+            return Some(());
         }
         let path = refined.line(from.0, to.0)?;
         let (a, b) = (refined.nodes[from.0 as usize], refined.nodes[to.0 as usize]);
@@ -401,7 +411,7 @@ fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f6
             let known = exact.entry(n).or_insert(deep);
             *known = known.min(deep);
         }
-        Ok(())
+        Some(())
     };
     let columns = strip.rows[0].len();
     // Flanks first: what they pass keeps the level of the face.
@@ -424,7 +434,7 @@ fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f6
             run(refined, end(k - 1), end(k))?;
         }
     }
-    Ok(Some(exact))
+    Some(exact)
 }
 
 impl Strip {
