@@ -47,7 +47,7 @@ fn random(seed: u64) -> CrackParameters {
     cracks
 }
 
-fn assert_sound(mesh: &Mesh, what: &str) {
+fn assert_closed(mesh: &Mesh, what: &str) {
     let report = mesh.check();
     assert!(report.closed && report.oriented, "{what}: {report}");
     assert_eq!(report.non_manifold_edges, 0, "{what}: {report}");
@@ -76,8 +76,8 @@ fn random_sets(prepared: &Prepared, seeds: std::ops::Range<u64>, what: &str) -> 
             let cracked = prepared
                 .crack_break(&model, &p, &cracks, 1)
                 .unwrap_or_else(|e| panic!("{what}: {e}"));
-            assert_sound(&cracked.lower, &format!("{what}, lower"));
-            assert_sound(&cracked.upper, &format!("{what}, upper"));
+            assert_closed(&cracked.lower, &format!("{what}, lower"));
+            assert_closed(&cracked.upper, &format!("{what}, upper"));
             assert!(cracked.void > 0.0, "{what}: {}", cracked.void);
             made += cracked.lower_face.cracks;
         }
@@ -85,20 +85,20 @@ fn random_sets(prepared: &Prepared, seeds: std::ops::Range<u64>, what: &str) -> 
         let end = prepared
             .crack_end(&Default::default(), &cracks, far, 1)
             .unwrap_or_else(|e| panic!("{what}, seed {seed}, far {far}: {e}"));
-        assert_sound(&end.stem, &format!("{what}, seed {seed}, far {far}"));
+        assert_closed(&end.stem, &format!("{what}, seed {seed}, far {far}"));
         assert!(end.void > 0.0);
     }
     made
 }
 
 #[test]
-fn random_cracks_of_a_cylinder_are_sound() {
+fn random_cracks_of_a_cylinder_are_closed() {
     let prepared = prepared(primitive::cylinder(0.05, 0.6, 48), 0.5);
     assert!(random_sets(&prepared, 0..8, "cylinder") > 50);
 }
 
 #[test]
-fn random_cracks_of_a_bent_branch_are_sound() {
+fn random_cracks_of_a_bent_branch_are_closed() {
     let prepared = prepared(primitive::branch(&Default::default()), 0.5);
     assert!(random_sets(&prepared, 100..102, "branch") > 10);
 }
@@ -127,7 +127,7 @@ fn the_papers_figures_crack_a_sawn_end() {
         assert!(end.face.cracks >= least, "{name}: {}", end.face.cracks);
         // Seen at 1000 pixels across the section the widest crack is more than 10 wide, but no gap.
         assert!(end.face.widest > 0.001 && end.face.widest < 0.01);
-        assert_sound(&end.stem, name);
+        assert_closed(&end.stem, name);
         assert_eq!(crossings(&end.stem), 0, "{name}");
     }
 }

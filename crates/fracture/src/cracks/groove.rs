@@ -2,8 +2,9 @@
 //!
 //! A strip's lines (both flanks, the bottom in the middle, lines across) are drawn into the surface's triangulation.
 //! Then every node is lowered by the depth of the strip there. The depth depends on the place alone, so facets that
-//! agreed on an edge still agree to the last bit, steps keep their heights, and the surface stays a height field: no
-//! wall of a groove can cross anything. Where grooves overlap, the deeper one counts at each node.
+//! agreed on an edge still agree to the last bit, steps keep their heights, and the surface stays a height field: in
+//! grain space no wall of a groove can cross anything. In the world the chords of a bent stem's facets stray from their
+//! places there, so walls of narrow grooves may cross. Where grooves overlap, the deeper one counts at each node.
 
 use super::refine::Refined;
 use super::{CrackError, CrackPlan, Direction, PlannedCrack, depth};
@@ -428,10 +429,9 @@ fn draw(strip: &Strip, refined: &mut Refined) -> Option<FxHashMap<u32, f64>> {
             run(refined, end(i - 1), end(i))?;
         }
     }
-    for i in 0..ids.len() {
+    for (line, row) in ids.iter().zip(&strip.rows) {
         for k in 1..columns {
-            let end = |k: usize| (ids[i][k], strip.rows[i][k].1);
-            run(refined, end(k - 1), end(k))?;
+            run(refined, (line[k - 1], row[k - 1].1), (line[k], row[k].1))?;
         }
     }
     Some(exact)
