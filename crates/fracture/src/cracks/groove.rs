@@ -2,8 +2,9 @@
 //!
 //! A strip's lines (both flanks, the bottom in the middle, lines across) are drawn into the surface's triangulation.
 //! Then every node is lowered by the depth of the strip there. The depth depends on the place alone, so facets that
-//! agreed on an edge still agree to the last bit, steps keep their heights, and the surface stays a height field: no
-//! wall of a groove can cross anything. Where grooves overlap, the deeper one counts at each node.
+//! agreed on an edge still agree to the last bit, steps keep their heights, and the surface stays a height field: in
+//! grain space no wall of a groove can cross anything. In the world the chords of a bent stem's facets stray from their
+//! places there, so walls of narrow grooves may cross. Where grooves overlap, the deeper one counts at each node.
 
 use super::refine::Refined;
 use super::{CrackError, CrackPlan, Direction, PlannedCrack, depth};
@@ -41,6 +42,8 @@ pub struct Grooved {
     pub closed: usize,
     /// Cracks whose place lies outside of the section.
     pub outside: usize,
+    /// Cracks left out because the face's facets are too thin or folded where they run.
+    pub undrawn: usize,
     /// Corners of facets whose depth was limited to the usable length.
     pub limited: usize,
     /// Deepest place below (or above) the face, m.
@@ -50,7 +53,9 @@ pub struct Grooved {
 }
 
 /// Lines closer than this part of the radius to a node run through it.
-const NEAR: f64 = 1e-5;
+const NEAR: f64 = 1e-7;
+/// Rows of a strip narrower than this part of the radius are left out; only its tips are narrower.
+const THINNEST: f64 = 2e-4;
 /// Openings narrower than this part of the radius are not made.
 const NARROWEST: f64 = 4e-4;
 /// Strips of a wall are parted into no more than so many parts.
@@ -71,7 +76,7 @@ struct Strip {
 /// above [`Direction::Up`], and cut once with each.
 ///
 /// # Errors
-/// [`CrackError`] where the stem makes no sense or the surface's facets are folded.
+/// [`CrackError`] where the stem makes no sense.
 pub fn grooves(
     plan: &CrackPlan,
     field: &RingField,
@@ -232,6 +237,7 @@ fn sink(
         cracks: 0,
         closed: 0,
         outside: 0,
+        undrawn: 0,
         limited: 0,
         deepest: 0.0,
         widest: 0.0,
@@ -248,13 +254,11 @@ fn sink(
             grooved.outside += 1;
             continue;
         };
-        match draw(&strip, &mut refined)? {
-            Some(exact) => drawn.push((number, strip, exact)),
-            None => {
-                grooved.outside += 1;
-                continue;
-            }
-        }
+        let Some(exact) = draw(&strip, &mut refined) else {
+            grooved.undrawn += 1;
+            continue;
+        };
+        drawn.push((number, strip, exact));
         grooved.cracks += 1;
         grooved.widest = grooved.widest.max(widest);
     }
@@ -372,26 +376,33 @@ fn rows(
                 .collect()
         })
         .collect();
+    let rows: Vec<Vec<(DVec2, f64)>> = rows;
+    let wide = |i: usize, row: &[(DVec2, f64)]| {
+        i == 0 || i == last || row[0].0.distance(row[parts].0) > THINNEST * radius
+    };
+    let rows = rows
+        .into_iter()
+        .enumerate()
+        .filter(|(i, row)| wide(*i, row))
+        .map(|(_, row)| row)
+        .collect();
     Strip { rows, bounds }
 }
 
-/// Draws the strip's lines; the depths of the nodes on them. `None` where it leaves the layout.
-fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f64>>, CrackError> {
+/// Draws the strip's lines; the depths of the nodes on them. `None` where facets are folded or too thin for it.
+fn draw(strip: &Strip, refined: &mut Refined) -> Option<FxHashMap<u32, f64>> {
     let mut ids: Vec<Vec<u32>> = Vec::with_capacity(strip.rows.len());
     for row in &strip.rows {
         let mut line = Vec::with_capacity(row.len());
         for &(p, _) in row {
-            match refined.point(p) {
-                Some(n) => line.push(n),
-                None => return Ok(None),
-            }
+            line.push(refined.point(p)?);
         }
         ids.push(line);
     }
     let mut exact: FxHashMap<u32, f64> = FxHashMap::default();
     let mut run = |refined: &mut Refined, from: (u32, f64), to: (u32, f64)| {
         if from.0 == to.0 {
-            return Ok(());
+            return Some(());
         }
         let path = refined.line(from.0, to.0)?;
         let (a, b) = (refined.nodes[from.0 as usize], refined.nodes[to.0 as usize]);
@@ -401,7 +412,7 @@ fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f6
             let known = exact.entry(n).or_insert(deep);
             *known = known.min(deep);
         }
-        Ok(())
+        Some(())
     };
     let columns = strip.rows[0].len();
     // Flanks first: what they pass keeps the level of the face.
@@ -418,13 +429,12 @@ fn draw(strip: &Strip, refined: &mut Refined) -> Result<Option<FxHashMap<u32, f6
             run(refined, end(i - 1), end(i))?;
         }
     }
-    for i in 0..ids.len() {
+    for (line, row) in ids.iter().zip(&strip.rows) {
         for k in 1..columns {
-            let end = |k: usize| (ids[i][k], strip.rows[i][k].1);
-            run(refined, end(k - 1), end(k))?;
+            run(refined, (line[k - 1], row[k - 1].1), (line[k], row[k].1))?;
         }
     }
-    Ok(Some(exact))
+    Some(exact)
 }
 
 impl Strip {

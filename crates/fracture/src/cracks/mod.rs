@@ -27,7 +27,7 @@ pub enum Direction {
     Up,
 }
 
-/// Why cracks could not be made. Places are grain coordinates (x, y) in m.
+/// Why cracks could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CrackError {
     /// The radius or the usable range of the stem makes no sense.
@@ -41,16 +41,6 @@ pub enum CrackError {
         low: f64,
         /// Greatest usable length, m.
         high: f64,
-    },
-    /// The triangulation of the face is not sound where a crack runs.
-    #[error(
-        "the crack at ({x}, {y}) m of the section cannot be drawn into the face: its facets are folded or degenerate there"
-    )]
-    Facets {
-        /// Grain x, m.
-        x: f64,
-        /// Grain y, m.
-        y: f64,
     },
     /// The end of the stem was not found.
     #[error(

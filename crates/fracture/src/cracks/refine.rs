@@ -1,7 +1,6 @@
 //! Drawing points and lines into the triangulation of a surface: facets and edges they meet are parted, heights of
 //! what is new lie on the facets they part.
 
-use super::CrackError;
 use crate::surface::{Layout, NONE, Surface};
 use glam::DVec2;
 use std::sync::Arc;
@@ -271,26 +270,19 @@ impl Refined {
         all
     }
 
-    /// Makes edges along the straight line between two nodes; the nodes on it, both ends included. Where the line
+    /// Makes edges along the straight line between two nodes; the nodes on it, both ends included; `None` where facets are folded. Where the line
     /// passes a node very closely it is led through it.
-    pub fn line(&mut self, from: u32, to: u32) -> Result<Vec<u32>, CrackError> {
+    pub fn line(&mut self, from: u32, to: u32) -> Option<Vec<u32>> {
         let mut path = vec![from];
         let mut now = from;
         let most = 16 + self.facets.len();
         while now != to {
             let next = self.step(now, to);
-            match next {
-                Some(n) if path.len() < most && !path.contains(&n) => {
-                    path.push(n);
-                    now = n;
-                }
-                _ => {
-                    let at = self.nodes[now as usize];
-                    return Err(CrackError::Facets { x: at.x, y: at.y });
-                }
-            }
+            let next = next.filter(|n| path.len() < most && !path.contains(n))?;
+            path.push(next);
+            now = next;
         }
-        Ok(path)
+        Some(path)
     }
 
     /// The next node on the way.
@@ -330,6 +322,7 @@ impl Refined {
         }
         let [p, q] = ends(self, (f, k)).map(|n| self.nodes[n as usize] - a);
         let (u, v) = (p.perp_dot(d), q.perp_dot(d));
-        Some(self.part_side(f, (k + 1) % 3, u / (u - v)))
+        let t = u / (u - v);
+        (t > 0.0 && t < 1.0).then(|| self.part_side(f, (k + 1) % 3, t))
     }
 }
