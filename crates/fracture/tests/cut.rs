@@ -153,8 +153,7 @@ fn both_pieces_are_closed_and_their_volumes_add_up() {
             shell: &all,
             limb: &all,
         };
-        let cut = cut(&solid, &surface)
-        .unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+        let cut = cut(&solid, &surface).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
         let whole = volume(&triangles, |i| points[i as usize]);
         let mut sum = 0.0;
         for upper in [false, true] {

@@ -170,8 +170,8 @@ impl Prepared {
         let (low, high) = made.surface.range();
         let skin = Skin::new(&solid, (low, high));
         let ground = Ground::new(&skin, &made.surface.layout);
-        let mut cut = cut_again(&solid, &skin, &ground, &made.surface)
-            .map_err(|error| self.locate(error))?;
+        let mut cut =
+            cut_again(&solid, &skin, &ground, &made.surface).map_err(|error| self.locate(error))?;
         cut.absorb_chips(&solid);
         cut.part_at(&self.grain, &self.kept.levels);
         let source = self.source();

@@ -32,7 +32,6 @@ pub struct Prepared {
     pub(crate) kept: Arc<Kept>,
 }
 
-
 /// Finds the stem at `place` and takes it to grain space.
 ///
 /// # Errors
@@ -78,13 +77,22 @@ fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
             }
         }
     }
-    let mut refined =
-        Refined { mesh, points, grain, limb: std::mem::take(&mut found.limb), parted: 0 };
+    let mut refined = Refined {
+        mesh,
+        points,
+        grain,
+        limb: std::mem::take(&mut found.limb),
+        parted: 0,
+    };
     let made = refined.part(&layers, &transform, &found.shell);
     found.limb = std::mem::take(&mut refined.limb);
     found.shell.extend(made);
-    let corners: Vec<[u32; 3]> =
-        refined.mesh.triangles.iter().map(|t| t.map(|v| refined.points[v as usize])).collect();
+    let corners: Vec<[u32; 3]> = refined
+        .mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| refined.points[v as usize]))
+        .collect();
     let extent = extent(&found, &corners, &refined.grain);
     let kept = {
         let solid = Solid {
@@ -93,7 +101,14 @@ fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
             shell: &found.shell,
             limb: &found.limb,
         };
-        Kept::new(&found, &layers, &solid, &refined.mesh.triangles, &refined.points, &transform)
+        Kept::new(
+            &found,
+            &layers,
+            &solid,
+            &refined.mesh.triangles,
+            &refined.points,
+            &transform,
+        )
     };
     scene.nodes[found.node].mesh = refined.mesh;
     Prepared {
@@ -192,7 +207,10 @@ impl Prepared {
         if spiral == 0.0 || stem.kind == StemKind::Board {
             return self.clone();
         }
-        let layers = self.layers.clone().with_spiral(spiral / stem.radius, stem.usable);
+        let layers = self
+            .layers
+            .clone()
+            .with_spiral(spiral / stem.radius, stem.usable);
         laid(self.scene.clone(), self.found.clone(), layers)
     }
 

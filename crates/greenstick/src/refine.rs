@@ -33,7 +33,12 @@ struct Made {
 impl Refined {
     /// Parts the limb's triangles at every level. `transform` leads from the mesh to the world.
     /// Triangles of `shell` beside the limb are parted along with it, so that edges stay whole. Returns the new ones.
-    pub(crate) fn part(&mut self, layers: &LayeredGrain, transform: &DAffine3, shell: &[u32]) -> Vec<u32> {
+    pub(crate) fn part(
+        &mut self,
+        layers: &LayeredGrain,
+        transform: &DAffine3,
+        shell: &[u32],
+    ) -> Vec<u32> {
         let levels: Vec<f64> = layers.levels().collect();
         let first_new = self.mesh.triangles.len() as u32;
         if levels.is_empty() {
@@ -57,7 +62,13 @@ impl Refined {
             self.parted += usize::from((t as usize) < before);
             let level = levels[n];
             let mut cut = |mesh: &mut Self, a: usize, b: usize| {
-                mesh.vertex(corners[a], corners[b], (n as u32, level), (layers, transform), &mut made)
+                mesh.vertex(
+                    corners[a],
+                    corners[b],
+                    (n as u32, level),
+                    (layers, transform),
+                    &mut made,
+                )
             };
             // Turned so that the first corner is alone on its side of the level, or lies on it.
             let below = |i: usize| s[i] < level;
@@ -95,13 +106,19 @@ impl Refined {
             }
         }
         self.limb.sort_unstable();
-        let mut stack: Vec<u32> = shell.iter().copied().filter(|&t| beside[t as usize]).collect();
+        let mut stack: Vec<u32> = shell
+            .iter()
+            .copied()
+            .filter(|&t| beside[t as usize])
+            .collect();
         while let Some(t) = stack.pop() {
             let corners = self.mesh.triangles[t as usize];
             let point = |i: usize| self.points[corners[i % 3] as usize];
             let found = (0..3).find_map(|i| {
                 let (p, q) = (point(i), point(i + 1));
-                made.parted.get(&(p.min(q), p.max(q))).map(|&level| (i, level))
+                made.parted
+                    .get(&(p.min(q), p.max(q)))
+                    .map(|&level| (i, level))
             });
             let Some((i, level)) = found else { continue };
             let (a, b, c) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);

@@ -45,7 +45,11 @@ fn random_parameters(set: usize) -> BreakParameters {
         let u = unit(i);
         // A third of all parameters stays as it is, so that sets are not all of one kind.
         // Winding grain, which Table 2 does not have, is tried in every tenth.
-        let kept = if info.key == "spiral_angle" { 0.9 } else { 0.33 };
+        let kept = if info.key == "spiral_angle" {
+            0.9
+        } else {
+            0.33
+        };
         if unit(i + 1000) < kept && info.key != "seed" {
             continue;
         }
@@ -126,7 +130,17 @@ fn run(name: &str, scene: Scene, place: f64) {
     for set in 0..sets {
         let t = std::time::Instant::now();
         sound(&prepared, set, volume, &mut failures);
-        let p = random_parameters(set); eprintln!("{name} {set} {:?} rings {} sectors {} spiral {} {:?} slab {} incl {}", t.elapsed(), p.rings, p.sectors, p.spiral_angle, p.surface, p.slab_height, p.inclination);
+        let p = random_parameters(set);
+        eprintln!(
+            "{name} {set} {:?} rings {} sectors {} spiral {} {:?} slab {} incl {}",
+            t.elapsed(),
+            p.rings,
+            p.sectors,
+            p.spiral_angle,
+            p.surface,
+            p.slab_height,
+            p.inclination
+        );
     }
     assert!(
         failures.is_empty(),

@@ -21,7 +21,8 @@ impl Cut {
 
     fn absorb(&mut self, solid: &Solid, upper: bool) -> usize {
         let side = if upper { Side::Upper } else { Side::Lower };
-        let mut parent: Vec<u32> = (0..(self.points + self.vertices.len() + self.inside.len()) as u32).collect();
+        let mut parent: Vec<u32> =
+            (0..(self.points + self.vertices.len() + self.inside.len()) as u32).collect();
         let mut join = |t: [u32; 3]| {
             let a = root(&mut parent, t[0]);
             for other in [t[1], t[2]] {
@@ -61,7 +62,8 @@ impl Cut {
         let mut is_chip = |v: u32| root(&mut parent, v) as usize != main;
         for &t in solid.limb {
             if self.sides[t as usize] == side && is_chip(solid.triangles[t as usize][0]) {
-                self.sides.set(t, if upper { Side::Lower } else { Side::Upper });
+                self.sides
+                    .set(t, if upper { Side::Lower } else { Side::Upper });
             }
         }
         for s in self.skin.iter_mut().filter(|s| s.upper == upper) {

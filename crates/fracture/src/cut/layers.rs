@@ -11,7 +11,9 @@ impl Cut {
     /// Parts every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
     /// [`super::cut`]. The skin must cross none of them.
     pub fn part_at(&mut self, points: &[DVec3], levels: &[f64]) {
-        let (Some(first), Some(last)) = (levels.first(), levels.last()) else { return };
+        let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
+            return;
+        };
         // The skin ends at levels but for rounding; an edge of it must not be parted for that.
         let near = NEAR * (last - first);
         let snapped = |s: f64| {
@@ -31,7 +33,14 @@ impl Cut {
         if !self.cap.iter().any(crosses) {
             return;
         }
-        Parter { cut: self, points, heights, levels, made: FxHashMap::default() }.run();
+        Parter {
+            cut: self,
+            points,
+            heights,
+            levels,
+            made: FxHashMap::default(),
+        }
+        .run();
     }
 }
 
@@ -97,7 +106,10 @@ impl Parter<'_> {
         }
         let (u, v) = (self.heights[a as usize], self.heights[b as usize]);
         let t = (level - u) / (v - u);
-        let (p, q) = (self.cut.grain(self.points, a), self.cut.grain(self.points, b));
+        let (p, q) = (
+            self.cut.grain(self.points, a),
+            self.cut.grain(self.points, b),
+        );
         let mut p = p.lerp(q, t);
         p.z = level;
         self.cut.inside.push(p);

@@ -237,7 +237,11 @@ pub fn cut_again(
 
 /// Number of closed lines that the outline of the break consists of.
 fn outlines(overlay: &Overlay) -> usize {
-    let edges = overlay.tops.iter().chain(&overlay.walls).map(|(_, edge)| *edge);
+    let edges = overlay
+        .tops
+        .iter()
+        .chain(&overlay.walls)
+        .map(|(_, edge)| *edge);
     let mut next: FxHashMap<u32, u32> = edges.map(|[a, b]| (a, b)).collect();
     let starts: Vec<u32> = overlay.tops.iter().map(|(_, edge)| edge[0]).collect();
     let mut count = 0;

@@ -50,7 +50,8 @@ impl LayeredGrain {
             let mut last = (stem.place, DVec2::ZERO);
             let mut slope: f64 = 0.0;
             for i in 1..=count {
-                let length = stem.place + sign * ((end - stem.place).abs() * i as f64 / count as f64);
+                let length =
+                    stem.place + sign * ((end - stem.place).abs() * i as f64 / count as f64);
                 let f = stem.grain.axis().frame(length);
                 let cosine = f.tangent.dot(frame.tangent);
                 if cosine < STEEPEST {
@@ -81,7 +82,10 @@ impl LayeredGrain {
     /// Length and sideways place of a point, before the section is moved.
     fn project(&self, world: DVec3) -> (f64, DVec2) {
         let d = world - self.origin;
-        (self.place + d.dot(self.along), DVec2::new(d.dot(self.x), d.dot(self.y)))
+        (
+            self.place + d.dot(self.along),
+            DVec2::new(d.dot(self.x), d.dot(self.y)),
+        )
     }
 
     /// The same with grain that winds about the axis by `turn` rad per m, with levels close enough for it between
@@ -185,13 +189,20 @@ fn simplify(samples: &[(f64, DVec2)], off: f64) -> Vec<(f64, DVec2)> {
             let t = (samples[i].0 - p.0) / (q.0 - p.0);
             samples[i].1.distance(p.1.lerp(q.1, t))
         };
-        let Some(worst) = (a + 1..b).max_by(|&i, &j| miss(i).total_cmp(&miss(j))) else { continue };
+        let Some(worst) = (a + 1..b).max_by(|&i, &j| miss(i).total_cmp(&miss(j))) else {
+            continue;
+        };
         if miss(worst) > off {
             kept[worst] = true;
             stack.extend([(a, worst), (worst, b)]);
         }
     }
-    samples.iter().zip(kept).filter(|(_, k)| *k).map(|(s, _)| *s).collect()
+    samples
+        .iter()
+        .zip(kept)
+        .filter(|(_, k)| *k)
+        .map(|(s, _)| *s)
+        .collect()
 }
 
 #[cfg(test)]
@@ -206,10 +217,18 @@ mod tests {
             y: DVec3::Z,
             along: DVec3::X,
             place: 0.5,
-            levels: vec![(0.0, DVec2::new(0.1, 0.0)), (0.5, DVec2::ZERO), (1.0, DVec2::new(0.0, 0.2))],
+            levels: vec![
+                (0.0, DVec2::new(0.1, 0.0)),
+                (0.5, DVec2::ZERO),
+                (1.0, DVec2::new(0.0, 0.2)),
+            ],
             spiral: 0.0,
         };
-        for p in [DVec3::new(0.1, -0.2, 0.3), DVec3::new(0.0, 0.4, 0.9), DVec3::new(1.0, 1.0, -2.0)] {
+        for p in [
+            DVec3::new(0.1, -0.2, 0.3),
+            DVec3::new(0.0, 0.4, 0.9),
+            DVec3::new(1.0, 1.0, -2.0),
+        ] {
             assert!(made.to_grain(made.to_world(p)).distance(p) < 1e-14);
         }
         let (a, b) = (DVec3::new(0.1, 0.2, 0.5), DVec3::new(-0.3, 0.0, 1.0));
