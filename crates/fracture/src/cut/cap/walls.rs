@@ -192,15 +192,15 @@ impl Builder<'_, '_> {
         let traced = follow(chains, &border).ok_or_else(|| self.gap(chains))?;
         let mut loops = traced.loops;
         let [p, q] = edge.nodes.map(|n| self.layout().nodes[n as usize]);
-        if !traced.met {
-            let within = |l: &Vec<u32>| {
-                let t = (self.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
-                t > span.0 && t < span.1
-            };
-            loops.retain(within);
-            if self.starts_inside(e, edge, span) {
-                loops.insert(0, border);
-            }
+        // Lines that close within the wall may belong to its part beyond the knot.
+        let on_border = |l: &[u32]| border.contains(&l[0]);
+        let within = |l: &[u32]| {
+            let t = (self.grain(l[0]).truncate() - p).dot(q - p) / (q - p).length_squared();
+            t > span.0 && t < span.1
+        };
+        loops.retain(|l| on_border(l) || within(l));
+        if !traced.met && self.starts_inside(e, edge, span) {
+            loops.insert(0, border);
         }
         if loops.is_empty() {
             return Ok(());
