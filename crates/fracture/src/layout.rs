@@ -416,6 +416,10 @@ fn boundary(
     result.ends[0] = vec![0; inside.map_or(0, |b| b.walls.len())];
     result.ends[1] = vec![0; outside.map_or(0, |b| b.walls.len())];
     let jitter = |n: usize| {
+        // The innermost boundary of a board must stay outside the wood.
+        if inside.is_none() {
+            return 0.0;
+        }
         0.36 * irregular
             * thin
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)

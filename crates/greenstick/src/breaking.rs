@@ -128,7 +128,7 @@ pub fn break_scene(
         .sum();
     context.step("stem", 0.0)?;
     let prepared = prepare(scene, &request.place, &request.stem, context)?;
-    let prepared = match p.spiral_angle {
+    let prepared = match winding(p) {
         0.0 => prepared,
         spiral => prepared.with_spiral(spiral.to_radians()),
     };
@@ -209,6 +209,11 @@ pub fn break_scene(
         width: model.square.1,
         apart: request.part != 0.0,
     })
+}
+
+/// Winding of the grain, degrees per radius: a fibrous face has it, the published smooth one has not.
+fn winding(p: &BreakParameters) -> f64 {
+    if p.surface == Surface::Fibrous { p.spiral_angle } else { 0.0 }
 }
 
 /// How many of the first nodes are pieces of the stem.

@@ -1,7 +1,7 @@
 //! Random parameters over the whole of their ranges, on a bent branch, a board and a scanned pole: both pieces are
 //! always closed, oriented and free of crossings, and their volumes add up to the input's.
 
-use greenstick::fracture::parameters::{BreakParameters, Kind, Parameters, Value};
+use greenstick::fracture::parameters::{BreakParameters, Kind, Parameters, Surface, Value};
 use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::wood::{noise, primitive, stem};
 use greenstick::{Prepared, prepare};
@@ -89,7 +89,8 @@ fn random_parameters(set: usize) -> BreakParameters {
 
 fn sound(prepared: &Prepared, set: usize, volume: f64, failures: &mut Vec<String>) {
     let p = random_parameters(set);
-    let prepared = prepared.with_spiral(p.spiral_angle.to_radians());
+    let winds = if p.surface == Surface::Fibrous { p.spiral_angle } else { 0.0 };
+    let prepared = prepared.with_spiral(winds.to_radians());
     let model = match prepared.model(&p, 1.0, 0) {
         Ok(model) => model,
         Err(error) => {

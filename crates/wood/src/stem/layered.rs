@@ -19,8 +19,9 @@ pub struct LayeredGrain {
     place: f64,
     /// Levels: length (m) and how far the section is moved sideways there (m), rising in length.
     levels: Vec<(f64, DVec2)>,
-    /// Turn of the grain about the axis, rad per m.
+    /// Turn of the grain about the axis, rad per m, and the lengths (m) between which it winds.
     spiral: f64,
+    winds: (f64, f64),
 }
 
 /// Cosine of the greatest angle between the stem's direction and that at the break.
@@ -42,6 +43,7 @@ impl LayeredGrain {
             place: stem.place,
             levels: Vec::new(),
             spiral: 0.0,
+            winds: (0.0, 0.0),
         };
         let step = 0.2 * stem.radius;
         let walk = |sign: f64, end: f64| {
@@ -94,7 +96,7 @@ impl LayeredGrain {
         if turn == 0.0 {
             return self;
         }
-        self.spiral = turn;
+        (self.spiral, self.winds) = (turn, (low, high));
         let count = ((high - low) * turn.abs() / TURN).ceil().clamp(1.0, 1000.0);
         let mut levels: Vec<(f64, DVec2)> = (0..=count as usize)
             .map(|i| low + (high - low) * i as f64 / count)
@@ -124,7 +126,7 @@ impl LayeredGrain {
     }
 
     fn turn(&self, s: f64) -> DVec2 {
-        let (sin, cos) = libm::sincos(self.spiral * (s - self.place));
+        let (sin, cos) = libm::sincos(self.spiral * (s.clamp(self.winds.0, self.winds.1) - self.place));
         DVec2::new(cos, sin)
     }
 
@@ -223,6 +225,7 @@ mod tests {
                 (1.0, DVec2::new(0.0, 0.2)),
             ],
             spiral: 0.0,
+            winds: (0.0, 0.0),
         };
         for p in [
             DVec3::new(0.1, -0.2, 0.3),
