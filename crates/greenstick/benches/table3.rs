@@ -4,7 +4,7 @@
 //! that does other work too, the least is nearer to what the code needs.
 
 use glam::DAffine3;
-use greenstick::fracture::cut::{Ground, Skin, Solid, cut_again};
+use greenstick::fracture::cut::{Cut, Ground, Skin, Solid, cut_again};
 use greenstick::fracture::parameters::{BreakParameters, Surface};
 use greenstick::fracture::{heights, layout};
 use greenstick::geometry::{Context, Mesh, Node, Scene};
@@ -36,6 +36,20 @@ fn time(runs: usize, mut run: impl FnMut(usize)) -> (f64, f64) {
     (times[runs / 2], times[0])
 }
 
+/// As [`time`], with something made before each run that is not timed.
+fn time_after<T>(runs: usize, before: impl Fn() -> T, run: impl Fn(T)) -> (f64, f64) {
+    let mut times: Vec<f64> = (0..runs)
+        .map(|_| {
+            let given = before();
+            let start = Instant::now();
+            run(given);
+            start.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    (times[runs / 2], times[0])
+}
+
 fn scene(mesh: Mesh) -> Scene {
     Scene {
         nodes: vec![Node {
@@ -50,7 +64,7 @@ fn scene(mesh: Mesh) -> Scene {
 
 fn prepared(scene: Scene) -> Prepared {
     let place = stem::Place::Fraction(0.5);
-    prepare(scene, &place, &Default::default(), 0.0, &Context::quiet())
+    prepare(scene, &place, &Default::default(), &Context::quiet())
         .expect("the built-in branch has a stem")
 }
 
@@ -89,7 +103,7 @@ fn table(prepared: &Prepared) {
             let mut triangles = 0;
             let shape = time(RUNS, |i| {
                 let p = parameters(n, surface, 5.0 + 0.01 * i as f64);
-                let broken = prepared.broken(&p, 1.0, 1).expect("breaks");
+                let broken = prepared.drawn(&p, 1.0, 1).expect("breaks");
                 triangles = broken.face.triangles.len();
                 black_box(broken);
             });
@@ -99,7 +113,7 @@ fn table(prepared: &Prepared) {
                 if surface == Surface::Smooth {
                     p.sectors = n + i as u32 % 2;
                 }
-                black_box(prepared.broken(&p, 1.0, 1).expect("breaks"));
+                black_box(prepared.drawn(&p, 1.0, 1).expect("breaks"));
             });
             let meshes = time(RUNS / 3, |i| {
                 let p = parameters(n, surface, 5.0 + 0.01 * i as f64);
@@ -129,12 +143,8 @@ fn stages(prepared: &Prepared) {
         limb: &prepared.found.limb,
     };
     let skin = Skin::new(&solid, stem.usable);
-    let chart = stem::Chart::new(
-        &stem.grain,
-        &DAffine3::IDENTITY,
-        stem.usable,
-        (stem.radius, 1e-5 * stem.radius),
-    );
+    let chart = stem::LayeredGrain::into(&prepared.layers, &prepared.transform().inverse());
+    let levels: Vec<f64> = prepared.layers.levels().collect();
     let mut vertices = vec![0; solid.points.len()];
     for (vertex, &point) in prepared.points.iter().enumerate() {
         vertices[point as usize] = vertex as u32;
@@ -147,11 +157,12 @@ fn stages(prepared: &Prepared) {
         chart: &chart,
     };
     println!(
-        "\nBy stages (walls not parted along the grain); layout and its ground only where rings, sectors or seed change. ms, medians.\n"
+        "\nBy stages; layout and its ground only where rings, sectors or seed change. `part`: absorbing chips and parting the"
     );
+    println!("face at the levels of the grain. ms, medians.\n");
     println!(
-        "{:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
-        "case", "layout", "ground", "heights", "cut", "face", "skin"
+        "{:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+        "case", "layout", "ground", "heights", "cut", "part", "face", "skin"
     );
     for (n, _, _) in CASES {
         for surface in [Surface::Smooth, Surface::Fibrous] {
@@ -160,9 +171,10 @@ fn stages(prepared: &Prepared) {
             let options = layout::LayoutOptions {
                 rings: n as usize,
                 sectors: n as usize,
-                reach: prepared.reach,
-                arc: prepared.arc,
-                bark: Some((prepared.bark - 0.02).min(0.95)),
+                reach: prepared.extent.reach,
+                radius: prepared.extent.radius,
+                arc: prepared.extent.arc,
+                bark: Some(prepared.extent.bark),
                 seed: p.seed,
             };
             let setting = heights::Setting {
@@ -182,10 +194,13 @@ fn stages(prepared: &Prepared) {
             };
             let ground = Ground::new(&skin, &bundles.layout);
             let heights = rise();
-            let part = || {
-                cut_again(&solid, &skin, &ground, &heights.surface, f64::INFINITY).expect("cuts")
+            let sever = || cut_again(&solid, &skin, &ground, &heights.surface).expect("cuts");
+            let part = |mut cut: Cut| {
+                cut.absorb_chips(&solid);
+                cut.part_at(&prepared.grain, &levels);
+                cut
             };
-            let cut = part();
+            let cut = part(sever());
             let proportions = p.proportions();
             let inner = pieces::InnerWood {
                 stem,
@@ -202,7 +217,8 @@ fn stages(prepared: &Prepared) {
                     black_box(Ground::new(&skin, &bundles.layout));
                 }),
                 time(RUNS, |_| drop(black_box(rise()))),
-                time(RUNS, |_| drop(black_box(part()))),
+                time(RUNS, |_| drop(black_box(sever()))),
+                time_after(RUNS, sever, |cut| drop(black_box(part(cut)))),
                 time(RUNS, |_| {
                     black_box(face::face(&source, &cut, &inner));
                 }),
@@ -284,7 +300,7 @@ fn million() {
     let prepared = prepared(read);
     mark("find the stem");
     let p = parameters(40, Surface::Fibrous, 5.0);
-    let broken = prepared.broken(&p, 1.0, 0).expect("breaks");
+    let broken = prepared.drawn(&p, 1.0, 0).expect("breaks");
     mark("break");
     let pieces = [false, true].map(|upper| prepared.piece(&broken, upper));
     mark("make meshes");
@@ -303,7 +319,7 @@ fn million() {
     println!("{:<16} {before:>7.2}", "in all");
     let again = time(5, |i| {
         let p = parameters(40, Surface::Fibrous, 5.0 + 0.1 * i as f64);
-        black_box(prepared.broken(&p, 1.0, 1).expect("breaks"));
+        black_box(prepared.drawn(&p, 1.0, 1).expect("breaks"));
     });
     println!("break again, ms  {:>7.2} ({:.2})", again.0, again.1);
 }

@@ -6,10 +6,11 @@
 //! according to how they are cut. Colours are those of air-dry wood under daylight. Detail finer than the asked
 //! footprint is averaged away.
 
+mod figures;
+
 pub use crate::bark::{BarkAppearance, BarkPoint, bark};
-use crate::noise::{hash, line, smoothstep, space, unit};
+use crate::noise::{smoothstep, space};
 use glam::{DVec2, DVec3};
-use std::f64::consts::TAU;
 
 /// A place in the wood.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,33 +106,11 @@ pub(crate) fn left_of(size: f64, footprint: f64) -> f64 {
     1.0 - smoothstep(0.4, 1.2, footprint / size)
 }
 
-/// Fibre bundles, slivers and fibres: width (m), share of the brightness, relief (m). Lengths are [`STRETCH`] widths.
-const STREAKS: [(f64, f64, f64); 4] = [
-    (5.0e-3, 0.10, 120e-6),
-    (1.3e-3, 0.17, 90e-6),
-    (0.35e-3, 0.24, 48e-6),
-    (0.10e-3, 0.24, 16e-6),
-];
-/// Length of a streak in widths: fibres are 40 to 100 times longer than wide.
-const STRETCH: f64 = 40.0;
 /// End grain swallows light in its open cells.
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
-/// Width of a ray, m, and the distance between rays around the stem.
-const RAY: (f64, f64) = (0.12e-3, 1.1e-3);
-/// Length of a ray from the pith outwards before it stops, m.
-const RAY_LENGTH: f64 = 14e-3;
-/// Length of a vessel's visible groove, in diameters.
-const VESSEL_LENGTH: f64 = 130.0;
-
-// What for, in the hash: each figure has its own numbers.
-const RING: u64 = 0x52;
-const WANDER: u64 = 0x57;
-const STREAK: u64 = 0x53;
-const HEART: u64 = 0x48;
-const VESSEL: u64 = 0x56;
-const RAYS: u64 = 0x59;
+/// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
 
 impl Default for WoodAppearance {
@@ -280,220 +259,6 @@ impl WoodAppearance {
             height,
             slope,
         }
-    }
-
-    /// The length of a cell along the grain that fits the period, and the number of cells in it (0: no period).
-    fn cells(&self, length: f64) -> (f64, i64) {
-        match self.period {
-            Some(period) if period > 0.0 => {
-                let number = (period / length).round().max(1.0);
-                (period / number, number as i64)
-            }
-            _ => (length, 0),
-        }
-    }
-
-    /// Streaks of fibres: change of brightness, relief (m) and its slope.
-    fn streaks(&self, place: DVec3, footprint: f64) -> (f64, f64, DVec3) {
-        let (mut shade, mut height, mut slope) = (0.0, 0.0, DVec3::ZERO);
-        for (i, (width, share, relief)) in STREAKS.into_iter().enumerate() {
-            let keep = left_of(width, footprint);
-            if keep == 0.0 {
-                break;
-            }
-            let (length, period) = self.cells(width * STRETCH);
-            let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / length);
-            let (v, g) = space(
-                self.seed ^ STREAK ^ ((i as u64) << 8),
-                place * scale,
-                period,
-            );
-            // Dark gaps are narrow, pale fibres wide: squash the bright side.
-            let skewed = if v > 0.0 {
-                v * (1.0 - 0.35 * v)
-            } else {
-                v * (1.0 - 0.5 * v)
-            };
-            shade += skewed * share * keep;
-            height += v * relief * keep;
-            slope += g * scale * (relief * keep);
-        }
-        (shade, height, slope)
-    }
-
-    /// Outer edge of a ring, in rings: years differ, and good years come together.
-    fn edge(&self, ring: i64) -> f64 {
-        let seed = self.seed ^ RING;
-        ring as f64 + 0.34 * (unit(seed, ring, 1, 0) - 0.5) + 0.6 * line(seed, ring as f64 / 4.0)
-    }
-
-    /// Latewood at a place: how dark (0 to 1), its slope outwards (1/m), and how much the place belongs to the first
-    /// wood of its ring.
-    fn ring(&self, at: &WoodPoint, place: DVec3, footprint: f64) -> (f64, f64, f64) {
-        if self.rings < 0.5 || at.ring >= self.phloem {
-            return (0.0, 0.0, 0.0);
-        }
-        // Young trees grow wider rings.
-        let r = (at.ring / self.phloem).clamp(0.0, 1.0);
-        let warped = r * (0.78 + 0.22 * r);
-        let per_metre = self.rings * (0.78 + 0.44 * r) / (self.radius * self.phloem);
-        let wide = 0.5 * self.radius;
-        let (long, period) = self.cells(8.0 * self.radius);
-        let slow = place * DVec3::new(1.0 / wide, 1.0 / wide, 1.0 / long);
-        let (fine_long, fine_period) = self.cells(0.08);
-        let fine = place * DVec3::new(260.0, 260.0, 1.0 / fine_long);
-        let seed = self.seed ^ WANDER;
-        let wander =
-            0.35 * space(seed, slow, period).0 + 0.07 * space(seed ^ 256, fine, fine_period).0;
-        let t = warped * self.rings + wander * smoothstep(0.0, 1.5, warped * self.rings);
-        let mut ring = t.floor() as i64;
-        while self.edge(ring) > t {
-            ring -= 1;
-        }
-        while self.edge(ring + 1) <= t {
-            ring += 1;
-        }
-        let (inner, outer) = (self.edge(ring), self.edge(ring + 1));
-        let fraction = (t - inner) / (outer - inner);
-        let half = (0.6 * footprint * per_metre / (outer - inner)).max(0.02);
-        // Mean of the darkness over the footprint, from its integral.
-        let start = 1.0 - self.latewood_width.clamp(0.02, 1.0);
-        let whole = (1.0 - start) / 3.0;
-        let integral = |f: f64| {
-            let x = ((f - f.floor() - start) / (1.0 - start)).max(0.0);
-            f.floor() * whole + whole * x * x * x
-        };
-        let dark = |f: f64| {
-            let x = ((f - f.floor() - start) / (1.0 - start)).max(0.0);
-            x * x
-        };
-        let mean = (integral(fraction + half) - integral(fraction - half)) / (2.0 * half);
-        let slope = (dark(fraction + half) - dark(fraction - half)) / (2.0 * half);
-        let strength = self.latewood * (0.55 + 0.45 * unit(self.seed ^ RING, ring, 2, 0));
-        let early = if self.ring_porous {
-            1.0 - smoothstep(0.12, 0.34, fraction)
-        } else {
-            1.0
-        };
-        (
-            mean * strength,
-            slope * strength * per_metre / (outer - inner),
-            early,
-        )
-    }
-
-    /// Share of heartwood, 0 to 1, behind an uneven edge.
-    fn heart(&self, at: &WoodPoint, place: DVec3) -> f64 {
-        if self.heartwood <= 0.0 {
-            return 0.0;
-        }
-        if (at.ring - self.heartwood).abs() > 0.13 {
-            // Further off than the edge wanders.
-            return f64::from(u8::from(at.ring < self.heartwood));
-        }
-        let wide = 0.4 * self.radius;
-        let (long, period) = self.cells(10.0 * self.radius);
-        let scale = DVec3::new(1.0 / wide, 1.0 / wide, 1.0 / long);
-        let edge = self.heartwood + 0.07 * space(self.seed ^ HEART, place * scale, period).0;
-        1.0 - smoothstep(edge - 0.035, edge + 0.025, at.ring)
-    }
-
-    /// How deep a place lies in a vessel, 0 to 1: a dot across the grain, a groove along it.
-    fn vessel(&self, place: DVec3, early: f64, footprint: f64) -> f64 {
-        let keep = left_of(self.vessels * 1.6, footprint);
-        if self.vessels <= 0.0 {
-            return 0.0;
-        }
-        let density = if self.ring_porous {
-            0.06 + 0.94 * early
-        } else {
-            0.5
-        };
-        // What cannot be told apart any more darkens all alike.
-        let average = 0.22 * density;
-        if keep == 0.0 {
-            return average;
-        }
-        let width = self.vessels * 1.5;
-        let (x, y) = (place.x / width, place.y / width);
-        let (i, j) = (x.floor() as i64, y.floor() as i64);
-        let (length, period) = self.cells(self.vessels * VESSEL_LENGTH);
-        let seed = self.seed ^ VESSEL;
-        let z = place.z / length + unit(seed, i, j, -1);
-        let k = z.floor();
-        let cell = if period > 0 {
-            (k as i64).rem_euclid(period)
-        } else {
-            k as i64
-        };
-        let h = hash(seed, i, j, cell);
-        let part = |shift: u32| ((h >> shift) & 0xfff) as f64 / 4096.0;
-        if part(0) > density {
-            return average * (1.0 - keep);
-        }
-        let radius = 0.24 + 0.10 * part(12);
-        let (cx, cy) = (
-            radius + (1.0 - 2.0 * radius) * part(24),
-            radius + (1.0 - 2.0 * radius) * part(36),
-        );
-        let (dx, dy) = (x - i as f64 - cx, y - j as f64 - cy);
-        let off = (dx * dx + dy * dy).sqrt();
-        let soft = (0.5 * footprint / width).max(0.05);
-        let taper = smoothstep(0.0, 0.08, (z - k).min(1.0 - (z - k)));
-        mix_scalar(
-            average,
-            1.0 - smoothstep(radius - soft, radius + soft, off),
-            keep,
-        ) * taper
-    }
-
-    /// How much a place lies in a ray, 0 to 1. Rays are thin sheets from the pith outwards, of limited height; where
-    /// the stem has grown wide new ones begin, so that they keep their distance.
-    fn ray(&self, at: &WoodPoint, footprint: f64) -> f64 {
-        let radius = at.across.length();
-        if self.rays <= 0.0 || at.ring > self.phloem || radius < 1e-6 {
-            return 0.0;
-        }
-        let wide = RAY.0.max(footprint);
-        if wide > RAY.1 * 2.0 {
-            return 0.0;
-        }
-        let wanted = TAU * radius / RAY.1;
-        // The power of two below the wanted number of sectors: halves of a doubling keep their rays.
-        let mut sectors: i64 = 4;
-        while (sectors * 2) as f64 <= wanted && sectors < 1 << 20 {
-            sectors *= 2;
-        }
-        let mut most = 0.0f64;
-        for (number, share) in [(sectors, 1.0), (sectors * 2, wanted / sectors as f64 - 1.0)] {
-            let turn = at.angle / TAU;
-            let x = (turn - turn.floor()) * number as f64;
-            let sector = (x.floor() as i64).rem_euclid(number);
-            let seed = self.seed ^ RAYS ^ ((number as u64) << 8);
-            let (length, period) = self.cells(self.ray_height);
-            let z = at.along / length + unit(seed, sector, -1, 0);
-            let level = if period > 0 {
-                (z.floor() as i64).rem_euclid(period)
-            } else {
-                z.floor() as i64
-            };
-            let out = radius / RAY_LENGTH + unit(seed, sector, level, -2);
-            let h = hash(seed, sector, level, out.floor() as i64);
-            let part = |shift: u32| ((h >> shift) & 0xffff) as f64 / 65_536.0;
-            if part(0) > 0.75 * share.clamp(0.0, 1.0) {
-                continue;
-            }
-            let off = (x - x.floor() - 0.2 - 0.6 * part(16)).abs() * TAU * radius / number as f64;
-            let (fz, fr) = (z - z.floor(), out - out.floor());
-            let lens = 4.0 * fz * (1.0 - fz);
-            let ends = smoothstep(0.0, 0.15, fr.min(1.0 - fr));
-            let thick = wide * (0.4 + 0.6 * lens);
-            let body =
-                (1.0 - smoothstep(0.3 * thick, thick, off)) * ends * smoothstep(0.0, 0.3, lens);
-            most = most.max(body * (0.35 + 0.65 * part(32)) * RAY.0 / wide);
-        }
-        // Rays lower than the footprint are seen as their mean.
-        most
     }
 }
 

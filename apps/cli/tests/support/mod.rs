@@ -83,12 +83,15 @@ impl Drop for Folder {
     }
 }
 
-/// A file of the data that lie beside the repository; says so where they do not.
+/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
+/// repository; says so where it is in neither.
 pub fn shared(name: &str) -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let found = ["../shared/data", "../../shared/data"]
-        .iter()
-        .map(|folder| root.join(folder).join(name))
+    let own = root.join("tests/data").join(Path::new(name).file_name()?);
+    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(name));
+    let found = [own].into_iter().chain(beside);
+    let found = found
+        .into_iter()
         .find_map(|path| fs::canonicalize(path).ok());
     if found.is_none() {
         println!("skipped: there is no shared/data/{name} beside the repository");

@@ -9,13 +9,17 @@ use greenstick_geometry::{
 use std::io::{Error, ErrorKind};
 use std::path::PathBuf;
 
-/// A file of the shared test data, or `None` with a line that says so.
+/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
+/// repository; `None` with a line that says so where it is in neither.
 pub fn data(path: &str) -> Option<PathBuf> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let places = [root.join("../shared/data"), root.join("../../shared/data")];
-    let found = places.iter().map(|p| p.join(path)).find(|p| p.exists());
+    let own = root
+        .join("tests/data")
+        .join(PathBuf::from(path).file_name()?);
+    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(path));
+    let found = [own].into_iter().chain(beside).find(|p| p.exists());
     if found.is_none() {
-        println!("skipped: no shared/data/{path}");
+        println!("skipped: there is no shared/data/{path} beside the repository");
     }
     found
 }

@@ -4,13 +4,15 @@ use glam::DVec3;
 use greenstick_geometry::Mesh;
 use std::path::{Path, PathBuf};
 
-/// A file of the shared test data; `None`, said aloud, where this machine does not have it.
+/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
+/// repository; `None`, said aloud, where it is in neither.
 pub fn data(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
-    let places = [root.join("shared/data"), PathBuf::from("/work/shared/data")];
-    let found = places.iter().map(|p| p.join(name)).find(|p| p.exists());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let own = root.join("tests/data").join(Path::new(name).file_name()?);
+    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(name));
+    let found = [own].into_iter().chain(beside).find(|p| p.exists());
     if found.is_none() {
-        println!("skipped: the test data {name} is not on this machine");
+        println!("skipped: there is no shared/data/{name} beside the repository");
     }
     found
 }
