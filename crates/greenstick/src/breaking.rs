@@ -1,5 +1,6 @@
 //! The whole way from a scene and a request to broken pieces with materials, and a report.
 
+use crate::fray::{FrayOptions, fray};
 use crate::looks::{Looks, looks};
 use crate::model::Model;
 use crate::report::{
@@ -175,7 +176,9 @@ pub fn break_scene(
         ));
     }
     let looks = looks(stem, p, species, prepared.extent.bark);
-    let mut out = assemble(&prepared, &model, request.part);
+    let mut model = model;
+    let splinters = frayed(&prepared, &mut model, request, material)?;
+    let mut out = assemble(&prepared, &model, splinters, request.part);
     context.step("textures", 0.0)?;
     add_inner_material(
         &mut out,
@@ -209,6 +212,26 @@ pub fn break_scene(
         width: model.square.1,
         apart: request.part != 0.0,
     })
+}
+
+/// Frays the pieces of `model` where that is asked for; gives the splinters that came loose.
+fn frayed(
+    prepared: &Prepared,
+    model: &mut Model,
+    request: &BreakRequest,
+    material: u32,
+) -> Result<Vec<(Mesh, DAffine3)>, Error> {
+    if request.fray <= 0.0 {
+        return Ok(Vec::new());
+    }
+    let options = FrayOptions {
+        amount: request.fray.min(1.0),
+        part: request.part,
+        material,
+    };
+    let made = fray(prepared, model, &request.recipe.face, &options)?;
+    (model.lower, model.upper) = (made.lower, made.upper);
+    Ok(made.splinters)
 }
 
 /// How many of the first nodes are pieces of the stem.
@@ -339,7 +362,12 @@ fn part_of(mesh: &Mesh, which: impl Iterator<Item = usize>) -> Mesh {
 }
 
 /// The scene of the pieces and of everything that was not cut.
-fn assemble(prepared: &Prepared, model: &Model, part: f64) -> Scene {
+fn assemble(
+    prepared: &Prepared,
+    model: &Model,
+    splinters: Vec<(Mesh, DAffine3)>,
+    part: f64,
+) -> Scene {
     let (scene, found) = (&prepared.scene, &prepared.found);
     let along = found.stem.grain.axis().frame(found.stem.place).tangent;
     let moved = DAffine3::from_translation(along * part);
@@ -361,6 +389,10 @@ fn assemble(prepared: &Prepared, model: &Model, part: f64) -> Scene {
         .push(node("lower", cut.transform, model.lower.clone()));
     out.nodes
         .push(node("upper", moved * cut.transform, model.upper.clone()));
+    for (i, (mesh, thrown)) in splinters.into_iter().enumerate() {
+        let name = format!("splinter_{i:03}");
+        out.nodes.push(node(&name, thrown * cut.transform, mesh));
+    }
     let mut gone: Vec<Vec<bool>> = scene
         .nodes
         .iter()

@@ -35,6 +35,7 @@ mod breaking;
 mod cracks;
 mod error;
 pub mod files;
+mod fray;
 mod kept;
 mod looks;
 mod model;
