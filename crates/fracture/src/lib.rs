@@ -9,4 +9,5 @@ pub mod parameters;
 pub mod presets;
 pub mod recipe;
 pub mod slabs;
+pub mod splinters;
 pub mod surface;

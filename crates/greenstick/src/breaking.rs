@@ -1,5 +1,7 @@
 //! The whole way from a scene and a request to broken pieces with materials, and a report.
 
+use crate::cracking::Cracks;
+use crate::fray::{FrayOptions, fray};
 use crate::looks::{Looks, looks};
 use crate::model::Model;
 use crate::report::{
@@ -67,6 +69,8 @@ pub struct Broken {
     pub width: f64,
     /// Whether the pieces were moved apart.
     pub apart: bool,
+    /// Middle (m) of the sawn end that was cracked, and the direction it looks to.
+    pub end: Option<(DVec3, DVec3)>,
 }
 
 impl Broken {
@@ -139,7 +143,6 @@ pub fn break_scene(
             prepared.parted
         ));
     }
-    let stem = &prepared.found.stem;
     let node = &prepared.scene.nodes[prepared.found.node];
     let shell = part_of(&node.mesh, prepared.found.shell.iter().map(|&t| t as usize));
     let (closed, volume) = closed_volume(&shell);
@@ -155,6 +158,12 @@ pub fn break_scene(
     let mut notes = Vec::new();
     let species = request.recipe.species()?;
     let material = prepared.scene.materials.len() as u32 + u32::from(lacks_material(&shell));
+    let mut cracks = Cracks::plan(&request.recipe, &mut notes)?;
+    let prepared = match &mut cracks {
+        Some(cracks) if cracks.sawn => cracks.open_end(prepared, p, material, context)?,
+        _ => prepared,
+    };
+    let stem = &prepared.found.stem;
     let (relief, species_report) = relief(&prepared, &request.recipe, species, &mut notes)?;
     let model = prepared.model(p, relief, material)?;
     if model.heights.limited > 0 {
@@ -175,7 +184,12 @@ pub fn break_scene(
         ));
     }
     let looks = looks(stem, p, species, prepared.extent.bark);
-    let mut out = assemble(&prepared, &model, request.part);
+    let mut model = model;
+    if let Some(cracks) = cracks.as_mut().filter(|c| !c.sawn) {
+        cracks.open_break(&prepared, &mut model, p, material)?;
+    }
+    let splinters = frayed(&prepared, &mut model, request, material)?;
+    let mut out = assemble(&prepared, &model, splinters, request.part);
     context.step("textures", 0.0)?;
     add_inner_material(
         &mut out,
@@ -197,8 +211,11 @@ pub fn break_scene(
         face: face_report(p, &model),
         species: species_report,
         pieces,
-        crack_volume_m3: None,
-        notes,
+        crack_volume_m3: cracks.as_ref().map(|c| c.volume),
+        notes: notes
+            .into_iter()
+            .chain(cracks.iter().flat_map(Cracks::notes))
+            .collect(),
     };
     Ok(Broken {
         scene: out,
@@ -208,12 +225,37 @@ pub fn break_scene(
         inner_material: material,
         width: model.square.1,
         apart: request.part != 0.0,
+        end: cracks.and_then(|c| c.end),
     })
 }
 
 /// Winding of the grain, degrees per radius: a fibrous face has it, the published smooth one has not.
 fn winding(p: &BreakParameters) -> f64 {
-    if p.surface == Surface::Fibrous { p.spiral_angle } else { 0.0 }
+    if p.surface == Surface::Fibrous {
+        p.spiral_angle
+    } else {
+        0.0
+    }
+}
+
+/// Frays the pieces of `model` where that is asked for; gives the splinters that came loose.
+fn frayed(
+    prepared: &Prepared,
+    model: &mut Model,
+    request: &BreakRequest,
+    material: u32,
+) -> Result<Vec<(Mesh, DAffine3)>, Error> {
+    if request.fray <= 0.0 {
+        return Ok(Vec::new());
+    }
+    let options = FrayOptions {
+        amount: request.fray.min(1.0),
+        part: request.part,
+        material,
+    };
+    let made = fray(prepared, model, &request.recipe.face, &options)?;
+    (model.lower, model.upper) = (made.lower, made.upper);
+    Ok(made.splinters)
 }
 
 /// How many of the first nodes are pieces of the stem.
@@ -224,7 +266,7 @@ fn pieces_in(scene: &Scene) -> usize {
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.
-fn volume_scale(node: &Node) -> f64 {
+pub(crate) fn volume_scale(node: &Node) -> f64 {
     node.transform.matrix3.determinant().abs()
 }
 
@@ -311,7 +353,7 @@ fn relief(
 }
 
 /// The triangles `which` of a mesh with the vertices they use, in their order.
-fn part_of(mesh: &Mesh, which: impl Iterator<Item = usize>) -> Mesh {
+pub(crate) fn part_of(mesh: &Mesh, which: impl Iterator<Item = usize>) -> Mesh {
     let mut new = vec![u32::MAX; mesh.positions.len()];
     let mut kept = Vec::new();
     let mut part = Mesh::default();
@@ -344,7 +386,12 @@ fn part_of(mesh: &Mesh, which: impl Iterator<Item = usize>) -> Mesh {
 }
 
 /// The scene of the pieces and of everything that was not cut.
-fn assemble(prepared: &Prepared, model: &Model, part: f64) -> Scene {
+fn assemble(
+    prepared: &Prepared,
+    model: &Model,
+    splinters: Vec<(Mesh, DAffine3)>,
+    part: f64,
+) -> Scene {
     let (scene, found) = (&prepared.scene, &prepared.found);
     let along = found.stem.grain.axis().frame(found.stem.place).tangent;
     let moved = DAffine3::from_translation(along * part);
@@ -366,6 +413,10 @@ fn assemble(prepared: &Prepared, model: &Model, part: f64) -> Scene {
         .push(node("lower", cut.transform, model.lower.clone()));
     out.nodes
         .push(node("upper", moved * cut.transform, model.upper.clone()));
+    for (i, (mesh, thrown)) in splinters.into_iter().enumerate() {
+        let name = format!("splinter_{i:03}");
+        out.nodes.push(node(&name, thrown * cut.transform, mesh));
+    }
     let mut gone: Vec<Vec<bool>> = scene
         .nodes
         .iter()

@@ -18,6 +18,9 @@ pub enum Error {
         /// Where, m.
         at: glam::DVec3,
     },
+    /// The recipe asks for something that is not known.
+    #[error(transparent)]
+    Recipe(#[from] greenstick_fracture::recipe::Problem),
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] greenstick_wood::species::UnknownSpecies),

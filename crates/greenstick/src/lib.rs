@@ -32,9 +32,11 @@
 #![deny(missing_docs)]
 
 mod breaking;
+mod cracking;
 mod cracks;
 mod error;
 pub mod files;
+mod fray;
 mod kept;
 mod looks;
 mod model;

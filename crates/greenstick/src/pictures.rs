@@ -120,9 +120,23 @@ pub fn picture_of_break(
         blank,
     };
     let opened = opened(broken);
-    let scene = if broken.apart { &broken.scene } else { &opened };
+    let scene = if broken.apart || broken.end.is_some() {
+        &broken.scene
+    } else {
+        &opened
+    };
     let mut options = options.clone();
-    if options.zoom.is_none() {
+    if let (Some((point, outward)), None) = (broken.end, options.zoom) {
+        // Cracks in a sawn end: that end, from above.
+        options.zoom = Some((point - outward * (0.1 * broken.width), 0.8 * broken.width));
+        (options.up, options.floor) = (outward, false);
+        if options.view == View::Automatic {
+            options.view = View::Direction {
+                azimuth: 0.6,
+                elevation: 0.95,
+            };
+        }
+    } else if options.zoom.is_none() {
         let (centre, radius) = broken.focus();
         options.zoom = Some((centre, radius));
         if !broken.apart {

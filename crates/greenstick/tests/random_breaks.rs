@@ -89,7 +89,11 @@ fn random_parameters(set: usize) -> BreakParameters {
 
 fn sound(prepared: &Prepared, set: usize, volume: f64, failures: &mut Vec<String>) {
     let p = random_parameters(set);
-    let winds = if p.surface == Surface::Fibrous { p.spiral_angle } else { 0.0 };
+    let winds = if p.surface == Surface::Fibrous {
+        p.spiral_angle
+    } else {
+        0.0
+    };
     let prepared = prepared.with_spiral(winds.to_radians());
     let model = match prepared.model(&p, 1.0, 0) {
         Ok(model) => model,

@@ -246,6 +246,11 @@ pub(super) const NEAR: u32 = NONE;
 const UNKNOWN: u32 = NONE - 1;
 
 impl Ground {
+    /// Whether a facet lies near the skin at any length along it; others lie wholly inside or wholly outside.
+    pub fn is_near(&self, facet: u32) -> bool {
+        self.regions[facet as usize] == NEAR
+    }
+
     /// Lays out `layout` on `skin`.
     pub fn new(skin: &Skin, layout: &Arc<Layout>) -> Self {
         let wanted = (layout.facets.len() as f64).sqrt() as usize;

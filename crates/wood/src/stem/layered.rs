@@ -126,7 +126,8 @@ impl LayeredGrain {
     }
 
     fn turn(&self, s: f64) -> DVec2 {
-        let (sin, cos) = libm::sincos(self.spiral * (s.clamp(self.winds.0, self.winds.1) - self.place));
+        let (sin, cos) =
+            libm::sincos(self.spiral * (s.clamp(self.winds.0, self.winds.1) - self.place));
         DVec2::new(cos, sin)
     }
 

@@ -1,0 +1,155 @@
+//! Bending of torn fibres: a smooth, one-to-one map of the space about the break.
+//!
+//! Above a reference height every plane across the grain is carried outwards and, in a few small steps, along a smooth
+//! random field. A step moves neighbouring places by less than half their distance against each other, so no two
+//! places ever fall together, and nothing tears: positions are moved, triangles stay.
+
+use crate::Prepared;
+use glam::{DAffine3, DVec2, DVec3};
+use greenstick_fracture::heights::Heights;
+use greenstick_geometry::Mesh;
+use greenstick_wood::noise::{self, smoothstep};
+use greenstick_wood::stem::LayeredGrain;
+
+/// Width of the random field's features, radii.
+const FEATURE: f64 = 0.7;
+/// Way along the random field where it is fastest, as part of its features' width.
+const WAY: f64 = 0.75;
+/// Steps of that way. The field's slope is below 4, so a step strains by less than 4 · WAY / STEPS < 1/2.
+const STEPS: u32 = 8;
+/// How far fibres at the bark spread outwards, radii.
+const SPLAY: f64 = 0.25;
+/// Part of the face's corners that lie below the height from which on fibres bend.
+const FIRM: f64 = 0.2;
+
+/// The bend of one piece.
+pub(super) struct Bend<'a> {
+    layers: &'a LayeredGrain,
+    transform: DAffine3,
+    inverse: DAffine3,
+    pith: DVec2,
+    radius: f64,
+    reach: f64,
+    /// Length from which on fibres bend, m, and 1 or −1 for the direction away from the piece.
+    firm: f64,
+    sign: f64,
+    amount: f64,
+    seed: u64,
+}
+
+impl<'a> Bend<'a> {
+    pub fn new(
+        prepared: &'a Prepared,
+        heights: &Heights,
+        amount: f64,
+        seed: u64,
+        upper: bool,
+    ) -> Self {
+        let mut sorted: Vec<f64> = heights.surface.heights.iter().flatten().copied().collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let sign = if upper { -1.0 } else { 1.0 };
+        let part = if upper { 1.0 - FIRM } else { FIRM };
+        let at = (part * sorted.len().saturating_sub(1) as f64) as usize;
+        let transform = *prepared.transform();
+        let stem = &prepared.found.stem;
+        Bend {
+            layers: &prepared.layers,
+            inverse: transform.inverse(),
+            transform,
+            pith: stem.rings.pith(),
+            radius: stem.radius,
+            reach: prepared.extent.radius,
+            firm: sorted.get(at).copied().unwrap_or(stem.place),
+            sign,
+            amount,
+            seed: seed + u64::from(upper),
+        }
+    }
+
+    /// Height over the firm wood, radii.
+    fn over(&self, grain: DVec3) -> f64 {
+        self.sign * (grain.z - self.firm) / self.radius
+    }
+
+    /// The field at a place, radii per unit of way.
+    fn field(&self, at: DVec2) -> DVec2 {
+        let p = (at - self.pith) / (FEATURE * self.radius);
+        DVec2::new(
+            noise::plane(self.seed << 1, p),
+            noise::plane((self.seed << 1) + 1, p),
+        ) * (WAY * FEATURE)
+    }
+
+    /// Where a place in grain space goes.
+    fn moved(&self, grain: DVec3) -> DVec3 {
+        let over = self.over(grain);
+        let at = grain.truncate();
+        // Other limbs beside the stem stay where they are.
+        let beside = at.distance(self.pith) / self.reach;
+        let strength = self.amount * (1.0 - smoothstep(1.2, 2.2, beside));
+        if over <= 0.0 || strength <= 0.0 {
+            return grain;
+        }
+        let rise = |t: f64| t * t / (1.0 + t * t);
+        let way = strength * rise(over);
+        let mut to = at + (at - self.pith) * (SPLAY * way);
+        for _ in 0..STEPS {
+            to += self.field(to) * (way * self.radius / f64::from(STEPS));
+        }
+        // A fibre keeps its length to first order: it drops by half the integral of its slope squared.
+        let lean = ((to - at) / (way * self.radius)).length() * strength;
+        let slopes: f64 = (0..8)
+            .map(|i| {
+                let t = over * (f64::from(i) + 0.5) / 8.0;
+                let slope = 2.0 * t / (1.0 + t * t).powi(2);
+                slope * slope * over / 8.0
+            })
+            .sum();
+        let drop = 0.5 * lean * lean * slopes;
+        to.extend(grain.z - self.sign * drop * self.radius)
+    }
+
+    /// Where a place in the node's coordinates goes; `None` where it stays.
+    fn map(&self, place: DVec3) -> Option<DVec3> {
+        let grain = self.layers.to_grain(self.transform.transform_point3(place));
+        let to = self.moved(grain);
+        (to != grain).then(|| self.inverse.transform_point3(self.layers.to_world(to)))
+    }
+
+    /// The mesh, bent.
+    pub fn apply(&self, mesh: &Mesh) -> Mesh {
+        let mut bent = mesh.clone();
+        let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
+        let derivative = |place: DVec3, to: DVec3, direction: DVec3| {
+            let beside = place + direction * step;
+            self.map(beside).unwrap_or(beside) - to
+        };
+        for i in 0..mesh.positions.len() {
+            let place = mesh.positions[i];
+            let Some(to) = self.map(place) else {
+                continue;
+            };
+            bent.positions[i] = to;
+            let mut turn = |name: &str, how: &dyn Fn(DVec3) -> DVec3| {
+                if let Some(attribute) = bent.attributes.get_mut(name)
+                    && attribute.width >= 3
+                {
+                    let first = i * attribute.width;
+                    let values = &mut attribute.data[first..first + 3];
+                    let d = DVec3::new(values[0].into(), values[1].into(), values[2].into());
+                    if d != DVec3::ZERO {
+                        values.copy_from_slice(
+                            &how(d.normalize()).normalize_or(d).as_vec3().to_array(),
+                        );
+                    }
+                }
+            };
+            turn("NORMAL", &|n| {
+                let (u, v) = n.any_orthonormal_pair();
+                derivative(place, to, u).cross(derivative(place, to, v))
+            });
+            turn("TANGENT", &|t| derivative(place, to, t));
+        }
+        bent
+    }
+}
