@@ -35,6 +35,11 @@ impl StemShader<'_> {
         finish(hit, &surface, [frame.x, frame.y, frame.tangent])
     }
 
+    fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
+        let along = self.stem.grain.axis().frame(grain.z).tangent;
+        self.stem.kind == StemKind::Board || hit.geometric_normal.dot(along).abs() > SAWN
+    }
+
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
         let (point, directions) = match grain {
             Some(grain) => {
@@ -88,8 +93,8 @@ impl Shader for StemShader<'_> {
                     return self.plain.shade(hit);
                 }
                 match grain {
-                    // A board's skin is sawn wood.
-                    Some(grain) if self.stem.kind == StemKind::Board => self.wood(hit, grain),
+                    // A board's skin is sawn wood, and so are the ends of a stem.
+                    Some(grain) if self.is_sawn(hit, grain) => self.wood(hit, grain),
                     grain => self.bark(hit, grain),
                 }
             }
@@ -160,6 +165,9 @@ pub fn picture_of_break(
     }
     render(&items(scene, &shader), &options, context)
 }
+
+/// Cosine of the angle to the grain within which a face of the skin is a sawn end.
+const SAWN: f64 = 0.9;
 
 /// How steeply an opened break is looked down on, rad.
 const ELEVATION: f64 = 0.5;

@@ -84,7 +84,7 @@ fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
         limb: std::mem::take(&mut found.limb),
         parted: 0,
     };
-    let made = refined.part(&layers, &transform, &found.shell);
+    let made = refined.part(&layers, &transform, (&found.shell, found.stem.radius));
     found.limb = std::mem::take(&mut refined.limb);
     found.shell.extend(made);
     let corners: Vec<[u32; 3]> = refined

@@ -30,6 +30,9 @@ struct Made {
     parted: FxHashMap<(u32, u32), (u32, f64)>,
 }
 
+/// Part of the stem's radius within which a vertex counts as lying on a level.
+const NEAR: f64 = 2e-5;
+
 impl Refined {
     /// Parts the limb's triangles at every level. `transform` leads from the mesh to the world.
     /// Triangles of `shell` beside the limb are parted along with it, so that edges stay whole. Returns the new ones.
@@ -37,7 +40,7 @@ impl Refined {
         &mut self,
         layers: &LayeredGrain,
         transform: &DAffine3,
-        shell: &[u32],
+        (shell, radius): (&[u32], f64),
     ) -> Vec<u32> {
         let levels: Vec<f64> = layers.levels().collect();
         let first_new = self.mesh.triangles.len() as u32;
@@ -46,13 +49,23 @@ impl Refined {
         }
         let mut beside = vec![true; self.mesh.triangles.len()];
         self.limb.iter().for_each(|&t| beside[t as usize] = false);
+        let near = NEAR * radius;
         let mut made = Made::default();
         let mut stack: Vec<u32> = std::mem::take(&mut self.limb);
         let before = self.mesh.triangles.len();
         stack.reverse();
         while let Some(t) = stack.pop() {
             let corners = self.mesh.triangles[t as usize];
-            let s = corners.map(|v| self.grain[self.points[v as usize] as usize].z);
+            // A vertex next to a level counts as on it: a part so thin would fall together in a file.
+            let s = corners.map(|v| {
+                let s = self.grain[self.points[v as usize] as usize].z;
+                let n = levels.partition_point(|&l| l < s - near);
+                levels
+                    .get(n)
+                    .copied()
+                    .filter(|l| *l <= s + near)
+                    .unwrap_or(s)
+            });
             let (low, high) = (s[0].min(s[1]).min(s[2]), s[0].max(s[1]).max(s[2]));
             let n = levels.partition_point(|&l| l <= low);
             if n >= levels.len() || levels[n] >= high {

@@ -3,4 +3,5 @@
 
 pub mod face;
 pub mod pieces;
+pub mod settle;
 pub mod texture;

@@ -104,7 +104,15 @@ fn fill_one(
     }
     let points: Vec<DVec2> = ids.iter().map(|&id| flat(id)).collect();
     let mut filled = Vec::with_capacity(ids.len());
-    triangulator.polygon_with_holes(&points, &starts, &mut filled)?;
+    let sound = triangulator.polygon_with_holes(&points, &starts, &mut filled);
+    if let Err(error) = sound {
+        if !holes.is_empty() {
+            return Err(error);
+        }
+        clip_ears(&points, &mut filled);
+        triangles.extend(filled.into_iter().map(|t| t.map(|i| ids[i as usize])));
+        return Ok(());
+    }
     // A sliver may turn the other way by rounding; its edges must run as the ring does all the same.
     let turned = holes.is_empty() && area(ring, flat) < 0.0;
     triangles.extend(filled.into_iter().map(|t| {
@@ -112,6 +120,42 @@ fn fill_one(
         if turned { [a, c, b] } else { [a, b, c] }
     }));
     Ok(())
+}
+
+/// Fills a loop that touches or crosses itself, by rounding or because winding grain bends its edges: the best ears
+/// first, whatever is left at the end. Its edges are those of the loop, so faces close all the same.
+fn clip_ears(points: &[DVec2], triangles: &mut Vec<[u32; 3]>) {
+    triangles.clear();
+    let mut ring: Vec<u32> = (0..points.len() as u32).collect();
+    while ring.len() > 3 {
+        let n = ring.len();
+        let corner = |i: usize| [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
+        let quality = |i: usize| {
+            let [a, b, c] = corner(i).map(|v| points[v as usize]);
+            let blocked = |v: &u32| {
+                let p = points[*v as usize];
+                p != a
+                    && p != b
+                    && p != c
+                    && orientation(a, b, p) >= 0.0
+                    && orientation(b, c, p) >= 0.0
+                    && orientation(c, a, p) >= 0.0
+            };
+            let sides = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
+            let shape = orientation(a, b, c) / sides.max(f64::MIN_POSITIVE);
+            if shape > 0.0 && ring.iter().any(blocked) {
+                -1.0
+            } else {
+                shape
+            }
+        };
+        let best = (0..n)
+            .max_by(|&i, &j| quality(i).total_cmp(&quality(j)))
+            .unwrap_or(0);
+        triangles.push(corner(best));
+        ring.remove(best);
+    }
+    triangles.extend(<[u32; 3]>::try_from(ring).ok());
 }
 
 /// Whether `p` lies inside the loop (even–odd rule).

@@ -1,0 +1,81 @@
+//! Bringing a mesh to the precision of files: what is too fine for `f32` is folded away, and the mesh stays closed.
+
+use greenstick_geometry::Mesh;
+use rustc_hash::FxHashMap;
+
+/// Rounds positions to `f32`, drops triangles two corners of which fall together, and takes out pairs of triangles that
+/// have come to lie back to back. Each step leaves every edge with as many triangles one way as the other, so what was
+/// closed stays closed.
+pub fn settle(mesh: &mut Mesh) {
+    for p in &mut mesh.positions {
+        *p = p.as_vec3().as_dvec3();
+    }
+    let (points, _) = mesh.points();
+    let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
+    let mut keep = vec![true; mesh.triangles.len()];
+    // Triangles met so far that none lies back to back with, by their points.
+    let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = corners(t);
+        if a == b || b == c || c == a {
+            keep[i] = false;
+            continue;
+        }
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let forward = turns.contains(&sorted);
+        let list = single.entry(sorted).or_default();
+        match list.iter().position(|o| o.1 != forward) {
+            Some(n) => {
+                keep[list.swap_remove(n).0] = false;
+                keep[i] = false;
+            }
+            None => list.push((i, forward)),
+        }
+    }
+    if keep.iter().all(|k| *k) {
+        return;
+    }
+    let mut kept = keep.iter();
+    mesh.triangles.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = keep.iter();
+    mesh.materials.retain(|_| *kept.next().unwrap_or(&true));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_feature_too_fine_for_files_is_folded_away_and_the_mesh_stays_closed() {
+        // A tetrahedron with a spike far thinner than an f32 can tell apart.
+        let at = [
+            DVec3::new(1.0, 0.0, 0.0),
+            DVec3::new(0.0, 1.0, 0.0),
+            DVec3::new(0.0, 0.0, 1.0),
+            DVec3::ZERO,
+            DVec3::new(1e-12 + 1.0, 0.0, 0.0),
+        ];
+        let mut mesh = Mesh {
+            positions: at.to_vec(),
+            // Corner 0 is split in two along the edge to corner 3.
+            triangles: vec![
+                [4, 1, 2],
+                [0, 3, 1],
+                [4, 2, 3],
+                [1, 3, 2],
+                [4, 0, 1],
+                [4, 3, 0],
+            ],
+            materials: vec![0; 6],
+            ..Mesh::default()
+        };
+        assert!(mesh.check().closed);
+        settle(&mut mesh);
+        let report = mesh.check();
+        assert_eq!((mesh.triangles.len(), report.degenerate_triangles), (4, 0));
+        assert!(report.is_solid(), "{report}");
+    }
+}
