@@ -1,6 +1,7 @@
 //! Frayed breaks: splinters come loose as pieces of their own, and thorns bend.
 
 mod bend;
+mod part;
 
 use crate::model::Model;
 use crate::{Error, Prepared};
@@ -185,7 +186,10 @@ fn throw(
     let frame = stem.grain.axis().frame(stem.place);
     let random = |i: i64| noise::unit(seed ^ purpose::THROW, i64::from(*cell), number as i64, i);
     let bundle = &model.bundles.bundles[*cell as usize];
-    let angle = bundle.phi + 0.8 * (random(0) - 0.5);
+    // An unparted break is shown with the upper piece set aside along x: no splinter falls there.
+    let open = if options.part == 0.0 { TAU / 6.0 } else { 0.0 };
+    let side = bundle.phi.rem_euclid(TAU) / TAU;
+    let angle = open + (TAU - 2.0 * open) * (side + 0.2 * (random(0) - 0.5)).clamp(0.0, 1.0);
     let across = |angle: f64| {
         let (sin, cos) = libm::sincos(angle);
         frame.x * cos + frame.y * sin

@@ -4,6 +4,7 @@
 //! random field. A step moves neighbouring places by less than half their distance against each other, so no two
 //! places ever fall together, and nothing tears: positions are moved, triangles stay.
 
+use super::part::part;
 use crate::Prepared;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::heights::Heights;
@@ -21,6 +22,9 @@ const STEPS: u32 = 8;
 const SPLAY: f64 = 0.25;
 /// Part of the face's corners that lie below the height from which on fibres bend.
 const FIRM: f64 = 0.2;
+
+/// Distance along the grain at which triangles are parted to follow the bend, radii.
+const SPACING: f64 = 0.5;
 
 /// The bend of one piece.
 pub(super) struct Bend<'a> {
@@ -66,6 +70,10 @@ impl<'a> Bend<'a> {
         }
     }
 
+    fn grain(&self, place: DVec3) -> DVec3 {
+        self.layers.to_grain(self.transform.transform_point3(place))
+    }
+
     /// Height over the firm wood, radii.
     fn over(&self, grain: DVec3) -> f64 {
         self.sign * (grain.z - self.firm) / self.radius
@@ -80,7 +88,7 @@ impl<'a> Bend<'a> {
         ) * (WAY * FEATURE)
     }
 
-    /// Where a place in grain space goes.
+    /// Where a place in grain space goes: first down, then aside within its plane.
     fn moved(&self, grain: DVec3) -> DVec3 {
         let over = self.over(grain);
         let at = grain.truncate();
@@ -90,23 +98,27 @@ impl<'a> Bend<'a> {
         if over <= 0.0 || strength <= 0.0 {
             return grain;
         }
-        let rise = |t: f64| t * t / (1.0 + t * t);
-        let way = strength * rise(over);
+        let down = grain.z - self.sign * self.drop(at, strength, over) * self.radius;
+        let left = self.over(at.extend(down)).max(0.0);
+        let way = strength * left * left / (1.0 + left * left);
         let mut to = at + (at - self.pith) * (SPLAY * way);
         for _ in 0..STEPS {
             to += self.field(to) * (way * self.radius / f64::from(STEPS));
         }
-        // A fibre keeps its length to first order: it drops by half the integral of its slope squared.
-        let lean = ((to - at) / (way * self.radius)).length() * strength;
-        let slopes: f64 = (0..8)
-            .map(|i| {
-                let t = over * (f64::from(i) + 0.5) / 8.0;
-                let slope = 2.0 * t / (1.0 + t * t).powi(2);
-                slope * slope * over / 8.0
-            })
-            .sum();
-        let drop = 0.5 * lean * lean * slopes;
-        to.extend(grain.z - self.sign * drop * self.radius)
+        to.extend(down)
+    }
+
+    /// How far a fibre drops, radii: it keeps its length to first order, half the integral of its slope squared.
+    fn drop(&self, at: DVec2, strength: f64, over: f64) -> f64 {
+        const PARTS: u32 = 8;
+        let lean = (at - self.pith) * (SPLAY / self.radius) + self.field(at);
+        let part = over / f64::from(PARTS);
+        let slopes = (0..PARTS).map(|i| {
+            let t = part * (f64::from(i) + 0.5);
+            let slope = 2.0 * t / ((1.0 + t * t) * (1.0 + t * t));
+            slope * slope * part
+        });
+        0.5 * lean.length_squared() * strength * strength * slopes.sum::<f64>()
     }
 
     /// Where a place in the node's coordinates goes; `None` where it stays.
@@ -118,6 +130,9 @@ impl<'a> Bend<'a> {
 
     /// The mesh, bent.
     pub fn apply(&self, mesh: &Mesh) -> Mesh {
+        // Long triangles along the grain are parted, so that they bend instead of leaning.
+        let over = |place: DVec3| self.over(self.grain(place));
+        let mesh = &part(mesh, &over, SPACING);
         let mut bent = mesh.clone();
         let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
         let derivative = |place: DVec3, to: DVec3, direction: DVec3| {
