@@ -6,8 +6,8 @@
 
 use super::part::part;
 use crate::Prepared;
+use crate::model::Model;
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_fracture::heights::Heights;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise::{self, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
@@ -15,7 +15,7 @@ use greenstick_wood::stem::LayeredGrain;
 /// Width of the random field's features, radii.
 const FEATURE: f64 = 0.7;
 /// Way along the random field where it is fastest, as part of its features' width.
-const WAY: f64 = 0.75;
+const WAY: f64 = 0.55;
 /// Steps of that way. The field's slope is below 4, so a step strains by less than 4 · WAY / STEPS < 1/2.
 const STEPS: u32 = 8;
 /// How far fibres at the bark spread outwards, radii.
@@ -31,7 +31,8 @@ pub(super) struct Bend<'a> {
     layers: &'a LayeredGrain,
     transform: DAffine3,
     inverse: DAffine3,
-    pith: DVec2,
+    /// Middle of the section and half its width, m.
+    middle: DVec2,
     radius: f64,
     reach: f64,
     /// Length from which on fibres bend, m, and 1 or −1 for the direction away from the piece.
@@ -42,14 +43,15 @@ pub(super) struct Bend<'a> {
 }
 
 impl<'a> Bend<'a> {
-    pub fn new(
-        prepared: &'a Prepared,
-        heights: &Heights,
-        amount: f64,
-        seed: u64,
-        upper: bool,
-    ) -> Self {
-        let mut sorted: Vec<f64> = heights.surface.heights.iter().flatten().copied().collect();
+    pub fn new(prepared: &'a Prepared, model: &Model, amount: f64, seed: u64, upper: bool) -> Self {
+        let mut sorted: Vec<f64> = model
+            .heights
+            .surface
+            .heights
+            .iter()
+            .flatten()
+            .copied()
+            .collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let sign = if upper { -1.0 } else { 1.0 };
         let part = if upper { 1.0 - FIRM } else { FIRM };
@@ -60,9 +62,9 @@ impl<'a> Bend<'a> {
             layers: &prepared.layers,
             inverse: transform.inverse(),
             transform,
-            pith: stem.rings.pith(),
+            middle: model.square.0,
             radius: stem.radius,
-            reach: prepared.extent.radius,
+            reach: model.square.1 / 2.0,
             firm: sorted.get(at).copied().unwrap_or(stem.place),
             sign,
             amount,
@@ -81,7 +83,7 @@ impl<'a> Bend<'a> {
 
     /// The field at a place, radii per unit of way.
     fn field(&self, at: DVec2) -> DVec2 {
-        let p = (at - self.pith) / (FEATURE * self.radius);
+        let p = (at - self.middle) / (FEATURE * self.radius);
         DVec2::new(
             noise::plane(self.seed << 1, p),
             noise::plane((self.seed << 1) + 1, p),
@@ -93,15 +95,15 @@ impl<'a> Bend<'a> {
         let over = self.over(grain);
         let at = grain.truncate();
         // Other limbs beside the stem stay where they are.
-        let beside = at.distance(self.pith) / self.reach;
-        let strength = self.amount * (1.0 - smoothstep(1.2, 2.2, beside));
+        let beside = at.distance(self.middle) / self.reach;
+        let strength = self.amount * (1.0 - smoothstep(1.5, 3.5, beside));
         if over <= 0.0 || strength <= 0.0 {
             return grain;
         }
         let down = grain.z - self.sign * self.drop(at, strength, over) * self.radius;
         let left = self.over(at.extend(down)).max(0.0);
         let way = strength * left * left / (1.0 + left * left);
-        let mut to = at + (at - self.pith) * (SPLAY * way);
+        let mut to = at + (at - self.middle) * (SPLAY * way);
         for _ in 0..STEPS {
             to += self.field(to) * (way * self.radius / f64::from(STEPS));
         }
@@ -111,7 +113,7 @@ impl<'a> Bend<'a> {
     /// How far a fibre drops, radii: it keeps its length to first order, half the integral of its slope squared.
     fn drop(&self, at: DVec2, strength: f64, over: f64) -> f64 {
         const PARTS: u32 = 8;
-        let lean = (at - self.pith) * (SPLAY / self.radius) + self.field(at);
+        let lean = (at - self.middle) * (SPLAY / self.radius) + self.field(at);
         let part = over / f64::from(PARTS);
         let slopes = (0..PARTS).map(|i| {
             let t = part * (f64::from(i) + 0.5);
@@ -166,5 +168,23 @@ impl<'a> Bend<'a> {
             turn("TANGENT", &|t| derivative(place, to, t));
         }
         bent
+    }
+}
+
+#[cfg(test)]
+impl Bend<'_> {
+    /// Least determinant of the map's derivative at places within `aside` of the middle and `along` of `length` (m).
+    pub fn least_stretch(&self, length: f64, aside: f64, along: f64) -> f64 {
+        let h = 1e-6 * self.radius;
+        let mut least = f64::INFINITY;
+        for i in 0..20_000 {
+            let unit = |k: i64| 2.0 * noise::unit(77, i, k, 0) - 1.0;
+            let across = self.middle + DVec2::new(unit(0), unit(1)) * aside;
+            let at = across.extend(length + unit(2) * along);
+            let column = |e: DVec3| (self.moved(at + e * h) - self.moved(at - e * h)) / (2.0 * h);
+            let d = glam::DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z));
+            least = least.min(d.determinant());
+        }
+        least
     }
 }
