@@ -1,6 +1,7 @@
 //! Frayed breaks: splinters come loose as pieces of their own, and thorns bend.
 
 mod bend;
+mod part;
 
 use crate::model::Model;
 use crate::{Error, Prepared};
@@ -69,12 +70,19 @@ pub(crate) fn fray(
 ) -> Result<Frayed, Error> {
     let rest = at_rest(prepared, model, p, options)?;
     let seed = p.seed ^ purpose::BEND;
-    let bend = |mesh: &Mesh, upper| {
-        Bend::new(prepared, &model.heights, options.amount, seed, upper).apply(mesh)
-    };
-    let splinters = rest.splinters.into_iter().enumerate().map(|(i, s)| {
-        let thrown = throw(prepared, model, p.seed, options, i, &s);
-        (s.0, thrown)
+    let bend =
+        |mesh: &Mesh, upper| Bend::new(prepared, model, options.amount, seed, upper).apply(mesh);
+    // Around the stem in the order in which they stood, so that they do not fall on each other.
+    let angle = |s: &(Mesh, u32)| model.bundles.bundles[s.1 as usize].phi.rem_euclid(TAU);
+    let angles: Vec<f64> = rest.splinters.iter().map(angle).collect();
+    let splinters = rest.splinters.iter().enumerate().map(|(i, s)| {
+        let before = |&(j, a): &(usize, &f64)| *a < angles[i] || (*a == angles[i] && j < i);
+        let rank = angles.iter().enumerate().filter(before).count();
+        let side = (rank as f64 + 0.5) / angles.len() as f64;
+        (
+            s.0.clone(),
+            throw(prepared, model, p.seed, options, side, s),
+        )
     });
     Ok(Frayed {
         splinters: splinters.collect(),
@@ -167,25 +175,37 @@ fn at_rest(
     Ok(rest)
 }
 
-/// Distance from the pith at which thrown splinters begin, as part of the section's reach, and how much farther they may
+/// Distance from the section's middle at which thrown splinters begin, as part of the section's reach, and how much farther they may
 /// lie, radii.
 const CLEAR: f64 = 1.12;
 const SPREAD: f64 = 0.8;
 
-/// Where splinter `number` falls: out of the break on its own side of the stem, turned over in the air.
+/// How far the skin about the break (heights in m from its place) reaches from `middle` in a direction, m.
+fn reach(prepared: &Prepared, middle: DVec2, direction: DVec2, (low, high): (f64, f64)) -> f64 {
+    let stem = &prepared.found.stem;
+    let near = (low - 4.0 * stem.radius)..(high + 4.0 * stem.radius);
+    let points = prepared.grain.iter();
+    points
+        .filter(|p| near.contains(&(p.z - stem.place)))
+        .map(|p| (p.truncate() - middle).dot(direction))
+        .fold(stem.radius, f64::max)
+}
+
+/// Where a splinter falls: out of the break, on a side of the stem (0 to 1 around it), turned over in the air.
 fn throw(
     prepared: &Prepared,
     model: &Model,
     seed: u64,
     options: &FrayOptions,
-    number: usize,
+    side: f64,
     (mesh, cell): &(Mesh, u32),
 ) -> DAffine3 {
     let stem = &prepared.found.stem;
     let frame = stem.grain.axis().frame(stem.place);
-    let random = |i: i64| noise::unit(seed ^ purpose::THROW, i64::from(*cell), number as i64, i);
-    let bundle = &model.bundles.bundles[*cell as usize];
-    let angle = bundle.phi + 0.8 * (random(0) - 0.5);
+    let random = |i: i64| noise::unit(seed ^ purpose::THROW, i64::from(*cell), i, 0);
+    // An unparted break is shown with the upper piece set aside along x: no splinter falls there.
+    let open = if options.part == 0.0 { TAU / 6.0 } else { 0.0 };
+    let angle = open + (TAU - 2.0 * open) * (side + 0.04 * (random(0) - 0.5)).clamp(0.0, 1.0);
     let across = |angle: f64| {
         let (sin, cos) = libm::sincos(angle);
         frame.x * cos + frame.y * sin
@@ -211,14 +231,22 @@ fn throw(
         .iter()
         .map(|&p| (turn * (p - centre)).dot(out))
         .fold(f64::INFINITY, f64::min);
-    let pith: DVec2 = stem.rings.pith();
+    let middle = model.square.0;
+    let (sin, cos) = libm::sincos(angle);
+    let reach = reach(prepared, middle, DVec2::new(cos, sin), model.heights.range);
     let (bottom, top) = model.heights.range;
     let room = (options.part - (top - bottom)) / (2.0 * stem.radius);
-    let aside = CLEAR * prepared.extent.radius * (1.0 - 0.6 * room.clamp(0.0, 1.0))
+    let aside = CLEAR * reach * (1.0 - 0.6 * room.clamp(0.0, 1.0))
         + SPREAD * stem.radius * random(4)
         - inmost;
     let along = (bottom + top + options.part) / 2.0 + (top - bottom) * 0.6 * (random(5) - 0.5);
-    let to =
-        frame.origin + frame.x * pith.x + frame.y * pith.y + out * aside + frame.tangent * along;
+    let to = frame.origin
+        + frame.x * middle.x
+        + frame.y * middle.y
+        + out * aside
+        + frame.tangent * along;
     DAffine3::from_translation(to) * DAffine3::from_quat(turn) * DAffine3::from_translation(-centre)
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,9 +4,10 @@
 //! random field. A step moves neighbouring places by less than half their distance against each other, so no two
 //! places ever fall together, and nothing tears: positions are moved, triangles stay.
 
+use super::part::part;
 use crate::Prepared;
+use crate::model::Model;
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_fracture::heights::Heights;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise::{self, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
@@ -14,7 +15,7 @@ use greenstick_wood::stem::LayeredGrain;
 /// Width of the random field's features, radii.
 const FEATURE: f64 = 0.7;
 /// Way along the random field where it is fastest, as part of its features' width.
-const WAY: f64 = 0.75;
+const WAY: f64 = 0.55;
 /// Steps of that way. The field's slope is below 4, so a step strains by less than 4 · WAY / STEPS < 1/2.
 const STEPS: u32 = 8;
 /// How far fibres at the bark spread outwards, radii.
@@ -22,12 +23,16 @@ const SPLAY: f64 = 0.25;
 /// Part of the face's corners that lie below the height from which on fibres bend.
 const FIRM: f64 = 0.2;
 
+/// Distance along the grain at which triangles are parted to follow the bend, radii.
+const SPACING: f64 = 0.5;
+
 /// The bend of one piece.
 pub(super) struct Bend<'a> {
     layers: &'a LayeredGrain,
     transform: DAffine3,
     inverse: DAffine3,
-    pith: DVec2,
+    /// Middle of the section and half its width, m.
+    middle: DVec2,
     radius: f64,
     reach: f64,
     /// Length from which on fibres bend, m, and 1 or −1 for the direction away from the piece.
@@ -38,14 +43,15 @@ pub(super) struct Bend<'a> {
 }
 
 impl<'a> Bend<'a> {
-    pub fn new(
-        prepared: &'a Prepared,
-        heights: &Heights,
-        amount: f64,
-        seed: u64,
-        upper: bool,
-    ) -> Self {
-        let mut sorted: Vec<f64> = heights.surface.heights.iter().flatten().copied().collect();
+    pub fn new(prepared: &'a Prepared, model: &Model, amount: f64, seed: u64, upper: bool) -> Self {
+        let mut sorted: Vec<f64> = model
+            .heights
+            .surface
+            .heights
+            .iter()
+            .flatten()
+            .copied()
+            .collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let sign = if upper { -1.0 } else { 1.0 };
         let part = if upper { 1.0 - FIRM } else { FIRM };
@@ -56,14 +62,18 @@ impl<'a> Bend<'a> {
             layers: &prepared.layers,
             inverse: transform.inverse(),
             transform,
-            pith: stem.rings.pith(),
+            middle: model.square.0,
             radius: stem.radius,
-            reach: prepared.extent.radius,
+            reach: model.square.1 / 2.0,
             firm: sorted.get(at).copied().unwrap_or(stem.place),
             sign,
             amount,
             seed: seed + u64::from(upper),
         }
+    }
+
+    fn grain(&self, place: DVec3) -> DVec3 {
+        self.layers.to_grain(self.transform.transform_point3(place))
     }
 
     /// Height over the firm wood, radii.
@@ -73,40 +83,44 @@ impl<'a> Bend<'a> {
 
     /// The field at a place, radii per unit of way.
     fn field(&self, at: DVec2) -> DVec2 {
-        let p = (at - self.pith) / (FEATURE * self.radius);
+        let p = (at - self.middle) / (FEATURE * self.radius);
         DVec2::new(
             noise::plane(self.seed << 1, p),
             noise::plane((self.seed << 1) + 1, p),
         ) * (WAY * FEATURE)
     }
 
-    /// Where a place in grain space goes.
+    /// Where a place in grain space goes: first down, then aside within its plane.
     fn moved(&self, grain: DVec3) -> DVec3 {
         let over = self.over(grain);
         let at = grain.truncate();
         // Other limbs beside the stem stay where they are.
-        let beside = at.distance(self.pith) / self.reach;
-        let strength = self.amount * (1.0 - smoothstep(1.2, 2.2, beside));
+        let beside = at.distance(self.middle) / self.reach;
+        let strength = self.amount * (1.0 - smoothstep(1.5, 3.5, beside));
         if over <= 0.0 || strength <= 0.0 {
             return grain;
         }
-        let rise = |t: f64| t * t / (1.0 + t * t);
-        let way = strength * rise(over);
-        let mut to = at + (at - self.pith) * (SPLAY * way);
+        let down = grain.z - self.sign * self.drop(at, strength, over) * self.radius;
+        let left = self.over(at.extend(down)).max(0.0);
+        let way = strength * left * left / (1.0 + left * left);
+        let mut to = at + (at - self.middle) * (SPLAY * way);
         for _ in 0..STEPS {
             to += self.field(to) * (way * self.radius / f64::from(STEPS));
         }
-        // A fibre keeps its length to first order: it drops by half the integral of its slope squared.
-        let lean = ((to - at) / (way * self.radius)).length() * strength;
-        let slopes: f64 = (0..8)
-            .map(|i| {
-                let t = over * (f64::from(i) + 0.5) / 8.0;
-                let slope = 2.0 * t / (1.0 + t * t).powi(2);
-                slope * slope * over / 8.0
-            })
-            .sum();
-        let drop = 0.5 * lean * lean * slopes;
-        to.extend(grain.z - self.sign * drop * self.radius)
+        to.extend(down)
+    }
+
+    /// How far a fibre drops, radii: it keeps its length to first order, half the integral of its slope squared.
+    fn drop(&self, at: DVec2, strength: f64, over: f64) -> f64 {
+        const PARTS: u32 = 8;
+        let lean = (at - self.middle) * (SPLAY / self.radius) + self.field(at);
+        let part = over / f64::from(PARTS);
+        let slopes = (0..PARTS).map(|i| {
+            let t = part * (f64::from(i) + 0.5);
+            let slope = 2.0 * t / ((1.0 + t * t) * (1.0 + t * t));
+            slope * slope * part
+        });
+        0.5 * lean.length_squared() * strength * strength * slopes.sum::<f64>()
     }
 
     /// Where a place in the node's coordinates goes; `None` where it stays.
@@ -118,6 +132,9 @@ impl<'a> Bend<'a> {
 
     /// The mesh, bent.
     pub fn apply(&self, mesh: &Mesh) -> Mesh {
+        // Long triangles along the grain are parted, so that they bend instead of leaning.
+        let over = |place: DVec3| self.over(self.grain(place));
+        let mesh = &part(mesh, &over, SPACING);
         let mut bent = mesh.clone();
         let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
         let derivative = |place: DVec3, to: DVec3, direction: DVec3| {
@@ -151,5 +168,23 @@ impl<'a> Bend<'a> {
             turn("TANGENT", &|t| derivative(place, to, t));
         }
         bent
+    }
+}
+
+#[cfg(test)]
+impl Bend<'_> {
+    /// Least determinant of the map's derivative at places within `aside` of the middle and `along` of `length` (m).
+    pub fn least_stretch(&self, length: f64, aside: f64, along: f64) -> f64 {
+        let h = 1e-6 * self.radius;
+        let mut least = f64::INFINITY;
+        for i in 0..20_000 {
+            let unit = |k: i64| 2.0 * noise::unit(77, i, k, 0) - 1.0;
+            let across = self.middle + DVec2::new(unit(0), unit(1)) * aside;
+            let at = across.extend(length + unit(2) * along);
+            let column = |e: DVec3| (self.moved(at + e * h) - self.moved(at - e * h)) / (2.0 * h);
+            let d = glam::DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z));
+            least = least.min(d.determinant());
+        }
+        least
     }
 }
