@@ -52,11 +52,11 @@ def in_two_materials(path):
         accessors.append({"bufferView": k, "componentType": 5126, "count": end - start, "type": "VEC3"})
         primitives.append({"attributes": {"POSITION": k}, "material": k})
     nodes = [{"name": "lower", "mesh": 0}, {"name": "upper", "mesh": 0, "translation": [0, 1.5, 0], "scale": [1, 2, 1], "children": [2, 3]}]
-    nodes += [{"name": "upper_twig", "mesh": 0, "translation": [x, 0, 0]} for x in (2, 4)]
+    nodes += [{"name": "upper_twig", "mesh": 1, "translation": [x, 0, 0]} for x in (2, 4)]
     data = base64.b64encode(corners.tobytes()).decode()
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes,
-        "meshes": [{"name": "cube", "primitives": primitives}], "materials": [{"name": "bark"}, {"name": "wood"}],
+        "meshes": [{"name": "cube", "primitives": primitives}, {"name": "twig", "primitives": primitives[:1]}], "materials": [{"name": "bark"}, {"name": "wood"}],
         "accessors": accessors, "bufferViews": views,
         "buffers": [{"uri": "data:application/octet-stream;base64," + data, "byteLength": corners.nbytes}],
     }
