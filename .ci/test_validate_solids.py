@@ -42,7 +42,8 @@ def faults_of(meshes, whole=None, closed=True, names=("lower", "upper")):
 
 
 def in_two_materials(path):
-    """Writes a cube as one mesh of two primitives with a material each, on two nodes, the second one placed."""
+    """Writes a cube as one mesh of two primitives with a material each, on two nodes, the second one placed, which
+    carries two more of one name."""
     cube = trimesh.creation.box((1, 1, 1))
     corners = cube.vertices[cube.faces].reshape(-1, 3).astype("<f4")
     views, accessors, primitives = [], [], []
@@ -50,11 +51,12 @@ def in_two_materials(path):
         views.append({"buffer": 0, "byteOffset": 12 * start, "byteLength": 12 * (end - start)})
         accessors.append({"bufferView": k, "componentType": 5126, "count": end - start, "type": "VEC3"})
         primitives.append({"attributes": {"POSITION": k}, "material": k})
-    nodes = [{"name": "lower", "mesh": 0}, {"name": "upper", "mesh": 0, "translation": [0, 1.5, 0], "scale": [1, 2, 1]}]
+    nodes = [{"name": "lower", "mesh": 0}, {"name": "upper", "mesh": 0, "translation": [0, 1.5, 0], "scale": [1, 2, 1], "children": [2, 3]}]
+    nodes += [{"name": "upper_twig", "mesh": 1, "translation": [x, 0, 0]} for x in (2, 4)]
     data = base64.b64encode(corners.tobytes()).decode()
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes,
-        "meshes": [{"name": "cube", "primitives": primitives}], "materials": [{"name": "bark"}, {"name": "wood"}],
+        "meshes": [{"name": "cube", "primitives": primitives}, {"name": "twig", "primitives": primitives[:1]}], "materials": [{"name": "bark"}, {"name": "wood"}],
         "accessors": accessors, "bufferViews": views,
         "buffers": [{"uri": "data:application/octet-stream;base64," + data, "byteLength": corners.nbytes}],
     }

@@ -7,6 +7,7 @@ Usage: python validate_solids.py BROKEN.glb REPORT.json [--closed]
 With --closed a piece that the report does not call closed is a fault too.
 """
 
+import io
 import itertools
 import json
 import struct
@@ -40,38 +41,48 @@ def merged(vertices, faces):
     return trimesh.Trimesh(points, faces, process=False, validate=False)
 
 
-def node_names(path):
-    """Names of the nodes with a mesh, in the order of the file."""
+def numbered(path):
+    """A glTF file whose nodes are named by their numbers, since several may have one name; and their own names."""
     with open(path, "rb") as file:
         data = file.read()
-    if data[:4] == b"glTF":
-        (size,) = struct.unpack("<I", data[12:16])
-        data = data[20 : 20 + size]
-    return [node.get("name") for node in json.loads(data).get("nodes", []) if "mesh" in node]
+    binary = data[:4] == b"glTF"
+    (size,) = struct.unpack("<I", data[12:16]) if binary else (0,)
+    document = json.loads(data[20 : 20 + size] if binary else data)
+    names = {}
+    for number, node in enumerate(document.get("nodes", [])):
+        names[f"node {number}"] = node.get("name")
+        node["name"] = f"node {number}"
+    text = json.dumps(document).encode()
+    if binary:
+        text += b" " * (-len(text) % 4)
+        rest = data[20 + size :]
+        head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON")
+        text = head + text + rest
+    return io.BytesIO(text), "glb" if binary else "gltf", names
 
 
 def read_pieces(path):
     """(name, mesh in world coordinates) of every node with triangles, in the order of the file."""
-    names = node_names(path)
-    scene = trimesh.load_scene(path, process=False, skip_materials=True)
+    file, kind, names = numbered(path)
+    scene = trimesh.load_scene(file, file_type=kind, process=False, skip_materials=True)
     parts = {}
     for node in scene.graph.nodes_geometry:
         transform, geometry = scene.graph[node]
         mesh = scene.geometry[geometry]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            # A mesh of several materials has become a child for each, under the node that has the name.
-            name = node if node in names else scene.graph.transforms.parents.get(node, node)
-            parts.setdefault(name, []).append((transform, mesh))
+            # A mesh of several materials has become a child for each, under the node that has the number.
+            number = node if node in names else scene.graph.transforms.parents[node]
+            parts.setdefault(number, []).append((transform, mesh))
     pieces = []
-    for name in sorted(parts, key=lambda n: names.index(n) if n in names else len(names)):
-        transforms, meshes = zip(*parts[name])
+    for number in (n for n in names if n in parts):
+        transforms, meshes = zip(*parts[number])
         # Merged before it is placed: placing may part equal positions.
         starts = np.cumsum([0] + [len(m.vertices) for m in meshes])
         faces = np.concatenate([m.faces + start for m, start in zip(meshes, starts)])
         whole = merged(np.concatenate([m.vertices for m in meshes]), faces)
         if not np.array_equal(transforms[0], np.eye(4)):
             whole.apply_transform(transforms[0])
-        pieces.append((name, whole))
+        pieces.append((names[number], whole))
     return pieces
 
 
