@@ -143,7 +143,7 @@ fn stages(prepared: &Prepared) {
         limb: &prepared.found.limb,
     };
     let skin = Skin::new(&solid, stem.usable);
-    let chart = stem::LayeredGrain::into(&prepared.layers, &prepared.transform().inverse());
+    let chart = stem::LayeredGrain::mapped(&prepared.layers, &prepared.transform().inverse());
     let levels: Vec<f64> = prepared.layers.levels().collect();
     let mut vertices = vec![0; solid.points.len()];
     for (vertex, &point) in prepared.points.iter().enumerate() {

@@ -16,6 +16,7 @@ use greenstick_geometry::{
     mesh::NO_MATERIAL,
 };
 use greenstick_skin::pieces::lacks_material;
+use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::primitive;
@@ -190,6 +191,10 @@ pub fn break_scene(
     }
     let splinters = frayed(&prepared, &mut model, request, material)?;
     let mut out = assemble(&prepared, &model, splinters, request.part);
+    let ours = pieces_in(&out);
+    out.nodes[..ours]
+        .iter_mut()
+        .for_each(|n| settle(&mut n.mesh, material));
     context.step("textures", 0.0)?;
     add_inner_material(
         &mut out,
@@ -202,7 +207,7 @@ pub fn break_scene(
     let pieces = out
         .nodes
         .iter()
-        .take(pieces_in(&out))
+        .take(ours)
         .map(|n| PieceReport::of(&n.name, &n.mesh, volume_scale(n)))
         .collect();
     let report = BreakReport {
@@ -425,13 +430,13 @@ fn assemble(
     for &t in &found.shell {
         gone[found.node][t as usize] = true;
     }
-    for (i, triangles) in &found.carried {
+    for (n, (i, triangles)) in found.carried.iter().enumerate() {
         for &t in triangles {
             gone[*i][t as usize] = true;
         }
         let source = &scene.nodes[*i];
         let mesh = part_of(&source.mesh, triangles.iter().map(|&t| t as usize));
-        let name = format!("{}_with_upper", source.name);
+        let name = format!("{}_with_upper_{n:03}", source.name);
         out.nodes.push(Node {
             parent: Some(1),
             ..node(&name, moved * source.transform, mesh)

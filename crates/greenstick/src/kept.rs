@@ -61,7 +61,7 @@ impl Kept {
             triangles: skin.order.iter().map(|&t| triangles[t as usize]).collect(),
             skin,
             vertices,
-            chart: layers.into(&transform.inverse()),
+            chart: layers.mapped(&transform.inverse()),
             levels: layers.levels().collect(),
             square: ((low + high) / 2.0, (high - low).max_element() * 1.02),
             last: Mutex::default(),

@@ -30,8 +30,8 @@ struct Made {
     parted: FxHashMap<(u32, u32), (u32, f64)>,
 }
 
-/// Part of the stem's radius within which a vertex counts as lying on a level.
-const NEAR: f64 = 2e-5;
+/// Part of the stem's radius within which a vertex counts as lying on a level: more would bend straight edges.
+const NEAR: f64 = 1e-9;
 
 impl Refined {
     /// Parts the limb's triangles at every level. `transform` leads from the mesh to the world.
@@ -56,7 +56,7 @@ impl Refined {
         stack.reverse();
         while let Some(t) = stack.pop() {
             let corners = self.mesh.triangles[t as usize];
-            // A vertex next to a level counts as on it: a part so thin would fall together in a file.
+            // A vertex on a level but for rounding counts as on it.
             let s = corners.map(|v| {
                 let s = self.grain[self.points[v as usize] as usize].z;
                 let n = levels.partition_point(|&l| l < s - near);

@@ -1,7 +1,6 @@
 //! The pieces of a cut as meshes: skin with its attributes carried over, broken faces with their own.
 
 use crate::face::Face;
-use crate::settle::settle;
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::layout::Bundles;
@@ -304,7 +303,6 @@ impl<'a> SkinBuilder<'a> {
             if upper { [a, c, b] } else { [a, b, c] }
         }));
         mesh.materials.resize(mesh.triangles.len(), inner.material);
-        settle(&mut mesh);
         mesh
     }
 

@@ -4,9 +4,9 @@ use greenstick_geometry::Mesh;
 use rustc_hash::FxHashMap;
 
 /// Rounds positions to `f32`, drops triangles two corners of which fall together, and takes out pairs of triangles that
-/// have come to lie back to back. Each step leaves every edge with as many triangles one way as the other, so what was
+/// have come to lie back to back, one of them of material `inner`: what the input had of such pairs stays. Each step leaves every edge with as many triangles one way as the other, so what was
 /// closed stays closed.
-pub fn settle(mesh: &mut Mesh) {
+pub fn settle(mesh: &mut Mesh, inner: u32) {
     for p in &mut mesh.positions {
         *p = p.as_vec3().as_dvec3();
     }
@@ -26,7 +26,11 @@ pub fn settle(mesh: &mut Mesh) {
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let forward = turns.contains(&sorted);
         let list = single.entry(sorted).or_default();
-        match list.iter().position(|o| o.1 != forward) {
+        let of_wood = |i: usize| mesh.material(i) == inner;
+        match list
+            .iter()
+            .position(|o| o.1 != forward && (of_wood(o.0) || of_wood(i)))
+        {
             Some(n) => {
                 keep[list.swap_remove(n).0] = false;
                 keep[i] = false;
@@ -73,7 +77,7 @@ mod tests {
             ..Mesh::default()
         };
         assert!(mesh.check().closed);
-        settle(&mut mesh);
+        settle(&mut mesh, 0);
         let report = mesh.check();
         assert_eq!((mesh.triangles.len(), report.degenerate_triangles), (4, 0));
         assert!(report.is_solid(), "{report}");

@@ -41,9 +41,12 @@ impl Cut {
             .filter(|s| s.upper == upper)
             .for_each(|s| join(s.corners));
         self.cap.iter().for_each(|t| join(*t));
-        let mut sizes = vec![0u32; parent.len()];
+        let mut sizes = vec![0u64; parent.len()];
+        // What reaches beyond all that the break touches is the piece itself, however small.
+        const BEYOND: u64 = 1 << 40;
         for &t in solid.limb.iter().filter(whole) {
-            sizes[root(&mut parent, solid.triangles[t as usize][0]) as usize] += 1;
+            let weight = if self.sides.is_beyond(t) { BEYOND } else { 1 };
+            sizes[root(&mut parent, solid.triangles[t as usize][0]) as usize] += weight;
         }
         for s in self.skin.iter().filter(|s| s.upper == upper) {
             sizes[root(&mut parent, s.corners[0]) as usize] += 1;
@@ -54,12 +57,15 @@ impl Cut {
         let chips = sizes
             .iter()
             .enumerate()
-            .filter(|&(i, &n)| i != main && n > 0)
+            .filter(|&(i, &n)| i != main && n > 0 && n < BEYOND)
             .count();
         if chips == 0 {
             return 0;
         }
-        let mut is_chip = |v: u32| root(&mut parent, v) as usize != main;
+        let mut is_chip = |v: u32| {
+            let r = root(&mut parent, v) as usize;
+            r != main && sizes[r] < BEYOND
+        };
         for &t in solid.limb {
             if self.sides[t as usize] == side && is_chip(solid.triangles[t as usize][0]) {
                 self.sides

@@ -195,6 +195,12 @@ impl Sides {
         }
     }
 
+    /// Whether a triangle of the mesh is surely below or above all that the break touches.
+    pub(super) fn is_beyond(&self, triangle: u32) -> bool {
+        let rank = self.ranks[triangle as usize];
+        rank != NONE && !(self.below..self.above).contains(&(rank as usize))
+    }
+
     /// Gives a triangle of the mesh that is not surely below or above another side.
     pub(super) fn set(&mut self, triangle: u32, side: Side) {
         let rank = self.ranks[triangle as usize] as usize;

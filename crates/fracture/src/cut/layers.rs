@@ -5,7 +5,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 /// Part of the levels' span within which a vertex counts as lying on a level.
-const NEAR: f64 = 1e-6;
+const NEAR: f64 = 1e-10;
 
 impl Cut {
     /// Parts every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to

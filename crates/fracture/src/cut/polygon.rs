@@ -72,6 +72,10 @@ pub(super) fn fill(
         return fill_one(triangulator, only, &[], &flat, triangles);
     }
     let (outer, holes): (Vec<_>, Vec<_>) = loops.iter().partition(|l| area(l, &flat) >= 0.0);
+    let housed = |h: &&Vec<u32>| outer.iter().any(|r| contains(r, flat(h[0]), &flat));
+    if !holes.iter().all(housed) {
+        return Err(TriangulateError::HoleOutside(0));
+    }
     for &ring in &outer {
         let within: Vec<&Vec<u32>> = holes
             .iter()

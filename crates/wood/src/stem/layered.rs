@@ -164,7 +164,7 @@ impl LayeredGrain {
     }
 
     /// The same map into coordinates that `map` leads to. Only [`LayeredGrain::to_world`] may be asked of it.
-    pub fn into(&self, map: &DAffine3) -> Self {
+    pub fn mapped(&self, map: &DAffine3) -> Self {
         LayeredGrain {
             origin: map.transform_point3(self.origin),
             x: map.transform_vector3(self.x),
