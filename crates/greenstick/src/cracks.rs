@@ -76,7 +76,7 @@ impl Prepared {
         let face = |direction| -> Result<(Grooved, (Mesh, Mesh)), Error> {
             let surface = &model.heights.surface;
             let made = grooves(plan, &stem.rings, surface, direction, &setting)?;
-            let meshes = self.cut_along(&made, &model.bundles, &zone, material, smooth)?;
+            let meshes = self.cut_along(&made, &model.bundles, &zone, material, (smooth, true))?;
             Ok((made, meshes))
         };
         let (lower_face, (lower, _)) = face(Direction::Down)?;
@@ -134,7 +134,7 @@ impl Prepared {
         let proportions = p.proportions();
         let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
         let whole = self.shell_volume();
-        let (lower, upper) = self.cut_along(&face, &bundles, &zone, material, false)?;
+        let (lower, upper) = self.cut_along(&face, &bundles, &zone, material, (false, false))?;
         let stem = if far { lower } else { upper };
         let void = whole - stem.volume();
         Ok(CrackedEnd {
@@ -163,7 +163,7 @@ impl Prepared {
         bundles: &Bundles,
         zone: &dyn Fn(f64) -> u8,
         material: u32,
-        smooth: bool,
+        (smooth, two_pieces): (bool, bool),
     ) -> Result<(Mesh, Mesh), Error> {
         let stem = &self.found.stem;
         let solid = self.solid();
@@ -172,7 +172,10 @@ impl Prepared {
         let ground = Ground::new(&skin, &made.surface.layout);
         let mut cut =
             cut_again(&solid, &skin, &ground, &made.surface).map_err(|error| self.locate(error))?;
-        cut.absorb_chips(&solid);
+        // What is cut out of an end is nothing but chips.
+        if two_pieces {
+            cut.absorb_chips(&solid);
+        }
         cut.part_at(&self.grain, &self.kept.levels);
         let source = self.source();
         let mut bundles = bundles.clone();
