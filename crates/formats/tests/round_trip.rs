@@ -146,24 +146,3 @@ fn parents_that_go_in_circles_are_written_as_roots() {
     let back = read_back(Format::Glb, &files, LengthUnit::Metre);
     assert_eq!(back.nodes.len(), 2);
 }
-
-/// Writes the scene for validators of others: `cargo test -p greenstick-formats -- --ignored`.
-#[test]
-#[ignore = "leaves files in the temporary folder"]
-fn samples_for_the_validator() {
-    let folder = std::env::temp_dir().join("greenstick-samples");
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut broken = two_cubes();
-    let attributes = &mut broken.nodes[0].mesh.attributes;
-    attributes.get_mut("NORMAL").unwrap().data.fill(0.0);
-    attributes.get_mut("TANGENT").unwrap().data.fill(0.0);
-    attributes.remove("TEXCOORD_0");
-    for (stem, scene) in [("cubes", two_cubes()), ("repaired", broken)] {
-        for format in [Format::Gltf, Format::Glb] {
-            let name = format!("{stem}.{}", format.ending());
-            for file in write(format, &scene, &name, LengthUnit::Metre).unwrap() {
-                std::fs::write(folder.join(file.name), file.bytes).unwrap();
-            }
-        }
-    }
-}
