@@ -59,6 +59,9 @@ pub fn suggestion(nearest: &[String]) -> String {
     }
 }
 
+/// Weight of a likeness to one word of a name against one to the whole.
+const PART: f64 = 0.9;
+
 /// Up to three of `candidates` that look most like `word`, nearest first (Damerau-Levenshtein, case
 /// ignored). Equals keep the candidates' order.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<String> {
@@ -66,10 +69,13 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     let mut scored: Vec<(f64, &str)> = candidates
         .into_iter()
         .map(|c| {
-            (
-                strsim::normalized_damerau_levenshtein(&word, &normalise(c)),
-                c,
-            )
+            let name = normalise(c);
+            let whole = strsim::normalized_damerau_levenshtein(&word, &name);
+            // One misspelt word of several is enough, though the whole name counts for more.
+            let part = (name.split(' '))
+                .map(|p| PART * strsim::normalized_damerau_levenshtein(&word, p))
+                .fold(0.0, f64::max);
+            (whole.max(part), c)
         })
         .filter(|&(score, _)| score >= SIMILAR)
         .collect();
