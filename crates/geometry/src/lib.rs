@@ -4,8 +4,10 @@
 //! as it comes from and goes to a file.
 #![deny(missing_docs)]
 
+pub mod bitmap;
 pub mod bvh;
 pub mod check;
+pub mod cloud;
 pub mod components;
 pub mod context;
 pub mod intersect;
@@ -14,8 +16,10 @@ pub mod mesh;
 pub mod scene;
 pub mod triangulate;
 
+pub use bitmap::Bitmap;
 pub use bvh::{Aabb, Bvh};
 pub use check::{CheckOptions, Report, SelfIntersections};
+pub use cloud::PointCloud;
 pub use components::{Adjacency, Shells};
 pub use context::{Cancelled, Context};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
