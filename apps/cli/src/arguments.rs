@@ -141,6 +141,9 @@ pub struct BreakOptions {
     #[arg(long, value_name = "DISTANCE", default_value = "0", value_parser = values::distance,
         allow_hyphen_values = true, help_heading = "What comes out")]
     pub part: f64,
+    /// Let the upper piece hang on the bark of the compression side, turned by this angle
+    #[arg(long, value_name = "DEGREES", help_heading = "What comes out")]
+    pub hang: Option<String>,
     /// Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 where no amount is given]
     #[arg(long, value_name = "AMOUNT", num_args = 0..=1, default_value = "0", default_missing_value = "0.5",
         value_parser = values::amount, hide_default_value = true, help_heading = "What comes out")]

@@ -216,6 +216,7 @@ fn recipe(options: &BreakOptions) -> Result<Recipe, Failure> {
         ("species", &options.species),
         ("moisture", &options.moisture),
         ("seed", &options.seed),
+        ("hang", &options.hang),
     ]
     .into_iter()
     .filter_map(|(key, value)| value.as_ref().map(|v| format!("{key}={v}")))

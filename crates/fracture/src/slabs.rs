@@ -1,97 +1,259 @@
-//! Slabs: the coarsest pieces of a torn face, bounded by rings and rays.
+//! Slabs and slivers: the coarse and the middle pieces of a torn face, parts of the section bounded by rings and rays.
 
+use crate::layout::Bundle;
 use glam::DVec2;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
 
+/// A part of a section: ring coordinates and angles (rad, counted from the turn of the parting).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Ring coordinates between which it lies.
+    pub rho: (f64, f64),
+    /// Angles between which it lies, rad.
+    pub phi: (f64, f64),
+}
+
+impl Region {
+    fn area(&self) -> f64 {
+        (self.rho.1 * self.rho.1 - self.rho.0 * self.rho.0) * (self.phi.1 - self.phi.0)
+    }
+
+    /// Width along the ring and thickness across it, in radii.
+    pub fn size(&self) -> (f64, f64) {
+        let width = (self.phi.1 - self.phi.0) * (self.rho.0 + self.rho.1) / 2.0;
+        (width, self.rho.1 - self.rho.0)
+    }
+}
+
+/// What a section spans.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Ring coordinates.
+    pub rho: (f64, f64),
+    /// Angles, rad; `None` for all around.
+    pub phi: Option<(f64, f64)>,
+}
+
+impl Span {
+    /// What the bundles of a layout span.
+    pub fn of(bundles: &[Bundle]) -> Span {
+        let mut rho = (f64::INFINITY, 0.0f64);
+        let mut phi = (f64::INFINITY, f64::NEG_INFINITY);
+        for b in bundles {
+            rho = (rho.0.min(b.rho), rho.1.max(b.rho.min(1.0)));
+            phi = (
+                phi.0.min(b.phi - b.half_width),
+                phi.1.max(b.phi + b.half_width),
+            );
+        }
+        // A board shows less than half a turn of its rings.
+        if phi.1 - phi.0 > 0.5 * TAU || phi.0 > phi.1 {
+            let rho = (0.0, 1.0);
+            return Span { rho, phi: None };
+        }
+        Span {
+            rho,
+            phi: Some(phi),
+        }
+    }
+}
+
+/// A step on the way to the region of a place.
+#[derive(Debug, Clone, Copy)]
+enum Branch {
+    Region(usize),
+    /// Below or from `at` on, in the ring coordinate or in the angle.
+    Cut {
+        ring: bool,
+        at: f64,
+        below: usize,
+        above: usize,
+    },
+}
+
+/// A section parted by rings and rays.
+#[derive(Debug, Clone)]
+pub struct Parts {
+    regions: Vec<Region>,
+    tree: Vec<Branch>,
+    turn: f64,
+    around: bool,
+}
+
+impl Parts {
+    /// Parts the section into `count` regions, each `aspect` times as wide along the ring as thick across it or less,
+    /// large ones first but of many sizes.
+    pub fn new(span: &Span, count: usize, aspect: f64, seed: u64) -> Self {
+        let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
+        let around = span.phi.is_none();
+        let mut regions = vec![Region {
+            rho: span.rho,
+            phi: span.phi.unwrap_or((0.0, TAU)),
+        }];
+        let mut weights = vec![regions[0].area()];
+        let mut tree = vec![Branch::Region(0)];
+        let mut leaves = vec![0];
+        while regions.len() < count {
+            let n = regions.len();
+            let largest = (1..n).fold(0, |l, i| if weights[i] > weights[l] { i } else { l });
+            let r = regions[largest];
+            let part = 0.3 + 0.4 * random(n, 0);
+            let (width, thickness) = r.size();
+            let ring = width <= aspect * thickness;
+            let (low, high) = if ring { r.rho } else { r.phi };
+            let at = low + (high - low) * part;
+            let mut other = r;
+            if ring {
+                (regions[largest].rho.1, other.rho.0) = (at, at);
+            } else {
+                (regions[largest].phi.1, other.phi.0) = (at, at);
+            }
+            let below = tree.len();
+            tree[leaves[largest]] = Branch::Cut {
+                ring,
+                at,
+                below,
+                above: below + 1,
+            };
+            tree.extend([Branch::Region(largest), Branch::Region(n)]);
+            leaves[largest] = below;
+            leaves.push(below + 1);
+            regions.push(other);
+            weights[largest] = regions[largest].area() * (0.35 + 1.3 * random(n, 1));
+            weights.push(other.area() * (0.35 + 1.3 * random(n, 2)));
+        }
+        Parts {
+            regions,
+            tree,
+            turn: if around { TAU * random(0, 9) } else { 0.0 },
+            around,
+        }
+    }
+
+    /// An angle counted as those of the regions.
+    fn turned(&self, phi: f64) -> f64 {
+        if !self.around {
+            return phi;
+        }
+        let place = (phi - self.turn) / TAU;
+        (place - place.floor()) * TAU
+    }
+
+    /// Number of the region at a ring coordinate and angle (rad).
+    pub fn find(&self, rho: f64, phi: f64) -> usize {
+        let phi = self.turned(phi);
+        let mut branch = 0;
+        loop {
+            match self.tree[branch] {
+                Branch::Region(region) => return region,
+                Branch::Cut {
+                    ring,
+                    at,
+                    below,
+                    above,
+                } => {
+                    branch = if (if ring { rho } else { phi }) < at {
+                        below
+                    } else {
+                        above
+                    }
+                }
+            }
+        }
+    }
+
+    /// A region.
+    pub fn region(&self, number: usize) -> &Region {
+        &self.regions[number]
+    }
+
+    /// Ring coordinate and angle (rad) of a region's middle.
+    pub fn middle(&self, number: usize) -> (f64, f64) {
+        let r = &self.regions[number];
+        (
+            (r.rho.0 + r.rho.1) / 2.0,
+            (r.phi.0 + r.phi.1) / 2.0 + self.turn,
+        )
+    }
+
+    /// Where a place lies in a region: −1 to 1 along the ring, then −1 to 1 across it.
+    pub fn within(&self, number: usize, rho: f64, phi: f64) -> DVec2 {
+        let r = &self.regions[number];
+        let half = ((r.phi.1 - r.phi.0) / 2.0).max(1e-9);
+        let mut off = self.turned(phi) - (r.phi.0 + r.phi.1) / 2.0;
+        if self.around {
+            off -= TAU * (off / TAU).round();
+        }
+        let thick = ((r.rho.1 - r.rho.0) / 2.0).max(1e-9);
+        let across = (rho - (r.rho.0 + r.rho.1) / 2.0) / thick;
+        DVec2::new(off / half, across).clamp(DVec2::NEG_ONE, DVec2::ONE)
+    }
+}
+
 /// What all bundles of a slab share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slab {
-    /// Height, −1 to 1, mean about 0.
+    /// Height of its ridge, −1 to 1, mean about 0.
     pub height: f64,
     /// Slope across the section, per radius.
     pub slant: DVec2,
     /// How much its slivers differ, about 1.
     pub splinters: f64,
-}
-
-/// A slab's part of the section: ring coordinates and angles (rad, counted from the turn of the layout).
-#[derive(Debug, Clone, Copy)]
-struct Region {
-    rho: (f64, f64),
-    phi: (f64, f64),
-    slab: Slab,
+    /// Where the ridge runs, −1 to 1 along the ring and across it.
+    ridge: DVec2,
+    /// How far it falls from the ridge to its edges, as part of its height.
+    fall: f64,
 }
 
 /// The slabs of a section.
 #[derive(Debug, Clone)]
 pub struct Slabs {
-    regions: Vec<Region>,
-    turn: f64,
+    parts: Parts,
+    slabs: Vec<Slab>,
 }
 
 const SEED: u64 = 0x51ab;
+/// Slabs are a little wider than thick.
+const SLAB_ASPECT: f64 = 1.6;
 
 impl Slabs {
-    /// Parts the section into `count` slabs by rings and rays, the largest first.
-    pub fn new(count: usize, seed: u64) -> Self {
+    /// Parts the section into `count` slabs.
+    pub fn new(span: &Span, count: usize, seed: u64) -> Self {
         let seed = seed ^ SEED << 20;
-        let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
-        let flat = Slab {
-            height: 0.0,
-            slant: DVec2::ZERO,
-            splinters: 1.0,
+        let slab = |n: usize| {
+            let unit = |what: i64| 2.0 * noise::unit(seed, n as i64, what, 0) - 1.0;
+            let height = unit(11);
+            Slab {
+                // Few slabs end in the middle: one piece or the other keeps them.
+                height: if count == 1 {
+                    0.0
+                } else {
+                    (0.25 + 0.75 * height.abs()).copysign(height)
+                },
+                slant: DVec2::new(unit(12), unit(13)) * 0.45,
+                splinters: 1.0 + 0.6 * unit(14),
+                ridge: DVec2::new(unit(15), unit(16)) * 0.7,
+                fall: 1.0 + 0.5 * unit(17),
+            }
         };
-        let mut regions = vec![Region {
-            rho: (0.0, 1.0),
-            phi: (0.0, TAU),
-            slab: flat,
-        }];
-        let area = |r: &Region| (r.rho.1 * r.rho.1 - r.rho.0 * r.rho.0) * (r.phi.1 - r.phi.0);
-        while regions.len() < count {
-            let n = regions.len();
-            let mut largest = 0;
-            for i in 1..n {
-                if area(&regions[i]) > area(&regions[largest]) {
-                    largest = i;
-                }
-            }
-            let r = regions[largest];
-            let at = 0.3 + 0.4 * random(n, 0);
-            let width = (r.phi.1 - r.phi.0) * (r.rho.0 + r.rho.1) / 2.0;
-            let mut other = r;
-            if width > 1.6 * (r.rho.1 - r.rho.0) {
-                let ray = r.phi.0 + (r.phi.1 - r.phi.0) * at;
-                regions[largest].phi.1 = ray;
-                other.phi.0 = ray;
-            } else {
-                let ring = r.rho.0 + (r.rho.1 - r.rho.0) * at;
-                regions[largest].rho.1 = ring;
-                other.rho.0 = ring;
-            }
-            regions.push(other);
-        }
-        for (n, r) in regions.iter_mut().enumerate() {
-            let unit = |what: i64| 2.0 * random(n, what) - 1.0;
-            r.slab = Slab {
-                height: if count == 1 { 0.0 } else { unit(1) },
-                slant: DVec2::new(unit(2), unit(3)) * 0.45,
-                splinters: 0.4 + 1.2 * random(n, 4),
-            };
-        }
         Slabs {
-            regions,
-            turn: TAU * random(0, 9),
+            parts: Parts::new(span, count, SLAB_ASPECT, seed),
+            slabs: (0..count.max(1)).map(slab).collect(),
         }
     }
 
-    /// The slab at a ring coordinate and angle (rad). Its borders are ragged by a few slivers.
-    pub fn at(&self, rho: f64, phi: f64) -> Slab {
-        let place = (phi - self.turn) / TAU;
-        let phi = (place - place.floor()) * TAU;
-        self.regions
-            .iter()
-            .find(|r| rho >= r.rho.0 && rho <= r.rho.1 && phi >= r.phi.0 && phi <= r.phi.1)
-            .map_or(self.regions[0].slab, |r| r.slab)
+    /// The slab at a ring coordinate and angle (rad), with its height there: it falls from its ridge, so that slabs
+    /// are no towers with square shoulders.
+    pub fn at(&self, rho: f64, phi: f64) -> (&Slab, f64) {
+        let number = self.parts.find(rho, phi);
+        let slab = &self.slabs[number];
+        let off = (self.parts.within(number, rho, phi) - slab.ridge).abs();
+        let far = off / (DVec2::ONE + slab.ridge.abs());
+        // A slab that runs all around has no edge to fall to.
+        let (width, thickness) = self.parts.region(number).size();
+        let narrow = (4.0 * thickness / width.max(1e-9)).min(1.0);
+        let down = slab.fall * (0.75 * far.x * far.x.sqrt() * narrow + 0.35 * far.y * far.y);
+        (slab, slab.height * (1.0 - down))
     }
 }

@@ -181,6 +181,8 @@ fn stages(prepared: &Prepared) {
                 radius: stem.radius,
                 place: stem.place,
                 usable: stem.usable,
+                pith: stem.rings.pith(),
+                wedge: None,
                 relief: 1.0,
             };
             let lay = || match smooth {

@@ -1,5 +1,6 @@
 //! The whole way from a scene and a request to broken pieces with materials, and a report.
 
+use crate::branch::bark_material;
 use crate::cracking::Cracks;
 use crate::fray::{FrayOptions, fray};
 use crate::looks::{Looks, looks};
@@ -19,7 +20,6 @@ use greenstick_skin::pieces::lacks_material;
 use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
-use greenstick_wood::primitive;
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
 use greenstick_wood::stem::{Place, Stem, StemKind, StemOptions};
 
@@ -68,49 +68,12 @@ pub struct Broken {
     pub inner_material: u32,
     /// Side of the square that holds the section, m.
     pub width: f64,
-    /// Whether the pieces were moved apart.
+    /// Whether the pieces were moved apart, or one hangs on the other.
     pub apart: bool,
+    /// Direction of the hinge that the upper piece hangs on, where it does.
+    pub hinge: Option<DVec3>,
     /// Middle (m) of the sawn end that was cracked, and the direction it looks to.
     pub end: Option<(DVec3, DVec3)>,
-}
-
-impl Broken {
-    /// Centre and radius (m) of a ball about the break, for a picture.
-    pub fn focus(&self) -> (DVec3, f64) {
-        let frame = self.stem.grain.axis().frame(self.stem.place);
-        let [low, high] = self.report.face.range_m;
-        let middle = frame.origin + frame.tangent * ((low + high) / 2.0);
-        (middle, (0.8 * self.width).max(0.75 * (high - low)))
-    }
-}
-
-/// The built-in branch as a scene.
-pub fn built_in_branch() -> Scene {
-    let mesh = primitive::branch(&primitive::BranchOptions::default());
-    let node = Node {
-        name: "branch".into(),
-        transform: DAffine3::IDENTITY,
-        mesh,
-        parent: None,
-    };
-    Scene {
-        nodes: vec![node],
-        materials: vec![bark_material()],
-        ..Scene::default()
-    }
-}
-
-/// Name of the material that stands for bark where the input has none.
-pub(crate) const OWN_BARK: &str = "bark";
-
-/// Bark as one colour, for meshes that come without a material.
-fn bark_material() -> Material {
-    Material {
-        name: OWN_BARK.into(),
-        base_color: [0.18, 0.125, 0.085, 1.0],
-        roughness: 0.95,
-        ..Material::default()
-    }
 }
 
 /// Breaks a stem in a scene.
@@ -190,7 +153,22 @@ pub fn break_scene(
         cracks.open_break(&prepared, &mut model, p, material)?;
     }
     let splinters = frayed(&prepared, &mut model, request, material)?;
-    let mut out = assemble(&prepared, &model, splinters, request.part);
+    let (turn, hang) = prepared.hang(&model, p).unzip();
+    if let Some(h) = hang.as_ref().filter(|h| h.angle_degrees > p.hang) {
+        notes.push(format!(
+            "the upper piece hangs at {:.1}° instead of {:.1}°, the least at which it is clear of the lower one",
+            h.angle_degrees, p.hang
+        ));
+    }
+    let along = prepared
+        .found
+        .stem
+        .grain
+        .axis()
+        .frame(prepared.found.stem.place)
+        .tangent;
+    let moved = DAffine3::from_translation(along * request.part) * turn.unwrap_or_default();
+    let mut out = assemble(&prepared, &model, splinters, moved);
     let ours = pieces_in(&out);
     out.nodes[..ours]
         .iter_mut()
@@ -210,12 +188,14 @@ pub fn break_scene(
         .take(ours)
         .map(|n| PieceReport::of(&n.name, &n.mesh, volume_scale(n)))
         .collect();
+    let hinge = hang.as_ref().map(|h| DVec3::from_array(h.axis));
     let report = BreakReport {
         input,
         place: place_report(&prepared),
         face: face_report(p, &model),
         species: species_report,
         pieces,
+        hang,
         crack_volume_m3: cracks.as_ref().map(|c| c.volume),
         notes: notes
             .into_iter()
@@ -229,7 +209,8 @@ pub fn break_scene(
         looks,
         inner_material: material,
         width: model.square.1,
-        apart: request.part != 0.0,
+        apart: request.part != 0.0 || p.hang > 0.0,
+        hinge,
         end: cracks.and_then(|c| c.end),
     })
 }
@@ -395,11 +376,9 @@ fn assemble(
     prepared: &Prepared,
     model: &Model,
     splinters: Vec<(Mesh, DAffine3)>,
-    part: f64,
+    moved: DAffine3,
 ) -> Scene {
     let (scene, found) = (&prepared.scene, &prepared.found);
-    let along = found.stem.grain.axis().frame(found.stem.place).tangent;
-    let moved = DAffine3::from_translation(along * part);
     let cut = &scene.nodes[found.node];
     let mut out = Scene {
         nodes: Vec::new(),

@@ -31,12 +31,14 @@
 //! and call [`Prepared::model`] each time.
 #![deny(missing_docs)]
 
+mod branch;
 mod breaking;
 mod cracking;
 mod cracks;
 mod error;
 pub mod files;
 mod fray;
+mod hang;
 mod kept;
 mod looks;
 mod model;
@@ -45,7 +47,8 @@ mod prepare;
 mod refine;
 mod report;
 
-pub use breaking::{BreakRequest, Broken, break_scene, built_in_branch};
+pub use branch::built_in_branch;
+pub use breaking::{BreakRequest, Broken, break_scene};
 pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
 pub use greenstick_formats as formats;
@@ -54,6 +57,7 @@ pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_skin as skin;
 pub use greenstick_wood as wood;
+pub use hang::HangReport;
 pub use looks::Looks;
 pub use model::{Drawn, Model};
 pub use pictures::{picture_of_break, picture_of_scene};

@@ -84,6 +84,8 @@ impl Prepared {
             radius: stem.radius,
             place: stem.place,
             usable: stem.usable,
+            pith: stem.rings.pith(),
+            wedge: self.wedge(p),
             relief,
         };
         let heights = if smooth {

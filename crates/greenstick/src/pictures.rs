@@ -1,6 +1,7 @@
 //! Pictures of broken stems and of any scene.
 
-use crate::breaking::{Broken, OWN_BARK};
+use crate::branch::OWN_BARK;
+use crate::breaking::Broken;
 use crate::looks::Looks;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
@@ -141,27 +142,8 @@ pub fn picture_of_break(
                 elevation: 0.95,
             };
         }
-    } else if options.zoom.is_none() {
-        let (centre, radius) = broken.focus();
-        options.zoom = Some((centre, radius));
-        if !broken.apart {
-            // Both faces look up, seen from the side on which they stand next to each other.
-            let frame = broken.stem.grain.axis().frame(broken.stem.place);
-            let aside = aside(broken, frame.x);
-            (options.up, options.floor) = (frame.tangent, false);
-            // The stems below the faces fill the lower third.
-            let down = frame.tangent * (-0.2 * radius);
-            options.zoom = Some((
-                centre + aside / 2.0 + down,
-                radius.max(0.85 * aside.length()),
-            ));
-            if options.view == View::Automatic {
-                options.view = View::Direction {
-                    azimuth: azimuth(&frame),
-                    elevation: ELEVATION,
-                };
-            }
-        }
+    } else if options.zoom.is_none() && options.shown.is_empty() {
+        aim(broken, scene, &mut options);
     }
     render(&items(scene, &shader), &options, context)
 }
@@ -171,6 +153,71 @@ const SAWN: f64 = 0.9;
 
 /// How steeply an opened break is looked down on, rad.
 const ELEVATION: f64 = 0.5;
+/// The same for a break that hangs open, and how far it is turned from its side, rad.
+const HANGING_ELEVATION: f64 = 0.22;
+const HANGING_TURN: f64 = 0.45;
+/// Length of stem that is shown behind each face: radii, and part of the face's height.
+const STUB: (f64, f64) = (1.1, 0.12);
+
+/// Points the camera at the whole of both faces and a stub of stem behind each.
+fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
+    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+    let [low, high] = broken.report.face.range_m;
+    let stub = STUB.0 * broken.stem.radius + STUB.1 * (high - low);
+    let mut shown = Vec::new();
+    for node in &scene.nodes {
+        let piece = node.name == "lower" || node.name == "upper";
+        if !piece && !node.name.starts_with("splinter_") {
+            continue;
+        }
+        let face = (node.mesh.triangles.iter().enumerate())
+            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material));
+        shown.extend(
+            face.flat_map(|(_, corners)| corners.map(|v| v as usize))
+                .filter_map(|v| {
+                    let at = node.mesh.positions.get(v)?;
+                    Some(node.transform.transform_point3(*at))
+                }),
+        );
+    }
+    // The stem runs on behind the faces: their section once more, below the lowest and above the highest point.
+    let reach = 0.5 * broken.width;
+    let around = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y];
+    for (name, end) in [("lower", low - stub), ("upper", high + stub)] {
+        let Some(node) = scene.nodes.iter().find(|n| n.name == name) else {
+            continue;
+        };
+        let Some(own) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
+            continue;
+        };
+        // Pieces have one transform at rest, that of the lower one.
+        let moved = node.transform * own.transform.inverse();
+        let at = broken.stem.grain.axis().frame(broken.stem.place + end);
+        shown.extend(
+            around.map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
+        );
+    }
+    options.shown = shown;
+    let (up, view) = match broken.hinge {
+        None if broken.apart => return,
+        // Both faces look up, seen from the side on which they stand next to each other.
+        None => (frame.tangent, (azimuth(&frame), ELEVATION)),
+        // Nearly along the hinge, from the side that opened.
+        Some(axis) => {
+            let opened = axis.cross(frame.tangent) * -1.0;
+            let (sin, cos) = libm::sincos(HANGING_TURN);
+            let back = axis * cos + opened * sin;
+            let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+            let azimuth = libm::atan2(back.dot(across), back.dot(toward));
+            (frame.tangent, (azimuth, HANGING_ELEVATION))
+        }
+    };
+    (options.up, options.floor) = (up, false);
+    if options.view == View::Automatic {
+        let (azimuth, elevation) = view;
+        options.view = View::Direction { azimuth, elevation };
+    }
+}
 
 /// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
 fn azimuth(frame: &Frame) -> f64 {

@@ -1,5 +1,6 @@
 //! What a break did, in numbers with units.
 
+use crate::hang::HangReport;
 use greenstick_geometry::Mesh;
 use serde::Serialize;
 use std::fmt;
@@ -104,6 +105,8 @@ pub struct BreakReport {
     pub species: Option<SpeciesReport>,
     /// What came out.
     pub pieces: Vec<PieceReport>,
+    /// How the upper piece hangs on, where it does.
+    pub hang: Option<HangReport>,
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
     /// What was assumed or could not be done, one sentence each.
@@ -194,6 +197,9 @@ impl fmt::Display for BreakReport {
                 s.basis,
                 s.relief
             )?;
+        }
+        if let Some(hang) = &self.hang {
+            writeln!(f, "hang     {hang}")?;
         }
         for piece in &self.pieces {
             let inside = match piece.volume_m3 {

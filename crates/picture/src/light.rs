@@ -35,8 +35,8 @@ pub(crate) struct Studio {
     pub background: [DVec3; 2],
 }
 
-/// Half angle of the key light, as its cosine (15°): shadows soft as from a large window.
-const KEY_COSINE: f64 = 0.966;
+/// Half angle of the key light, as its cosine (22°): shadows soft as from a large window nearby.
+const KEY_COSINE: f64 = 0.927;
 /// Half angle of the light from behind, as its cosine (20°).
 const RIM_COSINE: f64 = 0.94;
 /// Radiance of the floor in the eyes of the things that stand on it.

@@ -24,6 +24,8 @@ pub struct PictureOptions {
     pub view: View,
     /// The ball (centre and radius, m in the world) to fill the picture with; everything where `None`.
     pub zoom: Option<(DVec3, f64)>,
+    /// Points (m in the world) to fit into the picture where there is no `zoom`; all of the scene where empty.
+    pub shown: Vec<DVec3>,
     /// The upward direction, of any length above 0; the picture's vertical and the floor's normal.
     pub up: DVec3,
     /// Whether the lowest point stands on a floor that takes shadows. Seen from below there is none.
@@ -42,6 +44,7 @@ impl Default for PictureOptions {
             samples: 16,
             view: View::Automatic,
             zoom: None,
+            shown: Vec::new(),
             up: DVec3::Y,
             floor: true,
             background: [0.72, 0.72, 0.71],
@@ -94,8 +97,16 @@ fn take(
     let PictureOptions { width, height, .. } = *options;
     context.step("picture", 0.0)?;
     let points = world_points(items)?;
+    let shown = if options.shown.is_empty() {
+        &points
+    } else {
+        &options.shown
+    };
+    if shown.iter().any(|p| !p.is_finite()) {
+        return Err(PictureError::View("the points to show must be finite"));
+    }
     let camera = Camera::new(
-        &points,
+        shown,
         options.view,
         options.zoom,
         options.up,

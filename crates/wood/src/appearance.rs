@@ -218,7 +218,8 @@ impl WoodAppearance {
         let mut roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streak.abs();
 
         let soft = (footprint / self.radius).max(0.004);
-        let outer = at.ring > self.phloem - soft - 0.01;
+        let margin = 0.01 + (self.cork - self.phloem).clamp(0.0, 0.1);
+        let outer = at.ring > self.phloem - soft - margin;
         if !outer && at.ring > self.pith * 1.15 + soft + 0.01 {
             return WoodSurface {
                 color: color.clamp(DVec3::splat(0.004), DVec3::ONE).to_array(),
@@ -231,13 +232,15 @@ impl WoodAppearance {
         let scale = DVec3::new(900.0, 900.0, 1.0 / long);
         let ragged = space(self.seed ^ SPECK, place * scale, period).0;
         let speck = ragged * left_of(1.1e-3, footprint);
+        let uneven = self.uneven_bark(place);
         for (edge, zone, grain) in [
             (-1.0, self.pith_color, 0.22),
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
         ] {
-            // The pith lies below its edge, the barks above theirs.
-            let wavy = 0.008 * ragged;
+            // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats
+            // into the inner bark in places.
+            let wavy = 0.008 * ragged + if edge < 0.0 { 0.0 } else { uneven };
             let inside = if edge < 0.0 {
                 1.0 - smoothstep(
                     self.pith * 0.7 - soft,
@@ -259,6 +262,21 @@ impl WoodAppearance {
             height,
             slope,
         }
+    }
+}
+
+impl WoodAppearance {
+    /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
+    fn uneven_bark(&self, place: DVec3) -> f64 {
+        let thick = (self.cork - self.phloem).clamp(0.0, 0.1);
+        let mut shift = 0.0;
+        for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
+            let size = size * self.radius.max(1e-6);
+            let (long, period) = self.cells(4.0 * size);
+            let scale = DVec3::new(1.0 / size, 1.0 / size, 1.0 / long);
+            shift += share * space(self.seed ^ SPECK ^ (n << 8), place * scale, period).0;
+        }
+        thick * shift
     }
 }
 

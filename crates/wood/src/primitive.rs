@@ -196,6 +196,17 @@ fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
         // The scar itself: a dimple in the swelling.
         knots -= 0.07 / ((1.0 + 9.0 * d) * (1.0 + 9.0 * d));
     }
+    let (coarse, fine) = furrows(options, along, turn);
+    let depth = 0.75 + 0.5 * noise(seed, 71, turn * 3.0, z * 0.3, 3);
+    let grain = noise(seed, 72, turn * 110.0, z * 3.1, 110);
+    let relief = 0.06 * depth * (coarse - 0.7) + 0.02 * (fine - 0.6) + 0.006 * grain;
+    radius * taper * (1.0 + oval + options.relief * (0.6 * knots + relief))
+}
+
+/// How far a place is from the coarse and from the fine furrows of the bark, 0 (in one) to 1.
+fn furrows(options: &BranchOptions, along: f64, turn: f64) -> (f64, f64) {
+    let seed = options.seed;
+    let z = along * options.length / (0.5 * options.diameter);
     // Furrows: borders of cells drawn out along the grain, shifted to and fro so that no two run alike.
     let shift = 0.06 * noise(seed, 41, turn * 4.0, z * 0.5, 4)
         + 0.015 * noise(seed, 42, turn * 16.0, z * 1.7, 16);
@@ -210,12 +221,33 @@ fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
         let width = (edge * 2.6).min(1.0);
         width * (2.0 - width)
     };
-    let coarse = plate(51, 17, 0.55);
-    let fine = plate(61, 31, 1.4);
-    let depth = 0.75 + 0.5 * noise(seed, 71, turn * 3.0, z * 0.3, 3);
-    let grain = noise(seed, 72, turn * 110.0, z * 3.1, 110);
-    let relief = 0.06 * depth * (coarse - 0.7) + 0.02 * (fine - 0.6) + 0.006 * grain;
-    radius * taper * (1.0 + oval + options.relief * (0.6 * knots + relief))
+    (plate(51, 17, 0.55), plate(61, 31, 1.4))
+}
+
+/// Linear colour of the branch's bark at fractions of its length and of a turn: dark in the furrows of its relief, grey
+/// where it is weathered, with greenish patches.
+pub fn bark_color(options: &BranchOptions, along: f64, turn: f64) -> [f64; 3] {
+    let seed = options.seed;
+    let z = along * options.length / (0.5 * options.diameter);
+    let (coarse, fine) = furrows(options, along, turn);
+    let at = |purpose: u64, cells: i64, stretch: f64| {
+        noise(seed, purpose, turn * cells as f64, z * stretch, cells)
+    };
+    let ridge = (0.15 + 0.6 * coarse + 0.35 * fine * coarse).min(1.0);
+    let furrow = DVec3::new(0.052, 0.034, 0.022);
+    let plate = DVec3::new(0.205, 0.152, 0.108) * (1.0 + 0.22 * at(82, 17, 0.55));
+    let grey = DVec3::new(0.24, 0.225, 0.19);
+    let lichen = DVec3::new(0.215, 0.235, 0.165);
+    let weathered = (0.35 + 0.5 * at(83, 5, 0.35) + 0.3 * at(84, 23, 1.1)).clamp(0.0, 0.85);
+    let mut color = plate + (grey - plate) * weathered;
+    let patch = (1.6 * at(85, 4, 0.4) + 0.5 * at(86, 19, 2.2) - 0.45).clamp(0.0, 0.7);
+    color += (lichen - color) * patch;
+    color = furrow + (color - furrow) * ridge * ridge;
+    // Flakes and dust.
+    let speck = 0.2 * at(87, 90, 7.0) + 0.16 * at(88, 47, 3.0) + 0.12 * at(72, 110, 3.1);
+    (color * (1.0 + speck).max(0.2))
+        .clamp(DVec3::ZERO, DVec3::ONE)
+        .to_array()
 }
 
 /// Area-weighted normals of a tube of `rows` × `around` quads, equal on both sides of its seam.

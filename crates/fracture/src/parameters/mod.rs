@@ -44,7 +44,7 @@ parameters! {
             /// Concentric circles on the section.
             rings: u32 = 40, "N_ring", count(3, 400);
             /// Sectors of the section.
-            sectors: u32 = 40, "N_sec", count(10, 1000);
+            sectors: u32 = 90, "N_sec", count(10, 1000);
             /// Inclination of the broken face against the section.
             inclination: f64 = 0.0, "φ", number(Degree, 0.0, 90.0);
             /// Direction in which the inclined face rises.
@@ -70,10 +70,13 @@ parameters! {
             thorn_shaft: f64 = 0.65, "", number(Fraction, 0.5, 0.8);
         }
         "fibrous face" {
-            /// Width of a fibre bundle along the ring over its thickness across it.
-            bundle_aspect: f64 = 3.0, "", number(Unit::One, 1.0, 20.0);
+            /// Width of a sliver, a group of fibre bundles that ended together, along the ring over
+            /// its thickness across it, at most: splinters are flat.
+            bundle_aspect: f64 = 4.0, "", number(Unit::One, 1.0, 20.0);
             /// Slabs, the coarsest pieces: bounded by rings and rays.
             slab_count: u32 = 7, "", count(1, 100);
+            /// Slivers, the pieces that slabs split into: groups of fibre bundles.
+            sliver_count: u32 = 90, "", count(1, 2000);
             /// Height by which slabs differ.
             slab_height: f64 = 0.9, "", number(Radius, 0.0, 20.0);
             /// Height by which the slivers of a slab differ.
@@ -92,8 +95,14 @@ parameters! {
             /// Height at which the bark broke, against the wood under it: above zero it stands
             /// over, below it is torn back.
             bark_offset: f64 = 0.1, "", number(Radius, -20.0, 20.0);
-            /// Height by which the edge of the bark runs up and down, in flaps along its furrows.
-            bark_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
+            /// Height by which the strips of bark differ: some stand over the wood as flaps, some
+            /// are peeled back from it.
+            bark_height: f64 = 0.3, "", number(Radius, 0.0, 20.0);
+            /// Strips that the bark tears into around the stem, along its furrows.
+            bark_strips: u32 = 13, "", count(1, 200);
+            /// Angle by which the upper piece turns about the bark of the compression side and
+            /// hangs on it. The face keeps within the wedge that this opens.
+            hang: f64 = 0.0, "", number(Degree, 0.0, 120.0);
             /// Turn of the splinters about the axis, for breaks by twisting.
             spiral_angle: f64 = 0.0, "", number(DegreePerRadius, -30.0, 30.0);
         }

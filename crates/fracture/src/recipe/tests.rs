@@ -83,7 +83,7 @@ fn layers_stand_over_each_other_in_order() {
     let with_preset = format!("preset = ['brash', 'fig21']\nmoisture = 9\n{text}");
     let recipe = Recipe::resolve(&[], Some(&with_preset), &["sliver_height=30 %"]).unwrap();
     // Default, preset, recipe, setting.
-    assert_eq!(recipe.face.bundle_aspect, 3.0);
+    assert_eq!(recipe.face.bundle_aspect, 4.0);
     assert_eq!(recipe.face.fibre_height, 0.01);
     assert_eq!(recipe.face.slab_height, 1.25);
     assert_eq!(recipe.face.sliver_height, 0.3);

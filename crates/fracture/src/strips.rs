@@ -1,0 +1,99 @@
+//! Strips of bark: bark tears along its furrows, each strip at a height of its own, some peeled back and some standing
+//! over the wood as flaps.
+
+use crate::parameters::BreakParameters;
+use glam::DVec2;
+use greenstick_wood::noise;
+use std::f64::consts::TAU;
+
+const SEED: u64 = 0xba4c;
+/// Part of the strips that tear off over the wood, and that are peeled back from it.
+const FLAPS: f64 = 0.24;
+const PEELED: f64 = 0.26;
+
+/// Strips around a stem.
+#[derive(Debug, Clone)]
+pub(crate) struct Strips {
+    /// Angles (rad, ascending) at which they begin, then a turn after the first.
+    walls: Vec<f64>,
+    /// Height of each against the wood, in bark heights.
+    heights: Vec<f64>,
+    seed: u64,
+}
+
+impl Strips {
+    pub fn new(p: &BreakParameters) -> Strips {
+        let seed = p.seed ^ SEED << 20;
+        let count = p.bark_strips as usize;
+        let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
+        let mut walls: Vec<f64> = (0..count)
+            .map(|n| TAU * (n as f64 + 0.8 * random(n, 0)) / count as f64)
+            .collect();
+        walls.push(walls[0] + TAU);
+        let height = |n: usize| {
+            let (kind, much) = (random(n, 1), random(n, 2));
+            if kind < FLAPS {
+                0.6 + 1.5 * much * much
+            } else if kind > 1.0 - PEELED {
+                -0.5 - 1.2 * much * much
+            } else {
+                0.7 * (much - 0.5)
+            }
+        };
+        Strips {
+            walls,
+            heights: (0..count).map(height).collect(),
+            seed,
+        }
+    }
+
+    /// Number of the strip at an angle (rad).
+    pub fn find(&self, phi: f64) -> usize {
+        let place = (phi - self.walls[0]) / TAU;
+        let phi = self.walls[0] + (place - place.floor()) * TAU;
+        let after = self.walls.partition_point(|&w| w <= phi);
+        after.clamp(1, self.heights.len()) - 1
+    }
+
+    /// Angle (rad) of a strip's middle.
+    pub fn middle(&self, strip: usize) -> f64 {
+        (self.walls[strip] + self.walls[strip + 1]) / 2.0
+    }
+
+    /// Height of the end of a strip at an angle, against the wood under its middle, in bark heights: torn to one side
+    /// or to a tongue, and ragged.
+    pub fn edge(&self, strip: usize, phi: f64) -> f64 {
+        let half = ((self.walls[strip + 1] - self.walls[strip]) / 2.0).max(1e-6);
+        let off = phi - self.middle(strip);
+        let v = ((off - TAU * (off / TAU).round()) / half).clamp(-1.0, 1.0);
+        let random = |what: i64| noise::unit(self.seed, strip as i64, what, 1);
+        let height = self.heights[strip];
+        // The longer it is the more it narrows, as strips do that run out.
+        let torn = (0.25 + 0.5 * height.abs()) * (0.5 + random(3));
+        let shape = outline(random(4), v);
+        let (sin, cos) = libm::sincos(phi);
+        // The angle on a circle, so that the edge closes.
+        let on = |scale: f64| DVec2::new(cos, sin) * scale;
+        let ragged = 0.22 * noise::plane(self.seed + 1, on(5.0))
+            + 0.16 * noise::plane(self.seed + 2, on(17.0))
+            + 0.12 * noise::plane(self.seed + 3, on(41.0));
+        height + torn * (shape - 0.5) + ragged
+    }
+}
+
+/// Outline of a torn end over its width (`v` from −1 to 1), 0 to 1: torn to one side, to a point or to two prongs, as
+/// `kind` (0 to 1) says.
+pub(crate) fn outline(kind: f64, v: f64) -> f64 {
+    let (choice, rest) = (kind * 4.0, kind * 4.0 - (kind * 4.0).floor());
+    if choice < 1.2 {
+        (1.0 + v) / 2.0
+    } else if choice < 2.4 {
+        (1.0 - v) / 2.0
+    } else if choice < 3.5 {
+        let peak = 1.2 * (rest - 0.5);
+        1.0 - (v - peak).abs() / (1.0 + peak.abs())
+    } else {
+        let valley = 0.8 * (rest - 0.5);
+        (v - valley).abs() / (1.0 + valley.abs())
+    }
+}
