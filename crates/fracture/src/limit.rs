@@ -17,6 +17,29 @@ pub struct Wedge {
     pub slopes: (f64, f64),
 }
 
+/// Part of the greatest height from which on the wedge's planes leave heights as they are.
+const WHOLE: f64 = 0.5;
+/// Heights in a wedge that are less than this part of the radius are none: next to its edge all would differ by as good
+/// as nothing.
+const NOTHING: f64 = 5e-4;
+
+impl Wedge {
+    /// A height (m) at a distance from the edge, brought between the planes. `greatest` are the greatest below and
+    /// above zero: where the wedge is too narrow for those, all are less in proportion, so that they do not end on a
+    /// plane.
+    fn within(&self, h: f64, far: f64, greatest: (f64, f64), radius: f64) -> f64 {
+        let (below, above) = (far * self.slopes.0, far * self.slopes.1);
+        let (most, greatest) = if h < 0.0 {
+            (below, greatest.0)
+        } else {
+            (above, greatest.1)
+        };
+        let part = (most / (WHOLE * greatest).max(f64::MIN_POSITIVE)).min(1.0);
+        let h = bent(h * part, below, above);
+        if h.abs() < NOTHING * radius { 0.0 } else { h }
+    }
+}
+
 /// Share of the free length within which heights are left alone.
 const FREE: f64 = 0.75;
 /// Share of the free length that limited heights never pass.
@@ -56,13 +79,15 @@ pub(crate) fn place(
         [f64::INFINITY, f64::NEG_INFINITY],
     );
     let mut limited = 0;
+    let (lowest, highest) = extremes(&corners);
+    let greatest = (lowest * setting.radius, highest * setting.radius);
     for (facet, heights) in bundles.layout.facets.iter().zip(&mut corners) {
         for (&node, height) in facet.iter().zip(heights) {
             let mut h = *height * setting.radius;
             if let Some(w) = &setting.wedge {
                 let at = bundles.layout.nodes[node as usize];
                 let far = (at.dot(w.toward) - w.from).max(0.0);
-                h = bent(h, far * w.slopes.0, far * w.slopes.1);
+                h = w.within(h, far, greatest, setting.radius);
             }
             wanted = [wanted[0].min(h), wanted[1].max(h)];
             let kept = bent(h, below, above);
@@ -82,6 +107,12 @@ pub(crate) fn place(
         relief_range,
         thorns,
     }
+}
+
+/// Greatest height below zero and above it.
+fn extremes(corners: &[[f64; 3]]) -> (f64, f64) {
+    let all = || corners.iter().flatten().copied();
+    (-all().fold(0.0, f64::min), all().fold(0.0, f64::max))
 }
 
 /// Height between the 5th and the 95th hundredth of the corners.

@@ -184,6 +184,8 @@ impl<'a> Torn<'a> {
         let (slab, own_height) = self.slab(rho, bundle.phi);
         let shared = self.slabs.at(ring, ray).1;
         let slab_height = 0.35 * own_height + 0.65 * shared;
+        let short = self.random(purpose::GROUP, number as i64, 9);
+        let slab_height = slab_height * (1.0 - 0.75 * short * short);
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         let sliver = |what: i64| self.random(purpose::GROUP, number as i64, what);
@@ -195,8 +197,8 @@ impl<'a> Torn<'a> {
             bundle.phi * 0.8,
         );
         let (width, _) = self.slivers.region(number).size();
-        let outline = (0.7 * length + 0.25 * p.sliver_height * relief * torn * sliver(1))
-            .min(SLENDER * width);
+        let outline =
+            (0.9 * length + 0.5 * p.sliver_height * relief * torn * sliver(1)).min(SLENDER * width);
         // Fibres: most end with their sliver, a few stand out of it far.
         let far = self.random(purpose::FIBRE, key, 1);
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);

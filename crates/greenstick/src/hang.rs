@@ -18,8 +18,11 @@ const ABOVE: f64 = 0.75;
 /// coordinates.
 const USED: f64 = 0.94;
 /// How far outside of the skin the hinge lies, radii, and how far along the stem, in radii, it keeps clear of the skin.
-const OUTSIDE: f64 = 0.01;
+const OUTSIDE: f64 = 0.02;
 const NEAR: f64 = 0.6;
+/// How far the piece is lifted off the other before it turns, radii, so that next to the hinge they are not in touch by
+/// the rounding of where it lies.
+const LIFT: f64 = 0.02;
 /// Angle (rad) added where a turn has to be made wider than was asked for.
 const CLEARANCE: f64 = 0.01;
 /// How far from the hinge the pieces are looked at, in radii beyond the face.
@@ -87,7 +90,7 @@ impl Prepared {
         let frame = stem.grain.axis().frame(stem.place);
         let toward = frame.x * wedge.toward.x + frame.y * wedge.toward.y;
         Hinge {
-            point: frame.origin + toward * wedge.from,
+            point: frame.origin + toward * wedge.from + frame.tangent * (0.5 * LIFT * stem.radius),
             toward,
             along: frame.tangent,
             axis: toward.cross(frame.tangent),
@@ -103,13 +106,14 @@ impl Prepared {
     ) -> Option<(DAffine3, HangReport)> {
         let wedge = self.wedge(p)?;
         let hinge = self.hinge(&wedge);
+        let lift = LIFT * self.found.stem.radius;
         let (low, high) = model.heights.range;
         let far = AROUND * self.found.stem.radius + high.max(-low);
         let highest = self
-            .angles(&model.lower, &hinge, far)
+            .angles(&model.lower, &hinge, (0.0, far))
             .fold(f64::NEG_INFINITY, f64::max);
         let lowest = self
-            .angles(&model.upper, &hinge, far)
+            .angles(&model.upper, &hinge, (lift, far))
             .fold(f64::INFINITY, f64::min);
         let clear = highest - lowest;
         let mut angle = p.hang.to_radians();
@@ -118,7 +122,7 @@ impl Prepared {
         }
         let about = DAffine3::from_translation(hinge.point)
             * DAffine3::from_axis_angle(hinge.axis, angle)
-            * DAffine3::from_translation(-hinge.point);
+            * DAffine3::from_translation(hinge.along * lift - hinge.point);
         let report = HangReport {
             angle_degrees: angle.to_degrees(),
             clear_degrees: clear.to_degrees(),
@@ -129,12 +133,17 @@ impl Prepared {
     }
 
     /// Angles (rad, −π/2 down along the stem, 0 across it, π/2 up) about the hinge at which the vertices of a piece lie
-    /// that are no farther than `far` (m) from it. A plane at an angle between those of two pieces parts them.
-    fn angles(&self, piece: &Mesh, hinge: &Hinge, far: f64) -> impl Iterator<Item = f64> {
+    /// that are no farther than `far` (m) from it once the piece is lifted by `lift` (m). A plane at an angle between those of two pieces parts them.
+    fn angles(
+        &self,
+        piece: &Mesh,
+        hinge: &Hinge,
+        (lift, far): (f64, f64),
+    ) -> impl Iterator<Item = f64> {
         let transform = *self.transform();
         piece.positions.iter().filter_map(move |&p| {
             let off = transform.transform_point3(p) - hinge.point;
-            let (across, along) = (off.dot(hinge.toward), off.dot(hinge.along));
+            let (across, along) = (off.dot(hinge.toward), off.dot(hinge.along) + lift);
             (across.hypot(along) <= far).then(|| libm::atan2(along, across))
         })
     }

@@ -157,44 +157,54 @@ const ELEVATION: f64 = 0.5;
 const HANGING_ELEVATION: f64 = 0.22;
 const HANGING_TURN: f64 = 0.45;
 /// Length of stem that is shown behind each face: radii, and part of the face's height.
-const STUB: (f64, f64) = (1.1, 0.12);
+const STUB: (f64, f64) = (0.9, 0.08);
+/// Ring coordinate from which on the face is near the skin: how far down there it reaches can be seen.
+const OUTER: f64 = 0.85;
 
 /// Points the camera at the whole of both faces and a stub of stem behind each.
 fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
     let frame = broken.stem.grain.axis().frame(broken.stem.place);
     let [low, high] = broken.report.face.range_m;
     let stub = STUB.0 * broken.stem.radius + STUB.1 * (high - low);
+    let Some(rest) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
+        return;
+    };
+    let (along, origin) = (frame.tangent, frame.origin);
+    let reach = 0.5 * broken.width;
     let mut shown = Vec::new();
     for node in &scene.nodes {
-        let piece = node.name == "lower" || node.name == "upper";
-        if !piece && !node.name.starts_with("splinter_") {
+        let upper = node.name == "upper";
+        if node.name != "lower" && !upper && !node.name.starts_with("splinter_") {
             continue;
         }
+        let rings = node.mesh.attributes.get("_RING");
         let face = (node.mesh.triangles.iter().enumerate())
-            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material));
-        shown.extend(
-            face.flat_map(|(_, corners)| corners.map(|v| v as usize))
-                .filter_map(|v| {
-                    let at = node.mesh.positions.get(v)?;
-                    Some(node.transform.transform_point3(*at))
-                }),
-        );
-    }
-    // The stem runs on behind the faces: their section once more, below the lowest and above the highest point.
-    let reach = 0.5 * broken.width;
-    let around = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y];
-    for (name, end) in [("lower", low - stub), ("upper", high + stub)] {
-        let Some(node) = scene.nodes.iter().find(|n| n.name == name) else {
+            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material))
+            .flat_map(|(_, corners)| corners.map(|v| v as usize));
+        // Farthest down the outside that the break can be seen, m from the place of the break.
+        let mut end = 0.0f64;
+        for v in face {
+            let Some(&at) = node.mesh.positions.get(v) else {
+                continue;
+            };
+            let height = (rest.transform.transform_point3(at) - origin).dot(along);
+            let stands = if upper { -height } else { height };
+            let outer = rings.is_none_or(|r| f64::from(r.at(v)[0]) > OUTER);
+            if outer || stands > 0.0 {
+                end = end.max(-stands);
+                shown.push(node.transform.transform_point3(at));
+            }
+        }
+        if node.name.starts_with("splinter_") {
             continue;
-        };
-        let Some(own) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
-            continue;
-        };
-        // Pieces have one transform at rest, that of the lower one.
-        let moved = node.transform * own.transform.inverse();
+        }
+        // The stem runs on behind the face: its section once more. Pieces have one transform at rest.
+        let moved = node.transform * rest.transform.inverse();
+        let end = if upper { end + stub } else { -end - stub };
         let at = broken.stem.grain.axis().frame(broken.stem.place + end);
         shown.extend(
-            around.map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
+            [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
+                .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
         );
     }
     options.shown = shown;
