@@ -160,6 +160,8 @@ const HANGING_TURN: f64 = 0.45;
 const STUB: (f64, f64) = (0.9, 0.08);
 /// Ring coordinate from which on the face is near the skin: how far down there it reaches can be seen.
 const OUTER: f64 = 0.85;
+/// Part of the face near the skin that lies higher than the stub's beginning.
+const MOST_OF_IT: f64 = 0.85;
 
 /// Points the camera at the whole of both faces and a stub of stem behind each.
 fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
@@ -181,8 +183,8 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
         let face = (node.mesh.triangles.iter().enumerate())
             .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material))
             .flat_map(|(_, corners)| corners.map(|v| v as usize));
-        // Farthest down the outside that the break can be seen, m from the place of the break.
-        let mut end = 0.0f64;
+        // How far down the outside the break can be seen, m from the place of the break.
+        let mut ends = vec![0.0];
         for v in face {
             let Some(&at) = node.mesh.positions.get(v) else {
                 continue;
@@ -190,8 +192,10 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
             let height = (rest.transform.transform_point3(at) - origin).dot(along);
             let stands = if upper { -height } else { height };
             let outer = rings.is_none_or(|r| f64::from(r.at(v)[0]) > OUTER);
-            if outer || stands > 0.0 {
-                end = end.max(-stands);
+            if outer {
+                ends.push(-stands);
+            }
+            if stands > 0.0 {
                 shown.push(node.transform.transform_point3(at));
             }
         }
@@ -200,7 +204,9 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
         }
         // The stem runs on behind the face: its section once more. Pieces have one transform at rest.
         let moved = node.transform * rest.transform.inverse();
-        let end = if upper { end + stub } else { -end - stub };
+        ends.sort_unstable_by(f64::total_cmp);
+        let end = ends[(MOST_OF_IT * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
+        let end = if upper { end } else { -end };
         let at = broken.stem.grain.axis().frame(broken.stem.place + end);
         shown.extend(
             [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
