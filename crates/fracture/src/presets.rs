@@ -263,9 +263,9 @@ pub const PRESETS: &[Preset] = &[
         settings: Settings::Break(&[
             ("sectors", "64"),
             ("slab_count", "12"),
-            ("slab_height", "1.8"),
+            ("slab_height", "1.5"),
             ("sliver_count", "120"),
-            ("sliver_height", "1.8"),
+            ("sliver_height", "1.5"),
             ("bundle_aspect", "5"),
             ("fibre_height", "0.16"),
             ("step_height", "0.2"),
@@ -432,8 +432,15 @@ impl Preset {
     }
 }
 
+/// White noise of the phloem and Perlin noise of the bark, as parts of what the sapwood's noise has over the phloem's.
+const STRINGS: f64 = 0.2;
+const FLAPS: f64 = 0.6;
+/// Cells of that noise per metre of the noise diameter: about twenty around a branch of 1 cm.
+const FLAP_FREQUENCY: f64 = 700.0;
+
 /// A column of Table 2, as a smooth face as in the paper. Where the paper says nothing: pith is as
-/// heartwood, bark as phloem, and white noise is left at its small default.
+/// heartwood, bark as phloem, and white noise is left at its small default but where the wood is
+/// rougher than the phloem.
 fn figure(column: usize, seed: u64) -> Result<BreakParameters, ParameterError> {
     let mut face = BreakParameters {
         seed,
@@ -445,7 +452,14 @@ fn figure(column: usize, seed: u64) -> Result<BreakParameters, ParameterError> {
         face.set_text(key, &row[column].to_string())?;
     }
     face.pith = face.heartwood.clone();
+    // Where the wood is far rougher than the table's phloem, bark and inner bark as even as that look like a pipe.
+    let rougher = (face.sapwood.perlin_amplitude - face.phloem.perlin_amplitude).max(0.0);
+    face.phloem.white_noise_amplitude += STRINGS * rougher;
     face.bark = face.phloem.clone();
+    face.bark.perlin_amplitude += FLAPS * rougher;
+    if rougher > 0.0 {
+        (face.bark.perlin_frequency, face.bark.perlin_octaves) = (FLAP_FREQUENCY, 3);
+    }
     Ok(face)
 }
 

@@ -198,7 +198,7 @@ impl<'a> Torn<'a> {
         );
         let (width, _) = self.slivers.region(number).size();
         let outline =
-            (0.9 * length + 0.5 * p.sliver_height * relief * torn * sliver(1)).min(SLENDER * width);
+            (0.9 * length + 0.7 * p.sliver_height * relief * torn * sliver(1)).min(SLENDER * width);
         // Fibres: most end with their sliver, a few stand out of it far.
         let far = self.random(purpose::FIBRE, key, 1);
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);

@@ -78,11 +78,11 @@ parameters! {
             /// Slivers, the pieces that slabs split into: groups of fibre bundles.
             sliver_count: u32 = 90, "", count(1, 2000);
             /// Height by which slabs differ.
-            slab_height: f64 = 0.9, "", number(Radius, 0.0, 20.0);
+            slab_height: f64 = 0.8, "", number(Radius, 0.0, 20.0);
             /// Height by which the slivers of a slab differ.
-            sliver_height: f64 = 0.4, "", number(Radius, 0.0, 20.0);
+            sliver_height: f64 = 0.6, "", number(Radius, 0.0, 20.0);
             /// Height of the fur of fine fibres on the tips.
-            fibre_height: f64 = 0.06, "", number(Radius, 0.0, 5.0);
+            fibre_height: f64 = 0.08, "", number(Radius, 0.0, 5.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
