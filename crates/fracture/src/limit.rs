@@ -129,3 +129,29 @@ fn relief_range(corners: &[[f64; 3]]) -> f64 {
     let low = hundredth(0.05);
     hundredth(0.95) - low
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_in_a_wedge_lie_between_its_planes_in_their_order() {
+        let wedge = Wedge {
+            toward: DVec2::X,
+            from: 0.0,
+            slopes: (0.3, 1.4),
+        };
+        let greatest = (0.05, 0.12);
+        for far in [0.0, 1e-4, 3e-3, 0.02, 0.04] {
+            let mut last = f64::NEG_INFINITY;
+            for i in -50..=120 {
+                let h = wedge.within(f64::from(i) * 1e-3, far, greatest, 0.02);
+                assert!((-0.3 * far..=1.4 * far).contains(&h), "{h} at {far}");
+                assert!(h >= last);
+                last = h;
+            }
+        }
+        // Where there is room nothing changes.
+        assert_eq!(wedge.within(0.05, 1.0, greatest, 0.02), 0.05);
+    }
+}

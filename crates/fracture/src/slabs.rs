@@ -257,3 +257,48 @@ impl Slabs {
         (slab, slab.height * (1.0 - down))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_fill_the_section_and_a_place_lies_in_the_one_that_is_found() {
+        for span in [
+            Span {
+                rho: (0.0, 1.0),
+                phi: None,
+            },
+            Span {
+                rho: (0.8, 1.0),
+                phi: Some((1.1, 1.5)),
+            },
+        ] {
+            let parts = Parts::new(&span, 150, 4.0, 5);
+            let whole = Region {
+                rho: span.rho,
+                phi: span.phi.unwrap_or((0.0, TAU)),
+            };
+            let sum: f64 = parts.regions.iter().map(Region::area).sum();
+            assert!((sum / whole.area() - 1.0).abs() < 1e-12);
+            for i in 0..2000 {
+                let (s, t) = (f64::from(i) / 2000.0, f64::from(i * 37 % 2000) / 2000.0);
+                let rho = span.rho.0 + (span.rho.1 - span.rho.0) * s;
+                let (low, high) = span.phi.unwrap_or((-9.0, 9.0));
+                let phi = low + (high - low) * t;
+                let r = parts.region(parts.find(rho, phi));
+                let turned = parts.turned(phi);
+                assert!(r.rho.0 <= rho && rho <= r.rho.1, "{rho} in {r:?}");
+                assert!(r.phi.0 <= turned && turned <= r.phi.1, "{turned} in {r:?}");
+                let (ring, ray) = parts.middle(parts.find(rho, phi));
+                assert_eq!(parts.find(ring, ray), parts.find(rho, phi));
+            }
+            // Wide along the ring, but for the few about the pith.
+            let flat = parts
+                .regions
+                .iter()
+                .filter(|r| r.size().0 > 1.5 * r.size().1);
+            assert!(flat.count() > 100);
+        }
+    }
+}

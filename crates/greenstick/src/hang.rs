@@ -148,3 +148,6 @@ impl Prepared {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

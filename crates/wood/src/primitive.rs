@@ -466,4 +466,36 @@ mod tests {
     }
 
     const DIGEST: u64 = 913_962_247_423_457_179;
+
+    #[test]
+    fn the_colour_of_bark_closes_around_the_branch_and_furrows_are_dark() {
+        let options = BranchOptions::default();
+        let bright = |c: [f64; 3]| c.iter().sum::<f64>();
+        let (mut deep, mut high) = ((0.0, 0), (0.0, 0));
+        for i in 0..40 {
+            for j in 0..200 {
+                let (along, turn) = (f64::from(i) / 40.0, f64::from(j) / 200.0);
+                let color = bark_color(&options, along, turn);
+                assert!(color.iter().all(|c| (0.0..=1.0).contains(c)));
+                let (coarse, _) = furrows(&options, along, turn);
+                let sum = if coarse < 0.3 {
+                    &mut deep
+                } else if coarse > 0.8 {
+                    &mut high
+                } else {
+                    continue;
+                };
+                *sum = (sum.0 + bright(color), sum.1 + 1);
+            }
+            let along = f64::from(i) / 40.0;
+            let (a, b) = (
+                bark_color(&options, along, 0.0),
+                bark_color(&options, along, 1.0),
+            );
+            assert!((bright(a) - bright(b)).abs() < 1e-9);
+        }
+        assert!(deep.1 > 100 && high.1 > 100);
+        let (deep, high) = (deep.0 / f64::from(deep.1), high.0 / f64::from(high.1));
+        assert!(high > 1.8 * deep, "{high} on ridges, {deep} in furrows");
+    }
 }
