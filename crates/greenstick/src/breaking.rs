@@ -211,6 +211,7 @@ pub fn break_scene(
         .map(|n| PieceReport::of(&n.name, &n.mesh, volume_scale(n)))
         .collect();
     let report = BreakReport {
+        scan: None,
         input,
         place: place_report(&prepared),
         face: face_report(p, &model),
