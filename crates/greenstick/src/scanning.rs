@@ -190,10 +190,17 @@ pub fn cloud_of(scene: &Scene) -> CloudFile {
             let [a, b, c] = mesh.corners(t);
             let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
             // A triangle of a hundred steps has five thousand points; wider ones get no more.
-            let parts = if step > 0.0 { (side / step).ceil().clamp(1.0, 100.0) as usize } else { 1 };
+            let parts = if step > 0.0 {
+                (side / step).ceil().clamp(1.0, 100.0) as usize
+            } else {
+                1
+            };
             for i in 0..parts {
                 for j in 0..parts - i {
-                    let (u, v) = ((i as f64 + 1.0 / 3.0) / parts as f64, (j as f64 + 1.0 / 3.0) / parts as f64);
+                    let (u, v) = (
+                        (i as f64 + 1.0 / 3.0) / parts as f64,
+                        (j as f64 + 1.0 / 3.0) / parts as f64,
+                    );
                     cloud.points.push(a + (b - a) * u + (c - a) * v);
                 }
             }

@@ -72,10 +72,7 @@ pub fn surface(cloud: &PointCloud, spacing: f64, context: &Context) -> Result<Me
     let buffers = solved.reconstruct_mesh_buffers();
     let vertices = buffers.vertices();
     let mut mesh = Mesh {
-        positions: vertices
-            .iter()
-            .map(|v| DVec3::new(v.x, v.y, v.z))
-            .collect(),
+        positions: vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect(),
         ..Mesh::default()
     };
     mesh.triangles = buffers
@@ -115,7 +112,11 @@ mod tests {
         };
         let mesh = surface(&cloud, 0.05, &Context::quiet()).unwrap();
         let ball = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!((mesh.volume() / ball - 1.0).abs() < 0.03, "{}", mesh.volume());
+        assert!(
+            (mesh.volume() / ball - 1.0).abs() < 0.03,
+            "{}",
+            mesh.volume()
+        );
         let error = surface(&PointCloud::default(), 0.05, &Context::quiet()).unwrap_err();
         assert!(error.to_string().contains("0 normals"), "{error}");
     }

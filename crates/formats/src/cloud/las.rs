@@ -202,8 +202,7 @@ impl<'a> Points<'a> {
         self.points
             .push(stored * self.header.scale + self.header.offset);
         if let Some(at) = self.colour {
-            self.colours
-                .push([0, 2, 4].map(|k| u16_at(record, at + k)));
+            self.colours.push([0, 2, 4].map(|k| u16_at(record, at + k)));
         }
     }
 
@@ -304,7 +303,11 @@ fn decompress(
             let part = &mut buffer[..now * header.record];
             decompressor.decompress_many(part).map_err(|e| {
                 let found = format!("{e} within points {} and on", header.count - left);
-                file.truncated("compressed points", found, format!("{} points", header.count))
+                file.truncated(
+                    "compressed points",
+                    found,
+                    format!("{} points", header.count),
+                )
             })?;
             part.chunks_exact(header.record)
                 .for_each(|record| points.push(record));

@@ -199,11 +199,7 @@ fn not_a_number(nothing_yet: bool, at: usize, word: &[u8], file: InFile) -> Form
 }
 
 /// Checks what can be checked when all lines are read.
-fn finish(
-    table: Table,
-    count: Option<(usize, usize)>,
-    file: InFile,
-) -> Result<Table, FormatError> {
+fn finish(table: Table, count: Option<(usize, usize)>, file: InFile) -> Result<Table, FormatError> {
     if table.width == 0 {
         return Err(file.malformed("file", "no line with a point", "lines of x, y and z"));
     }
@@ -261,9 +257,7 @@ fn guess(table: &Table) -> Columns {
         let total = triples().count();
         let like = |test: &dyn Fn(DVec3) -> bool| triples().filter(|v| test(*v)).count();
         let units = like(&|v| (v.length_squared() - 1.0).abs() < 0.02);
-        let whole = |v: DVec3| {
-            v == v.round() && v.min_element() >= 0.0 && v.max_element() <= 255.0
-        };
+        let whole = |v: DVec3| v == v.round() && v.min_element() >= 0.0 && v.max_element() <= 255.0;
         let shares = |v: DVec3| v.min_element() >= 0.0 && v.max_element() <= 1.0;
         let here = [at, at + 1, at + 2];
         // One in ten may be missing (zero) or spoilt.

@@ -19,9 +19,8 @@ enum Role {
 pub(crate) fn read_points(bytes: &[u8], name: &str) -> Result<Option<CloudFile>, FormatError> {
     let file = InFile(name);
     let header = parse(bytes, file)?;
-    let has_faces = |e: &super::header::Element| {
-        matches!(e.name.as_str(), "face" | "tristrips") && e.count > 0
-    };
+    let has_faces =
+        |e: &super::header::Element| matches!(e.name.as_str(), "face" | "tristrips") && e.count > 0;
     let vertices = header.elements.iter().find(|e| e.name == "vertex");
     if header.elements.iter().any(has_faces) || vertices.is_none_or(|e| e.count == 0) {
         return Ok(None);
@@ -81,9 +80,8 @@ fn read_vertices(
         }
     };
     let roles: Vec<Role> = element.properties.iter().map(role).collect();
-    let has = |test: fn(Role) -> Option<usize>| {
-        (0..3).all(|k| roles.iter().any(|r| test(*r) == Some(k)))
-    };
+    let has =
+        |test: fn(Role) -> Option<usize>| (0..3).all(|k| roles.iter().any(|r| test(*r) == Some(k)));
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let there = |r: &Role| matches!(r, Role::Point(k) if *k == axis);
         if !roles.iter().any(there) {

@@ -61,7 +61,9 @@ pub struct CleanReport {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CleanError {
     /// A point that is no number, where those are not to be dropped.
-    #[error("point {point} has the coordinate {value}; expected finite numbers, or let such points be dropped")]
+    #[error(
+        "point {point} has the coordinate {value}; expected finite numbers, or let such points be dropped"
+    )]
     NotFinite {
         /// Number of the point, from 0.
         point: usize,
@@ -237,7 +239,11 @@ fn inliers(points: &[DVec3], deviations: f64) -> (Vec<u32>, f64) {
     let distances: Vec<f64> = points.par_iter().map(mean_distance).collect();
     let count = distances.len().max(1) as f64;
     let mean = distances.iter().sum::<f64>() / count;
-    let variance = distances.iter().map(|d| (d - mean) * (d - mean)).sum::<f64>() / count;
+    let variance = distances
+        .iter()
+        .map(|d| (d - mean) * (d - mean))
+        .sum::<f64>()
+        / count;
     let limit = mean + deviations * variance.sqrt();
     let kept = (0..distances.len() as u32)
         .filter(|&i| distances[i as usize] <= limit)
@@ -269,7 +275,11 @@ fn connected(points: &[DVec3], times: f64) -> (Vec<u32>, f64) {
 fn thinned(points: &[DVec3], side: f64) -> Vec<u32> {
     let low = points.iter().fold(DVec3::INFINITY, |a, p| a.min(*p));
     let cell = |p: &DVec3| ((*p - low) / side).to_array().map(|v| v as i64);
-    let mut order: Vec<([i64; 3], u32)> = points.par_iter().map(cell).zip_eq((0..points.len()).into_par_iter().map(|i| i as u32)).collect();
+    let mut order: Vec<([i64; 3], u32)> = points
+        .par_iter()
+        .map(cell)
+        .zip_eq((0..points.len()).into_par_iter().map(|i| i as u32))
+        .collect();
     order.par_sort_unstable();
     let mut kept: Vec<u32> = order
         .chunk_by(|a, b| a.0 == b.0)
@@ -351,7 +361,13 @@ mod tests {
             Err(CleanError::NotFinite { point: 2501, .. })
         ));
         let wrong = only(|o| o.spacing = Some(f64::NAN));
-        assert!(matches!(wrong, Err(CleanError::Option { option: "spacing", .. })));
+        assert!(matches!(
+            wrong,
+            Err(CleanError::Option {
+                option: "spacing",
+                ..
+            })
+        ));
     }
 
     #[test]

@@ -135,7 +135,9 @@ mod tests {
     fn points() -> Vec<DVec3> {
         let mut h = 1u64;
         let mut next = || {
-            h = h.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            h = h
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             ((h >> 33) % 17) as f64
         };
         (0..700)

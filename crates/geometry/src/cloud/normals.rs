@@ -39,15 +39,15 @@ pub fn orient_along_tree(points: &[DVec3], normals: &mut [DVec3], tree: &Neighbo
         .into_par_iter()
         .flat_map_iter(|i| {
             let near = tree.nearest(points[i as usize], k + 1);
-            near.into_iter().filter(move |n| n.1 != i).map(move |(_, j)| {
-                let parallel = directions[i as usize].dot(directions[j as usize]).abs();
-                (1.0 - parallel, i.min(j), i.max(j))
-            })
+            near.into_iter()
+                .filter(move |n| n.1 != i)
+                .map(move |(_, j)| {
+                    let parallel = directions[i as usize].dot(directions[j as usize]).abs();
+                    (1.0 - parallel, i.min(j), i.max(j))
+                })
         })
         .collect();
-    edges.par_sort_unstable_by(|a, b| {
-        a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2))
-    });
+    edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     edges.dedup();
     // Kruskal's algorithm.
     let mut parent: Vec<u32> = (0..points.len() as u32).collect();
@@ -140,6 +140,11 @@ mod tests {
         }
         found.iter_mut().step_by(2).for_each(|n| *n = -*n);
         orient_from(&points, &mut found, |_| middle);
-        assert!(points.iter().zip(&found).all(|(p, n)| n.dot(*p - middle) > 0.99));
+        assert!(
+            points
+                .iter()
+                .zip(&found)
+                .all(|(p, n)| n.dot(*p - middle) > 0.99)
+        );
     }
 }

@@ -72,7 +72,11 @@ impl Frames {
         let k = self.tree.nearest(p, 1).first()?.1 as usize;
         let near = &self.frames[k];
         let off = (p - near.origin).dot(near.tangent) / self.step;
-        let (a, b) = if off >= 0.0 { (k, k + 1) } else { (k.wrapping_sub(1), k) };
+        let (a, b) = if off >= 0.0 {
+            (k, k + 1)
+        } else {
+            (k.wrapping_sub(1), k)
+        };
         let (Some(a), Some(b)) = (self.frames.get(a), self.frames.get(b)) else {
             // Beyond an end, where half a step of slack is allowed.
             return (off.abs() <= 0.5).then(|| polar(near, p, k as f64 * self.step));
@@ -163,7 +167,10 @@ impl<'a> Addressed<'a> {
             if cell.len() < 3 {
                 continue;
             }
-            let mut radii: Vec<f64> = cell.iter().map(|&i| self.points[i as usize].radius).collect();
+            let mut radii: Vec<f64> = cell
+                .iter()
+                .map(|&i| self.points[i as usize].radius)
+                .collect();
             radii.sort_unstable_by(f64::total_cmp);
             let median = radii[radii.len() / 2];
             let mut off: Vec<f64> = radii.iter().map(|r| (r - median).abs()).collect();

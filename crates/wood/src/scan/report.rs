@@ -92,7 +92,9 @@ pub enum ScanError {
         points: usize,
     },
     /// A length beyond the stem.
-    #[error("place {asked} is off the stem, which could be followed for {length:.3} m; expected a place on it")]
+    #[error(
+        "place {asked} is off the stem, which could be followed for {length:.3} m; expected a place on it"
+    )]
     OffStem {
         /// The place asked for.
         asked: Place,
@@ -100,7 +102,9 @@ pub enum ScanError {
         length: f64,
     },
     /// A point in the air.
-    #[error("point {asked} is {distance:.3} m from the stem's axis, where its radius is {radius:.3} m; expected a point of the limb")]
+    #[error(
+        "point {asked} is {distance:.3} m from the stem's axis, where its radius is {radius:.3} m; expected a point of the limb"
+    )]
     FarFromWood {
         /// The place asked for.
         asked: Place,

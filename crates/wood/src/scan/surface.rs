@@ -248,8 +248,11 @@ fn mesh(
                 .push(followed.axis.frame(field.length_of(row)).origin);
             for j in 0..around {
                 let (a, b) = (vertex(ring, j), vertex(ring, j + 1));
-                mesh.triangles
-                    .push(if turned { [middle, b, a] } else { [middle, a, b] });
+                mesh.triangles.push(if turned {
+                    [middle, b, a]
+                } else {
+                    [middle, a, b]
+                });
             }
         }
     }

@@ -42,7 +42,10 @@ fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
     let report = &bark.report;
     assert!((report.radius_m - RADIUS).abs() < 0.2 * NOISE, "{report:?}");
     assert!((report.noise_m / NOISE - 1.0).abs() < 0.15, "{report:?}");
-    assert!(report.mean_cover > 0.97 && report.stem_length_m > 2.8, "{report:?}");
+    assert!(
+        report.mean_cover > 0.97 && report.stem_length_m > 2.8,
+        "{report:?}"
+    );
     assert_eq!(report.strangers, 0);
     for p in &bark.centreline {
         let off = (*p - base).reject_from_normalized(along).length();
@@ -80,14 +83,21 @@ fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
 fn half_a_cylinder_is_completed_and_told_or_refused() {
     let (cloud, base, along) = cylinder(20_000, 0.5);
     let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
-    assert!((bark.report.mean_cover - 0.5).abs() < 0.04, "{:?}", bark.report);
+    assert!(
+        (bark.report.mean_cover - 0.5).abs() < 0.04,
+        "{:?}",
+        bark.report
+    );
     assert!(bark.mesh.check().is_solid());
     // The half that was not seen is where it would be on a round stem.
     for p in &bark.mesh.positions {
         let s = (*p - base).dot(along);
         let r = (*p - base).reject_from_normalized(along).length();
         let cap = r < 0.5 * RADIUS;
-        assert!(cap || !(0.3..2.7).contains(&s) || (r / RADIUS - 1.0).abs() < 0.1, "{r} at {s}");
+        assert!(
+            cap || !(0.3..2.7).contains(&s) || (r / RADIUS - 1.0).abs() < 0.1,
+            "{r} at {s}"
+        );
     }
     let strict = ScanOptions {
         least_cover: 0.6,
@@ -96,7 +106,9 @@ fn half_a_cylinder_is_completed_and_told_or_refused() {
     let error = made(&cloud, "0.5", &strict).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("of the girth; at least 60 %"), "{text}");
-    assert!(matches!(error, ScanError::LittleCover { cover, .. } if (cover.share - 0.5).abs() < 0.05));
+    assert!(
+        matches!(error, ScanError::LittleCover { cover, .. } if (cover.share - 0.5).abs() < 0.05)
+    );
 }
 
 #[test]
@@ -128,7 +140,10 @@ fn the_fracture_surface_is_cut_off() {
 fn places_and_clouds_that_do_not_do_are_refused() {
     let (cloud, base, _) = cylinder(20_000, 1.0);
     let options = ScanOptions::default();
-    assert!(matches!(made(&cloud, "9m", &options), Err(ScanError::OffStem { .. })));
+    assert!(matches!(
+        made(&cloud, "9m", &options),
+        Err(ScanError::OffStem { .. })
+    ));
     let p = base + DVec3::X;
     let far = Place::Point(p);
     let error = scanned_bark(&cloud, &far, &options, &Context::quiet()).unwrap_err();
@@ -139,10 +154,16 @@ fn places_and_clouds_that_do_not_do_are_refused() {
             .collect(),
         ..PointCloud::default()
     };
-    assert!(matches!(made(&flat, "0.5", &options), Err(ScanError::NoStem { .. })));
+    assert!(matches!(
+        made(&flat, "0.5", &options),
+        Err(ScanError::NoStem { .. })
+    ));
     let wrong = ScanOptions {
         least_cover: f64::NAN,
         ..options
     };
-    assert!(matches!(made(&cloud, "0.5", &wrong), Err(ScanError::LeastCover(_))));
+    assert!(matches!(
+        made(&cloud, "0.5", &wrong),
+        Err(ScanError::LeastCover(_))
+    ));
 }

@@ -72,7 +72,10 @@ pub(super) fn limb(
         if tried.iter().any(same) {
             continue;
         }
-        context.step("find stem", 0.5 + 0.5 * tried.len() as f64 / FOLLOWED as f64)?;
+        context.step(
+            "find stem",
+            0.5 + 0.5 * tried.len() as f64 / FOLLOWED as f64,
+        )?;
         tried.push(start);
         let (rings, ends) = followed(cloud, start);
         let volume: f64 = rings
@@ -160,7 +163,13 @@ fn ring_of(cloud: &Searched, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> 
 }
 
 /// A section near where one is expected, the points of a slab across it taken.
-fn section(cloud: &Searched, centre: DVec3, along: DVec3, radius: f64, seed: u64) -> Option<Circle> {
+fn section(
+    cloud: &Searched,
+    centre: DVec3,
+    along: DVec3,
+    radius: f64,
+    seed: u64,
+) -> Option<Circle> {
     let (x, y) = along.any_orthonormal_pair();
     let near = cloud.tree.within(centre, 2.2 * radius);
     for half in [0.25, 0.5, 1.0] {
