@@ -41,9 +41,20 @@ fn a_cloud_is_broken_and_told() {
     assert!((volume / whole - 1.0).abs() < 0.1, "{volume} of {whole}");
     assert_eq!(folder.names(), ["a.xyz", "b.glb"]);
     // The same in words, at a point in the file's coordinates, without the cleaning of outliers.
-    let run = folder.quick(&["a.xyz", "--at", "5000.05,0,100.3", "--no-outliers", "-o", "c.ply"]);
+    let run = folder.quick(&[
+        "a.xyz",
+        "--at",
+        "5000.05,0,100.3",
+        "--no-outliers",
+        "-o",
+        "c.ply",
+    ]);
     assert_eq!(run.code, 0, "{}", run.err);
-    for part in ["columns 1, 2, 3 are coordinates", "cover ", "were taken off"] {
+    for part in [
+        "columns 1, 2, 3 are coordinates",
+        "cover ",
+        "were taken off",
+    ] {
         assert!(run.out.contains(part), "{}", run.out);
     }
     assert!(!run.out.contains("outliers:"), "{}", run.out);
@@ -55,7 +66,11 @@ fn half_a_cloud_is_refused_where_more_is_asked_for() {
     folder.write("a.xyz", cylinder(0.5));
     let run = folder.quick(&["a.xyz", "--least-cover", "0.7"]);
     assert_eq!(run.code, 1, "{}", run.err);
-    assert!(run.err.contains("at least 70 %") && run.err.contains("--least-cover"), "{}", run.err);
+    assert!(
+        run.err.contains("at least 70 %") && run.err.contains("--least-cover"),
+        "{}",
+        run.err
+    );
     let run = folder.quick(&["a.xyz", "--outliers", "-1"]);
     assert_eq!(run.code, 2);
     let run = folder.quick(&["a.xyz", "--no-outliers", "--outliers", "2"]);

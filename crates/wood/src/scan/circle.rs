@@ -15,6 +15,8 @@ pub(super) struct Circle {
     pub rms: f64,
     /// Share of its girth that has points.
     pub cover: f64,
+    /// Points well inside it for each one on it: wood is solid, so that a scan shows none, whereas a crown is full of them.
+    pub inside: f64,
 }
 
 /// What is known of the circle beforehand.
@@ -32,6 +34,8 @@ const SAMPLES: i64 = 150;
 const SCORED: usize = 240;
 /// Distance from the circle, in radii, up to which a point lies on it: bark furrows and buttresses included.
 const TOLERANCE: f64 = 0.15;
+/// Distance within the circle, in radii, from which on a point is well inside.
+const INSIDE: f64 = 0.3;
 /// Sectors in which the covered girth is counted.
 const SECTORS: usize = 24;
 
@@ -138,8 +142,10 @@ fn refined(
 
 fn judged(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
     let (mut on, mut squares, mut seen) = (0usize, 0.0, [false; SECTORS]);
+    let mut inside = 0usize;
     for p in points {
         let off = p.distance(centre) - radius;
+        inside += usize::from(off < -INSIDE * radius);
         if off.abs() < TOLERANCE * radius {
             on += 1;
             squares += off * off;
@@ -151,6 +157,7 @@ fn judged(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
         radius,
         share: on as f64 / points.len() as f64,
         rms: (squares / on.max(1) as f64).sqrt(),
+        inside: inside as f64 / on.max(1) as f64,
         cover: seen.iter().filter(|s| **s).count() as f64 / SECTORS as f64,
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct Ring {
     /// Along the limb (unit).
     pub along: DVec3,
     pub radius: f64,
-    pub cover: f64,
+    /// How well the points lie on it, and how much of it they cover.
     merit: f64,
 }
 
@@ -29,13 +29,18 @@ pub(super) struct Searched<'a> {
 }
 
 /// Points at which a first section is tried where no point was asked for.
-const STARTS: i64 = 64;
+const STARTS: i64 = 96;
 /// Neighbourhoods' radii grow by this factor.
 const GROWTH: f64 = 1.6;
 /// Starts that are followed.
-const FOLLOWED: usize = 6;
+const FOLLOWED: usize = 10;
 /// Points of a neighbourhood that are looked at.
 const LOOKED_AT: usize = 240;
+/// Points inside a section for each one on it, at most: of a first section, and of those that follow.
+const HOLLOW: (f64, f64) = (0.15, 0.3);
+/// Root of the mean square of the points' distances from a section, in radii, at most: of a first section, and of those
+/// that follow. Points strewn evenly over the circle's tolerance have 0.087.
+const LOOSE: (f64, f64) = (0.07, 0.08);
 /// Steps along a limb, in radii.
 const STEP: f64 = 0.5;
 /// Steps without a section before a limb ends: a hole in the scan, a whorl of branches.
@@ -53,12 +58,16 @@ pub(super) fn limb(
     match place {
         Place::Point(p) => starts.extend(rings_at(cloud, *p, 0)),
         _ => {
+            let all: Vec<u32> = (0..cloud.points.len() as u32).collect();
+            let low = lowest(cloud.points);
             for k in 0..STARTS {
                 context.step("find stem", 0.5 * k as f64 / STARTS as f64)?;
-                let i = (noise::unit(11, k, 0, 0) * cloud.points.len() as f64) as usize;
-                let at = cloud.points[i.min(cloud.points.len() - 1)];
+                // Every other start lies low, where a standing tree has its stem and nothing else.
+                let among = if k % 2 == 0 { &all } else { &low };
+                let i = (noise::unit(11, k, 0, 0) * among.len() as f64) as usize;
+                let at = cloud.points[among[i.min(among.len() - 1)] as usize];
                 starts.extend(rings_at(cloud, at, k as u64).map(|mut ring| {
-                    ring.merit *= ring.radius;
+                    ring.merit *= ring.merit * ring.radius;
                     ring
                 }));
             }
@@ -78,12 +87,9 @@ pub(super) fn limb(
         )?;
         tried.push(start);
         let (rings, ends) = followed(cloud, start);
-        let volume: f64 = rings
-            .windows(2)
-            .map(|w| w[0].centre.distance(w[1].centre) * w[0].radius * w[0].radius * w[0].cover)
-            .sum();
-        if rings.len() >= 4 && best.as_ref().is_none_or(|b| volume > b.0) {
-            best = Some((volume, rings, ends));
+        let score = score(&rings);
+        if rings.len() >= 4 && best.as_ref().is_none_or(|b| score > b.0) {
+            best = Some((score, rings, ends));
         }
         if tried.len() == FOLLOWED {
             break;
@@ -92,13 +98,42 @@ pub(super) fn limb(
     Ok(best.map(|(_, rings, ends)| (rings, ends)))
 }
 
+/// Numbers of the points in the lowest part of the cloud's height.
+fn lowest(points: &[DVec3]) -> Vec<u32> {
+    const PART: f64 = 0.25;
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for p in points {
+        (low, high) = (low.min(p.z), high.max(p.z));
+    }
+    let limit = low + PART * (high - low);
+    (0..points.len() as u32)
+        .filter(|&i| points[i as usize].z <= limit)
+        .collect()
+}
+
+/// Slenderness (length over radius) from which on nobody doubts a stem.
+const SLENDER: f64 = 8.0;
+
+/// How good a stem rings make: their volume, each weighed by how well the points lie on it, and less where they are no
+/// longer than wide, as what is fitted to a crown.
+fn score(rings: &[Ring]) -> f64 {
+    let (mut volume, mut slenderness) = (0.0, 0.0);
+    for pair in rings.windows(2) {
+        let step = pair[0].centre.distance(pair[1].centre);
+        let [r, merit] = [pair[0].radius, pair[0].merit];
+        volume += step * r * r * merit * merit;
+        slenderness += step / r;
+    }
+    volume * (slenderness / SLENDER).min(1.0).powi(2)
+}
+
 /// The best sections of neighbourhoods of a point, of every size.
 fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> impl Iterator<Item = Ring> + use<> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in cloud.points {
         (low, high) = (low.min(*p), high.max(*p));
     }
-    let largest = 0.25 * low.distance(high);
+    let largest = 0.6 * low.distance(high);
     let at = cloud
         .tree
         .nearest(at, 1)
@@ -120,6 +155,11 @@ fn spread(vectors: impl Iterator<Item = DVec3>) -> DMat3 {
     vectors.fold(DMat3::ZERO, |sum, v| {
         sum + DMat3::from_cols(v * v.x, v * v.y, v * v.z)
     })
+}
+
+/// 1 for points on a line, nearly 0 for points strewn evenly over the circle's tolerance.
+fn tightness(c: &Circle) -> f64 {
+    (1.0 - c.rms / (0.087 * c.radius)).max(0.02)
 }
 
 /// The best section of a neighbourhood.
@@ -148,13 +188,17 @@ fn ring_of(cloud: &Searched, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> 
         let Some(c) = fit(&flat, &expected, seed) else {
             continue;
         };
-        let merit = c.share * (1.6 * c.cover).min(1.0) * (1.0 - c.rms / (0.15 * c.radius)).max(0.0);
-        if c.share > 0.5 && c.cover > 0.2 && best.is_none_or(|b| merit > b.merit) {
+        let merit = c.share * (1.6 * c.cover).min(1.0) * tightness(&c);
+        if c.share > 0.5
+            && c.cover > 0.2
+            && c.inside < HOLLOW.0
+            && c.rms < LOOSE.0 * c.radius
+            && best.is_none_or(|b| merit > b.merit)
+        {
             best = Some(Ring {
                 centre: at + x * c.centre.x + y * c.centre.y,
                 along,
                 radius: c.radius,
-                cover: c.cover,
                 merit,
             });
         }
@@ -187,8 +231,13 @@ fn section(
             radius: (0.6 * radius, 1.5 * radius),
             near: Some((DVec2::ZERO, 0.6 * radius, radius)),
         };
-        return fit(&flat, &expected, seed)
-            .filter(|c| c.cover >= 0.2 && c.share >= 0.35 && flat.len() >= 8);
+        return fit(&flat, &expected, seed).filter(|c| {
+            c.cover >= 0.2
+                && c.share >= 0.35
+                && c.inside < HOLLOW.1
+                && c.rms < LOOSE.1 * c.radius
+                && flat.len() >= 8
+        });
     }
     None
 }
@@ -240,8 +289,7 @@ fn march(cloud: &Searched, start: Ring, sign: f64) -> (Vec<Ring>, String) {
             centre,
             along: along * sign,
             radius: 0.5 * (at.radius + c.radius),
-            cover: c.cover,
-            merit: at.merit,
+            merit: c.share * c.cover * tightness(&c),
         };
         rings.push(Ring {
             radius: c.radius,
