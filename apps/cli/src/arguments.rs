@@ -1,5 +1,6 @@
 //! What may be asked of the program, and the help that explains it.
 
+use crate::scan::ScanArguments;
 use crate::values;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use greenstick::formats::LengthUnit;
@@ -39,7 +40,9 @@ Examples
   greenstick break board.gltf --kind board --pith 0,-4cm --preset brash
   greenstick break --set high.height=2 --set sapwood.perlin_amplitude=0.3 --set seed=9
   greenstick break --preset twist --save-recipe twist.toml
-  greenstick break --recipe twist.toml --json > report.json";
+  greenstick break --recipe twist.toml --json > report.json
+  greenstick break tree.laz --at 3m -o halves.glb      a point cloud: the bark of its stem is made first
+  greenstick break broken_branch.ply --bark-only       a scan of a broken branch, its fracture left out";
 
 /// Breaks wood: a mesh of a branch, trunk, log or board goes in, halves that fit come out.
 #[derive(Debug, Parser)]
@@ -68,7 +71,8 @@ pub enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = BREAK_EXAMPLES)]
 pub struct BreakOptions {
-    /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off); without it, a branch that comes with the program
+    /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off), or a point cloud (.ply, .xyz, .txt, .asc, .pts, .las or
+    /// .laz) whose bark is made first; without it, a branch that comes with the program
     pub input: Option<PathBuf>,
     /// Where to break it: a fraction, a length, or a point
     #[arg(
@@ -124,6 +128,9 @@ pub struct BreakOptions {
     /// Write the recipe that all of these give together
     #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
     pub save_recipe: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub scan: ScanArguments,
 
     /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
     #[arg(

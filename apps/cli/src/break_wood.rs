@@ -3,12 +3,13 @@
 use crate::arguments::{BreakOptions, Shot};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
+use crate::scan::{self, Loaded};
 use crate::values;
-use greenstick::files::{self, Output, Source};
-use greenstick::formats::{Format, LengthUnit};
+use greenstick::files::{self, Output};
+use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::picture::{PictureOptions, View};
-use greenstick::wood::stem::StemOptions;
+use greenstick::wood::stem::{Place, StemOptions};
 use greenstick::{BreakReport, BreakRequest};
 use serde::Serialize;
 use std::fmt::Write;
@@ -44,17 +45,18 @@ struct FullReport<'a> {
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let unit = options.unit.map(LengthUnit::from);
     let targets = targets(options)?;
-    let request = request(options, unit.unwrap_or_default())?;
+    let mut request = request(options, unit.unwrap_or_default())?;
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
-    progress.stage("read")?;
-    let source = read(options, unit)?;
+    let source = read(options, request.place, unit, &progress)?;
     targets.check(&source.files)?;
+    request.place = source.place;
     let mut scene = source.scene;
     if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
+    broken.report.scan = source.scan;
     broken
         .report
         .notes
@@ -114,8 +116,8 @@ fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
     if let Some(path) = &targets.pieces
         && Format::of_path(path).is_none()
     {
-        let path = path.clone();
-        return Err(files::FileError::UnknownEnding { path }.into());
+        let (path, expected) = (path.clone(), files::mesh_endings());
+        return Err(files::FileError::UnknownEnding { path, expected }.into());
     }
     if let Some(path) = &targets.picture {
         check_png(path)?;
@@ -154,11 +156,18 @@ impl Targets {
     }
 }
 
-fn read(options: &BreakOptions, unit: Option<LengthUnit>) -> Result<Source, Failure> {
+fn read(
+    options: &BreakOptions,
+    place: Place,
+    unit: Option<LengthUnit>,
+    progress: &Progress,
+) -> Result<Loaded, Failure> {
     match &options.input {
-        Some(path) => Ok(files::load(path, unit)?),
-        None => Ok(Source {
+        Some(path) => scan::load(path, place, unit, &options.scan, progress),
+        None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
+            place,
+            scan: None,
             files: Vec::new(),
         }),
     }
@@ -169,7 +178,7 @@ const LONGEST: f64 = 120.0;
 
 /// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
 fn doubt_about_unit(options: &BreakOptions, length: f64) -> Option<String> {
-    let format = options.input.as_deref().and_then(Format::of_path)?;
+    let format = options.input.as_deref().and_then(InputFormat::of_path)?;
     let doubtful = options.unit.is_none() && !format.is_in_metres() && length > LONGEST;
     doubtful.then(|| {
         format!(

@@ -5,7 +5,9 @@ use greenstick::files::FileError;
 use greenstick::formats::FormatError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
+use greenstick::scanning::ScanningError;
 use greenstick::skin::texture::TextureError;
+use greenstick::wood::scan::ScanError;
 use greenstick::wood::species::nearest;
 use greenstick::wood::stem::{Place, StemError};
 use std::io::{IsTerminal, Write};
@@ -117,11 +119,33 @@ impl From<greenstick::Error> for Failure {
                 "{point}; `greenstick check FILE` lists holes and other faults"
             )),
             Error::Stem(StemError::NowhereFree { .. }) => Failure::work(&error).hint(point),
+            Error::Scan(error) => scan_failure(error),
             Error::Cut { .. } => Failure::work(&error).hint(
                 "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
             ),
             _ => Failure::work(&error),
         }
+    }
+}
+
+fn scan_failure(error: &ScanningError) -> Failure {
+    use greenstick::geometry::cloud::CleanError;
+    use greenstick::scanning::ScanningError as Why;
+    match error {
+        Why::Scan(ScanError::Cancelled(c)) | Why::Clean(CleanError::Cancelled(c)) => (*c).into(),
+        Why::Scan(ScanError::LittleCover { .. }) => {
+            Failure::work(error).hint("another --at may do, or a smaller --least-cover")
+        }
+        Why::Scan(ScanError::NotStarShaped { .. }) => {
+            Failure::work(error).hint("--surface poisson makes a surface of any form")
+        }
+        Why::Scan(ScanError::NoStem { .. }) => Failure::work(error)
+            .hint("--at x,y,z in the file's coordinates, or --surface poisson for what is no stem"),
+        Why::Scan(_) => Failure::request(error),
+        Why::Clean(_) => Failure::request(error).hint(
+            "--no-outliers, --no-isolated and --no-duplicates leave steps of the cleaning out",
+        ),
+        Why::Poisson(_) => Failure::work(error),
     }
 }
 

@@ -6,6 +6,7 @@ mod failure;
 mod inspect;
 mod list;
 mod progress;
+mod scan;
 mod species;
 mod values;
 

@@ -31,6 +31,14 @@ pub fn amount(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A finite number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
 /// A place, in the unit of the file.
 pub fn place(text: &str, unit: LengthUnit) -> Result<Place, String> {
     Place::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))

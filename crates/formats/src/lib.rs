@@ -1,10 +1,11 @@
-//! Readers and writers of mesh files: bytes in, a [`Scene`] out, and back.
+//! Readers and writers of mesh files: bytes in, a [`Scene`] out, and back; readers of point clouds.
 //!
 //! No function here opens a file: companions (a `.bin`, a `.mtl`) come in through [`Resolve`] and go out as
 //! [`Encoded`]. The same scene always gives the same bytes.
 #![deny(missing_docs)]
 
 mod assemble;
+mod cloud;
 mod error;
 mod gltf;
 mod obj;
@@ -14,6 +15,7 @@ mod polygon;
 mod stl;
 mod text;
 
+pub use cloud::{CloudFile, CloudFormat, Content, InputFormat, read_content};
 pub use error::FormatError;
 use greenstick_geometry::Scene;
 use std::path::Path;

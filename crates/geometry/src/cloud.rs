@@ -1,4 +1,14 @@
-//! Point clouds: what a scanner gives.
+//! Point clouds: what a scanner gives, their cleaning and their normals.
+
+mod clean;
+mod eigen;
+mod neighbours;
+mod normals;
+
+pub use clean::{CleanError, CleanOptions, CleanReport, CleanStep, clean, spacing};
+pub use eigen::eigen;
+pub use neighbours::Neighbours;
+pub use normals::{normals, orient_along_tree, orient_from};
 
 use glam::DVec3;
 

@@ -190,6 +190,7 @@ pub fn break_scene(
         .collect();
     let hinge = hang.as_ref().map(|h| DVec3::from_array(h.axis));
     let report = BreakReport {
+        scan: None,
         input,
         place: place_report(&prepared),
         face: face_report(p, &model),

@@ -30,6 +30,9 @@ pub enum Error {
     /// Cracks could not be made.
     #[error(transparent)]
     Crack(#[from] greenstick_fracture::cracks::CrackError),
+    /// A scan gives no bark.
+    #[error(transparent)]
+    Scan(#[from] crate::scanning::ScanningError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -2,7 +2,9 @@
 //!
 //! This is the one place in the libraries that touches the file system; all stages work on scenes.
 
-use greenstick_formats::{Encoded, Format, FormatError, LengthUnit};
+use greenstick_formats::{
+    CloudFormat, Content, Encoded, Format, FormatError, InputFormat, LengthUnit,
+};
 use greenstick_geometry::{ImageSource, Scene};
 use std::cell::RefCell;
 use std::fs;
@@ -22,10 +24,12 @@ pub enum FileError {
         source: io::Error,
     },
     /// A name whose ending is that of no format.
-    #[error("{}: {}; expected a name that ends in {}", path.display(), ending_of(path), endings())]
+    #[error("{}: {}; expected a name that ends in {}", path.display(), ending_of(path), expected)]
     UnknownEnding {
         /// The file.
         path: PathBuf,
+        /// The endings that are known.
+        expected: String,
     },
     /// The content is no sound mesh.
     #[error(transparent)]
@@ -65,7 +69,8 @@ fn ending_of(path: &Path) -> String {
     }
 }
 
-fn endings() -> String {
+/// Endings of mesh files, as messages list them.
+pub fn mesh_endings() -> String {
     Format::ALL.map(|f| format!(".{}", f.ending())).join(", ")
 }
 
@@ -100,6 +105,40 @@ pub fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Scene, FileError> {
 /// # Errors
 /// As [`read`].
 pub fn load(path: &Path, unit: Option<LengthUnit>) -> Result<Source, FileError> {
+    let format = Format::of_path(path).ok_or_else(|| FileError::UnknownEnding {
+        path: path.to_owned(),
+        expected: mesh_endings(),
+    });
+    let (scene, files) = fetch(path, |bytes, name, resolve| {
+        greenstick_formats::read(format?, bytes, name, unit, resolve).map_err(FileError::Content)
+    })?;
+    Ok(Source { scene, files })
+}
+
+/// As [`load`], of meshes and of point clouds.
+///
+/// # Errors
+/// As [`read`].
+pub fn load_content(
+    path: &Path,
+    unit: Option<LengthUnit>,
+) -> Result<(Content, Vec<PathBuf>), FileError> {
+    let clouds = CloudFormat::ALL.iter().flat_map(|f| f.endings());
+    let format = InputFormat::of_path(path).ok_or_else(|| FileError::UnknownEnding {
+        path: path.to_owned(),
+        expected: clouds.fold(mesh_endings(), |all, e| format!("{all}, .{e}")),
+    });
+    fetch(path, |bytes, name, resolve| {
+        greenstick_formats::read_content(format?, bytes, name, unit, resolve)
+            .map_err(FileError::Content)
+    })
+}
+
+/// Hands the bytes of a file and the way to its companions to `read`; gives what that makes and all files it took.
+fn fetch<T>(
+    path: &Path,
+    read: impl FnOnce(&[u8], &str, greenstick_formats::Resolve) -> Result<T, FileError>,
+) -> Result<(T, Vec<PathBuf>), FileError> {
     let unreadable = |source| FileError::Unreadable {
         path: path.to_owned(),
         source,
@@ -110,9 +149,6 @@ pub fn load(path: &Path, unit: Option<LengthUnit>) -> Result<Source, FileError> 
             "it is a folder, not a mesh file",
         )));
     }
-    let format = Format::of_path(path).ok_or_else(|| FileError::UnknownEnding {
-        path: path.to_owned(),
-    })?;
     let bytes = fs::read(path).map_err(unreadable)?;
     let files = RefCell::new(vec![path.to_owned()]);
     let resolve = |reference: &str| {
@@ -124,13 +160,8 @@ pub fn load(path: &Path, unit: Option<LengthUnit>) -> Result<Source, FileError> 
         }
         Ok(bytes)
     };
-    let name = path.to_string_lossy();
-    let scene = greenstick_formats::read(format, &bytes, &name, unit, &resolve)
-        .map_err(FileError::Content)?;
-    Ok(Source {
-        scene,
-        files: files.into_inner(),
-    })
+    let made = read(&bytes, &path.to_string_lossy(), &resolve)?;
+    Ok((made, files.into_inner()))
 }
 
 /// The file that `main` refers to. References may leave the folder of `main` (`../textures/bark.png`) but must be
@@ -224,6 +255,7 @@ fn mime_type(bytes: &[u8]) -> Option<&'static str> {
 pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output>, FileError> {
     let unknown = || FileError::UnknownEnding {
         path: path.to_owned(),
+        expected: mesh_endings(),
     };
     let format = Format::of_path(path).ok_or_else(unknown)?;
     let name = path.file_name().ok_or_else(unknown)?.to_string_lossy();

@@ -46,6 +46,7 @@ mod pictures;
 mod prepare;
 mod refine;
 mod report;
+pub mod scanning;
 
 pub use branch::built_in_branch;
 pub use breaking::{BreakRequest, Broken, break_scene};

@@ -95,6 +95,8 @@ pub struct PieceReport {
 /// Everything that is worth knowing about a break.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BreakReport {
+    /// The scan that the mesh was made from, where it was one.
+    pub scan: Option<crate::scanning::ScannedReport>,
     /// What came in.
     pub input: InputReport,
     /// Where it was broken.
@@ -155,6 +157,9 @@ fn length(l: f64) -> String {
 impl fmt::Display for BreakReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (i, p, face) = (&self.input, &self.place, &self.face);
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
         let kind = if i.closed { "closed" } else { "open" };
         let inside = i
             .volume_m3

@@ -13,10 +13,10 @@ use greenstick_geometry::{Attribute, Material, Mesh, Node, Scene};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The body, number by number.
-struct Body<'a> {
-    bytes: &'a [u8],
-    encoding: Encoding,
-    file: InFile<'a>,
+pub(super) struct Body<'a> {
+    pub bytes: &'a [u8],
+    pub encoding: Encoding,
+    pub file: InFile<'a>,
 }
 
 impl<'a> Body<'a> {
@@ -56,7 +56,7 @@ impl<'a> Body<'a> {
     }
 
     #[inline]
-    fn scalar(&mut self, kind: Kind, place: &Place) -> Result<f64, FormatError> {
+    pub fn scalar(&mut self, kind: Kind, place: &Place) -> Result<f64, FormatError> {
         if self.encoding == Encoding::Text {
             let token = self.token(place)?;
             return number(token).ok_or_else(|| {
@@ -96,7 +96,7 @@ impl<'a> Body<'a> {
         Ok(length as usize)
     }
 
-    fn skip(&mut self, property: &Property, place: &Place) -> Result<(), FormatError> {
+    pub fn skip(&mut self, property: &Property, place: &Place) -> Result<(), FormatError> {
         let count = match property.list {
             Some(list) => self.length(list, property.kind, place)?,
             None => 1,
@@ -109,9 +109,9 @@ impl<'a> Body<'a> {
 }
 
 /// For messages: where the body is being read.
-struct Place<'a> {
-    element: &'a Element,
-    row: usize,
+pub(super) struct Place<'a> {
+    pub element: &'a Element,
+    pub row: usize,
 }
 
 /// What a property of the faces is for.
@@ -188,7 +188,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
 }
 
 /// Attribute, component and divisor of a vertex property that is not a coordinate.
-fn attribute_of(property: &Property) -> (String, usize, f64) {
+pub(super) fn attribute_of(property: &Property) -> (String, usize, f64) {
     let (name, component) = match property.name.as_str() {
         "nx" => ("NORMAL", 0),
         "ny" => ("NORMAL", 1),

@@ -5,7 +5,7 @@
 mod attach;
 mod axis;
 mod build;
-mod centreline;
+pub(crate) mod centreline;
 mod course;
 mod error;
 mod find;

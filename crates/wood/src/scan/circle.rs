@@ -1,0 +1,192 @@
+//! Circles through points of a section: random samples of three (Fischler and Bolles 1981), scored with a bounded loss
+//! (Torr and Zisserman 2000), then refined by geometric least squares.
+
+use crate::noise;
+use glam::{DMat3, DVec2, DVec3};
+
+/// A circle fitted to points of a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Circle {
+    pub centre: DVec2,
+    pub radius: f64,
+    /// Share of the points that lie on it.
+    pub share: f64,
+    /// Root of the mean square of their distances from it.
+    pub rms: f64,
+    /// Share of its girth that has points.
+    pub cover: f64,
+    /// Points well inside it for each one on it: wood is solid, so that a scan shows none, whereas a crown is full of them.
+    pub inside: f64,
+}
+
+/// What is known of the circle beforehand.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Expected {
+    /// Smallest and largest radius.
+    pub radius: (f64, f64),
+    /// Where its centre is, how far it may be from there, and its radius.
+    pub near: Option<(DVec2, f64, f64)>,
+}
+
+/// Samples of three points.
+const SAMPLES: i64 = 150;
+/// Points that score a sample.
+const SCORED: usize = 240;
+/// Distance from the circle, in radii, up to which a point lies on it: bark furrows and buttresses included.
+const TOLERANCE: f64 = 0.15;
+/// Distance within the circle, in radii, from which on a point is well inside.
+const INSIDE: f64 = 0.3;
+/// Sectors in which the covered girth is counted.
+const SECTORS: usize = 24;
+
+/// The circle that most of the points lie on.
+pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Circle> {
+    let count = points.len();
+    if count < 6 {
+        return None;
+    }
+    let stride = count.div_ceil(SCORED);
+    let scored: Vec<DVec2> = points.iter().step_by(stride).copied().collect();
+    let allowed = |centre: DVec2, radius: f64| {
+        (expected.radius.0..=expected.radius.1).contains(&radius)
+            && expected
+                .near
+                .is_none_or(|(c, reach, _)| c.distance(centre) <= reach)
+    };
+    let mut best: Option<(f64, DVec2, f64)> = None;
+    let mut consider = |centre: DVec2, radius: f64| {
+        if !allowed(centre, radius) {
+            return;
+        }
+        let tolerance = TOLERANCE * expected.near.map_or(radius, |n| n.2);
+        let loss: f64 = scored
+            .iter()
+            .map(|p| ((p.distance(centre) - radius) / tolerance).powi(2).min(1.0))
+            .sum();
+        if best.is_none_or(|b| loss < b.0) {
+            best = Some((loss, centre, radius));
+        }
+    };
+    if let Some((centre, _, radius)) = expected.near {
+        consider(centre, radius);
+    }
+    for k in 0..SAMPLES {
+        let pick = |n: i64| points[(noise::unit(seed, k, n, 0) * count as f64) as usize % count];
+        if let Some((centre, radius)) = through(pick(0), pick(1), pick(2)) {
+            consider(centre, radius);
+        }
+    }
+    let (_, mut centre, mut radius) = best?;
+    for _ in 0..8 {
+        (centre, radius) = refined(points, centre, radius, expected)?;
+    }
+    allowed(centre, radius).then(|| judged(points, centre, radius))
+}
+
+/// The circle through three points.
+fn through(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
+    let (u, v) = (b - a, c - a);
+    let d = 2.0 * u.perp_dot(v);
+    let size = u.length_squared().max(v.length_squared());
+    if d.abs() <= 1e-6 * size {
+        return None;
+    }
+    let (uu, vv) = (u.length_squared(), v.length_squared());
+    let offset = DVec2::new(v.y * uu - u.y * vv, u.x * vv - v.x * uu) / d;
+    Some((a + offset, offset.length()))
+}
+
+/// Angle's sector of `d`.
+fn sector(d: DVec2) -> usize {
+    let turn = libm::atan2(d.y, d.x) / std::f64::consts::TAU + 0.5;
+    ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
+}
+
+/// One step of Gauss and Newton. Each sector weighs the same, so that a side seen by two scanners does not pull.
+fn refined(
+    points: &[DVec2],
+    centre: DVec2,
+    radius: f64,
+    expected: &Expected,
+) -> Option<(DVec2, f64)> {
+    let tolerance = TOLERANCE * radius;
+    let on = |p: &&DVec2| (p.distance(centre) - radius).abs() < tolerance;
+    let mut counts = [0.0; SECTORS];
+    points
+        .iter()
+        .filter(on)
+        .for_each(|p| counts[sector(*p - centre)] += 1.0);
+    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for p in points.iter().filter(on) {
+        let d = *p - centre;
+        let length = d.length();
+        let Some(u) = d.try_normalize() else { continue };
+        let row = DVec3::new(u.x, u.y, 1.0);
+        let weight = 1.0 / counts[sector(d)];
+        matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
+        right += row * ((length - radius) * weight);
+    }
+    // What is known keeps a short arc from running away, and weighs little against a girth that was seen.
+    const PRIOR: f64 = 0.3;
+    if let Some((c, _, r)) = expected.near {
+        matrix += DMat3::from_diagonal(DVec3::splat(PRIOR));
+        right += (c - centre).extend(r - radius) * PRIOR;
+    }
+    if matrix.determinant().abs() < 1e-9 {
+        return None;
+    }
+    let step = matrix.inverse() * right;
+    let (centre, radius) = (centre + step.truncate(), radius + step.z);
+    (centre.is_finite() && radius > 0.0).then_some((centre, radius))
+}
+
+fn judged(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
+    let (mut on, mut squares, mut seen) = (0usize, 0.0, [false; SECTORS]);
+    let mut inside = 0usize;
+    for p in points {
+        let off = p.distance(centre) - radius;
+        inside += usize::from(off < -INSIDE * radius);
+        if off.abs() < TOLERANCE * radius {
+            on += 1;
+            squares += off * off;
+            seen[sector(*p - centre)] = true;
+        }
+    }
+    Circle {
+        centre,
+        radius,
+        share: on as f64 / points.len() as f64,
+        rms: (squares / on.max(1) as f64).sqrt(),
+        inside: inside as f64 / on.max(1) as f64,
+        cover: seen.iter().filter(|s| **s).count() as f64 / SECTORS as f64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_circle_is_found_among_strangers() {
+        let centre = DVec2::new(2.0, -1.0);
+        let mut points: Vec<DVec2> = (0..300)
+            .map(|i| {
+                let angle = std::f64::consts::TAU * noise::unit(1, i, 0, 0);
+                let radius = 0.5 + 0.01 * (noise::unit(2, i, 0, 0) - 0.5);
+                centre + radius * DVec2::new(libm::cos(angle), libm::sin(angle))
+            })
+            .collect();
+        points.extend((0..200).map(|i| {
+            let [x, y] = [3, 4].map(|n| 4.0 * noise::unit(n, i, 0, 0) - 2.0);
+            centre + DVec2::new(x, y)
+        }));
+        let expected = Expected {
+            radius: (0.1, 2.0),
+            near: None,
+        };
+        let circle = fit(&points, &expected, 7).unwrap();
+        assert!(circle.centre.distance(centre) < 0.01, "{circle:?}");
+        assert!((circle.radius - 0.5).abs() < 0.01 && circle.cover == 1.0);
+        assert!(circle.share > 0.55 && circle.share < 0.8);
+    }
+}

@@ -1,0 +1,169 @@
+//! Cylinders with known noise, whole and seen in part.
+
+use super::*;
+use crate::noise;
+
+const RADIUS: f64 = 0.15;
+const NOISE: f64 = 0.003;
+
+/// A number with mean 0 and variance 1 that is nearly normal.
+fn normal(purpose: u64, i: i64) -> f64 {
+    (0..12).map(|k| noise::unit(purpose, i, k, 1)).sum::<f64>() - 6.0
+}
+
+/// A leaning cylinder of 3 m, `count` points on the turns 0 to `seen`; its base and direction.
+fn cylinder(count: i64, seen: f64) -> (PointCloud, DVec3, DVec3) {
+    let base = DVec3::new(4.0, -2.0, 1.0);
+    let along = DVec3::new(0.3, -0.2, 1.0).normalize();
+    let (x, y) = along.any_orthonormal_pair();
+    let points = (0..count)
+        .map(|i| {
+            let angle = std::f64::consts::TAU * seen * noise::unit(1, i, 0, 0);
+            let radius = RADIUS + NOISE * normal(3, i);
+            let out = x * libm::cos(angle) + y * libm::sin(angle);
+            base + along * (3.0 * noise::unit(2, i, 0, 0)) + out * radius
+        })
+        .collect();
+    let cloud = PointCloud {
+        points,
+        ..PointCloud::default()
+    };
+    (cloud, base, along)
+}
+
+fn made(cloud: &PointCloud, place: &str, options: &ScanOptions) -> Result<ScannedBark, ScanError> {
+    scanned_bark(cloud, &place.parse().unwrap(), options, &Context::quiet())
+}
+
+#[test]
+fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
+    let (cloud, base, along) = cylinder(40_000, 1.0);
+    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let report = &bark.report;
+    assert!((report.radius_m - RADIUS).abs() < 0.2 * NOISE, "{report:?}");
+    assert!((report.noise_m / NOISE - 1.0).abs() < 0.15, "{report:?}");
+    assert!(
+        report.mean_cover > 0.97 && report.stem_length_m > 2.8,
+        "{report:?}"
+    );
+    assert_eq!(report.strangers, 0);
+    for p in &bark.centreline {
+        let off = (*p - base).reject_from_normalized(along).length();
+        assert!(off < NOISE, "{off} off the axis at {p}");
+    }
+    let check = bark.mesh.check();
+    assert!(check.is_solid(), "{check}");
+    // One-sided distances both ways: of the points to the surface about the noise, of the vertices to the true surface less.
+    let bvh = greenstick_geometry::Bvh::of_triangles(&bark.mesh);
+    let inner = |p: &&DVec3| {
+        let s = (**p - base).dot(along);
+        (0.2..2.8).contains(&s)
+    };
+    let chosen: Vec<&DVec3> = cloud.points.iter().filter(inner).step_by(7).collect();
+    let mean = chosen
+        .iter()
+        .map(|p| {
+            let near = bvh.nearest_on(&bark.mesh, **p, f64::INFINITY);
+            near.map_or(f64::INFINITY, |n| n.point.distance(**p))
+        })
+        .sum::<f64>()
+        / chosen.len() as f64;
+    // The mean of |x| for normal x is 0.8 standard deviations.
+    assert!(mean < NOISE && mean > 0.6 * NOISE, "{mean}");
+    let vertices: Vec<&DVec3> = bark.mesh.positions.iter().filter(inner).collect();
+    let off = vertices
+        .iter()
+        .map(|p| ((**p - base).reject_from_normalized(along).length() - RADIUS).abs())
+        .sum::<f64>()
+        / vertices.len() as f64;
+    assert!(off < 0.7 * NOISE, "{off}");
+}
+
+#[test]
+fn half_a_cylinder_is_completed_and_told_or_refused() {
+    let (cloud, base, along) = cylinder(20_000, 0.5);
+    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    assert!(
+        (bark.report.mean_cover - 0.5).abs() < 0.04,
+        "{:?}",
+        bark.report
+    );
+    assert!(bark.mesh.check().is_solid());
+    // The half that was not seen is where it would be on a round stem.
+    for p in &bark.mesh.positions {
+        let s = (*p - base).dot(along);
+        let r = (*p - base).reject_from_normalized(along).length();
+        let cap = r < 0.5 * RADIUS;
+        assert!(
+            cap || !(0.3..2.7).contains(&s) || (r / RADIUS - 1.0).abs() < 0.1,
+            "{r} at {s}"
+        );
+    }
+    let strict = ScanOptions {
+        least_cover: 0.6,
+        ..ScanOptions::default()
+    };
+    let error = made(&cloud, "0.5", &strict).unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("of the girth; at least 60 %"), "{text}");
+    assert!(
+        matches!(error, ScanError::LittleCover { cover, .. } if (cover.share - 0.5).abs() < 0.05)
+    );
+}
+
+#[test]
+fn the_fracture_surface_is_cut_off() {
+    // A broken end: points on a rough face across the cylinder's upper end.
+    let (mut cloud, base, along) = cylinder(30_000, 1.0);
+    let (x, y) = along.any_orthonormal_pair();
+    let face = 6000;
+    for i in 0..face {
+        let angle = std::f64::consts::TAU * noise::unit(21, i, 0, 0);
+        let r = 0.8 * RADIUS * noise::unit(22, i, 0, 0).sqrt();
+        let out = (x * libm::cos(angle) + y * libm::sin(angle)) * r;
+        let height = 2.7 + 0.01 * normal(23, i);
+        cloud.points.push(base + along * height + out);
+    }
+    let options = ScanOptions {
+        bark_only: true,
+        ..ScanOptions::default()
+    };
+    let bark = made(&cloud, "0.3", &options).unwrap();
+    let report = &bark.report;
+    let gone = report.fracture_points + report.strangers;
+    assert!(gone as i64 >= face * 9 / 10, "{report:?}");
+    assert!(report.points > 27_000, "{report:?}");
+    assert!((report.radius_m - RADIUS).abs() < 0.5 * NOISE, "{report:?}");
+}
+
+#[test]
+fn places_and_clouds_that_do_not_do_are_refused() {
+    let (cloud, base, _) = cylinder(20_000, 1.0);
+    let options = ScanOptions::default();
+    assert!(matches!(
+        made(&cloud, "9m", &options),
+        Err(ScanError::OffStem { .. })
+    ));
+    let p = base + DVec3::X;
+    let far = Place::Point(p);
+    let error = scanned_bark(&cloud, &far, &options, &Context::quiet()).unwrap_err();
+    assert!(matches!(error, ScanError::FarFromWood { .. }), "{error}");
+    let flat = PointCloud {
+        points: (0..5000i64)
+            .map(|i| DVec3::new(noise::unit(5, i, 0, 0), noise::unit(6, i, 0, 0), 0.0))
+            .collect(),
+        ..PointCloud::default()
+    };
+    assert!(matches!(
+        made(&flat, "0.5", &options),
+        Err(ScanError::NoStem { .. })
+    ));
+    let wrong = ScanOptions {
+        least_cover: f64::NAN,
+        ..options
+    };
+    assert!(matches!(
+        made(&cloud, "0.5", &wrong),
+        Err(ScanError::LeastCover(_))
+    ));
+}
