@@ -131,6 +131,24 @@ pub(super) fn build<'a>(
     Ok(builder.cap)
 }
 
+/// The height at every node of a surface without steps.
+fn one_height_each(surface: &Surface) -> Option<Vec<f64>> {
+    let layout = &surface.layout;
+    let mut heights = vec![f64::NAN; layout.nodes.len()];
+    for (facet, h) in layout.facets.iter().zip(&surface.heights) {
+        for (&n, &h) in facet.iter().zip(h) {
+            let known = &mut heights[n as usize];
+            if known.is_nan() {
+                *known = h;
+            } else if *known != h {
+                return None;
+            }
+        }
+    }
+    // A node of no facet has no vertex; that is left to the general way.
+    heights.iter().all(|h| !h.is_nan()).then_some(heights)
+}
+
 /// The chains of one facet or edge.
 fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
     let from = list.partition_point(|c| c.0 < key);
@@ -162,6 +180,16 @@ impl<'a> Builder<'a, '_> {
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
         let (layout, ground) = (self.layout(), self.ground);
+        if let Some(heights) = one_height_each(self.surface) {
+            let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
+            self.cap.inside.extend(nodes);
+            self.cap.nodes.extend(0..layout.nodes.len() as u32);
+            let first = self.first;
+            self.corners = layout.facets.iter().map(|f| f.map(|n| first + n)).collect();
+            self.starts = (0..=layout.nodes.len() as u32).collect();
+            self.heights = heights.into_iter().zip(first..).collect();
+            return;
+        }
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.heights = Vec::with_capacity(layout.nodes.len() * 3);
