@@ -216,7 +216,7 @@ fn stages(prepared: &Prepared) {
             let heights = rise();
             let sever = || cut_again(&solid, &skin, &ground, &heights.surface).expect("cuts");
             let part = |mut cut: Cut| {
-                cut.absorb_chips(&solid);
+                cut.absorb_chips_again(&solid, &skin);
                 cut.part_at(&prepared.grain, &levels);
                 cut
             };

@@ -27,6 +27,8 @@ pub struct Skin {
     lowest: Vec<f64>,
     /// Whether each is of the limb, by rank.
     limb: Vec<bool>,
+    /// Lowest and highest rank of the limb's triangles at each point.
+    about: Vec<(u32, u32)>,
     /// Columns and rows of the finest grid that each limb triangle covers.
     cells: Vec<[u16; 4]>,
     low: DVec2,
@@ -90,6 +92,13 @@ impl Skin {
             ranks[t as usize] = rank as u32;
         }
         skin.ranks = Arc::new(ranks);
+        skin.about = vec![(NONE, 0); solid.points.len()];
+        for (rank, &t) in skin.order.iter().enumerate().filter(|(r, _)| skin.limb[*r]) {
+            for p in solid.triangles[t as usize] {
+                let about = &mut skin.about[p as usize];
+                *about = (about.0.min(rank as u32), about.1.max(rank as u32));
+            }
+        }
         let mut most = f64::NEG_INFINITY;
         skin.highest = Vec::with_capacity(skin.spans.len());
         for span in &skin.spans {
@@ -169,6 +178,11 @@ impl Skin {
         self.spans[rank]
     }
 
+    /// Lowest and highest rank of the limb's triangles at a point; the lowest is [`NONE`] where there are none.
+    pub(super) fn about(&self, point: u32) -> (u32, u32) {
+        self.about[point as usize]
+    }
+
     pub(super) fn is_limb(&self, rank: usize) -> bool {
         self.limb[rank]
     }
@@ -193,20 +207,6 @@ impl Sides {
             below,
             above,
             between: vec![Side::Elsewhere; above - below],
-        }
-    }
-
-    /// Whether a triangle of the mesh is surely below or above all that the break touches.
-    pub(super) fn is_beyond(&self, triangle: u32) -> bool {
-        let rank = self.ranks[triangle as usize];
-        rank != NONE && !(self.below..self.above).contains(&(rank as usize))
-    }
-
-    /// Gives a triangle of the mesh that is not surely below or above another side.
-    pub(super) fn set(&mut self, triangle: u32, side: Side) {
-        let rank = self.ranks[triangle as usize] as usize;
-        if rank >= self.below && rank < self.above {
-            self.between[rank - self.below] = side;
         }
     }
 }

@@ -13,6 +13,8 @@ pub(super) struct Scratch {
     between: Vec<(f64, u32)>,
     expanded: Vec<Piece>,
     twins: Vec<(u32, u32, bool)>,
+    /// Pieces along a side of the triangle.
+    along: Vec<u32>,
     edges: Vec<[u32; 2]>,
     ring: Vec<u32>,
     flat: Vec<DVec2>,
@@ -161,7 +163,7 @@ impl Overlay<'_> {
             }
             other != Some(p.upper)
         });
-        drop_needless(pieces, corners);
+        drop_needless(pieces, corners, &mut scratch.along);
         for upper in [false, true] {
             scratch.edges.clear();
             scratch.edges.extend(
@@ -244,21 +246,29 @@ fn twice_area(places: &[DVec2]) -> f64 {
 }
 
 /// Takes out vertices on the triangle's sides where the outline does not pass.
-fn drop_needless(pieces: &mut Vec<Piece>, corners: [u32; 3]) {
+fn drop_needless(pieces: &mut Vec<Piece>, corners: [u32; 3], along: &mut Vec<u32>) {
+    const GONE: u8 = 4;
+    let mut dropped = false;
     for side in 0..3u8 {
-        loop {
-            let found = pieces.iter().enumerate().find_map(|(i, p)| {
-                if p.side != side || corners.contains(&p.to) {
-                    return None;
-                }
-                pieces
-                    .iter()
-                    .position(|n| n.side == side && n.from == p.to && n.upper == p.upper)
-                    .map(|j| (i, j))
-            });
-            let Some((i, j)) = found else { break };
-            pieces[i].to = pieces[j].to;
-            pieces.swap_remove(j);
+        along.clear();
+        let numbers = 0..pieces.len() as u32;
+        along.extend(numbers.filter(|&i| pieces[i as usize].side == side));
+        for &i in along.iter() {
+            let i = i as usize;
+            while pieces[i].side == side && !corners.contains(&pieces[i].to) {
+                let (to, upper) = (pieces[i].to, pieces[i].upper);
+                let follows = |n: &Piece| n.side == side && n.from == to && n.upper == upper;
+                let next = along.iter().map(|&j| j as usize);
+                let Some(j) = next.into_iter().find(|&j| j != i && follows(&pieces[j])) else {
+                    break;
+                };
+                pieces[i].to = pieces[j].to;
+                pieces[j].side = GONE;
+                dropped = true;
+            }
         }
+    }
+    if dropped {
+        pieces.retain(|p| p.side != GONE);
     }
 }
