@@ -176,7 +176,7 @@ fn stages(prepared: &Prepared) {
     println!(
         "\nBy stages; layout and its ground only where rings, sectors or seed change. `part`: absorbing chips and parting the"
     );
-    println!("face at the levels of the grain. ms, medians.\n");
+    println!("face at the levels of the grain. ms, least.\n");
     println!(
         "{:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "case", "layout", "ground", "heights", "cut", "part", "face", "skin"
@@ -246,7 +246,7 @@ fn stages(prepared: &Prepared) {
                     black_box(pieces::patch(&source, &cut, &skin, &made.places));
                 }),
             ];
-            let times: String = times.iter().map(|t| format!(" {:>8.3}", t.0)).collect();
+            let times: String = times.iter().map(|t| format!(" {:>8.3}", t.1)).collect();
             println!("{name:<16}{times}");
         }
     }
