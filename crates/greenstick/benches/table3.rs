@@ -1,7 +1,8 @@
 //! How long a break takes after a change of its parameters, beside Table 3 of Yang 2019, and how long large meshes take.
 //!
-//! `cargo bench -p greenstick`; one thread does all the work. Times are medians, in brackets the least: on a machine
-//! that does other work too, the least is nearer to what the code needs.
+//! `cargo bench -p greenstick --bench table3`; one thread does all the work. Times are medians, in brackets the least:
+//! on a machine that does other work too, the least is nearer to what the code needs. Names of cases after `--`, such as
+//! `"200x200 fibrous"`, leave out the others and the large mesh.
 
 use glam::DAffine3;
 use greenstick::fracture::cut::{Cut, Ground, Skin, Solid, cut_again};
@@ -78,6 +79,20 @@ fn parameters(n: u32, surface: Surface, inclination: f64) -> BreakParameters {
     }
 }
 
+/// The case's name, where it was asked for.
+fn wanted(n: u32, surface: Surface) -> Option<String> {
+    let name = format!("{n}x{n} {surface:?}").to_lowercase();
+    let mut asked = names();
+    (asked.len() == 0 || asked.any(|a| a == name)).then_some(name)
+}
+
+/// Names of cases on the command line.
+fn names() -> impl ExactSizeIterator<Item = String> {
+    let given = std::env::args().skip(1);
+    let names: Vec<String> = given.filter(|a| !a.starts_with('-')).collect();
+    names.into_iter()
+}
+
 fn table(prepared: &Prepared) {
     println!(
         "Surface, cut, broken face and skin of both pieces, ready to be drawn: vertex positions, normals and"
@@ -86,7 +101,7 @@ fn table(prepared: &Prepared) {
         "texture coordinates and triangles of all that changes; the skin away from the break is the one already"
     );
     println!(
-        "there, by range. `shape`: a parameter of the shape changes. `seed`: the layout of the bundles changes too"
+        "there, by range. `shape`: a parameter of the shape (the inclination) changes. `seed`: the layout of the bundles changes too"
     );
     println!(
         "(rings, sectors; the smooth one keeps its layout, so its resolution changes). `meshes`: both pieces as"
@@ -100,6 +115,9 @@ fn table(prepared: &Prepared) {
     );
     for (n, paper, goals) in CASES {
         for (surface, goal) in [Surface::Smooth, Surface::Fibrous].into_iter().zip(goals) {
+            let Some(name) = wanted(n, surface) else {
+                continue;
+            };
             let mut triangles = 0;
             let shape = time(RUNS, |i| {
                 let p = parameters(n, surface, 5.0 + 0.01 * i as f64);
@@ -119,7 +137,6 @@ fn table(prepared: &Prepared) {
                 let p = parameters(n, surface, 5.0 + 0.01 * i as f64);
                 black_box(prepared.model(&p, 1.0, 1).expect("breaks"));
             });
-            let name = format!("{n}x{n} {surface:?}").to_lowercase();
             let show = |t: (f64, f64)| format!("{:.2} ({:.2})", t.0, t.1);
             println!(
                 "{name:<16} {:>17} {:>17} {:>17} {paper:>7.0} {goal:>7.1} {:>12.2} {triangles:>9}",
@@ -159,13 +176,16 @@ fn stages(prepared: &Prepared) {
     println!(
         "\nBy stages; layout and its ground only where rings, sectors or seed change. `part`: absorbing chips and parting the"
     );
-    println!("face at the levels of the grain. ms, medians.\n");
+    println!("face at the levels of the grain. ms, least.\n");
     println!(
         "{:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "case", "layout", "ground", "heights", "cut", "part", "face", "skin"
     );
     for (n, _, _) in CASES {
         for surface in [Surface::Smooth, Surface::Fibrous] {
+            let Some(name) = wanted(n, surface) else {
+                continue;
+            };
             let p = parameters(n, surface, 5.0);
             let smooth = surface == Surface::Smooth;
             let options = layout::LayoutOptions {
@@ -198,7 +218,7 @@ fn stages(prepared: &Prepared) {
             let heights = rise();
             let sever = || cut_again(&solid, &skin, &ground, &heights.surface).expect("cuts");
             let part = |mut cut: Cut| {
-                cut.absorb_chips(&solid);
+                cut.absorb_chips_again(&solid, &skin);
                 cut.part_at(&prepared.grain, &levels);
                 cut
             };
@@ -228,8 +248,7 @@ fn stages(prepared: &Prepared) {
                     black_box(pieces::patch(&source, &cut, &skin, &made.places));
                 }),
             ];
-            let name = format!("{n}x{n} {surface:?}").to_lowercase();
-            let times: String = times.iter().map(|t| format!(" {:>8.3}", t.0)).collect();
+            let times: String = times.iter().map(|t| format!(" {:>8.3}", t.1)).collect();
             println!("{name:<16}{times}");
         }
     }
@@ -335,5 +354,7 @@ fn main() {
     );
     table(&prepared);
     stages(&prepared);
-    million();
+    if names().len() == 0 {
+        million();
+    }
 }

@@ -100,7 +100,7 @@ impl Prepared {
             &heights.surface,
         )
         .map_err(|error| self.locate(error))?;
-        let chips = cut.absorb_chips(&self.solid());
+        let chips = cut.absorb_chips_again(&self.solid(), &self.kept.skin);
         cut.part_at(&self.grain, &self.kept.levels);
         let mut broken = Drawn {
             face: Face::default(),

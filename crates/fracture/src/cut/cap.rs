@@ -49,6 +49,8 @@ pub(super) struct Builder<'a, 'b> {
     knot_of: Vec<u32>,
     /// Whether the outline touches the wall over an edge or its rims.
     touched: Vec<bool>,
+    /// Whether the outline crosses the border of a facet.
+    crossed_border: Vec<bool>,
     /// Whether the line along the grain over a node pierces the skin.
     pierced: Vec<bool>,
     /// For each corner of each facet whether it lies inside the stem: 0 unknown, 1 outside, 2 inside.
@@ -68,13 +70,7 @@ pub(super) fn build<'a>(
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
 ) -> Result<Cap, CutError> {
-    for list in overlay.rails.values_mut() {
-        list.sort_by(|a, b| a.0.total_cmp(&b.0));
-        list.dedup();
-    }
-    for list in overlay.uprights.values_mut() {
-        list.sort_by(|a, b| a.0.total_cmp(&b.0));
-    }
+    overlay.sort();
     let sorted = |list: Vec<(u32, [u32; 2])>| {
         let mut list: Vec<(u32, (u32, u32))> =
             list.into_iter().map(|(f, [a, b])| (f, (a, b))).collect();
@@ -87,16 +83,18 @@ pub(super) fn build<'a>(
     let layout = &surface.layout;
     let mut touched = vec![false; layout.edges.len()];
     let mut pierced = vec![false; layout.nodes.len()];
-    // Only sets flags: the order of the map does not matter.
-    overlay
-        .rails
-        .keys()
-        .for_each(|k| touched[k.0 as usize] = true);
+    let mut crossed_border = vec![false; layout.facets.len()];
+    for &((e, which), ..) in &overlay.rails {
+        touched[e as usize] = true;
+        let facet = layout.edges[e as usize].facets[usize::from(which)].0;
+        if let Some(crossed) = crossed_border.get_mut(facet as usize) {
+            *crossed = true;
+        }
+    }
     walls.iter().for_each(|w| touched[w.0 as usize] = true);
-    overlay
-        .uprights
-        .keys()
-        .for_each(|&n| pierced[n as usize] = true);
+    for &(n, ..) in &overlay.uprights {
+        pierced[n as usize] = true;
+    }
     let mut builder = Builder {
         surface,
         ground,
@@ -110,6 +108,7 @@ pub(super) fn build<'a>(
         knots: Vec::new(),
         knot_of: Vec::new(),
         touched,
+        crossed_border,
         pierced,
         status: vec![[0; 3]; layout.facets.len()],
         crossed: Vec::new(),
@@ -130,6 +129,24 @@ pub(super) fn build<'a>(
         builder.fill_walls()?;
     }
     Ok(builder.cap)
+}
+
+/// The height at every node of a surface without steps.
+fn one_height_each(surface: &Surface) -> Option<Vec<f64>> {
+    let layout = &surface.layout;
+    let mut heights = vec![f64::NAN; layout.nodes.len()];
+    for (facet, h) in layout.facets.iter().zip(&surface.heights) {
+        for (&n, &h) in facet.iter().zip(h) {
+            let known = &mut heights[n as usize];
+            if known.is_nan() {
+                *known = h;
+            } else if *known != h {
+                return None;
+            }
+        }
+    }
+    // A node of no facet has no vertex; that is left to the general way.
+    heights.iter().all(|h| !h.is_nan()).then_some(heights)
 }
 
 /// The chains of one facet or edge.
@@ -163,6 +180,16 @@ impl<'a> Builder<'a, '_> {
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
         let (layout, ground) = (self.layout(), self.ground);
+        if let Some(heights) = one_height_each(self.surface) {
+            let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
+            self.cap.inside.extend(nodes);
+            self.cap.nodes.extend(0..layout.nodes.len() as u32);
+            let first = self.first;
+            self.corners = layout.facets.iter().map(|f| f.map(|n| first + n)).collect();
+            self.starts = (0..=layout.nodes.len() as u32).collect();
+            self.heights = heights.into_iter().zip(first..).collect();
+            return;
+        }
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.heights = Vec::with_capacity(layout.nodes.len() * 3);
@@ -237,12 +264,11 @@ impl<'a> Builder<'a, '_> {
         let e = layout.sides[facet as usize][usize::from(k)];
         let edge = &layout.edges[e as usize];
         let which = u8::from(edge.facets[1] == (facet, k));
-        let mut list: Vec<(f64, u32)> = self
-            .overlay
-            .rails
-            .get(&(e, which))
-            .cloned()
-            .unwrap_or_default();
+        let mut list: Vec<(f64, u32)> = if self.touched[e as usize] {
+            self.overlay.rail(e, which).collect()
+        } else {
+            Vec::new()
+        };
         if let Some(knot) = self.knot(e) {
             list.insert(list.partition_point(|p| p.0 < knot.0), knot);
         }
@@ -320,10 +346,8 @@ impl<'a> Builder<'a, '_> {
             return 0;
         }
         let (low, high) = (a.min(b), a.max(b));
-        self.overlay
-            .uprights
-            .get(&node)
-            .map_or(0, |l| l.iter().filter(|p| p.0 > low && p.0 < high).count())
+        let pierced = self.overlay.upright(node);
+        pierced.filter(|p| p.0 > low && p.0 < high).count()
     }
 
     /// Carries inside and outside from facets that the outline crosses to all others. Where there is no skin above or
@@ -408,21 +432,13 @@ impl<'a> Builder<'a, '_> {
                 while let Some((_, triangle)) = done.next_if(|c| c.0 == facet) {
                     self.push(*triangle, face);
                 }
-            } else if self.status[facet as usize] == [INSIDE; 3] && !self.is_crossed(facet) {
+            } else if self.status[facet as usize] == [INSIDE; 3]
+                && !self.crossed_border[facet as usize]
+            {
                 self.fill_whole_top(facet, face);
             }
         }
         Ok(())
-    }
-
-    /// Whether the outline crosses the border of a facet.
-    fn is_crossed(&self, facet: u32) -> bool {
-        let layout = self.layout();
-        (0..3u8).any(|k| {
-            let e = layout.sides[facet as usize][usize::from(k)];
-            let which = u8::from(layout.edges[e as usize].facets[1] == (facet, k));
-            self.touched[e as usize] && self.overlay.rails.contains_key(&(e, which))
-        })
     }
 
     /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.

@@ -3,26 +3,36 @@
 //! Where the skin bulges or the surface runs out steeply, a sliver of one piece may be joined to it nowhere. It is
 //! joined to the other piece by the face between them; that face is taken out and the chip changes sides.
 
-use super::{Cut, Side, Solid, root};
+use super::{Cut, Side, Skin, Solid, root};
 
 impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. Returns how many.
     pub fn absorb_chips(&mut self, solid: &Solid) -> usize {
+        if self.outlines <= 1 {
+            return 0;
+        }
+        // The order of the skin does not depend on the reach of breaks.
+        self.absorb_chips_again(solid, &Skin::new(solid, (0.0, 0.0)))
+    }
+
+    /// [`Cut::absorb_chips`] with the sorted `skin` of `solid`.
+    pub fn absorb_chips_again(&mut self, solid: &Solid, skin: &Skin) -> usize {
         // One closed outline parts a stem in two and no more.
         if self.outlines <= 1 {
             return 0;
         }
         let mut moved = 0;
         for upper in [false, true] {
-            moved += self.absorb(solid, upper);
+            moved += self.absorb(solid, skin, upper);
         }
         moved
     }
 
-    fn absorb(&mut self, solid: &Solid, upper: bool) -> usize {
+    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool) -> usize {
         let side = if upper { Side::Upper } else { Side::Lower };
-        let mut parent: Vec<u32> =
-            (0..(self.points + self.vertices.len() + self.inside.len()) as u32).collect();
+        let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
+        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at `count`.
+        let mut parent: Vec<u32> = (0..=count).collect();
         let mut join = |t: [u32; 3]| {
             let a = root(&mut parent, t[0]);
             for other in [t[1], t[2]] {
@@ -30,46 +40,62 @@ impl Cut {
                 parent[b] = a;
             }
         };
-        let whole = |t: &&u32| self.sides[**t as usize] == side;
-        solid
-            .limb
-            .iter()
-            .filter(whole)
-            .for_each(|&t| join(solid.triangles[t as usize]));
-        self.skin
-            .iter()
-            .filter(|s| s.upper == upper)
-            .for_each(|s| join(s.corners));
+        let (below, above) = (self.sides.below, self.sides.above);
+        let beyond = |p: u32| {
+            let (first, last) = skin.about(p);
+            first <= last
+                && if upper {
+                    last as usize >= above
+                } else {
+                    (first as usize) < below
+                }
+        };
+        // Triangles of the limb about the break on this side.
+        let whole: Vec<(usize, [u32; 3])> = (below..above)
+            .filter(|&rank| self.sides.between[rank - below] == side && skin.is_limb(rank))
+            .map(|rank| (rank - below, solid.triangles[skin.order[rank] as usize]))
+            .collect();
+        let parts = self.skin.iter().filter(|s| s.upper == upper);
+        for corners in whole.iter().map(|w| w.1).chain(parts.map(|s| s.corners)) {
+            join(corners);
+            for p in corners {
+                if (p as usize) < self.points && beyond(p) {
+                    join([p, count, count]);
+                }
+            }
+        }
         self.cap.iter().for_each(|t| join(*t));
-        let mut sizes = vec![0u64; parent.len()];
-        // What reaches beyond all that the break touches is the piece itself, however small.
-        const BEYOND: u64 = 1 << 40;
-        for &t in solid.limb.iter().filter(whole) {
-            let weight = if self.sides.is_beyond(t) { BEYOND } else { 1 };
-            sizes[root(&mut parent, solid.triangles[t as usize][0]) as usize] += weight;
+        let mut sizes = vec![0u32; parent.len()];
+        for &(_, t) in &whole {
+            sizes[root(&mut parent, t[0]) as usize] += 1;
         }
         for s in self.skin.iter().filter(|s| s.upper == upper) {
             sizes[root(&mut parent, s.corners[0]) as usize] += 1;
         }
-        let Some(main) = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i))) else {
-            return 0;
+        let reaches = if upper {
+            above < skin.order.len()
+        } else {
+            below > 0
+        };
+        let main = if reaches {
+            root(&mut parent, count) as usize
+        } else {
+            let largest = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i)));
+            largest.unwrap_or(0)
         };
         let chips = sizes
             .iter()
             .enumerate()
-            .filter(|&(i, &n)| i != main && n > 0 && n < BEYOND)
+            .filter(|&(i, &n)| i != main && n > 0)
             .count();
         if chips == 0 {
             return 0;
         }
-        let mut is_chip = |v: u32| {
-            let r = root(&mut parent, v) as usize;
-            r != main && sizes[r] < BEYOND
-        };
-        for &t in solid.limb {
-            if self.sides[t as usize] == side && is_chip(solid.triangles[t as usize][0]) {
-                self.sides
-                    .set(t, if upper { Side::Lower } else { Side::Upper });
+        let mut is_chip = |v: u32| root(&mut parent, v) as usize != main;
+        let other = if upper { Side::Lower } else { Side::Upper };
+        for &(i, t) in &whole {
+            if is_chip(t[0]) {
+                self.sides.between[i] = other;
             }
         }
         for s in self.skin.iter_mut().filter(|s| s.upper == upper) {

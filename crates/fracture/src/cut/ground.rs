@@ -1,10 +1,11 @@
 //! What of a cut stays while its parameters change: the skin sorted along the grain and across it, and which facets of a
 //! layout lie near it.
 
-use super::{CutError, Side, Solid};
+use super::overlay::clips::Clips;
+use super::{Side, Solid};
 use crate::surface::{Layout, NONE, Surface};
 use glam::DVec2;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Cells of the finest grid, each way.
 const FINEST: usize = 256;
@@ -26,6 +27,8 @@ pub struct Skin {
     lowest: Vec<f64>,
     /// Whether each is of the limb, by rank.
     limb: Vec<bool>,
+    /// Lowest and highest rank of the limb's triangles at each point.
+    about: Vec<(u32, u32)>,
     /// Columns and rows of the finest grid that each limb triangle covers.
     cells: Vec<[u16; 4]>,
     low: DVec2,
@@ -89,6 +92,13 @@ impl Skin {
             ranks[t as usize] = rank as u32;
         }
         skin.ranks = Arc::new(ranks);
+        skin.about = vec![(NONE, 0); solid.points.len()];
+        for (rank, &t) in skin.order.iter().enumerate().filter(|(r, _)| skin.limb[*r]) {
+            for p in solid.triangles[t as usize] {
+                let about = &mut skin.about[p as usize];
+                *about = (about.0.min(rank as u32), about.1.max(rank as u32));
+            }
+        }
         let mut most = f64::NEG_INFINITY;
         skin.highest = Vec::with_capacity(skin.spans.len());
         for span in &skin.spans {
@@ -168,6 +178,11 @@ impl Skin {
         self.spans[rank]
     }
 
+    /// Lowest and highest rank of the limb's triangles at a point; the lowest is [`NONE`] where there are none.
+    pub(super) fn about(&self, point: u32) -> (u32, u32) {
+        self.about[point as usize]
+    }
+
     pub(super) fn is_limb(&self, rank: usize) -> bool {
         self.limb[rank]
     }
@@ -192,20 +207,6 @@ impl Sides {
             below,
             above,
             between: vec![Side::Elsewhere; above - below],
-        }
-    }
-
-    /// Whether a triangle of the mesh is surely below or above all that the break touches.
-    pub(super) fn is_beyond(&self, triangle: u32) -> bool {
-        let rank = self.ranks[triangle as usize];
-        rank != NONE && !(self.below..self.above).contains(&(rank as usize))
-    }
-
-    /// Gives a triangle of the mesh that is not surely below or above another side.
-    pub(super) fn set(&mut self, triangle: u32, side: Side) {
-        let rank = self.ranks[triangle as usize] as usize;
-        if rank >= self.below && rank < self.above {
-            self.between[rank - self.below] = side;
         }
     }
 }
@@ -245,6 +246,8 @@ pub struct Ground {
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
+    /// Parts of the skin's triangles over the facets, as far as breaks have asked for them.
+    clips: Arc<Mutex<Clips>>,
 }
 
 /// "Near the skin" in [`Ground::regions`].
@@ -255,6 +258,42 @@ impl Ground {
     /// Whether a facet lies near the skin at any length along it; others lie wholly inside or wholly outside.
     pub fn is_near(&self, facet: u32) -> bool {
         self.regions[facet as usize] == NEAR
+    }
+
+    /// What earlier breaks have found out.
+    pub(super) fn clips(&self) -> MutexGuard<'_, Clips> {
+        // Whatever a panic elsewhere has left there is whole or empty.
+        self.clips.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    /// Facets whose boxes meet that of the limb triangle of a rank, ascending. `flat` are its corners; `marks` has the
+    /// mark of no facet yet.
+    pub(super) fn candidates(
+        &self,
+        rank: usize,
+        skin: &Skin,
+        flat: [DVec2; 3],
+        (marks, mark): (&mut [u32], u32),
+        out: &mut Vec<u32>,
+    ) {
+        let [a, b, c] = flat;
+        let (near, far) = (a.min(b).min(c), a.max(b).max(c));
+        out.clear();
+        let [i0, j0, i1, j1] = skin.cells[rank].map(|c| usize::from(c) >> self.level);
+        for j in j0..=j1 {
+            for cell in j * self.size + i0..=j * self.size + i1 {
+                let (from, to) = (self.starts[cell], self.starts[cell + 1]);
+                for &f in &self.facets[from as usize..to as usize] {
+                    let b = &self.boxes[f as usize];
+                    let meets = b[0] <= far.x && b[2] >= near.x && b[1] <= far.y && b[3] >= near.y;
+                    if meets && marks[f as usize] != mark {
+                        marks[f as usize] = mark;
+                        out.push(f);
+                    }
+                }
+            }
+        }
+        out.sort_unstable();
     }
 
     /// Lays out `layout` on `skin`.
@@ -369,92 +408,74 @@ impl Ground {
     }
 }
 
-/// The heights of a surface over the cells of a ground, and what finds its facets.
+/// The heights of a surface over the cells of a ground.
 pub(super) struct Relief<'a> {
     ground: &'a Ground,
     skin: &'a Skin,
     surface: &'a Surface,
-    /// Lowest and highest height over each cell.
+    /// Lowest and highest height over each cell; [`UNASKED`] for cells not asked for yet.
     cells: Vec<(f64, f64)>,
-    mark: Vec<u32>,
-    turn: u32,
 }
+
+const UNASKED: (f64, f64) = (0.0, 0.0);
 
 impl<'a> Relief<'a> {
     pub fn new(skin: &'a Skin, ground: &'a Ground, surface: &'a Surface) -> Self {
-        let mut cells = vec![(f64::INFINITY, f64::NEG_INFINITY); ground.size * ground.size];
-        for (cell, range) in cells.iter_mut().enumerate() {
-            for i in ground.starts[cell]..ground.starts[cell + 1] {
-                let h = surface.heights[ground.facets[i as usize] as usize];
-                range.0 = range.0.min(h[0].min(h[1]).min(h[2]));
-                range.1 = range.1.max(h[0].max(h[1]).max(h[2]));
-            }
-        }
         Relief {
             ground,
             skin,
             surface,
-            cells,
-            mark: vec![0; ground.layout.facets.len()],
-            turn: 0,
+            cells: vec![UNASKED; ground.size * ground.size],
         }
     }
 
-    /// The side of a limb triangle, or the facets it may meet.
-    pub fn meet(
-        &mut self,
-        rank: usize,
-        solid: &Solid,
-        out: &mut Vec<u32>,
-    ) -> Result<Side, CutError> {
-        let (low, high) = self.skin.spans[rank];
+    fn range(&self, facets: impl Iterator<Item = u32>) -> (f64, f64) {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for f in facets {
+            let h = self.surface.heights[f as usize];
+            range.0 = range.0.min(h[0].min(h[1]).min(h[2]));
+            range.1 = range.1.max(h[0].max(h[1]).max(h[2]));
+        }
+        range
+    }
+
+    /// The side of a limb triangle, or [`Side::Split`] where the facets over it must be asked.
+    pub fn meet(&mut self, rank: usize) -> Side {
         let [i0, j0, i1, j1] = self.skin.cells[rank].map(|c| usize::from(c) >> self.ground.level);
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for j in j0..=j1 {
-            for cell in &self.cells[j * self.ground.size + i0..=j * self.ground.size + i1] {
+            for cell in j * self.ground.size + i0..=j * self.ground.size + i1 {
+                if self.cells[cell] == UNASKED {
+                    let list =
+                        self.ground.starts[cell] as usize..self.ground.starts[cell + 1] as usize;
+                    self.cells[cell] = self.range(self.ground.facets[list].iter().copied());
+                }
+                let cell = self.cells[cell];
                 range = (range.0.min(cell.0), range.1.max(cell.1));
             }
         }
-        if low > range.1 && range.0 <= range.1 {
-            return Ok(Side::Upper);
+        match side(self.skin.spans[rank], range) {
+            Side::Elsewhere => Side::Split,
+            side => side,
         }
-        if high <= range.0 && range.0 <= range.1 {
-            return Ok(Side::Lower);
-        }
-        let [a, b, c] = solid.triangles[self.skin.order[rank] as usize]
-            .map(|p| solid.points[p as usize].truncate());
-        let (near, far) = (a.min(b).min(c), a.max(b).max(c));
-        out.clear();
-        self.turn += 1;
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for j in j0..=j1 {
-            for cell in j * self.ground.size + i0..=j * self.ground.size + i1 {
-                let (from, to) = (self.ground.starts[cell], self.ground.starts[cell + 1]);
-                for &f in &self.ground.facets[from as usize..to as usize] {
-                    let b = &self.ground.boxes[f as usize];
-                    let meets = b[0] <= far.x && b[2] >= near.x && b[1] <= far.y && b[3] >= near.y;
-                    if meets && self.mark[f as usize] != self.turn {
-                        self.mark[f as usize] = self.turn;
-                        let h = self.surface.heights[f as usize];
-                        range.0 = range.0.min(h[0].min(h[1]).min(h[2]));
-                        range.1 = range.1.max(h[0].max(h[1]).max(h[2]));
-                        out.push(f);
-                    }
-                }
-            }
-        }
-        if out.is_empty() {
-            return Err(CutError::OffLayout {
-                at: solid.points[solid.triangles[self.skin.order[rank] as usize][0] as usize],
-            });
-        }
-        if low > range.1 {
-            return Ok(Side::Upper);
-        }
-        if high <= range.0 {
-            return Ok(Side::Lower);
-        }
-        out.sort_unstable();
-        Ok(Side::Split)
+    }
+
+    /// The side of a triangle that spans some lengths (m) and lies over some facets.
+    pub fn compare(&self, span: (f64, f64), facets: impl Iterator<Item = u32>) -> Side {
+        side(span, self.range(facets))
+    }
+}
+
+/// The side of what spans some lengths, given the range of heights over it: [`Side::Split`] where they overlap,
+/// [`Side::Elsewhere`] where there are no heights.
+fn side((low, high): (f64, f64), range: (f64, f64)) -> Side {
+    if range.0 > range.1 {
+        Side::Elsewhere
+    } else if low > range.1 {
+        Side::Upper
+    } else if high <= range.0 {
+        Side::Lower
+    } else {
+        Side::Split
     }
 }

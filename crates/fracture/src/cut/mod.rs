@@ -11,7 +11,7 @@ mod polygon;
 use crate::surface::Surface;
 use glam::DVec3;
 pub use ground::{Ground, Sides, Skin};
-use overlay::{Overlay, Place};
+use overlay::{Overlay, Place, clips::Clips};
 use rustc_hash::FxHashMap;
 
 /// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
@@ -179,12 +179,47 @@ pub fn cut_again(
     ground: &Ground,
     surface: &Surface,
 ) -> Result<Cut, CutError> {
-    let band = surface.range();
+    // Another break of the same ground at the same time works out anew what it needs.
+    let mut clips = std::mem::take(&mut *ground.clips());
+    clips.begin(skin.order.len(), surface.layout.facets.len());
     let mut overlay = Overlay::new(surface, solid.points);
+    let sides = lay(solid, skin, ground, surface, &mut clips, &mut overlay);
+    {
+        let mut kept = ground.clips();
+        if kept.size() < clips.size() {
+            *kept = clips;
+        }
+    }
+    let sides = sides?;
+    let outlines = outlines(&overlay);
+    let cap = cap::build(surface, ground, &mut overlay)?;
+    Ok(Cut {
+        points: solid.points.len(),
+        vertices: overlay.vertices,
+        inside: cap.inside,
+        nodes: cap.nodes,
+        sides,
+        skin: overlay.skin,
+        cap: cap.triangles,
+        faces: cap.faces,
+        walls: cap.walls,
+        outlines,
+    })
+}
+
+/// Lays the skin over the surface: finds the side of every triangle and cuts those that the surface meets.
+fn lay(
+    solid: &Solid,
+    skin: &Skin,
+    ground: &Ground,
+    surface: &Surface,
+    clips: &mut Clips,
+    overlay: &mut Overlay,
+) -> Result<Sides, CutError> {
+    let band = surface.range();
     let mut relief = ground::Relief::new(skin, ground, surface);
     let window = skin.window(band);
     let mut sides = Sides::new(skin, window);
-    let mut candidates = Vec::new();
     let mut doubtful = false;
     for rank in window.0..window.1 {
         let (low, high) = skin.span(rank);
@@ -197,12 +232,26 @@ pub fn cut_again(
             doubtful = true;
             Side::Elsewhere
         } else {
-            match relief.meet(rank, solid, &mut candidates)? {
-                Side::Split => match overlay.split(t, solid.triangles[t as usize], &candidates)? {
-                    Place::Lower => Side::Lower,
-                    Place::Upper => Side::Upper,
-                    Place::Split => Side::Split,
-                },
+            match relief.meet(rank) {
+                Side::Split => {
+                    let corners = solid.triangles[t as usize];
+                    let parts = clips.of(rank, skin, ground, solid);
+                    let facets = clips.facets(parts);
+                    match relief.compare((low, high), facets) {
+                        // No facet at all.
+                        Side::Elsewhere => {
+                            return Err(CutError::OffLayout {
+                                at: solid.points[corners[0] as usize],
+                            });
+                        }
+                        Side::Split => match overlay.split(t, corners, clips, parts)? {
+                            Place::Lower => Side::Lower,
+                            Place::Upper => Side::Upper,
+                            Place::Split => Side::Split,
+                        },
+                        side => side,
+                    }
+                }
                 side => side,
             }
         };
@@ -210,29 +259,7 @@ pub fn cut_again(
     if doubtful {
         spread(solid, skin, &mut sides)?;
     }
-    let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay)?;
-    let skin = overlay
-        .skin
-        .iter()
-        .map(|&(source, corners, upper)| SkinTriangle {
-            source,
-            corners,
-            upper,
-        })
-        .collect();
-    Ok(Cut {
-        points: solid.points.len(),
-        vertices: overlay.vertices,
-        inside: cap.inside,
-        nodes: cap.nodes,
-        sides,
-        skin,
-        cap: cap.triangles,
-        faces: cap.faces,
-        walls: cap.walls,
-        outlines,
-    })
+    Ok(sides)
 }
 
 /// Number of closed lines that the outline of the break consists of.

@@ -5,52 +5,34 @@
 //! edge is made once and shared. Within a facet the skin lies above the surface (upper piece) or below it (lower
 //! piece); the lines between are the outline that the broken faces must fill.
 
+pub(super) mod clips;
 mod join;
 
-use super::{CutError, CutVertex, Host};
+use super::{CutError, CutVertex, Host, SkinTriangle};
 use crate::surface::{NONE, Surface};
+use clips::{Clips, Corner, Part, Slot, Support};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::intersect::orient2d as orientation;
 use greenstick_geometry::triangulate::Triangulator;
 use rustc_hash::FxHashMap;
 
-/// What an edge of a clipped polygon lies on.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Support {
-    /// Side i of the skin's triangle.
-    Skin(u8),
-    /// Side k of the facet.
-    Facet(u8),
-}
-
-/// What a corner of a clipped polygon is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Corner {
-    /// Corner i of the skin's triangle.
-    Point(u8),
-    /// Side i of the triangle across side k of the facet.
-    Crossing(u8, u8),
-    /// Corner k of the facet.
-    Node(u8),
-}
-
 /// A corner of the part of a triangle over a facet.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Placed {
     id: u32,
     /// Height above the surface, m.
     above: f64,
-    /// What the edge to the next corner lies on.
-    support: Support,
-    corner: Corner,
+    slot: Slot,
 }
 
 /// A point where the surface cuts an edge of a clipped polygon.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Cut {
     fraction: f64,
     id: u32,
     above: [u64; 2],
+    /// The next one on the same edge, or [`NONE`].
+    next: u32,
 }
 
 /// A directed edge of the lower or the upper part of a triangle.
@@ -65,6 +47,18 @@ struct Piece {
     side: u8,
 }
 
+/// Memory for one triangle after another.
+#[derive(Debug, Default)]
+struct Scratch {
+    pieces: Vec<Piece>,
+    placed: Vec<Placed>,
+    ring: Vec<(u32, Option<bool>, Support)>,
+    turns: Vec<u32>,
+    /// Edges of polygons along the layout's: (ends, edge).
+    spans: Vec<(u32, u32, u32)>,
+    join: join::Scratch,
+}
+
 /// The outline of the cut and everything found on the way. Vertex numbers below `points.len()` are the skin's points,
 /// the others index `vertices`.
 pub(super) struct Overlay<'a> {
@@ -77,16 +71,19 @@ pub(super) struct Overlay<'a> {
     pub tops: Vec<(u32, [u32; 2])>,
     /// Outline on the wall over an edge: (edge, [from, to]).
     pub walls: Vec<(u32, [u32; 2])>,
-    /// Outline points on the top rim of a wall: (edge, which of its facets) → (fraction of the edge, vertex).
-    pub rails: FxHashMap<(u32, u8), Vec<(f64, u32)>>,
-    /// Where the line along the grain over a node pierces the skin: node → (length, vertex).
-    pub uprights: FxHashMap<u32, Vec<(f64, u32)>>,
-    /// New triangles of the skin: (source triangle, corners, in the upper piece).
-    pub skin: Vec<(u32, [u32; 3], bool)>,
-    crossings: FxHashMap<(u32, u32, u32), (u32, f64)>,
-    nodes: FxHashMap<(u32, u32), u32>,
-    cuts: FxHashMap<(u32, u32), Vec<Cut>>,
-    pieces: Vec<Piece>,
+    /// Outline points on the top rim of a wall: (edge, which of its facets), fraction of the edge, vertex; see
+    /// [`Overlay::sort`].
+    pub rails: Vec<((u32, u8), f64, u32)>,
+    /// Where the line along the grain over a node pierces the skin: node, length, vertex; see [`Overlay::sort`].
+    pub uprights: Vec<(u32, f64, u32)>,
+    /// New triangles of the skin.
+    pub skin: Vec<SkinTriangle>,
+    /// Number of each of [`Clips::vertices`] in this cut, or [`NONE`].
+    made: Vec<u32>,
+    /// First of `cuts` on the edge between two vertices.
+    first_cuts: FxHashMap<(u32, u32), u32>,
+    cuts: Vec<Cut>,
+    scratch: Scratch,
     triangulator: Triangulator,
 }
 
@@ -109,13 +106,13 @@ impl<'a> Overlay<'a> {
             vertices: Vec::new(),
             tops: Vec::new(),
             walls: Vec::new(),
-            rails: FxHashMap::default(),
-            uprights: FxHashMap::default(),
+            rails: Vec::new(),
+            uprights: Vec::new(),
             skin: Vec::new(),
-            crossings: FxHashMap::default(),
-            nodes: FxHashMap::default(),
-            cuts: FxHashMap::default(),
-            pieces: Vec::new(),
+            made: Vec::new(),
+            first_cuts: FxHashMap::default(),
+            cuts: Vec::new(),
+            scratch: Scratch::default(),
             triangulator: Triangulator::default(),
         }
     }
@@ -142,145 +139,105 @@ impl<'a> Overlay<'a> {
         self.points[point as usize].truncate()
     }
 
-    /// Lays triangle number `triangle` with the points `corners` over the facets `candidates`.
+    /// Sorts what was found by where it lies; to be done before [`Overlay::rail`] and [`Overlay::upright`].
+    pub fn sort(&mut self) {
+        self.rails
+            .sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        self.rails.dedup();
+        self.uprights
+            .sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    }
+
+    /// Outline points on the rim of a wall, by rising fraction.
+    pub fn rail(&self, edge: u32, which: u8) -> impl DoubleEndedIterator<Item = (f64, u32)> {
+        let from = self.rails.partition_point(|r| r.0 < (edge, which));
+        let count = self.rails[from..].partition_point(|r| r.0 == (edge, which));
+        self.rails[from..from + count].iter().map(|r| (r.1, r.2))
+    }
+
+    /// Where the line along the grain over a node pierces the skin, by rising length.
+    pub fn upright(&self, node: u32) -> impl Iterator<Item = (f64, u32)> {
+        let from = self.uprights.partition_point(|r| r.0 < node);
+        let count = self.uprights[from..].partition_point(|r| r.0 == node);
+        self.uprights[from..from + count].iter().map(|r| (r.1, r.2))
+    }
+
+    /// Cuts triangle number `triangle` with the points `corners`; `parts` are its parts over the facets.
     pub fn split(
         &mut self,
         triangle: u32,
         corners: [u32; 3],
-        candidates: &[u32],
+        clips: &Clips,
+        parts: (u32, u32),
     ) -> Result<Place, CutError> {
-        self.pieces.clear();
-        let mut clipped = Vec::with_capacity(9);
-        let mut spans: Vec<(u32, u32, u32)> = Vec::new();
-        for &facet in candidates {
-            self.clip(corners, facet, &mut clipped);
-            if clipped.len() >= 3 {
-                let placed = self.place(triangle, corners, facet, &clipped);
-                self.divide(triangle, corners, facet, &placed, &mut spans)?;
+        self.made.resize(clips.vertices.len(), NONE);
+        let mut scratch = std::mem::take(&mut self.scratch);
+        scratch.pieces.clear();
+        scratch.spans.clear();
+        let mut done = Ok(());
+        for part in &clips.parts[parts.0 as usize..parts.1 as usize] {
+            self.place(corners, part, clips, &mut scratch.placed);
+            done = self.divide(triangle, corners, part.facet, clips, &mut scratch);
+            if done.is_err() {
+                break;
             }
         }
-        if self.pieces.iter().all(|p| p.upper) {
-            return Ok(Place::Upper);
-        }
-        if self.pieces.iter().all(|p| !p.upper) {
-            return Ok(Place::Lower);
-        }
-        self.expand(&spans);
-        self.join(triangle, corners)?;
-        Ok(Place::Split)
-    }
-
-    /// Whether point `p` lies left of side `k` of `facet`. Ties go the same way for both facets of an edge.
-    fn inside(&self, facet: u32, k: u8, p: u32) -> bool {
-        let layout = &self.surface.layout;
-        let edge = &layout.edges[layout.sides[facet as usize][usize::from(k)] as usize];
-        let [a, b] = edge.nodes.map(|n| layout.nodes[n as usize]);
-        (orientation(a, b, self.xy(p)) >= 0.0) == (edge.facets[0] == (facet, k))
-    }
-
-    /// Whether `node` lies left of p → q. Ties go the same way for both triangles of an edge.
-    fn left(&self, p: u32, q: u32, node: u32) -> bool {
-        let n = self.surface.layout.nodes[node as usize];
-        (orientation(self.xy(p.min(q)), self.xy(p.max(q)), n) >= 0.0) == (p < q)
-    }
-
-    /// The part of a triangle over a facet (Sutherland and Hodgman 1974), each corner named by what it is.
-    fn clip(&self, corners: [u32; 3], facet: u32, out: &mut Vec<(Corner, Support)>) {
-        out.clear();
-        let mut inside = [[false; 3]; 3];
-        for k in 0..3u8 {
-            let line = corners.map(|p| self.inside(facet, k, p));
-            if line == [false; 3] {
-                return;
+        let pieces = &scratch.pieces;
+        let place = match done {
+            Err(error) => Err(error),
+            Ok(()) if pieces.iter().all(|p| p.upper) => Ok(Place::Upper),
+            Ok(()) if pieces.iter().all(|p| !p.upper) => Ok(Place::Lower),
+            Ok(()) => {
+                self.expand(&scratch.spans, &mut scratch.pieces, &mut scratch.join);
+                self.join(triangle, corners, &mut scratch.pieces, &mut scratch.join)
+                    .map(|()| Place::Split)
             }
-            inside[usize::from(k)] = line;
-        }
-        let nodes = self.surface.layout.facets[facet as usize];
-        out.extend((0..3).map(|i| (Corner::Point(i), Support::Skin(i))));
-        let mut before = Vec::with_capacity(9);
-        for k in 0..3u8 {
-            if inside[usize::from(k)].iter().all(|&i| i) {
-                continue;
-            }
-            std::mem::swap(&mut before, out);
-            out.clear();
-            let keeps = |corner: Corner| match corner {
-                Corner::Point(i) => inside[usize::from(k)][usize::from(i)],
-                Corner::Node(_) => true,
-                Corner::Crossing(i, line) => {
-                    // Along the other line, the crossing lies before or after the node it shares with line k.
-                    let next = (line + 1) % 3 == k;
-                    let shared = nodes[usize::from(if next { k } else { line })];
-                    let (p, q) = (corners[usize::from(i)], corners[(usize::from(i) + 1) % 3]);
-                    let before =
-                        self.left(p, q, shared) == inside[usize::from(line)][usize::from(i)];
-                    before == next
-                }
-            };
-            let count = before.len();
-            for j in 0..count {
-                let (corner, support) = before[j];
-                let following = before[(j + 1) % count].0;
-                let (here, there) = (keeps(corner), keeps(following));
-                let crossing = match support {
-                    Support::Skin(i) => Corner::Crossing(i, k),
-                    Support::Facet(line) => {
-                        Corner::Node(if (line + 1) % 3 == k { k } else { line })
-                    }
-                };
-                match (here, there) {
-                    (true, true) => out.push((corner, support)),
-                    (true, false) => out.extend([(corner, support), (crossing, Support::Facet(k))]),
-                    (false, true) => out.push((crossing, support)),
-                    (false, false) => {}
-                }
-            }
-            if out.len() < 3 {
-                out.clear();
-                return;
-            }
-        }
+        };
+        self.scratch = scratch;
+        place
     }
 
     /// Makes or finds the vertices of a clipped polygon and their heights above the facet.
-    fn place(
-        &mut self,
-        triangle: u32,
-        corners: [u32; 3],
-        facet: u32,
-        polygon: &[(Corner, Support)],
-    ) -> Vec<Placed> {
-        polygon
-            .iter()
-            .map(|&(corner, support)| {
-                let (id, height) = match corner {
-                    Corner::Point(i) => {
-                        let p = corners[usize::from(i)];
-                        (p, self.height(facet, self.xy(p)))
-                    }
-                    Corner::Crossing(i, k) => {
-                        let (p, q) = (corners[usize::from(i)], corners[(usize::from(i) + 1) % 3]);
-                        let (id, fraction) = self.crossing(p.min(q), p.max(q), facet, k);
-                        let [a, b] = self.surface.rail(facet, k);
-                        (id, a + (b - a) * fraction)
-                    }
-                    Corner::Node(k) => {
-                        let id = self.node(
-                            triangle,
-                            corners,
-                            self.surface.layout.facets[facet as usize][usize::from(k)],
-                        );
-                        (id, self.surface.heights[facet as usize][usize::from(k)])
-                    }
-                };
-                Placed {
-                    id,
-                    above: self.grain(id).z - height,
-                    support,
-                    corner,
+    fn place(&mut self, corners: [u32; 3], part: &Part, clips: &Clips, placed: &mut Vec<Placed>) {
+        placed.clear();
+        let facet = part.facet;
+        for &slot in &clips.slots[part.slots.0 as usize..part.slots.1 as usize] {
+            let (id, height) = match slot.corner {
+                Corner::Point(i) => {
+                    let p = corners[usize::from(i)];
+                    (p, self.height(facet, self.xy(p)))
                 }
-            })
-            .collect()
+                Corner::Crossing(_, k) => {
+                    let [a, b] = self.surface.rail(facet, k);
+                    let fraction = clips.vertices[slot.vertex as usize].fraction;
+                    (self.fixed(slot.vertex, clips), a + (b - a) * fraction)
+                }
+                Corner::Node(k) => {
+                    let height = self.surface.heights[facet as usize][usize::from(k)];
+                    (self.fixed(slot.vertex, clips), height)
+                }
+            };
+            placed.push(Placed {
+                id,
+                above: self.grain(id).z - height,
+                slot,
+            });
+        }
+    }
+
+    /// The vertex in this cut of one of [`Clips::vertices`].
+    fn fixed(&mut self, number: u32, clips: &Clips) -> u32 {
+        let known = self.made[number as usize];
+        if known != NONE {
+            return known;
+        }
+        let fixed = &clips.vertices[number as usize];
+        let id = self.add(fixed.grain, fixed.host);
+        self.made[number as usize] = id;
+        if fixed.node != NONE {
+            self.uprights.push((fixed.node, fixed.grain.z, id));
+        }
+        id
     }
 
     /// Height of a facet's plane over `p`.
@@ -300,75 +257,12 @@ impl<'a> Overlay<'a> {
             .min(h[0].max(h[1]).max(h[2]))
     }
 
-    /// The vertex where the skin's edge p–q (p < q) crosses side `k` of `facet`, and its fraction of that side.
-    fn crossing(&mut self, p: u32, q: u32, facet: u32, k: u8) -> (u32, f64) {
-        let layout = &self.surface.layout;
-        let edge = layout.sides[facet as usize][usize::from(k)];
-        if let Some(&known) = self.crossings.get(&(p, q, edge)) {
-            return known;
-        }
-        let [a, b] = layout.edges[edge as usize]
-            .nodes
-            .map(|n| layout.nodes[n as usize]);
-        let (u, v) = (orientation(a, b, self.xy(p)), orientation(a, b, self.xy(q)));
-        let t = (u / (u - v)).clamp(0.0, 1.0);
-        let (u, v) = (
-            orientation(self.xy(p), self.xy(q), a),
-            orientation(self.xy(p), self.xy(q), b),
-        );
-        let fraction = if u == v {
-            0.5
-        } else {
-            (u / (u - v)).clamp(0.0, 1.0)
-        };
-        let grain = self.points[p as usize].lerp(self.points[q as usize], t);
-        let id = self.add(grain, Host::Edge { ends: [p, q], t });
-        self.crossings.insert((p, q, edge), (id, fraction));
-        (id, fraction)
-    }
-
-    /// The vertex where the line along the grain over `node` pierces a triangle.
-    fn node(&mut self, triangle: u32, corners: [u32; 3], node: u32) -> u32 {
-        if let Some(&id) = self.nodes.get(&(triangle, node)) {
-            return id;
-        }
-        let n = self.surface.layout.nodes[node as usize];
-        let [a, b, c] = corners.map(|p| self.xy(p));
-        let mut w = [
-            orientation(b, c, n),
-            orientation(c, a, n),
-            orientation(a, b, n),
-        ];
-        let sum = w[0] + w[1] + w[2];
-        w = if sum == 0.0 {
-            [1.0 / 3.0; 3]
-        } else {
-            w.map(|v| (v / sum).clamp(0.0, 1.0))
-        };
-        let s: f64 = (0..3)
-            .map(|i| w[i] * self.points[corners[i] as usize].z)
-            .sum();
-        let id = self.add(
-            n.extend(s),
-            Host::Face {
-                triangle,
-                weights: w,
-            },
-        );
-        self.nodes.insert((triangle, node), id);
-        self.uprights.entry(node).or_default().push((s, id));
-        id
-    }
-
     /// Fraction along side `k`'s edge of a corner that lies on that side.
-    fn fraction(&self, corners: [u32; 3], facet: u32, k: u8, corner: Corner) -> f64 {
+    fn fraction(&self, facet: u32, k: u8, slot: Slot, clips: &Clips) -> f64 {
         let layout = &self.surface.layout;
         let edge = layout.sides[facet as usize][usize::from(k)];
-        match corner {
-            Corner::Crossing(i, _) => {
-                let (p, q) = (corners[usize::from(i)], corners[(usize::from(i) + 1) % 3]);
-                self.crossings[&(p.min(q), p.max(q), edge)].1
-            }
+        match slot.corner {
+            Corner::Crossing(..) => clips.vertices[slot.vertex as usize].fraction,
             Corner::Node(n) => {
                 let node = layout.facets[facet as usize][usize::from(n)];
                 f64::from(u8::from(layout.edges[edge as usize].nodes[1] == node))
@@ -383,22 +277,32 @@ impl<'a> Overlay<'a> {
         triangle: u32,
         corners: [u32; 3],
         facet: u32,
-        polygon: &[Placed],
-        spans: &mut Vec<(u32, u32, u32)>,
+        clips: &Clips,
+        scratch: &mut Scratch,
     ) -> Result<(), CutError> {
         let surface = self.surface;
         let layout = &surface.layout;
+        let Scratch {
+            pieces,
+            placed: polygon,
+            ring,
+            turns,
+            spans,
+            ..
+        } = scratch;
         let count = polygon.len();
         // The polygon's boundary with the cut points put in: (vertex, in the upper part, support of the next edge).
-        let mut ring: Vec<(u32, Option<bool>, Support)> = Vec::with_capacity(count + 4);
+        ring.clear();
+        turns.clear();
         for j in 0..count {
             let (a, b) = (polygon[j], polygon[(j + 1) % count]);
-            ring.push((a.id, Some(a.above > 0.0), a.support));
+            ring.push((a.id, Some(a.above > 0.0), a.slot.support));
             if (a.above > 0.0) != (b.above > 0.0) {
-                ring.push((self.cut(triangle, corners, facet, a, b), None, a.support));
+                turns.push(ring.len() as u32);
+                let id = self.cut((triangle, corners), facet, a, b, clips);
+                ring.push((id, None, a.slot.support));
             }
         }
-        let crossings: Vec<usize> = (0..ring.len()).filter(|&i| ring[i].1.is_none()).collect();
         let is_upper = |i: usize| {
             // A cut point belongs to the run that follows it.
             ring[i]
@@ -412,7 +316,7 @@ impl<'a> Overlay<'a> {
                 Support::Skin(side) => (NONE, side),
                 Support::Facet(k) => (layout.sides[facet as usize][usize::from(k)], 3),
             };
-            self.pieces.push(Piece {
+            pieces.push(Piece {
                 from,
                 to,
                 upper: is_upper(i),
@@ -425,7 +329,7 @@ impl<'a> Overlay<'a> {
             .enumerate()
             .map(|(j, a)| (a, &polygon[(j + 1) % count]))
         {
-            if let Support::Facet(k) = a.0.support {
+            if let Support::Facet(k) = a.0.slot.support {
                 let edge = layout.sides[facet as usize][usize::from(k)];
                 spans.push((a.0.id.min(a.1.id), a.0.id.max(a.1.id), edge));
                 if layout.edges[edge as usize]
@@ -440,17 +344,18 @@ impl<'a> Overlay<'a> {
             }
         }
         // Every run of upper corners starts at one cut point and ends at the next; the cut joins them.
-        for (n, &i) in crossings.iter().enumerate() {
+        for (n, &i) in turns.iter().enumerate() {
+            let i = i as usize;
             if ring[(i + 1) % ring.len()].1 == Some(true) {
-                let (entry, exit) = (ring[i].0, ring[crossings[(n + 1) % crossings.len()]].0);
-                self.pieces.push(Piece {
+                let (entry, exit) = (ring[i].0, ring[turns[(n + 1) % turns.len()] as usize].0);
+                pieces.push(Piece {
                     from: exit,
                     to: entry,
                     upper: true,
                     edge: NONE,
                     side: 3,
                 });
-                self.pieces.push(Piece {
+                pieces.push(Piece {
                     from: entry,
                     to: exit,
                     upper: false,
@@ -464,19 +369,32 @@ impl<'a> Overlay<'a> {
     }
 
     /// The vertex where the surface cuts the polygon's edge a–b.
-    fn cut(&mut self, triangle: u32, corners: [u32; 3], facet: u32, a: Placed, b: Placed) -> u32 {
+    fn cut(
+        &mut self,
+        (triangle, corners): (u32, [u32; 3]),
+        facet: u32,
+        a: Placed,
+        b: Placed,
+        clips: &Clips,
+    ) -> u32 {
         let (p, q) = if a.id < b.id { (a, b) } else { (b, a) };
         let above = [p.above.to_bits(), q.above.to_bits()];
         let fraction = p.above / (p.above - q.above);
-        let known = self
-            .cuts
-            .get(&(p.id, q.id))
-            .and_then(|cuts| cuts.iter().find(|c| c.above == above));
+        let first = *self.first_cuts.entry((p.id, q.id)).or_insert(NONE);
+        let (mut known, mut last) = (None, NONE);
+        let mut at = first;
+        while let Some(cut) = self.cuts.get(at as usize) {
+            if cut.above == above {
+                known = Some(*cut);
+                break;
+            }
+            (last, at) = (at, cut.next);
+        }
         let id = if let Some(cut) = known {
             cut.id
         } else {
             let grain = self.grain(p.id).lerp(self.grain(q.id), fraction);
-            let host = match a.support {
+            let host = match a.slot.support {
                 Support::Skin(i) => {
                     let (x, y) = (corners[usize::from(i)], corners[(usize::from(i) + 1) % 3]);
                     let ends = [x.min(y), x.max(y)];
@@ -503,25 +421,30 @@ impl<'a> Overlay<'a> {
                 }
             };
             let id = self.add(grain, host);
-            self.cuts.entry((p.id, q.id)).or_default().push(Cut {
+            let number = self.cuts.len() as u32;
+            self.cuts.push(Cut {
                 fraction,
                 id,
                 above,
+                next: NONE,
             });
+            match self.cuts.get_mut(last as usize) {
+                Some(last) => last.next = number,
+                None => {
+                    self.first_cuts.insert((p.id, q.id), number);
+                }
+            }
             id
         };
-        if let Support::Facet(k) = a.support {
+        if let Support::Facet(k) = a.slot.support {
             let layout = &self.surface.layout;
             let edge = layout.sides[facet as usize][usize::from(k)];
             let which = u8::from(layout.edges[edge as usize].facets[1] == (facet, k));
             let (u, v) = (
-                self.fraction(corners, facet, k, p.corner),
-                self.fraction(corners, facet, k, q.corner),
+                self.fraction(facet, k, p.slot, clips),
+                self.fraction(facet, k, q.slot, clips),
             );
-            self.rails
-                .entry((edge, which))
-                .or_default()
-                .push((u + (v - u) * fraction, id));
+            self.rails.push(((edge, which), u + (v - u) * fraction, id));
         }
         id
     }

@@ -28,6 +28,8 @@ pub struct LayeredGrain {
 const STEEPEST: f64 = 0.64;
 /// Part of the radius by which the axis may lie off the straight lines between levels.
 const OFF: f64 = 4e-3;
+/// Levels up to which counting all of them is quicker than searching.
+const FEW: usize = 32;
 /// Greatest turn of winding grain from level to level, rad.
 const TURN: f64 = 0.07;
 
@@ -120,7 +122,12 @@ impl LayeredGrain {
         if n < 2 {
             return DVec2::ZERO;
         }
-        let k = self.levels.partition_point(|l| l.0 <= s).clamp(1, n - 1);
+        let k = if n > FEW {
+            self.levels.partition_point(|l| l.0 <= s)
+        } else {
+            self.levels.iter().map(|l| usize::from(l.0 <= s)).sum()
+        };
+        let k = k.clamp(1, n - 1);
         let ((a, p), (b, q)) = (self.levels[k - 1], self.levels[k]);
         p + (q - p) * ((s - a) / (b - a))
     }
@@ -132,6 +139,7 @@ impl LayeredGrain {
     }
 
     /// Grain space to the world.
+    #[inline]
     pub fn to_world(&self, p: DVec3) -> DVec3 {
         let mut q = p.truncate();
         if self.spiral != 0.0 {

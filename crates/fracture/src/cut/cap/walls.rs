@@ -126,13 +126,8 @@ impl Builder<'_, '_> {
         } else {
             knot.map_or(start, |k| k.1)
         }];
-        let list = self.overlay.rails.get(&(e, which));
-        rim.extend(
-            list.into_iter()
-                .flatten()
-                .filter(|p| p.0 > span.0 && p.0 < span.1)
-                .map(|p| p.1),
-        );
+        let list = self.overlay.rail(e, which);
+        rim.extend(list.filter(|p| p.0 > span.0 && p.0 < span.1).map(|p| p.1));
         rim.push(if span.1 == 1.0 {
             end
         } else {
@@ -149,8 +144,9 @@ impl Builder<'_, '_> {
             .filter(|p| p.0 > low && p.0 < high)
             .copied()
             .collect();
-        if let Some(pierced) = self.overlay.uprights.get(&node) {
-            list.extend(pierced.iter().filter(|p| p.0 > low && p.0 < high));
+        if self.pierced[node as usize] {
+            let pierced = self.overlay.upright(node);
+            list.extend(pierced.filter(|p| p.0 > low && p.0 < high));
             list.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         list.into_iter().map(|p| p.1).collect()
@@ -229,11 +225,8 @@ impl Builder<'_, '_> {
     fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
         let (facet, k) = edge.facets[0];
         let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
-        let crossed = self
-            .overlay
-            .rails
-            .get(&(e, 0))
-            .map_or(0, |l| l.iter().filter(|p| p.0 < span.0).count());
+        let rail = self.overlay.rail(e, 0);
+        let crossed = rail.filter(|p| p.0 < span.0).count();
         inside != (crossed % 2 == 1)
     }
 }

@@ -1,141 +1,274 @@
 //! Joining the pieces of a triangle of the skin on either side of the surface.
 
-use super::super::{CutError, polygon};
+use super::super::{CutError, SkinTriangle, polygon};
 use super::{Overlay, Piece};
 use crate::surface::NONE;
 use glam::DVec2;
-use rustc_hash::FxHashMap;
+
+/// Memory for one triangle after another.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Cuts on edges along the layout's: edge, the edge's ends, fraction between them, vertex.
+    inner: Vec<Inner>,
+    between: Vec<(f64, u32)>,
+    expanded: Vec<Piece>,
+    twins: Vec<(u32, u32, bool)>,
+    /// Pieces along a side of the triangle.
+    along: Vec<u32>,
+    edges: Vec<[u32; 2]>,
+    ring: Vec<u32>,
+    flat: Vec<DVec2>,
+    filled: Vec<[u32; 3]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Inner {
+    edge: u32,
+    ends: (u32, u32),
+    fraction: f64,
+    id: u32,
+}
+
+/// Follows directed edges, sorted, around the one loop that all of them make; `false` where they do otherwise.
+fn one_loop(edges: &[[u32; 2]], ring: &mut Vec<u32>) -> bool {
+    ring.clear();
+    if edges.len() < 3 || edges.windows(2).any(|w| w[0][0] == w[1][0]) {
+        return false;
+    }
+    let start = edges[0][0];
+    let mut at = edges[0];
+    ring.push(start);
+    while at[1] != start {
+        let Ok(next) = edges.binary_search_by_key(&at[1], |e| e[0]) else {
+            return false;
+        };
+        if ring.len() >= edges.len() {
+            return false;
+        }
+        ring.push(at[1]);
+        at = edges[next];
+    }
+    ring.len() == edges.len()
+}
 
 impl Overlay<'_> {
     /// Puts into every edge along a layout's edge the cut points of both its facets.
-    pub(super) fn expand(&mut self, spans: &[(u32, u32, u32)]) {
-        let mut inner: FxHashMap<u32, Vec<(u32, f64, u32, u32)>> = FxHashMap::default();
+    pub(super) fn expand(
+        &self,
+        spans: &[(u32, u32, u32)],
+        pieces: &mut Vec<Piece>,
+        scratch: &mut Scratch,
+    ) {
+        let inner = &mut scratch.inner;
+        inner.clear();
         for &(a, b, edge) in spans {
-            let Some(cuts) = self.cuts.get(&(a, b)) else {
-                continue;
-            };
-            let list = inner.entry(edge).or_default();
-            for cut in cuts {
-                if !list.iter().any(|l| l.2 == cut.id) {
-                    list.push((a, cut.fraction, cut.id, b));
+            let mut next = self.first_cuts.get(&(a, b)).copied().unwrap_or(NONE);
+            while let Some(cut) = self.cuts.get(next as usize) {
+                if !inner.iter().any(|l| l.edge == edge && l.id == cut.id) {
+                    inner.push(Inner {
+                        edge,
+                        ends: (a, b),
+                        fraction: cut.fraction,
+                        id: cut.id,
+                    });
                 }
+                next = cut.next;
             }
         }
-        let pieces = std::mem::take(&mut self.pieces);
-        for piece in pieces {
+        inner.sort_by_key(|l| l.edge);
+        if inner.is_empty() {
+            return;
+        }
+        scratch.expanded.clear();
+        for &piece in pieces.iter() {
             let list = if piece.edge == NONE {
-                None
+                &inner[..0]
             } else {
-                inner.get(&piece.edge)
-            };
-            let Some(list) = list.filter(|l| !l.is_empty()) else {
-                self.pieces.push(piece);
-                continue;
+                let from = inner.partition_point(|l| l.edge < piece.edge);
+                let count = inner[from..].partition_point(|l| l.edge == piece.edge);
+                &inner[from..from + count]
             };
             let place = |id: u32| {
                 list.iter().find_map(|l| match id {
-                    _ if id == l.0 => Some(0.0),
-                    _ if id == l.3 => Some(1.0),
-                    _ if id == l.2 => Some(l.1),
+                    _ if id == l.ends.0 => Some(0.0),
+                    _ if id == l.ends.1 => Some(1.0),
+                    _ if id == l.id => Some(l.fraction),
                     _ => None,
                 })
             };
             let (Some(u), Some(v)) = (place(piece.from), place(piece.to)) else {
-                self.pieces.push(piece);
+                scratch.expanded.push(piece);
                 continue;
             };
-            let mut between: Vec<(f64, u32)> = list
-                .iter()
-                .filter(|l| {
-                    (l.1 > u.min(v) && l.1 < u.max(v)) && l.2 != piece.from && l.2 != piece.to
-                })
-                .map(|l| (l.1, l.2))
-                .collect();
+            let between = &mut scratch.between;
+            between.clear();
+            between.extend(
+                list.iter()
+                    .filter(|l| {
+                        (l.fraction > u.min(v) && l.fraction < u.max(v))
+                            && l.id != piece.from
+                            && l.id != piece.to
+                    })
+                    .map(|l| (l.fraction, l.id)),
+            );
             between.sort_by(|x, y| x.0.total_cmp(&y.0));
             if u > v {
                 between.reverse();
             }
             let mut from = piece.from;
-            for (_, id) in between {
-                self.pieces.push(Piece {
+            for &(_, id) in between.iter() {
+                scratch.expanded.push(Piece {
                     from,
                     to: id,
                     ..piece
                 });
                 from = id;
             }
-            self.pieces.push(Piece { from, ..piece });
+            scratch.expanded.push(Piece { from, ..piece });
         }
+        std::mem::swap(pieces, &mut scratch.expanded);
     }
 
     /// Joins the pieces of a triangle on either side of the surface and triangulates them.
-    pub(super) fn join(&mut self, triangle: u32, corners: [u32; 3]) -> Result<(), CutError> {
-        let mut pieces = std::mem::take(&mut self.pieces);
+    pub(super) fn join(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        pieces: &mut Vec<Piece>,
+        scratch: &mut Scratch,
+    ) -> Result<(), CutError> {
         // Edges along the layout's, by their ends; of several the last counts.
-        let mut twins: Vec<(u32, u32, bool)> = pieces
-            .iter()
-            .filter(|p| p.edge != NONE)
-            .map(|p| (p.from, p.to, p.upper))
-            .collect();
+        let twins = &mut scratch.twins;
+        twins.clear();
+        twins.extend(
+            pieces
+                .iter()
+                .filter(|p| p.edge != NONE)
+                .map(|p| (p.from, p.to, p.upper)),
+        );
         twins.sort_by_key(|t| (t.0, t.1));
         let twin = |from: u32, to: u32| {
             let end = twins.partition_point(|t| (t.0, t.1) <= (from, to));
             let last = twins[..end].last();
             last.filter(|t| (t.0, t.1) == (from, to)).map(|t| t.2)
         };
-        for p in &pieces {
-            if p.edge != NONE && p.upper && twin(p.to, p.from) == Some(false) {
-                self.walls.push((p.edge, [p.from, p.to]));
+        let walls = &mut self.walls;
+        pieces.retain(|p| {
+            if p.edge == NONE {
+                return true;
             }
-        }
-        pieces.retain(|p| p.edge == NONE || twin(p.to, p.from) != Some(p.upper));
-        self.drop_needless(&mut pieces, corners);
-        let mut triangulator = std::mem::take(&mut self.triangulator);
+            let other = twin(p.to, p.from);
+            if p.upper && other == Some(false) {
+                walls.push((p.edge, [p.from, p.to]));
+            }
+            other != Some(p.upper)
+        });
+        drop_needless(pieces, corners, &mut scratch.along);
         for upper in [false, true] {
-            let edges: Vec<[u32; 2]> = pieces
-                .iter()
-                .filter(|p| p.upper == upper)
-                .map(|p| [p.from, p.to])
-                .collect();
-            // Weights of the second and third corner are coordinates in the triangle's own plane.
-            let flat = |id: u32| {
-                let w = self.weights(id, corners);
-                DVec2::new(w[1], w[2])
-            };
-            let mut triangles = Vec::new();
-            polygon::trace(&edges, flat)
-                .and_then(|loops| {
-                    polygon::fill(&mut triangulator, &loops, flat, &mut triangles).ok()
-                })
-                .ok_or_else(|| CutError::Outline {
-                    triangle,
-                    at: self.grain(edges.first().map_or(corners[0], |e| e[0])),
-                })?;
-            self.skin
-                .extend(triangles.into_iter().map(|t| (triangle, t, upper)));
+            scratch.edges.clear();
+            scratch.edges.extend(
+                pieces
+                    .iter()
+                    .filter(|p| p.upper == upper)
+                    .map(|p| [p.from, p.to]),
+            );
+            self.fill(triangle, corners, upper, scratch)?;
         }
-        self.triangulator = triangulator;
-        self.pieces = pieces;
         Ok(())
     }
 
-    /// Takes out vertices on the triangle's sides where the outline does not pass.
-    fn drop_needless(&self, pieces: &mut Vec<Piece>, corners: [u32; 3]) {
-        for side in 0..3u8 {
-            loop {
-                let found = pieces.iter().enumerate().find_map(|(i, p)| {
-                    if p.side != side || corners.contains(&p.to) {
-                        return None;
-                    }
-                    pieces
-                        .iter()
-                        .position(|n| n.side == side && n.from == p.to && n.upper == p.upper)
-                        .map(|j| (i, j))
-                });
-                let Some((i, j)) = found else { break };
-                pieces[i].to = pieces[j].to;
-                pieces.swap_remove(j);
+    /// Fills what the edges in `scratch` enclose.
+    fn fill(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        upper: bool,
+        scratch: &mut Scratch,
+    ) -> Result<(), CutError> {
+        let Scratch {
+            edges,
+            ring,
+            flat: places,
+            filled,
+            ..
+        } = scratch;
+        edges.sort_unstable();
+        filled.clear();
+        let mut triangulator = std::mem::take(&mut self.triangulator);
+        // Weights of the second and third corner are coordinates in the triangle's own plane.
+        let flat = |id: u32| {
+            let w = self.weights(id, corners);
+            DVec2::new(w[1], w[2])
+        };
+        let single = one_loop(edges, ring);
+        let mut done = false;
+        if let ([a, b, c], true) = (ring.as_slice(), single) {
+            filled.push([*a, *b, *c]);
+            done = true;
+        } else if single {
+            places.clear();
+            places.extend(ring.iter().map(|&id| flat(id)));
+            // A loop that runs the wrong way by rounding is left to the general way.
+            done = twice_area(places) >= 0.0 && triangulator.polygon(places, filled).is_ok();
+            for t in filled.iter_mut() {
+                *t = t.map(|i| ring[i as usize]);
             }
         }
+        if !done {
+            filled.clear();
+            done = polygon::trace(edges, flat)
+                .and_then(|loops| polygon::fill(&mut triangulator, &loops, flat, filled).ok())
+                .is_some();
+        }
+        self.triangulator = triangulator;
+        if !done {
+            return Err(CutError::Outline {
+                triangle,
+                at: self.grain(edges.first().map_or(corners[0], |e| e[0])),
+            });
+        }
+        self.skin.extend(filled.iter().map(|&corners| SkinTriangle {
+            source: triangle,
+            corners,
+            upper,
+        }));
+        Ok(())
+    }
+}
+
+/// Twice the signed area of a loop.
+fn twice_area(places: &[DVec2]) -> f64 {
+    let origin = places[0];
+    places
+        .windows(2)
+        .map(|w| (w[0] - origin).perp_dot(w[1] - origin))
+        .sum()
+}
+
+/// Takes out vertices on the triangle's sides where the outline does not pass.
+fn drop_needless(pieces: &mut Vec<Piece>, corners: [u32; 3], along: &mut Vec<u32>) {
+    const GONE: u8 = 4;
+    let mut dropped = false;
+    for side in 0..3u8 {
+        along.clear();
+        let numbers = 0..pieces.len() as u32;
+        along.extend(numbers.filter(|&i| pieces[i as usize].side == side));
+        for &i in along.iter() {
+            let i = i as usize;
+            while pieces[i].side == side && !corners.contains(&pieces[i].to) {
+                let (to, upper) = (pieces[i].to, pieces[i].upper);
+                let follows = |n: &Piece| n.side == side && n.from == to && n.upper == upper;
+                let next = along.iter().map(|&j| j as usize);
+                let Some(j) = next.into_iter().find(|&j| j != i && follows(&pieces[j])) else {
+                    break;
+                };
+                pieces[i].to = pieces[j].to;
+                pieces[j].side = GONE;
+                dropped = true;
+            }
+        }
+    }
+    if dropped {
+        pieces.retain(|p| p.side != GONE);
     }
 }
