@@ -18,6 +18,7 @@ use greenstick_geometry::{
 use greenstick_skin::pieces::lacks_material;
 use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
+use greenstick_skin::untangle::untangle;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::primitive;
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
@@ -195,6 +196,12 @@ pub fn break_scene(
     out.nodes[..ours]
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
+    // A plain break has nothing so fine that it could cross after rounding.
+    if cracks.is_some() || request.fray > 0.0 || winding(p) != 0.0 {
+        for node in &mut out.nodes[..ours] {
+            notes.extend(untangled(node, material));
+        }
+    }
     context.step("textures", 0.0)?;
     add_inner_material(
         &mut out,
@@ -231,6 +238,23 @@ pub fn break_scene(
         width: model.square.1,
         apart: request.part != 0.0,
         end: cracks.and_then(|c| c.end),
+    })
+}
+
+/// Takes out what crosses itself in a piece at the precision of files; what was done, where there was anything.
+fn untangled(node: &mut Node, material: u32) -> Option<String> {
+    let done = untangle(&mut node.mesh, material);
+    let longest = done.longest * volume_scale(node).cbrt() * 1e6;
+    (done.crossed > 0).then(|| {
+        let mut note = format!(
+            "{}: {} pairs of triangles crossed where cracks or splinters are too fine for a file's precision; {} \
+             edges of at most {longest:.2} µm were drawn together",
+            node.name, done.crossed, done.drawn
+        );
+        if done.left > 0 {
+            note += &format!(", {} pairs still cross", done.left);
+        }
+        note
     })
 }
 
