@@ -191,13 +191,25 @@ pub fn break_scene(
         cracks.open_break(&prepared, &mut model, p, material)?;
     }
     let splinters = frayed(&prepared, &mut model, request, material)?;
+    if request.fray > 0.0 && splinters.is_empty() {
+        notes.push(
+            "no splinter came loose: no fibre bundle away from the skin stands long enough alone"
+                .into(),
+        );
+    }
+    if p.spiral_angle != 0.0 && (winding(p) == 0.0 || stem.kind == StemKind::Board) {
+        notes.push(
+            "the spiral angle was left out: grain winds in the fibrous face of a round stem only"
+                .into(),
+        );
+    }
     let mut out = assemble(&prepared, &model, splinters, request.part);
     let ours = pieces_in(&out);
     out.nodes[..ours]
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
     // A plain break has nothing so fine that it could cross after rounding.
-    if cracks.is_some() || request.fray > 0.0 || winding(p) != 0.0 {
+    if cracks.is_some() || request.fray > 0.0 {
         for node in &mut out.nodes[..ours] {
             notes.extend(untangled(node, material));
         }
