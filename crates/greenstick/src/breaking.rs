@@ -19,6 +19,7 @@ use greenstick_geometry::{
 use greenstick_skin::pieces::lacks_material;
 use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
+use greenstick_skin::untangle::untangle;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
 use greenstick_wood::stem::{Place, Stem, StemKind, StemOptions};
@@ -153,6 +154,18 @@ pub fn break_scene(
         cracks.open_break(&prepared, &mut model, p, material)?;
     }
     let splinters = frayed(&prepared, &mut model, request, material)?;
+    if request.fray > 0.0 && splinters.is_empty() {
+        notes.push(
+            "no splinter came loose: no fibre bundle away from the skin stands long enough alone"
+                .into(),
+        );
+    }
+    if p.spiral_angle != 0.0 && (winding(p) == 0.0 || stem.kind == StemKind::Board) {
+        notes.push(
+            "the spiral angle was left out: grain winds in the fibrous face of a round stem only"
+                .into(),
+        );
+    }
     let (turn, hang) = prepared.hang(&model, p).unzip();
     if let Some(h) = hang.as_ref().filter(|h| h.angle_degrees > p.hang) {
         notes.push(format!(
@@ -173,6 +186,12 @@ pub fn break_scene(
     out.nodes[..ours]
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
+    // A plain break has nothing so fine that it could cross after rounding.
+    if cracks.is_some() || request.fray > 0.0 {
+        for node in &mut out.nodes[..ours] {
+            notes.extend(untangled(node, material));
+        }
+    }
     context.step("textures", 0.0)?;
     add_inner_material(
         &mut out,
@@ -213,6 +232,23 @@ pub fn break_scene(
         apart: request.part != 0.0 || p.hang > 0.0,
         hinge,
         end: cracks.and_then(|c| c.end),
+    })
+}
+
+/// Takes out what crosses itself in a piece at the precision of files; what was done, where there was anything.
+fn untangled(node: &mut Node, material: u32) -> Option<String> {
+    let done = untangle(&mut node.mesh, material);
+    let longest = done.longest * volume_scale(node).cbrt() * 1e6;
+    (done.crossed > 0).then(|| {
+        let mut note = format!(
+            "{}: {} pairs of triangles crossed where cracks or splinters are too fine for a file's precision; {} \
+             edges of at most {longest:.2} µm were drawn together",
+            node.name, done.crossed, done.drawn
+        );
+        if done.left > 0 {
+            note += &format!(", {} pairs still cross", done.left);
+        }
+        note
     })
 }
 

@@ -6,6 +6,7 @@ use greenstick::fracture::presets::Preset;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::wood::{noise, primitive, stem};
 use greenstick::{Prepared, prepare};
+use rayon::prelude::*;
 
 fn prepared(mesh: Mesh, at: f64) -> Prepared {
     let node = Node {
@@ -101,6 +102,71 @@ fn random_cracks_of_a_cylinder_are_closed() {
 fn random_cracks_of_a_bent_branch_are_closed() {
     let prepared = prepared(primitive::branch(&Default::default()), 0.5);
     assert!(random_sets(&prepared, 100..102, "branch") > 10);
+}
+
+fn assert_sound(mesh: &Mesh, what: &str) {
+    assert_closed(mesh, what);
+    assert_eq!(crossings(mesh), 0, "{what}");
+    let mut written = mesh.clone();
+    greenstick::skin::settle::settle(&mut written, 1);
+    let done = greenstick::skin::untangle::untangle(&mut written, 1);
+    assert_closed(&written, &format!("{what}, as written"));
+    assert_eq!(crossings(&written), 0, "{what}, as written: {done:?}");
+    let change = written.volume() / mesh.volume() - 1.0;
+    assert!(change.abs() < 1e-5, "{what}, as written: {change}");
+}
+
+fn scanned_pole() -> Option<Mesh> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pole.ply");
+    let bytes = std::fs::read(path).ok()?;
+    let unit = Some(greenstick::formats::LengthUnit::Millimetre);
+    let scene = greenstick::formats::read(
+        greenstick::formats::Format::Ply,
+        &bytes,
+        "pole.ply",
+        unit,
+        &|_| Err(std::io::ErrorKind::NotFound.into()),
+    );
+    let node = scene.ok()?.nodes.into_iter().next()?;
+    Some(node.mesh.transformed(&node.transform))
+}
+
+/// A hundred sets of cracks, in turn in bent branch, board and scanned pole, in breaks and in ends.
+#[test]
+fn a_hundred_sets_of_cracks_are_sound_as_made_and_as_written() {
+    let coarse = primitive::BranchOptions {
+        around: 32,
+        ..Default::default()
+    };
+    let mut bodies = vec![
+        ("branch", prepared(primitive::branch(&coarse), 0.5)),
+        ("board", prepared(primitive::board(0.6, 0.09, 0.03), 0.5)),
+    ];
+    match scanned_pole() {
+        Some(mesh) => bodies.push(("pole", prepared(mesh, 0.6))),
+        None => println!("without the pole: tests/data/pole.ply is not there"),
+    }
+    (0..100u64).into_par_iter().for_each(|seed| {
+        let (name, body) = &bodies[seed as usize % bodies.len()];
+        let what = format!("{name}, seed {seed}");
+        let cracks = plan(&random(1000 + seed), (0.06, 0.03), seed);
+        let mut p = BreakParameters {
+            seed,
+            ..Default::default()
+        };
+        if seed % 2 == 0 {
+            let end = body.crack_end(&p, &cracks, seed % 4 == 0, 1);
+            let end = end.unwrap_or_else(|e| panic!("{what}: {e}"));
+            return assert_sound(&end.stem, &what);
+        }
+        p.set_text("rings", "8").unwrap();
+        p.set_text("sectors", "16").unwrap();
+        let model = body.model(&p, 1.0, 1).unwrap();
+        let cracked = body.crack_break(&model, &p, &cracks, 1);
+        let cracked = cracked.unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_sound(&cracked.lower, &format!("{what}, lower"));
+        assert_sound(&cracked.upper, &format!("{what}, upper"));
+    });
 }
 
 #[test]

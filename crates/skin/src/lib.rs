@@ -5,3 +5,4 @@ pub mod face;
 pub mod pieces;
 pub mod settle;
 pub mod texture;
+pub mod untangle;

@@ -117,6 +117,7 @@ fn fill_one(
         triangles.extend(filled.into_iter().map(|t| t.map(|i| ids[i as usize])));
         return Ok(());
     }
+    part_slivers(&points, &mut filled);
     // A sliver may turn the other way by rounding; its edges must run as the ring does all the same.
     let turned = holes.is_empty() && area(ring, flat) < 0.0;
     triangles.extend(filled.into_iter().map(|t| {
@@ -160,6 +161,59 @@ fn clip_ears(points: &[DVec2], triangles: &mut Vec<[u32; 3]>) {
         ring.remove(best);
     }
     triangles.extend(<[u32; 3]>::try_from(ring).ok());
+}
+
+/// Height over the longest side below which a triangle counts as three points of one line.
+const FLAT: f64 = 1e-9;
+
+/// The longest side of a triangle whose third corner lies on it but for rounding, between its ends; named by the
+/// corner it starts at.
+fn sliver(points: &[DVec2], t: [u32; 3]) -> Option<usize> {
+    let p = t.map(|v| points[v as usize]);
+    let side = |k: usize| p[(k + 1) % 3] - p[k];
+    let longest = (0..3).max_by(|&a, &b| {
+        side(a)
+            .length_squared()
+            .total_cmp(&side(b).length_squared())
+    })?;
+    let along = side(longest);
+    let to = p[(longest + 2) % 3] - p[longest];
+    let place = along.dot(to) / along.length_squared();
+    let thin = along.perp_dot(to).abs() <= FLAT * along.length_squared();
+    (thin && place > FLAT && place < 1.0 - FLAT).then_some(longest)
+}
+
+/// Turns the longest side of every sliver, so that no triangle spans points that lie on one line but for rounding:
+/// moved to their places in the world, such triangles would fold over their neighbours. Where several lie side by side,
+/// each turn leaves slivers with shorter sides, until none is left that has a neighbour.
+fn part_slivers(points: &[DVec2], triangles: &mut [[u32; 3]]) {
+    if triangles.len() < 2 || triangles.iter().all(|&t| sliver(points, t).is_none()) {
+        return;
+    }
+    let mut turned = 0;
+    let mut at = 0;
+    // Turns end by themselves but for rounding.
+    while at < triangles.len() && turned < 4 * triangles.len() {
+        let t = triangles[at];
+        let beyond = sliver(points, t).and_then(|k| {
+            let (a, b, apex) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
+            let runs_back = |u: &[u32; 3]| (0..3).find(|&j| u[j] == b && u[(j + 1) % 3] == a);
+            let found = triangles
+                .iter()
+                .enumerate()
+                .find_map(|(i, u)| runs_back(u).map(|j| (i, u[(j + 2) % 3])));
+            found.map(|(i, other)| (i, a, b, apex, other))
+        });
+        match beyond {
+            Some((i, a, b, apex, other)) if apex != other => {
+                triangles[at] = [a, other, apex];
+                triangles[i] = [other, b, apex];
+                turned += 1;
+                at = at.min(i);
+            }
+            _ => at += 1,
+        }
+    }
 }
 
 /// Whether `p` lies inside the loop (even–odd rule).

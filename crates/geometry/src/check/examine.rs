@@ -2,8 +2,8 @@
 
 use super::{CheckOptions, PLACES, Report, SelfIntersections};
 use crate::components::{Edges, Unions, Use, corner_points, number_points, shells};
-use crate::intersect::{Contact, collinear, contact};
-use crate::{Aabb, Bvh, Mesh};
+use crate::intersect::{Contact, collinear, contact_tree, self_contacts};
+use crate::{Aabb, Mesh};
 use glam::DVec3;
 
 pub(super) fn examine(mesh: &Mesh, options: CheckOptions) -> Report {
@@ -178,14 +178,13 @@ fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
 }
 
 fn self_intersections(mesh: &Mesh) -> SelfIntersections {
-    let boxes: Vec<Aabb> = (0..mesh.triangles.len())
-        .map(|t| Aabb::around(&mesh.corners(t)))
-        .collect();
     let mut found = SelfIntersections::default();
-    Bvh::new(&boxes).self_pairs(|s, t| {
-        // Most pairs are neighbours across an edge that is not folded flat, which the contact decides at once.
-        let kind = contact(mesh.corners(s), mesh.corners(t));
-        let place = || boxes[s].common(&boxes[t]).centre();
+    // Most pairs are neighbours across an edge that is not folded flat, which the contact decides at once.
+    self_contacts(mesh, &contact_tree(mesh), |s, t, kind| {
+        let place = || {
+            let [s, t] = [s, t].map(|t| Aabb::around(&mesh.corners(t)));
+            s.common(&t).centre()
+        };
         match kind {
             Contact::Apart => {}
             Contact::Touching => {

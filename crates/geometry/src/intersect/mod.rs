@@ -8,7 +8,7 @@ mod flat;
 mod mesh;
 mod predicates;
 
-pub use mesh::{contacts_between, self_contacts};
+pub use mesh::{contact_tree, contacts_between, self_contacts};
 pub use predicates::{collinear, orient2d, orient3d};
 
 use glam::DVec3;

@@ -1,0 +1,228 @@
+//! Taking out what crosses itself because files hold positions no finer than `f32`.
+//!
+//! Where a crack closes, its walls come nearer to each other than neighbouring numbers of `f32`, and rounded they cross.
+//! There the crack ends instead: the shortest edges of triangles that cross are drawn together, the shortest of all
+//! first, with longer ones allowed from round to round, until nothing crosses. Drawing an edge together leaves a closed
+//! mesh closed and manifold where its ends have no neighbours in common but those beside it (Dey et al. 1999,
+//! Topology Preserving Edge Contraction).
+
+use glam::DVec3;
+use greenstick_geometry::Mesh;
+use greenstick_geometry::intersect::{Contact, contact_tree, self_contacts};
+
+/// Length of the longest edge drawn together in the first round, in parts of the mesh's extent: about the spacing of
+/// `f32` there.
+const FINEST: f64 = 1e-7;
+/// Rounds; from one to the next edges may be twice as long.
+const ROUNDS: i32 = 11;
+
+/// What [`untangle`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Untangled {
+    /// Pairs of triangles that crossed.
+    pub crossed: usize,
+    /// Edges drawn together.
+    pub drawn: usize,
+    /// Length of the longest of these, in the mesh's unit.
+    pub longest: f64,
+    /// Pairs that still cross.
+    pub left: usize,
+}
+
+/// Draws short edges together until no triangle of material `inner`, or beside one, crosses another. Positions should
+/// be those of files already ([`crate::settle::settle`]).
+pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), &p| {
+            (l.min(p), h.max(p))
+        });
+    let extent = (high - low).length();
+    let mut done = Untangled::default();
+    for round in 0..ROUNDS {
+        let crossing = crossing(mesh, inner);
+        done.left = crossing.len();
+        if round == 0 {
+            done.crossed = crossing.len();
+        }
+        if crossing.is_empty() || !extent.is_finite() {
+            return done;
+        }
+        let mut net = Net::new(mesh);
+        let most = extent * FINEST * f64::from(1 << round);
+        for (length, a, b) in net.edges_of(&crossing) {
+            if length <= most && net.draw_together(a, b) {
+                done.drawn += 1;
+                done.longest = done.longest.max(length);
+            }
+        }
+        net.write(mesh);
+    }
+    done.left = crossing(mesh, inner).len();
+    done
+}
+
+/// Pairs of triangles that cross, of those of material `inner` and those that share a point with them.
+fn crossing(mesh: &Mesh, inner: u32) -> Vec<[u32; 2]> {
+    let (points, count) = mesh.points();
+    let mut inside = vec![false; count];
+    let wood = |t: usize| mesh.material(t) == inner;
+    for (t, corners) in mesh.triangles.iter().enumerate() {
+        if wood(t) {
+            corners
+                .iter()
+                .for_each(|&v| inside[points[v as usize] as usize] = true);
+        }
+    }
+    let near = |t: &usize| {
+        let touches = |v: &u32| inside[points[*v as usize] as usize];
+        wood(*t) || mesh.triangles[*t].iter().any(touches)
+    };
+    let chosen: Vec<usize> = (0..mesh.triangles.len()).filter(near).collect();
+    let part = Mesh {
+        positions: mesh.positions.clone(),
+        triangles: chosen.iter().map(|&t| mesh.triangles[t]).collect(),
+        ..Mesh::default()
+    };
+    let mut pairs = Vec::new();
+    self_contacts(&part, &contact_tree(&part), |s, t, contact| {
+        if contact == Contact::Crossing {
+            pairs.push([chosen[s] as u32, chosen[t] as u32]);
+        }
+    });
+    pairs.sort_unstable();
+    pairs
+}
+
+/// The mesh by points: vertices at one position are one.
+struct Net {
+    /// Point of every vertex.
+    points: Vec<u32>,
+    /// The point that each has been drawn to, itself at first.
+    drawn_to: Vec<u32>,
+    places: Vec<DVec3>,
+    /// Points of every triangle; all the same where it is gone.
+    triangles: Vec<[u32; 3]>,
+    /// Triangles about every point.
+    around: Vec<Vec<u32>>,
+}
+
+impl Net {
+    fn new(mesh: &Mesh) -> Self {
+        let (points, count) = mesh.points();
+        let mut net = Net {
+            drawn_to: (0..count as u32).collect(),
+            places: vec![DVec3::ZERO; count],
+            triangles: (mesh.triangles.iter())
+                .map(|t| t.map(|v| points[v as usize]))
+                .collect(),
+            around: vec![Vec::new(); count],
+            points,
+        };
+        for (&point, &place) in net.points.iter().zip(&mesh.positions) {
+            net.places[point as usize] = place;
+        }
+        for (t, corners) in net.triangles.iter().enumerate() {
+            corners
+                .iter()
+                .for_each(|&p| net.around[p as usize].push(t as u32));
+        }
+        net
+    }
+
+    /// Edges of the triangles of `pairs` with their lengths, the shortest first.
+    fn edges_of(&self, pairs: &[[u32; 2]]) -> Vec<(f64, u32, u32)> {
+        let mut edges: Vec<(f64, u32, u32)> = pairs
+            .iter()
+            .flatten()
+            .flat_map(|&t| {
+                let [a, b, c] = self.triangles[t as usize];
+                [[a, b], [b, c], [c, a]]
+            })
+            .map(|[a, b]| {
+                let length = self.places[a as usize].distance(self.places[b as usize]);
+                (length, a.min(b), a.max(b))
+            })
+            .collect();
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        edges.dedup();
+        edges
+    }
+
+    fn now(&self, mut point: u32) -> u32 {
+        while self.drawn_to[point as usize] != point {
+            point = self.drawn_to[point as usize];
+        }
+        point
+    }
+
+    fn neighbours(&self, point: u32) -> Vec<u32> {
+        let mut all: Vec<u32> = (self.around[point as usize].iter())
+            .flat_map(|&t| self.triangles[t as usize])
+            .filter(|&p| p != point)
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Draws the second of two joined points to the first; false where that would not leave a manifold.
+    fn draw_together(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.now(a), self.now(b));
+        if a == b {
+            return false;
+        }
+        let beside: Vec<u32> = (self.around[b as usize].iter().copied())
+            .filter(|&t| self.triangles[t as usize].contains(&a))
+            .collect();
+        let [s, t] = beside[..] else {
+            return false;
+        };
+        let (of_a, of_b) = (self.neighbours(a), self.neighbours(b));
+        let common = of_b.iter().filter(|p| of_a.binary_search(p).is_ok());
+        if common.count() != 2 || of_a.len() + of_b.len() <= 7 {
+            return false;
+        }
+        for gone in [s, t] {
+            for p in self.triangles[gone as usize] {
+                self.around[p as usize].retain(|&t| t != gone);
+            }
+            self.triangles[gone as usize] = [a; 3];
+        }
+        let moved = std::mem::take(&mut self.around[b as usize]);
+        for &t in &moved {
+            for p in &mut self.triangles[t as usize] {
+                if *p == b {
+                    *p = a;
+                }
+            }
+        }
+        self.around[a as usize].extend(moved);
+        self.drawn_to[b as usize] = a;
+        true
+    }
+
+    /// Moves the mesh's vertices to their points' places, and takes out the triangles that are gone.
+    fn write(&self, mesh: &mut Mesh) {
+        for (position, &point) in mesh.positions.iter_mut().zip(&self.points) {
+            let now = self.now(point);
+            if now != point {
+                *position = self.places[now as usize];
+            }
+        }
+        let stays = |t: usize| self.triangles[t][0] != self.triangles[t][1];
+        if !mesh.materials.is_empty() {
+            let mut t = 0;
+            mesh.materials.retain(|_| {
+                t += 1;
+                t > self.triangles.len() || stays(t - 1)
+            });
+        }
+        let mut t = 0;
+        mesh.triangles.retain(|_| {
+            t += 1;
+            stays(t - 1)
+        });
+    }
+}
