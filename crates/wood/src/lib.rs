@@ -7,6 +7,7 @@ mod bark;
 pub mod moisture;
 pub mod noise;
 pub mod primitive;
+pub mod rings;
 pub mod species;
 pub mod stem;
 pub mod tissue;

@@ -1,0 +1,10 @@
+//! Annual rings of one section: the published erosion of its picture, and the continuous field that everything
+//! downstream is written in (`model.md` §1; Forests 2023 §3.3).
+
+pub mod erosion;
+mod kernel;
+mod schedule;
+
+pub use erosion::{Circle, NEVER, TwoSided, erode, passes, passes_of_all, two_sided};
+pub use kernel::Kernel;
+pub use schedule::{Kind, Pass, Schedule, ScheduleError};
