@@ -44,6 +44,7 @@ mod pictures;
 mod prepare;
 mod refine;
 mod report;
+pub mod rings;
 
 pub use breaking::{BreakRequest, Broken, break_scene, built_in_branch};
 pub use cracks::{CrackedBreak, CrackedEnd};

@@ -159,20 +159,20 @@ fn grown(seed: u64) -> Vec<Vec<DVec2>> {
                     let slow =
                         noise::line(seed ^ k, age * 0.15) + 0.5 * number(k as i64, year.into());
                     let turn = TAU * number(20, k as i64);
-                    0.25 / k as f64 * slow * (k as f64 * a + turn).cos()
+                    0.15 / k as f64 * slow * (k as f64 * a + turn).cos()
                 })
                 .sum();
             (1.0 + lean * (a - side).cos() + waves).max(0.15)
         };
-        for _ in 0..6 {
+        for _ in 0..24 {
             let old = front.clone();
             let count = old.len();
             for (i, p) in front.iter_mut().enumerate() {
                 let (a, b) = (old[(i + count - 1) % count], old[(i + 1) % count]);
                 let normal = -(b - a).normalize().perp();
-                let grow = normal * (width / 6.0 * rate(old[i].to_angle()));
+                let grow = normal * (width / 24.0 * rate(old[i].to_angle()));
                 // Markers slide towards the middle of their neighbours: curvature, and even spacing.
-                *p = old[i] + grow + ((a + b) * 0.5 - old[i]) * 0.2;
+                *p = old[i] + grow + ((a + b) * 0.5 - old[i]) * 0.5;
             }
         }
         rings.push(front.clone());

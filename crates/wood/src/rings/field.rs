@@ -9,8 +9,8 @@
 //! - Waves from 2 on are bumps and dents. A front that grows along its normal rounds them off as curvature does, by
 //!   rates that go with k² − 1: g_k = ρ^(q (k² − 1)). A furrow of the bark is gone a few rings inside.
 //!
-//! A deep notch would fade faster than rings are thick there and they would cross. Near one the field goes over,
-//! smoothly around the stem, to one whose fine waves fade more slowly, in the last resort not at all.
+//! A deep notch would fade faster than rings are thick there and they would cross. Below one they make way inwards, the
+//! outermost farthest, and crowd together, smoothly around the stem.
 //!
 //! In a board rings are arcs about the pith and ρ is the distance from it over the largest one in the section.
 
@@ -27,12 +27,14 @@ const LEVELS: usize = 64;
 const ONSET: f64 = 0.28;
 /// The factor q above. Errors hardly change from 0.15 to 0.3.
 const FADING: f64 = 0.2;
-/// Largest exponents of ρ by which waves fade, in turn from the field for outlines without notches to the safest.
-const STEEPEST: [f64; 3] = [32.0, 8.0, 2.0];
-/// Rings are nowhere closer than this, relative to even spacing along the ray.
-const CLOSEST: f64 = 0.25;
-/// Directions on either side of a crossing over which the field goes over to a safer one: 6°.
-const REACH: usize = 8;
+/// Largest exponent of ρ by which waves fade: half of a wave is left a fiftieth of the radius inside.
+const STEEPEST: f64 = 32.0;
+/// Rings make way for each other where they are closer than this, relative to even spacing along the ray,
+const LOOSE: f64 = 0.06;
+/// and after that is smoothed they are nowhere closer than this.
+const CLOSEST: f64 = 0.04;
+/// Directions on either side of a crossing over which rings make way: 1.5°.
+const REACH: usize = 2;
 
 /// Ring coordinate and angle in a section, in its grain coordinates (x, y).
 #[derive(Debug, Clone, PartialEq)]
@@ -224,59 +226,44 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Radii of all rings at all angles for the outer radii: the boldest of the fields that keeps rings apart, direction by
-/// direction.
+/// Radii of all rings at all angles for the outer radii, nowhere crossing.
 fn table(outer: &[f64]) -> Vec<f64> {
-    let waves = Waves::of(outer);
-    // The outline made smaller always rises.
-    let mut table: Vec<f64> = outer
-        .iter()
-        .flat_map(|r| (0..=LEVELS).map(move |level| r * level as f64 / LEVELS as f64))
-        .collect();
-    for steepest in STEEPEST.iter().rev() {
-        let bolder = waves.table(outer, *steepest);
-        let share = shares(&table, &bolder);
-        for ((now, bolder), share) in table
-            .chunks_exact_mut(LEVELS + 1)
-            .zip(bolder.chunks_exact(LEVELS + 1))
-            .zip(share)
-        {
-            // The last is the outline in both, to the last bit.
-            for (now, bolder) in now.iter_mut().zip(bolder).take(LEVELS) {
-                *now += (bolder - *now) * share;
-            }
-        }
-    }
-    table
-}
-
-/// How much of the `bolder` table each direction bears, 0 to 1, changing smoothly from one to the next.
-fn shares(table: &[f64], bolder: &[f64]) -> Vec<f64> {
-    let bears: Vec<f64> = table
-        .chunks_exact(LEVELS + 1)
-        .zip(bolder.chunks_exact(LEVELS + 1))
-        .map(|(now, bolder)| {
-            let least = CLOSEST * now[LEVELS] / LEVELS as f64;
-            let mut share = 1.0f64;
-            for (now, bolder) in now.windows(2).zip(bolder.windows(2)) {
-                let (a, b) = (now[1] - now[0], bolder[1] - bolder[0]);
-                if b < least {
-                    share = share.min(((a - least) / (a - b)).max(0.0));
-                }
-            }
-            share
-        })
-        .collect();
-    // The mean of the least is nowhere above what a direction bears.
+    let free = Waves::of(outer).table(outer);
+    let mut table = free.clone();
+    keep_apart(&mut table, LOOSE);
+    // How far rings had to make way, spread to either side so that they stay smooth.
     let around = |values: &[f64], j: usize| -> [f64; 2 * REACH + 1] {
         std::array::from_fn(|i| values[(j + ANGLES + i - REACH) % ANGLES])
     };
-    let least: Vec<f64> = (0..ANGLES)
-        .map(|j| around(&bears, j).into_iter().fold(1.0, f64::min))
-        .collect();
-    (0..ANGLES)
-        .map(|j| around(&least, j).iter().sum::<f64>() / (2 * REACH + 1) as f64)
-        .collect()
+    for level in 1..LEVELS {
+        let at = |j: usize| j * (LEVELS + 1) + level;
+        let moved: Vec<f64> = (0..ANGLES).map(|j| free[at(j)] - table[at(j)]).collect();
+        if moved.iter().all(|&m| m <= 0.0) {
+            continue;
+        }
+        let most: Vec<f64> = (0..ANGLES)
+            .map(|j| around(&moved, j).into_iter().fold(0.0, f64::max))
+            .collect();
+        for j in 0..ANGLES {
+            let moved = around(&most, j);
+            table[at(j)] = free[at(j)] - moved.iter().sum::<f64>() / moved.len() as f64;
+        }
+    }
+    keep_apart(&mut table, CLOSEST);
+    table
+}
+
+/// Moves rings inwards where they are closer to the next one outside than `closest` times even spacing.
+fn keep_apart(table: &mut [f64], closest: f64) {
+    for column in table.chunks_exact_mut(LEVELS + 1) {
+        // Relative to the tightest even spacing that reaches any of the rings, so that all find room.
+        let even = (1..=LEVELS)
+            .map(|level| column[level] / level as f64)
+            .fold(f64::INFINITY, f64::min);
+        for level in (1..LEVELS).rev() {
+            column[level] = column[level].min(column[level + 1] - closest * even);
+        }
+    }
 }
 
 /// The logarithm of the outer radius as waves around the pith.
@@ -298,7 +285,7 @@ impl Waves {
             })
             .collect();
         let logarithms: Vec<f64> = outer.iter().map(|&r| libm::log(r)).collect();
-        let single = (0..).take_while(|&k| exponent(k) < STEEPEST[0]);
+        let single = (0..).take_while(|&k| exponent(k) < STEEPEST);
         let parts = single
             .flat_map(|k| {
                 let (mut c, mut s) = (0.0, 0.0);
@@ -319,11 +306,9 @@ impl Waves {
         }
     }
 
-    /// The field whose waves fade with powers of ρ of at most `steepest`.
-    fn table(&self, outer: &[f64], steepest: f64) -> Vec<f64> {
-        let single = (0..self.parts.len() / 2)
-            .take_while(|&k| exponent(k) < steepest)
-            .count();
+    /// The radii of all rings, which may cross.
+    fn table(&self, outer: &[f64]) -> Vec<f64> {
+        let single = self.parts.len() / 2;
         let mut table = vec![0.0; ANGLES * (LEVELS + 1)];
         let mut weights = vec![0.0; single];
         let rest_and_parts: Vec<Vec<f64>> = (0..ANGLES)
@@ -348,7 +333,7 @@ impl Waves {
                     _ => libm::pow(ring, exponent(k)),
                 };
             }
-            let last = libm::pow(ring, steepest);
+            let last = libm::pow(ring, STEEPEST);
             for (radius, parts) in radii.iter_mut().zip(&rest_and_parts) {
                 let waves: f64 = parts.iter().zip(&weights).map(|(p, w)| p * w).sum();
                 *radius = libm::exp(waves + parts[single] * last);
