@@ -66,6 +66,63 @@ pub enum Command {
     Presets(PresetsOptions),
     /// List the species, or everything that is known of one
     Species(SpeciesOptions),
+    /// Draw the annual rings into the outline of a section
+    Rings(RingsOptions),
+}
+
+const RINGS_EXAMPLES: &str = "\
+The section is a JSON file with an `outer_contour` [[x, y], ...] and, if known, a `pith` [x, y]; `y_axis` (\"down\" or
+\"up\") and `units` (\"px\") say how it is meant. Its own `rings` are used by --compare only.
+
+Examples
+  greenstick rings section.json --rings 24 -o rings.json --picture rings.png
+  greenstick rings section.json --widths 4.1,3.8,3.9,2.7 -o rings.json
+  greenstick rings section.json --pith 878,901 --compare";
+
+#[derive(Debug, Args)]
+#[command(after_help = RINGS_EXAMPLES)]
+pub struct RingsOptions {
+    /// The section (.json)
+    pub section: PathBuf,
+    /// Number of rings, of the same mean width (20 where nothing is said)
+    #[arg(long, value_name = "N", conflicts_with_all = ["radii", "widths"])]
+    pub rings: Option<usize>,
+    /// Mean radii from the pith outwards, in the file's units
+    #[arg(
+        long,
+        value_name = "R1,R2,..",
+        value_delimiter = ',',
+        conflicts_with = "widths"
+    )]
+    pub radii: Option<Vec<f64>>,
+    /// Mean widths from the pith outwards, in the file's units
+    #[arg(
+        long,
+        value_name = "W1,W2,..",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub widths: Option<Vec<f64>>,
+    /// Where the pith is, in the file's coordinates; without it the file's, else a guess from the outline
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub pith: Option<Vec<f64>>,
+    /// Where to write the rings (.json)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Print how far the file's own rings are from the model's
+    #[arg(long)]
+    pub compare: bool,
+    /// Where to write a picture of the rings (.png)
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Width and height of the picture, pixels
+    #[arg(long, value_name = "N", default_value_t = 900, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    pub picture_size: u32,
 }
 
 #[derive(Debug, Args)]

@@ -7,6 +7,7 @@ mod inspect;
 mod list;
 mod progress;
 mod scan;
+mod rings;
 mod species;
 mod values;
 
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Command::Picture(options) => inspect::picture(options),
         Command::Parameters(options) => list::parameters(options),
         Command::Presets(options) => list::presets(options),
+        Command::Rings(options) => rings::run(options),
         Command::Species(options) => species::run(options),
     };
     done.unwrap_or_else(Failure::tell)

@@ -47,6 +47,7 @@ mod prepare;
 mod refine;
 mod report;
 pub mod scanning;
+pub mod rings;
 
 pub use branch::built_in_branch;
 pub use breaking::{BreakRequest, Broken, break_scene};

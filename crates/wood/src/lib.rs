@@ -8,6 +8,7 @@ pub mod moisture;
 pub mod noise;
 pub mod primitive;
 pub mod scan;
+pub mod rings;
 pub mod species;
 pub mod stem;
 pub mod tissue;

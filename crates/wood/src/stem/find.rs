@@ -6,10 +6,10 @@ use super::course::{Course, Parts, at_point, main_stem, station_at, turned_over}
 use super::error::StemError;
 use super::free::{Zone, free_ranges, reaches_end};
 use super::polygon;
-use super::rings::{RingField, likely_pith};
 use super::shells::{self, Points, Shell};
 use super::surface::Surface;
 use super::{GrainSpace, Place};
+use crate::rings::{RingField, likely_pith};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Context, Mesh};
 

@@ -1,0 +1,66 @@
+//! Where the pith of a round section lies when nobody says.
+//!
+//! The outline tells little: it is the sum of all years, and what it forgot of the first ones is gone. What it does
+//! tell is the pointed end: a leaning or swaying stem grows wide rings on one side, which becomes blunt, and the pith
+//! stays behind towards the pointed one. On four annotated pine sections the pith lies within 69° of that direction
+//! from the centroid each time; going a little that way takes the mean error from 9.3 % of the mean radius (centroid)
+//! to 8.0 %. The centre of the largest inscribed circle is off by 11 %.
+
+use crate::stem::polygon;
+use glam::DVec2;
+use std::f64::consts::{PI, TAU};
+
+/// Directions in which the outline is looked at.
+const ANGLES: usize = 256;
+/// How far the pith lies from the centroid, relative to how egg-shaped the outline is. Any value from 1 to 4 is better
+/// than none on the four sections.
+const FAR: f64 = 2.5;
+/// It is nowhere farther than this from the centroid, relative to the mean radius: as far as in the most eccentric of
+/// the four.
+const FARTHEST: f64 = 0.16;
+
+/// The likely pith of a section with the closed `outline`, in its units. It lies inside, and not close to the outline,
+/// where there is such a place.
+pub fn likely_pith(outline: &[DVec2]) -> DVec2 {
+    let (area, centroid) = polygon::area_and_centroid(outline);
+    let radius = (area.abs() / PI).sqrt();
+    let guess = centroid + egg(outline, centroid, radius) * radius;
+    let thin = polygon::thinned(outline, 400);
+    let (centre, depth) = polygon::largest_inscribed_circle(outline);
+    if polygon::contains(&thin, guess) && polygon::distance(&thin, guess) > 0.3 * depth {
+        guess
+    } else {
+        centre
+    }
+}
+
+/// Where the outline is pointed, seen from `centroid`, and how much: waves 2 and 3 of the logarithm of the radius meet
+/// at the pointed end of an egg, and their product turns with it.
+fn egg(outline: &[DVec2], centroid: DVec2, radius: f64) -> DVec2 {
+    let mut waves = [DVec2::ZERO; 2];
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for j in 0..ANGLES {
+        let angle = TAU * j as f64 / ANGLES as f64;
+        let (sin, cos) = libm::sincos(angle);
+        let Some(r) = polygon::farthest_crossing(outline, centroid, DVec2::new(cos, sin)) else {
+            return DVec2::ZERO;
+        };
+        let level = libm::log(r / radius);
+        sum += level / ANGLES as f64;
+        squares += level * level / ANGLES as f64;
+        for (k, wave) in [2.0, 3.0].into_iter().zip(&mut waves) {
+            let (sin, cos) = libm::sincos(k * angle);
+            *wave += DVec2::new(cos, sin) * (level * 2.0 / ANGLES as f64);
+        }
+    }
+    let [two, three] = waves;
+    // Wave 3 turned back by wave 2.
+    let product = DVec2::new(two.dot(three), two.perp_dot(three));
+    let size = product.length();
+    if size < 1e-12 || !size.is_finite() {
+        return DVec2::ZERO;
+    }
+    // Of a star or a square those two waves say nothing: they count by their share in the whole shape.
+    let share = 0.5 * (two.length_squared() + three.length_squared()) / (squares - sum * sum);
+    product / size * (FAR * size.sqrt() * share.min(1.0)).min(FARTHEST)
+}

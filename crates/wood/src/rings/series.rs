@@ -1,0 +1,212 @@
+//! The rings of one section, given as a number, as mean radii or as widths (a climate series).
+
+use super::RingField;
+use crate::stem::polygon;
+use glam::DVec2;
+
+/// Rings are at most this many: more are no wood.
+const MOST: usize = 100_000;
+/// The last ring may be larger than the outline by this share, which is how far printed radii are rounded.
+const SLACK: f64 = 1e-3;
+
+/// Which rings a section has. Lengths are in the outline's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RingList {
+    /// So many rings of the same mean width; the last one is the outline.
+    Number(usize),
+    /// Mean radii about the pith, from the pith outwards.
+    Radii(Vec<f64>),
+    /// Mean widths from the pith outwards. What they leave of the mean radius lies outside the last one.
+    Widths(Vec<f64>),
+}
+
+/// Why a section has no such rings.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RingError {
+    /// Too few points.
+    #[error("the outline has {0} points; it takes at least 3")]
+    Points(usize),
+    /// A coordinate that is no number.
+    #[error("point {index} of the outline is ({x}, {y}); coordinates must be finite numbers")]
+    Coordinate {
+        /// Which point, from 0.
+        index: usize,
+        /// As given.
+        x: f64,
+        /// As given.
+        y: f64,
+    },
+    /// All points lie on a line.
+    #[error("the outline encloses no area; its points lie on a line or in one place")]
+    Flat,
+    /// The pith is not in the section.
+    #[error(
+        "the pith ({x}, {y}) lies outside the outline, which reaches from ({left}, {top}) to ({right}, {bottom})"
+    )]
+    Pith {
+        /// As given.
+        x: f64,
+        /// As given.
+        y: f64,
+        /// Least x of the outline.
+        left: f64,
+        /// Least y of the outline.
+        top: f64,
+        /// Largest x of the outline.
+        right: f64,
+        /// Largest y of the outline.
+        bottom: f64,
+    },
+    /// No rings, or more than wood has.
+    #[error("{0} rings asked for; give 1 to 100000")]
+    Number(usize),
+    /// A radius or width that is no positive number.
+    #[error("{what} {number} is {value}; it must be a positive number")]
+    Value {
+        /// `radius` or `width`.
+        what: &'static str,
+        /// Which, from 1.
+        number: usize,
+        /// As given.
+        value: f64,
+    },
+    /// Radii that do not rise.
+    #[error(
+        "radius {number} is {value}, not more than {before} before it; radii must rise from the pith outwards"
+    )]
+    Order {
+        /// Which, from 1.
+        number: usize,
+        /// As given.
+        value: f64,
+        /// The one before.
+        before: f64,
+    },
+    /// A ring outside of the section.
+    #[error(
+        "ring {number} would have the mean radius {value:.6}, but the outline's is {outer:.6}; {what} must end within it"
+    )]
+    TooLarge {
+        /// `radii` or `the sum of widths`.
+        what: &'static str,
+        /// Which ring, from 1.
+        number: usize,
+        /// Its mean radius.
+        value: f64,
+        /// The outline's mean radius.
+        outer: f64,
+    },
+}
+
+impl RingField {
+    /// The rings of a section with a closed `outline` about its `pith`, in any unit of length.
+    ///
+    /// # Errors
+    /// [`RingError`] where the outline is no area or does not hold the pith.
+    pub fn of_section(outline: &[DVec2], pith: DVec2) -> Result<Self, RingError> {
+        if outline.len() < 3 {
+            return Err(RingError::Points(outline.len()));
+        }
+        if let Some(index) = outline.iter().position(|p| !p.is_finite()) {
+            let DVec2 { x, y } = outline[index];
+            return Err(RingError::Coordinate { index, x, y });
+        }
+        let low = outline.iter().fold(DVec2::INFINITY, |a, &p| a.min(p));
+        let high = outline.iter().fold(DVec2::NEG_INFINITY, |a, &p| a.max(p));
+        let size = high - low;
+        let area = polygon::area_and_centroid(outline).0.abs();
+        if !area.is_finite() || area <= 1e-9 * size.length_squared() {
+            return Err(RingError::Flat);
+        }
+        if !polygon::contains(outline, pith) {
+            return Err(RingError::Pith {
+                x: pith.x,
+                y: pith.y,
+                left: low.x,
+                top: low.y,
+                right: high.x,
+                bottom: high.y,
+            });
+        }
+        let reach = outline.iter().map(|p| p.distance(pith)).fold(0.0, f64::max);
+        Ok(RingField::round(outline, pith, reach))
+    }
+
+    /// Ring coordinates of a list of rings, from the pith outwards.
+    ///
+    /// # Errors
+    /// [`RingError`] where they do not fit into the section.
+    pub fn coordinates(&self, rings: &RingList) -> Result<Vec<f64>, RingError> {
+        let (what, radii) = match rings {
+            RingList::Number(n) => {
+                if !(1..=MOST).contains(n) {
+                    return Err(RingError::Number(*n));
+                }
+                return Ok((1..=*n).map(|i| i as f64 / *n as f64).collect());
+            }
+            RingList::Radii(radii) => {
+                check("radius", radii)?;
+                ("radii", radii.clone())
+            }
+            RingList::Widths(widths) => {
+                check("width", widths)?;
+                let mut sum = 0.0;
+                let radii = widths.iter().map(|w| {
+                    sum += w;
+                    sum
+                });
+                ("the sum of widths", radii.collect())
+            }
+        };
+        let outer = self.mean_radius(1.0);
+        let mut before = 0.0;
+        let mut coordinates = Vec::with_capacity(radii.len());
+        for (i, value) in radii.into_iter().enumerate() {
+            let number = i + 1;
+            if value <= before {
+                return Err(RingError::Order {
+                    number,
+                    value,
+                    before,
+                });
+            }
+            // Only the last may use the slack: two rings on the outline would be one.
+            if value > outer * (1.0 + SLACK) || before >= outer {
+                return Err(RingError::TooLarge {
+                    what,
+                    number,
+                    value,
+                    outer,
+                });
+            }
+            coordinates.push(self.ring_of_mean_radius(value.min(outer)));
+            before = value;
+        }
+        Ok(coordinates)
+    }
+
+    /// The ring of a coordinate as `count` points at equal angles about the pith, the first at angle 0.
+    pub fn curve(&self, ring: f64, count: usize) -> Vec<DVec2> {
+        (0..count)
+            .map(|i| {
+                let turn = i as f64 / count as f64;
+                let turn = if turn > 0.5 { turn - 1.0 } else { turn };
+                self.point(ring, turn * std::f64::consts::TAU)
+            })
+            .collect()
+    }
+}
+
+fn check(what: &'static str, values: &[f64]) -> Result<(), RingError> {
+    if !(1..=MOST).contains(&values.len()) {
+        return Err(RingError::Number(values.len()));
+    }
+    match values.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
+        Some(i) => Err(RingError::Value {
+            what,
+            number: i + 1,
+            value: values[i],
+        }),
+        None => Ok(()),
+    }
+}
