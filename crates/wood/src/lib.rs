@@ -2,6 +2,7 @@
 //! moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod anatomy;
 pub mod appearance;
 mod bark;
 pub mod moisture;

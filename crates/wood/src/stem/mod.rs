@@ -13,7 +13,7 @@ mod free;
 mod grain;
 mod layered;
 mod place;
-mod polygon;
+pub(crate) mod polygon;
 mod rings;
 mod seed;
 mod shells;
