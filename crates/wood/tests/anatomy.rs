@@ -1,5 +1,6 @@
 //! Sections, voxels and surfaces of stems whose measures are known.
 
+#[allow(dead_code)]
 mod support;
 
 use glam::DVec3;
@@ -119,9 +120,11 @@ fn a_bent_tube_has_the_volume_of_pappus() {
             section.outline.area
         );
     }
-    let voxels = volume(&found, &mesh, 64);
+    // All sections are the same circle, so the error of its pixels does not average out: at 256 it is about r^(2/3) of
+    // πr², with r = 123 pixels 5e-4.
+    let voxels = volume(&found, &mesh, 256);
     assert!(
-        (voxels / mesh.volume() - 1.0).abs() < 3e-3,
+        (voxels / mesh.volume() - 1.0).abs() < 1e-3,
         "{voxels} {}",
         mesh.volume()
     );
@@ -233,15 +236,13 @@ fn odd_requests_are_refused() {
 
 #[test]
 fn scans_have_sections_all_along() {
-    for (name, unit) in [("scans/pole.ply", 1e-3)] {
-        let Some(mesh) = support::ply(name, unit) else {
-            continue;
-        };
+    let pole = support::ply("scans/pole.ply", 1e-3);
+    if let Some(mesh) = pole {
         let found = found(&mesh);
         let voxels = volume(&found, &mesh, 32);
         assert!(
             (voxels / mesh.volume() - 1.0).abs() < 0.01,
-            "{name}: {voxels} {}",
+            "{voxels} {}",
             mesh.volume()
         );
     }
