@@ -31,6 +31,7 @@
 //! and call [`Prepared::model`] each time.
 #![deny(missing_docs)]
 
+pub mod anatomy;
 mod breaking;
 mod cracking;
 mod cracks;
