@@ -1,5 +1,6 @@
 //! The program `greenstick`: arguments, files, progress and messages. What it does to wood is in the libraries.
 
+mod anatomy;
 mod arguments;
 mod break_wood;
 mod failure;
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
     };
     let done = match &arguments.command {
         Command::Break(options) => break_wood::run(options),
+        Command::Anatomy(options) => anatomy::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Parameters(options) => list::parameters(options),

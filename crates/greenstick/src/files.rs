@@ -306,11 +306,11 @@ pub fn write_all(outputs: &[Output]) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Checks that files could be written into a folder, which need not be there yet.
+/// Checks that a file `name` could be written into a folder, which need not be there yet.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] where not.
-pub fn check_folder(folder: &Path) -> Result<(), FileError> {
+pub fn check_folder(folder: &Path, name: &str) -> Result<(), FileError> {
     let mut there = folder;
     while !there.exists() {
         there = match there.parent() {
@@ -318,7 +318,7 @@ pub fn check_folder(folder: &Path) -> Result<(), FileError> {
             _ => Path::new("."),
         };
     }
-    check_writable(&there.join("anatomy.json"))
+    check_writable(&there.join(name))
 }
 
 /// Writes all files into a folder or none; makes the folder where it is not there, and takes it away again where a file

@@ -15,5 +15,5 @@ pub use fill::{Grid, fill};
 pub use outline::{Outline, Slicer};
 pub use particles::{Bundles, Layout, Particle, field_particles, pixel_particles};
 pub use rings::{LATEWOOD, RingNumbers, field_passes};
-pub use sections::{Anatomy, AnatomyError, AnatomyOptions, Section, Segment};
+pub use sections::{Anatomy, AnatomyError, AnatomyOptions, RESOLUTIONS, Section, Segment};
 pub use surface::{SurfaceColours, rebuilt_surface};
