@@ -119,7 +119,7 @@ pub struct Inside {
 /// More particles than this are a slip of the hand.
 const MOST_PARTICLES: u64 = 50_000_000;
 /// Layers where nobody says how many.
-const USUAL_LAYERS: (f64, f64) = (2.0, 4096.0);
+const USUAL_LAYERS: (f64, f64) = (16.0, 4096.0);
 /// Ring coordinate at which bark begins in pictures.
 const BARK: f64 = 0.95;
 
@@ -183,7 +183,14 @@ pub fn anatomy(
     let wants = |part| request.parts.contains(&part);
     let mut files = Vec::new();
     let mut notes = scene.notes.clone();
-    notes.extend(found.notes.iter().cloned());
+    // What is said of where a break may be does not matter here.
+    notes.extend(
+        found
+            .notes
+            .iter()
+            .filter(|n| !n.starts_with("the break"))
+            .cloned(),
+    );
     let layers = particles::layers(&work, context)?;
     let table = layers.table();
     if wants(Part::Particles) {

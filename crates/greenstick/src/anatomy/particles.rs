@@ -5,14 +5,16 @@ use crate::Error;
 use glam::DAffine3;
 use greenstick_geometry::{Column, Context, Material, Node, Scene, Table, Values};
 use greenstick_wood::anatomy::{
-    Layout, Particle, Section, SurfaceColours, field_particles, field_passes, pixel_particles,
-    rebuilt_surface,
+    Grid, Layout, Particle, Section, SurfaceColours, field_particles, field_passes, fill,
+    pixel_particles, rebuilt_surface,
 };
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Layers between two looks at whether to stop.
 const BATCH: usize = 32;
+/// Pixels along the side of a section that areas of a board's bundles are counted in, at least.
+const FINE: usize = 512;
 
 /// Sections with their particles, from the base on.
 pub(super) struct Layers {
@@ -75,10 +77,16 @@ fn layer_of(work: &Work, section: &Section, layer: u32, layout: &Layout) -> Vec<
     if !work.is_board() {
         return field_particles(section, layer, layout, &work.tissue);
     }
-    let grid = &work.anatomy.grid;
-    let map = work.anatomy.voxels(&section.outline);
-    let passes = field_passes(grid, &map, &section.field, work.anatomy.rings);
-    pixel_particles(section, (grid, &passes), &work.numbers, layout, layer)
+    // A board is thin: the voxels' own grid may be too coarse for areas.
+    let voxels = &work.anatomy.grid;
+    let count = voxels.count.max(FINE);
+    let grid = Grid {
+        count,
+        pixel: voxels.pixel * voxels.count as f64 / count as f64,
+    };
+    let map = fill(&grid, &section.outline.loops);
+    let passes = field_passes(&grid, &map, &section.field, work.anatomy.rings);
+    pixel_particles(section, (&grid, &passes), &work.numbers, layout, layer)
 }
 
 impl Layers {

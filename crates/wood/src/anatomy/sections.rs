@@ -239,7 +239,8 @@ fn whole(stations: &[(f64, Outline)], radius: f64, length: f64) -> (f64, f64) {
     else {
         return (0.0, length);
     };
-    let near = (radius / step).ceil().max(1.0) as usize;
+    // An end at an angle reaches no further in than about a radius; in a stump that would be all of it.
+    let near = (radius.min(0.1 * length) / step).ceil().max(1.0) as usize;
     let inward = |areas: Vec<f64>| {
         let cut = |k: &usize| {
             let inner = areas
