@@ -1,6 +1,6 @@
 //! `greenstick break`: from options to a request, and from what the library returns to files and a report.
 
-use crate::arguments::{BreakOptions, Shot};
+use crate::arguments::{BreakOptions, Shot, UnitWord};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
@@ -28,9 +28,9 @@ struct Targets {
 
 /// A file that was written.
 #[derive(Serialize)]
-struct Written {
-    path: String,
-    bytes: usize,
+pub struct Written {
+    pub path: String,
+    pub bytes: usize,
 }
 
 /// The library's report, the files and the time.
@@ -57,10 +57,11 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     }
     let mut broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
     broken.report.scan = source.scan;
-    broken
-        .report
-        .notes
-        .extend(doubt_about_unit(options, broken.report.place.stem_length_m));
+    broken.report.notes.extend(doubt_about_unit(
+        options.input.as_deref(),
+        options.unit,
+        broken.report.place.stem_length_m,
+    ));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         progress.stage("encode")?;
@@ -177,9 +178,13 @@ fn read(
 const LONGEST: f64 = 120.0;
 
 /// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
-fn doubt_about_unit(options: &BreakOptions, length: f64) -> Option<String> {
-    let format = options.input.as_deref().and_then(InputFormat::of_path)?;
-    let doubtful = options.unit.is_none() && !format.is_in_metres() && length > LONGEST;
+pub fn doubt_about_unit(
+    input: Option<&Path>,
+    unit: Option<UnitWord>,
+    length: f64,
+) -> Option<String> {
+    let format = input.and_then(InputFormat::of_path)?;
+    let doubtful = unit.is_none() && !format.is_in_metres() && length > LONGEST;
     doubtful.then(|| {
         format!(
             "{} files do not say their unit; read in metres the stem is {length:.0} m long: if it is in millimetres, \
@@ -317,7 +322,7 @@ fn told(
 }
 
 /// A number of bytes in the unit that suits it.
-fn size(bytes: usize) -> String {
+pub fn size(bytes: usize) -> String {
     match bytes as f64 {
         b if b >= 1e6 => format!("{:.1} MB", b / 1e6),
         b if b >= 1e3 => format!("{:.1} kB", b / 1e3),

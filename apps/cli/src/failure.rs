@@ -7,6 +7,7 @@ use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::skin::texture::TextureError;
+use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::species::nearest;
 use greenstick::wood::stem::{Place, StemError};
@@ -112,7 +113,11 @@ impl From<greenstick::Error> for Failure {
                 | StemError::Unusable { nearest, .. }
                 | StemError::FarFromWood { nearest, .. },
             ) => Failure::request(&error).hint(format!("try --at {}", typed(nearest))),
-            Error::Stem(StemError::Empty | StemError::Invalid { .. }) | Error::Species(_) => {
+            Error::Anatomy(AnatomyError::TooLong { .. }) => Failure::work(&error).hint(point),
+            Error::Stem(StemError::Empty | StemError::Invalid { .. })
+            | Error::Species(_)
+            | Error::Amount(_)
+            | Error::Anatomy(AnatomyError::Resolution(_)) => {
                 Failure::request(&error)
             }
             Error::Stem(StemError::NoStem { .. }) => Failure::work(&error).hint(format!(

@@ -1,13 +1,14 @@
 //! The program `greenstick`: arguments, files, progress and messages. What it does to wood is in the libraries.
 
+mod anatomy;
 mod arguments;
 mod break_wood;
 mod failure;
 mod inspect;
 mod list;
 mod progress;
-mod scan;
 mod rings;
+mod scan;
 mod species;
 mod values;
 
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     };
     let done = match &arguments.command {
         Command::Break(options) => break_wood::run(options),
+        Command::Anatomy(options) => anatomy::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Parameters(options) => list::parameters(options),

@@ -99,6 +99,17 @@ pub fn texture_size(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Voxels along the side of a segment, 32 to 512.
+pub fn resolution(text: &str) -> Result<usize, String> {
+    let (least, most) = greenstick::wood::anatomy::RESOLUTIONS;
+    match text.parse::<usize>() {
+        Ok(x) if (least..=most).contains(&x) => Ok(x),
+        _ => Err(format!(
+            "expected a number of voxels from {least} to {most}"
+        )),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,12 +13,15 @@ mod off;
 mod ply;
 mod polygon;
 mod stl;
+mod table;
 mod text;
+pub mod vtk;
 
 pub use cloud::{CloudFile, CloudFormat, Content, InputFormat, read_content};
 pub use error::FormatError;
 use greenstick_geometry::Scene;
 use std::path::Path;
+pub use table::{TableFormat, write_table};
 
 /// A mesh file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -14,6 +14,7 @@ pub mod intersect;
 pub mod material;
 pub mod mesh;
 pub mod scene;
+pub mod table;
 pub mod triangulate;
 
 pub use bitmap::Bitmap;
@@ -25,3 +26,4 @@ pub use context::{Cancelled, Context};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
 pub use scene::{Node, Scene};
+pub use table::{Column, Table, Values};

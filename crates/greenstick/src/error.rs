@@ -33,6 +33,18 @@ pub enum Error {
     /// A scan gives no bark.
     #[error(transparent)]
     Scan(#[from] crate::scanning::ScanningError),
+    /// The inside of the stem could not be made.
+    #[error(transparent)]
+    Anatomy(#[from] greenstick_wood::anatomy::AnatomyError),
+    /// A number asked for is out of range.
+    #[error("{0}")]
+    Amount(String),
+    /// Something does not fit the format it was to be written in.
+    #[error(transparent)]
+    Format(#[from] greenstick_formats::FormatError),
+    /// The report could not be put into JSON.
+    #[error("the report cannot be put into JSON: {0}")]
+    Report(String),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

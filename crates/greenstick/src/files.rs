@@ -338,6 +338,51 @@ pub fn write_all(outputs: &[Output]) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Checks that a file `name` could be written into a folder, which need not be there yet.
+///
+/// # Errors
+/// [`FileError::Unwritable`] where not.
+pub fn check_folder(folder: &Path, name: &str) -> Result<(), FileError> {
+    let mut there = folder;
+    while !there.exists() {
+        there = match there.parent() {
+            Some(parent) if parent != Path::new("") => parent,
+            _ => Path::new("."),
+        };
+    }
+    check_writable(&there.join(name))
+}
+
+/// Writes all files into a folder or none; makes the folder where it is not there, and takes it away again where a file
+/// cannot be written.
+///
+/// # Errors
+/// [`FileError::Unwritable`] with what failed.
+pub fn write_folder(folder: &Path, files: Vec<Encoded>) -> Result<Vec<Output>, FileError> {
+    let made = !folder.exists();
+    fs::create_dir_all(folder).map_err(|source| FileError::Unwritable {
+        path: folder.to_owned(),
+        source,
+    })?;
+    let outputs: Vec<Output> = files
+        .into_iter()
+        .map(|Encoded { name, bytes }| Output {
+            path: folder.join(name),
+            bytes,
+        })
+        .collect();
+    match write_all(&outputs) {
+        Ok(()) => Ok(outputs),
+        Err(error) => {
+            if made {
+                // Only an empty folder goes.
+                let _ = fs::remove_dir(folder);
+            }
+            Err(error)
+        }
+    }
+}
+
 /// A file beside its place. Dropping it removes what lies beside.
 struct Staged {
     place: PathBuf,

@@ -31,6 +31,7 @@
 //! and call [`Prepared::model`] each time.
 #![deny(missing_docs)]
 
+pub mod anatomy;
 mod branch;
 mod breaking;
 mod cracking;
@@ -46,8 +47,8 @@ mod pictures;
 mod prepare;
 mod refine;
 mod report;
-pub mod scanning;
 pub mod rings;
+pub mod scanning;
 
 pub use branch::built_in_branch;
 pub use breaking::{BreakRequest, Broken, break_scene};

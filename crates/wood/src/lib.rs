@@ -2,13 +2,14 @@
 //! moisture and tissue.
 #![deny(missing_docs)]
 
+pub mod anatomy;
 pub mod appearance;
 mod bark;
 pub mod moisture;
 pub mod noise;
 pub mod primitive;
-pub mod scan;
 pub mod rings;
+pub mod scan;
 pub mod species;
 pub mod stem;
 pub mod tissue;

@@ -1,0 +1,155 @@
+//! `greenstick anatomy`: the inside of a stem as files.
+
+use crate::arguments::AnatomyOptions;
+use crate::break_wood::{Written, doubt_about_unit, size, use_threads};
+use crate::failure::{Failure, print};
+use crate::progress::{Progress, Stage};
+use crate::values;
+use greenstick::anatomy::{AnatomyReport, AnatomyRequest};
+use greenstick::files::{self, Source};
+use greenstick::formats::LengthUnit;
+use greenstick::wood::stem::StemOptions;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// The file that is always written.
+const MAIN: &str = "anatomy.json";
+
+/// The library's report but for its long lists, which are in the file, and what was written.
+#[derive(Serialize)]
+struct Told<'a> {
+    schema: &'a str,
+    version: u32,
+    kind: &'a str,
+    length_m: f64,
+    radius_m: f64,
+    rings: u16,
+    layers: usize,
+    particles: usize,
+    bundle_area_m2: [f64; 2],
+    mesh_volume_m3: Option<f64>,
+    voxel_volume_m3: Option<f64>,
+    segments: &'a [greenstick::anatomy::SegmentReport],
+    notes: &'a [String],
+    outputs: &'a [Written],
+    stages: &'a [Stage],
+}
+
+pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
+    let unit = options.unit.map(LengthUnit::from);
+    let request = request(options, unit.unwrap_or_default())?;
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    progress.stage("read")?;
+    let source = load(options.input.as_deref(), unit)?;
+    files::check_folder(&options.output, MAIN)?;
+    let mut inside =
+        progress.watch(|context| greenstick::anatomy::anatomy(&source.scene, &request, context))?;
+    let doubt = doubt_about_unit(
+        options.input.as_deref(),
+        options.unit,
+        inside.report.length_m,
+    );
+    inside.report.notes.extend(doubt);
+    progress.stage("write")?;
+    let planned: Vec<_> = inside
+        .files
+        .iter()
+        .map(|f| options.output.join(&f.name))
+        .collect();
+    let planned: Vec<&Path> = planned.iter().map(|p| p.as_path()).collect();
+    files::check_distinct(&planned, &source.files)?;
+    let outputs = files::write_folder(&options.output, inside.files)?;
+    let stages = progress.finish();
+    if !options.quiet || options.json {
+        let written: Vec<Written> = outputs
+            .iter()
+            .map(|o| Written {
+                path: o.path.display().to_string(),
+                bytes: o.bytes.len(),
+            })
+            .collect();
+        print(&told(&inside.report, &written, &stages, options.json)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The scene of an input, or the branch that comes with the program.
+fn load(input: Option<&Path>, unit: Option<LengthUnit>) -> Result<Source, Failure> {
+    match input {
+        Some(path) => Ok(files::load(path, unit)?),
+        None => Ok(Source {
+            scene: greenstick::built_in_branch(),
+            files: Vec::new(),
+        }),
+    }
+}
+
+fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest, Failure> {
+    let pith = options
+        .pith
+        .as_ref()
+        .map(|text| values::pith(text, unit).map_err(Failure::request))
+        .transpose()?;
+    Ok(AnatomyRequest {
+        place: values::place(&options.at, unit).map_err(Failure::request)?,
+        stem: StemOptions {
+            pith,
+            kind: options.kind.map(Into::into),
+        },
+        species: options.species.clone(),
+        resolution: options.resolution,
+        rings: options.rings,
+        sectors: options.sectors,
+        layers: options.layers,
+        bundles: options.bundles.into(),
+        sections: options.sections,
+        surface_ring: options.surface_ring,
+        colours: options.colours.into(),
+        parts: options.only.iter().map(|&word| word.into()).collect(),
+    })
+}
+
+fn told(
+    report: &AnatomyReport,
+    outputs: &[Written],
+    stages: &[Stage],
+    json: bool,
+) -> Result<String, Failure> {
+    if json {
+        let told = Told {
+            schema: report.schema,
+            version: report.version,
+            kind: report.kind,
+            length_m: report.length_m,
+            radius_m: report.radius_m,
+            rings: report.rings,
+            layers: report.layers,
+            particles: report.particles,
+            bundle_area_m2: report.bundle_area_m2,
+            mesh_volume_m3: report.mesh_volume_m3,
+            voxel_volume_m3: report.voxel_volume_m3,
+            segments: &report.segments,
+            notes: &report.notes,
+            outputs,
+            stages,
+        };
+        let text = serde_json::to_string_pretty(&told)
+            .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
+        return Ok(text + "\n");
+    }
+    let mut text = report.to_string();
+    for file in outputs {
+        let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
+    }
+    let total: f64 = stages.iter().map(|s| s.seconds).sum();
+    let listed: Vec<String> = stages
+        .iter()
+        .filter(|s| s.seconds >= 0.005)
+        .map(|s| format!("{} {:.2}", s.name, s.seconds))
+        .collect();
+    let _ = writeln!(text, "time      {total:.2} s: {}", listed.join(", "));
+    Ok(text)
+}

@@ -1,0 +1,29 @@
+//! Comma-separated values (RFC 4180, lines ended by a line feed): headings with units, then numbers in the fewest digits
+//! that read back as the same number.
+
+use crate::text::push_integer;
+use greenstick_geometry::{Table, Values};
+
+pub(super) fn write(table: &Table) -> Vec<u8> {
+    let headings: Vec<String> = table.columns.iter().map(|c| c.heading()).collect();
+    let mut bytes = headings.join(",").into_bytes();
+    bytes.push(b'\n');
+    let mut buffer = zmij::Buffer::new();
+    for row in 0..table.rows() {
+        for (k, column) in table.columns.iter().enumerate() {
+            if k > 0 {
+                bytes.push(b',');
+            }
+            match &column.values {
+                Values::U8(v) => push_integer(&mut bytes, v[row].into()),
+                Values::U32(v) => push_integer(&mut bytes, v[row].into()),
+                Values::F64(v) => {
+                    let text = buffer.format_finite(v[row]);
+                    bytes.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+                }
+            }
+        }
+        bytes.push(b'\n');
+    }
+    bytes
+}

@@ -1,0 +1,249 @@
+//! Sections, voxels and surfaces of stems whose measures are known.
+
+#[allow(dead_code)]
+mod support;
+
+use glam::DVec3;
+use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::anatomy::{
+    Anatomy, AnatomyError, AnatomyOptions, Layout, Particle, SurfaceColours, field_particles,
+    rebuilt_surface,
+};
+use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
+use greenstick_wood::stem::{Found, StemOptions, find};
+use greenstick_wood::tissue::Proportions;
+use std::f64::consts::{PI, TAU};
+
+const TISSUE: Proportions = Proportions {
+    pith: 0.05,
+    heartwood: 0.4,
+    phloem: 0.1,
+};
+
+fn found(mesh: &Mesh) -> Found {
+    let place = "0.5".parse().unwrap();
+    find(
+        std::slice::from_ref(mesh),
+        &place,
+        &StemOptions::default(),
+        &Context::quiet(),
+    )
+    .unwrap()
+}
+
+fn options(resolution: usize) -> AnatomyOptions {
+    AnatomyOptions {
+        resolution,
+        rings: 12,
+    }
+}
+
+/// Volume of all voxels, m³.
+fn volume(found: &Found, mesh: &Mesh, resolution: usize) -> f64 {
+    let anatomy = Anatomy::new(found, mesh, &options(resolution)).unwrap();
+    let mut voxels = 0;
+    for segment in &anatomy.segments {
+        for k in 0..resolution {
+            if let Some(outline) = anatomy.outline(anatomy.length_of(segment, k)) {
+                voxels += anatomy.voxels(&outline).count();
+            }
+        }
+    }
+    voxels as f64 * anatomy.grid.pixel * anatomy.grid.pixel * anatomy.spacing()
+}
+
+/// A quarter of a torus, closed by fans: tube radius 0.05 m about a circle of radius 0.4 m.
+fn bend() -> Mesh {
+    let (rows, around) = (160_u32, 96_u32);
+    let mut mesh = Mesh::default();
+    for i in 0..=rows {
+        let (s, c) = (0.5 * PI * f64::from(i) / f64::from(rows)).sin_cos();
+        for j in 0..around {
+            let (v, u) = (TAU * f64::from(j) / f64::from(around)).sin_cos();
+            let r = 0.4 + 0.05 * u;
+            mesh.positions.push(DVec3::new(r * c, r * s, 0.05 * v));
+        }
+    }
+    for i in 0..rows {
+        for j in 0..around {
+            let (a, b) = (i * around + j, i * around + (j + 1) % around);
+            mesh.triangles
+                .extend([[a, b + around, b], [a, a + around, b + around]]);
+        }
+    }
+    for (row, middle, flip) in [(0, DVec3::X * 0.4, false), (rows, DVec3::Y * 0.4, true)] {
+        let m = mesh.positions.len() as u32;
+        mesh.positions.push(middle);
+        for j in 0..around {
+            let (a, b) = (row * around + j, row * around + (j + 1) % around);
+            mesh.triangles
+                .push(if flip { [m, b, a] } else { [m, a, b] });
+        }
+    }
+    if mesh.volume() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    mesh
+}
+
+#[test]
+fn voxel_volume_tends_to_the_mesh_volume() {
+    let mesh = branch(&BranchOptions::default());
+    let found = found(&mesh);
+    let whole = mesh.volume();
+    let errors: Vec<f64> = [32, 64, 128]
+        .iter()
+        .map(|&n| (volume(&found, &mesh, n) / whole - 1.0).abs())
+        .collect();
+    // Pixels at the border are in or out by their middle: the error falls at least as fast as the pixel's side.
+    for (error, n) in errors.iter().zip([32.0, 64.0, 128.0]) {
+        assert!(*error < 0.1 / n, "{errors:?}");
+    }
+}
+
+#[test]
+fn a_bent_tube_has_the_volume_of_pappus() {
+    let mesh = bend();
+    let found = found(&mesh);
+    let pappus = PI * 0.0025 * 0.4 * 0.5 * PI;
+    assert!((mesh.volume() / pappus - 1.0).abs() < 2e-3);
+    let anatomy = Anatomy::new(&found, &mesh, &options(64)).unwrap();
+    assert!(anatomy.segments.len() >= 5);
+    // Square to the centreline every section is the tube's circle; along a world axis none of most would be.
+    let (low, high) = anatomy.whole;
+    for k in 0..50 {
+        let s = low + (high - low) * (f64::from(k) + 0.5) / 50.0;
+        let section = anatomy.section(s).unwrap();
+        assert!(
+            (section.outline.area / (PI * 0.0025) - 1.0).abs() < 0.01,
+            "{s}: {}",
+            section.outline.area
+        );
+    }
+    // All sections are the same circle, so the error of its pixels does not average out: at 256 it is about r^(2/3) of
+    // πr², with r = 123 pixels 5e-4.
+    let voxels = volume(&found, &mesh, 256);
+    assert!(
+        (voxels / mesh.volume() - 1.0).abs() < 1e-3,
+        "{voxels} {}",
+        mesh.volume()
+    );
+}
+
+#[test]
+fn holes_are_closed_and_told() {
+    let whole = cylinder(0.05, 0.6, 90);
+    let found_whole = found(&whole);
+    let reference = Anatomy::new(&found_whole, &whole, &options(64)).unwrap();
+    // Every triangle with its middle in a window of the bark is taken out: 30° of the girth.
+    let axis = found_whole.stem.grain.axis();
+    let mut torn = whole.clone();
+    let middle = |t: &[u32; 3]| {
+        t.iter()
+            .map(|&v| whole.positions[v as usize])
+            .sum::<DVec3>()
+            / 3.0
+    };
+    let from = middle(&whole.triangles[20]);
+    let frame = axis.frame(axis.length_at(from));
+    let side = (from - frame.origin).normalize();
+    torn.triangles.retain(|t| {
+        let m = middle(t);
+        let f = axis.frame(axis.length_at(m));
+        let across = (m - f.origin).reject_from(f.tangent);
+        let end = across.length() < 0.045;
+        end || across.normalize().dot(side) < (PI / 12.0).cos()
+    });
+    assert!(torn.triangles.len() < whole.triangles.len());
+    let shell: Vec<u32> = (0..torn.triangles.len() as u32).collect();
+    let found_torn = Found {
+        shell,
+        ..found_whole.clone()
+    };
+    let anatomy = Anatomy::new(&found_torn, &torn, &options(64)).unwrap();
+    let (a, b) = (
+        reference.outline(0.3).unwrap(),
+        anatomy.outline(0.3).unwrap(),
+    );
+    assert_eq!(a.guessed, 0.0);
+    // The chord of 30° and a little: 2 sin 15° of the 2π radii, and r²/2 (θ − sin θ) of the area is cut off.
+    assert!((b.guessed - 0.083).abs() < 0.015, "{}", b.guessed);
+    let lost = 1.0 - b.area / a.area;
+    assert!(lost > 1e-3 && lost < 8e-3, "{lost}");
+}
+
+#[test]
+fn the_surface_of_particles_is_closed_and_holds_the_stem() {
+    let mesh = branch(&BranchOptions::default());
+    let found = found(&mesh);
+    let anatomy = Anatomy::new(&found, &mesh, &options(32)).unwrap();
+    let (low, high) = anatomy.whole;
+    let count = 150;
+    let sections: Vec<_> = (0..count)
+        .map(|k| {
+            anatomy
+                .section(low + (high - low) * (f64::from(k) + 0.5) / f64::from(count))
+                .unwrap()
+        })
+        .collect();
+    let piths = [&sections[0], &sections[sections.len() - 1]].map(|s| s.world(s.field.pith()));
+    for layout in [
+        Layout::fixed(12, 120),
+        Layout::equal_area(&found.stem.rings, 12, 120),
+    ] {
+        let layers: Vec<Vec<Particle>> = sections
+            .iter()
+            .zip(0..)
+            .map(|(s, layer)| field_particles(s, layer, &layout, &TISSUE))
+            .collect();
+        let layers: Vec<&[Particle]> = layers.iter().map(Vec::as_slice).collect();
+        let mut volumes = Vec::new();
+        for ring in [6, 12] {
+            let surface =
+                rebuilt_surface(&layers, &layout, ring, piths, SurfaceColours::Ring).unwrap();
+            let report = surface.check();
+            assert!(report.is_solid(), "ring {ring}: {report}");
+            volumes.push(surface.volume());
+        }
+        // A slab of the end's half layer is missing on either side.
+        let between = 1.0 - 1.0 / f64::from(count);
+        let part = volumes[1] / (mesh.volume() * (high - low) / found.stem.length * between);
+        assert!((part - 1.0).abs() < 0.01, "{part}");
+        assert!(
+            (0.2..0.3).contains(&(volumes[0] / volumes[1])),
+            "{volumes:?}"
+        );
+    }
+}
+
+#[test]
+fn odd_requests_are_refused() {
+    let mesh = cylinder(0.05, 0.6, 24);
+    let found = found(&mesh);
+    for resolution in [0, 31, 513, usize::MAX] {
+        let made = Anatomy::new(&found, &mesh, &options(resolution));
+        assert_eq!(made.err(), Some(AnatomyError::Resolution(resolution)));
+    }
+    let nothing = Found {
+        shell: vec![u32::MAX],
+        ..found
+    };
+    assert!(matches!(
+        Anatomy::new(&nothing, &mesh, &options(32)),
+        Err(AnatomyError::NoSections(_))
+    ));
+}
+
+#[test]
+fn scans_have_sections_all_along() {
+    let pole = support::ply("scans/pole.ply", 1e-3);
+    if let Some(mesh) = pole {
+        let found = found(&mesh);
+        let voxels = volume(&found, &mesh, 32);
+        assert!(
+            (voxels / mesh.volume() - 1.0).abs() < 0.01,
+            "{voxels} {}",
+            mesh.volume()
+        );
+    }
+}
