@@ -101,6 +101,7 @@ fn las(count: u32, compressed: bool) -> Vec<u8> {
     let mut compressor = LasZipCompressor::new(&mut out, vlr).unwrap();
     compressor.compress_many(&body).unwrap();
     compressor.done().unwrap();
+    drop(compressor);
     out.into_inner()
 }
 

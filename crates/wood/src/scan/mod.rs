@@ -27,6 +27,9 @@ const SEARCHED: usize = 150_000;
 /// Share of the sections' parts that a ray may meet more than once: bark flakes and stubs are no folds.
 pub const MOST_FOLDED: f64 = 0.25;
 
+/// Spread about the surface, in radii, from which on points are those of a crown and not of bark.
+const CROWN: f64 = 0.1;
+
 /// The stem as it was followed: its curve from the base and its radius along it.
 #[derive(Debug, Clone)]
 pub(crate) struct Followed {
@@ -86,6 +89,9 @@ pub fn scanned_bark(
     addressed.drop_strangers(&followed);
     context.step("bark", 0.4)?;
     let mut bark = surface::bark(&addressed, &followed, at, options)?;
+    if bark.report.noise_m > CROWN * bark.report.radius_m {
+        return Err(none());
+    }
     context.step("bark", 1.0)?;
     bark.report.notes.extend(
         ["base", "end"]

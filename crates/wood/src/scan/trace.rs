@@ -40,7 +40,7 @@ const LOOKED_AT: usize = 240;
 const HOLLOW: (f64, f64) = (0.15, 0.3);
 /// Root of the mean square of the points' distances from a section, in radii, at most: of a first section, and of those
 /// that follow. Points strewn evenly over the circle's tolerance have 0.087.
-const LOOSE: (f64, f64) = (0.07, 0.08);
+const LOOSE: (f64, f64) = (0.06, 0.07);
 /// Steps along a limb, in radii.
 const STEP: f64 = 0.5;
 /// Steps without a section before a limb ends: a hole in the scan, a whorl of branches.
@@ -121,7 +121,7 @@ fn score(rings: &[Ring]) -> f64 {
     for pair in rings.windows(2) {
         let step = pair[0].centre.distance(pair[1].centre);
         let [r, merit] = [pair[0].radius, pair[0].merit];
-        volume += step * r * r * merit * merit;
+        volume += step * r * r * merit.powi(4);
         slenderness += step / r;
     }
     volume * (slenderness / SLENDER).min(1.0).powi(2)
