@@ -74,3 +74,22 @@ impl Failure {
         Ok(())
     }
 }
+
+/// Something that is to break.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// How far its criterion is passed: demand over strength.
+    pub demand: f64,
+    /// Whether it is a bond; else a rod at a vertex.
+    pub bond: bool,
+    /// Number of the bond or vertex.
+    pub number: u32,
+}
+
+/// Finds what fails in a state and lets it, in a fixed order.
+pub fn after_step(
+    _world: &mut crate::World,
+    _contacts: &mut dyn crate::Contacts,
+    _queue: &mut Vec<Break>,
+) {
+}

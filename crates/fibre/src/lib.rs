@@ -12,6 +12,8 @@
 //! | [`failure`] | when rods and bonds fail, and what is left then |
 //! | [`event`] | [`Event`]: what happened when and where |
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
+//! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
+//! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
@@ -20,10 +22,13 @@ pub mod bundle;
 pub mod energy;
 pub mod error;
 pub mod event;
+pub mod explicit;
 pub mod failure;
 pub mod frames;
+pub mod kernel;
 pub mod loads;
 pub mod solver;
+pub mod stability;
 pub mod state;
 pub mod vectors;
 
@@ -31,8 +36,10 @@ pub use bonds::{Bond, Bonds, Incidence};
 pub use bundle::{Bundle, Rod, RodMaterial};
 pub use error::{BundleError, LoadError, SolverError};
 pub use event::{Cause, Event, EventKind};
+pub use explicit::Explicit;
 pub use failure::{BondCriterion, Failure};
+pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
-pub use solver::{Advance, Contacts, NoContacts, Solver, World};
+pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;
