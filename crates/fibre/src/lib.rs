@@ -9,7 +9,7 @@
 //! | [`frames`] | parallel transport, curvature, twist |
 //! | [`energy`] | energies by kind, forces, and Hessians of single elements |
 //! | [`loads`] | [`Loads`]: clamps, forces, moments, gravity, damping, wind, snow |
-//! | [`failure`] | when rods and bonds fail, and what is left then |
+//! | [`failure`] | when rods and bonds fail; [`topology`]: what is left then |
 //! | [`event`] | [`Event`]: what happened when and where |
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
 //! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
@@ -30,6 +30,7 @@ pub mod loads;
 pub mod solver;
 pub mod stability;
 pub mod state;
+pub mod topology;
 pub mod vectors;
 
 pub use bonds::{Bond, Bonds, Incidence};
