@@ -199,11 +199,10 @@ impl Explicit {
                 after * dt
             };
         }
-        if loads.damping > 0.0 {
-            report.damped += kinetic * (1.0 / (keep * keep) - 1.0);
-        }
-        let held = self.hold(world, dt);
+        let held = self.hold(world, dt, keep);
         kinetic += held.1;
+        // The work of −c m v along v Δt.
+        report.damped += 2.0 * kinetic * (1.0 / keep - 1.0);
         report.work += held.0 + loaded;
         *budget += held.0 + loaded;
         if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(rounding(&world.bundle)) {
@@ -212,8 +211,8 @@ impl Explicit {
         self.finish_step(world, contacts, dt, budget)
     }
 
-    /// Sets the velocities of clamped vertices; returns the clamps' work and the change of kinetic energy, J.
-    fn hold(&mut self, world: &World, dt: f64) -> (f64, f64) {
+    /// Sets the velocities of clamped vertices, of which damping has kept the part `keep`; returns the clamps' work and the change of kinetic energy, J.
+    fn hold(&mut self, world: &World, dt: f64, keep: f64) -> (f64, f64) {
         let World {
             bundle,
             state,
@@ -233,7 +232,7 @@ impl Explicit {
                     }
                 }
                 // The clamp's force over the step times the way.
-                work += bundle.mass[i] * (new - free).dot(new);
+                work += bundle.mass[i] * (new - free).dot(new) / keep;
                 change += 0.5 * bundle.mass[i] * (new.length_squared() - free.length_squared());
                 self.next.set(i, new);
             }

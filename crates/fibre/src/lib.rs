@@ -3,6 +3,7 @@
 //!
 //! | module | what is in it |
 //! |---|---|
+//! | [`placement`] | from a stem and a species to a bundle: points, cells, rods, bonds, strengths |
 //! | [`bundle`] | [`Bundle`]: rods as arrays, their material and masses |
 //! | [`bonds`] | [`Bonds`]: what joins a vertex to another rod's edge, and who gathers which force |
 //! | [`state`] | [`State`]: places, velocities, frames, permanent strain; apart from the bundle, so that solvers share it |
@@ -27,6 +28,7 @@ pub mod failure;
 pub mod frames;
 pub mod kernel;
 pub mod loads;
+pub mod placement;
 pub mod solver;
 pub mod stability;
 pub mod state;
@@ -41,6 +43,7 @@ pub use explicit::Explicit;
 pub use failure::{BondCriterion, Failure};
 pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
+pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;

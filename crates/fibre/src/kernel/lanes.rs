@@ -35,8 +35,8 @@ impl Plain {
     #[inline(always)]
     fn zip(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let mut made = [0.0; WIDTH];
-        for i in 0..WIDTH {
-            made[i] = f(self.0[i], b.0[i]);
+        for ((made, a), b) in made.iter_mut().zip(self.0).zip(b.0) {
+            *made = f(a, b);
         }
         Plain(made)
     }
@@ -512,7 +512,7 @@ pub(crate) fn bond_forces(level: Level, input: &BondInput, out: &mut [BondForce]
         input.transverse,
         input.shear,
     ];
-    assert!(n % WIDTH == 0 && arrays.iter().all(|a| a.len() == n));
+    assert!(n.is_multiple_of(WIDTH) && arrays.iter().all(|a| a.len() == n));
     assert!(input.vertex.len() == n && input.edge.len() == n);
     let vertices = input.position.iter().map(|p| p.len()).min().unwrap_or(0);
     let below =
