@@ -31,7 +31,10 @@ pub struct Explicit {
     given: Option<f64>,
     evaluator: Option<Evaluator>,
     next: Vectors,
+    /// Loads, and with twist the forces in material frames.
     outside: Forces,
+    /// Loads alone.
+    loads: Forces,
     inverse_mass: Vec<f64>,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
@@ -46,6 +49,7 @@ impl Explicit {
             evaluator: None,
             next: Vectors::default(),
             outside: Forces::default(),
+            loads: Forces::default(),
             inverse_mass: Vec::new(),
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
@@ -86,6 +90,7 @@ impl Explicit {
         if changed {
             self.next = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
+            self.loads = Forces::zeros(n);
             self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
             let inverse = |j: usize| {
                 if bundle.is_edge(j) {
@@ -139,12 +144,10 @@ impl Explicit {
             contacts.add_forces(bundle, state, state.time, linear);
         }
         let acts = outside && !(plain && weightless && contacts.is_empty());
-        let before = if acts {
-            power(&self.outside, state)
-        } else {
-            0.0
-        };
         if bundle.twisting {
+            if acts {
+                self.loads.clone_from(&self.outside);
+            }
             evaluator.add_framed(bundle, state, &mut self.outside);
         }
         let keep = 1.0 / (1.0 + loads.damping * dt);
@@ -187,17 +190,12 @@ impl Explicit {
         );
         let mut kinetic: f64 = self.sums.iter().sum();
         if acts {
-            // Work of the mean of both velocities would be that of the exact path; this is what the method did.
-            let after = self
-                .next
-                .iter()
-                .enumerate()
-                .fold(0.0, |s, (i, v)| s + v.dot(added_only(&self.outside, i)));
-            loaded = if bundle.twisting {
-                before * dt
+            let from = if bundle.twisting {
+                &self.loads
             } else {
-                after * dt
+                &self.outside
             };
+            loaded = dt * power(from, &self.next, &state.spin);
         }
         let held = self.hold(world, dt, keep);
         kinetic += held.1;
@@ -316,19 +314,14 @@ impl Explicit {
     }
 }
 
-fn added_only(outside: &Forces, i: usize) -> DVec3 {
-    outside.linear.get(i)
-}
-
-/// Power of outside forces and moments at the state's velocities, W.
-fn power(outside: &Forces, state: &State) -> f64 {
-    let linear = (0..outside.moment.len()).fold(0.0, |s, i| {
-        s + outside.linear.get(i).dot(state.velocity.get(i))
-    });
-    outside
+/// Power of forces and moments at velocities, W.
+fn power(forces: &Forces, velocity: &Vectors, spin: &[f64]) -> f64 {
+    let linear =
+        (0..forces.moment.len()).fold(0.0, |s, i| s + forces.linear.get(i).dot(velocity.get(i)));
+    forces
         .moment
         .iter()
-        .zip(&state.spin)
+        .zip(spin)
         .fold(linear, |s, (m, w)| s + m * w)
 }
 

@@ -7,7 +7,7 @@ use greenstick_fibre::{
     Bundle, Clamp, Explicit, Motion, NoContacts, PointForce, Ramp, Rod, RodMaterial, Solver, World,
 };
 use std::f64::consts::PI;
-use support::straight;
+use support::{bond_all, straight};
 
 /// A rod that is 40 times as stiff in stretch as its bending needs: nearly inextensible, at a step that is not small.
 fn rod(length: f64, edges: usize) -> (Rod, RodMaterial) {
@@ -198,4 +198,148 @@ fn a_pinned_strut_buckles_at_eulers_load() {
         100.0 * (critical / euler - 1.0)
     );
     assert!(a > 0.0 && b < 0.0 && (critical / euler - 1.0).abs() < 0.02);
+}
+
+/// Free beam of 4 × 4 rods, 5 mm apart, staggered by half an edge; bonds between side neighbours for a shear modulus
+/// `ratio` times E. Returns its bending stiffness over E h⁴/12, from the frequency.
+fn bonded_beam(ratio: f64) -> f64 {
+    let (young, a, length, edges) = (1e7, 5e-3, 0.6, 240);
+    let material = RodMaterial::solid(a * a, young, ratio * young, 600.0);
+    let step = length / edges as f64;
+    let rods: Vec<Rod> = (0..16)
+        .map(|r| {
+            let corner = DVec3::new((r % 4) as f64, (r / 4) as f64, 0.0) * a;
+            let mut rod = straight(corner, length, edges, material);
+            if (r % 4 + r / 4) % 2 == 1 {
+                let end = rod.vertices[edges];
+                rod.vertices.pop();
+                rod.vertices
+                    .iter_mut()
+                    .skip(1)
+                    .for_each(|v| v.z -= 0.5 * step);
+                rod.vertices.push(end - DVec3::Z * (0.5 * step));
+                rod.vertices.push(end);
+            }
+            rod
+        })
+        .collect();
+    let mut bundle = Bundle::new(&rods, false).unwrap();
+    // Half of the facet for each of its two rods.
+    let facet = 0.5 * a * step;
+    bond_all(
+        &mut bundle,
+        1.2 * a,
+        young / 20.0 * facet,
+        0.5 * ratio * young * facet * a,
+    );
+    let mut world = World::new(bundle);
+    let k: f64 = 4.730_040_745;
+    let r = (k.cosh() - k.cos()) / (k.sinh() - k.sin());
+    let depth = |y: f64| y - 1.5 * a;
+    for i in 0..world.bundle.vertices() {
+        let p = world.bundle.rest.get(i);
+        let u = k * p.z / length;
+        let slope = 1e-4 * k / length * (u.sinh() - u.sin() - r * (u.cosh() + u.cos()));
+        world.state.position.x[i] = 1e-4 * (u.cosh() + u.cos() - r * (u.sinh() + u.sin()));
+        // Plane sections, where the rods are held together at all.
+        world.state.position.z[i] -= if ratio > 0.0 { slope * depth(p.x) } else { 0.0 };
+    }
+    let height = 4.0 * a;
+    let solid = young * height.powi(4) / 12.0 / (600.0 * height * height) * (k / length).powi(4);
+    swing(world, 0.3 / solid.sqrt()) / solid
+}
+
+#[test]
+fn a_bonded_bundle_lies_between_layers_and_the_solid_beam() {
+    let ratios = [0.0, 1e-4, 1e-3, 1e-2, 1e-1, 1.0];
+    let made = ratios.map(bonded_beam);
+    for (g, s) in ratios.iter().zip(made) {
+        println!("G/E {g}: {s:.4} of the solid beam's stiffness");
+    }
+    // Sixteen round rods of the same area, each for itself.
+    let layers = 16.0 * (12.0 / (4.0 * PI)) / 256.0;
+    assert!(
+        (made[0] / layers - 1.0).abs() < 0.01,
+        "{} {layers}",
+        made[0]
+    );
+    assert!(made.windows(2).all(|p| p[0] < p[1]), "{made:?}");
+    assert!((made[5] - 1.0).abs() < 0.03 && made[5] < 1.01, "{made:?}");
+}
+
+/// Part of the first out-of-plane bow of a closed ring that is left (or grown to) when its ends are twisted by `turns`
+/// times Michell's critical twist.
+fn twisted_ring(turns: f64) -> f64 {
+    let edges = 60;
+    let (bend, twist) = (1e-3, 0.8e-3);
+    let material = RodMaterial {
+        twist,
+        bend,
+        stretch: 4e1,
+        line_density: 0.05,
+        ..rod(1.0, 2).1
+    };
+    // The last edge lies on the first.
+    let step = 1.0 / edges as f64;
+    let vertices = (0..=edges + 1)
+        .map(|i| DVec3::Z * (i as f64 * step))
+        .collect();
+    let mut made = Rod::new(vertices, material);
+    made.director = Some(DVec3::Y);
+    let mut world = World::new(Bundle::new(&[made], true).unwrap());
+    let radius = 0.5 * step / (PI * step).sin();
+    for i in 0..=edges + 1 {
+        let a = 2.0 * PI * i as f64 * step;
+        let free = i > 1 && i < edges;
+        let bow = if free {
+            1e-6 * (2.0 * a).sin() + 1e-6 * support::random(3, i)
+        } else {
+            0.0
+        };
+        world
+            .state
+            .position
+            .set(i, DVec3::new(radius * a.sin(), bow, radius * a.cos()));
+    }
+    world.state.carry_frames(&world.bundle);
+    let total = turns * 2.0 * PI * 3.0f64.sqrt() * bend / twist;
+    let ends = [0, edges];
+    for (k, j) in ends.into_iter().enumerate() {
+        let mut clamp = Clamp::of(&world.bundle, vec![j as u32, j as u32 + 1], Motion::Fixed);
+        clamp.held = [j, j + 1].map(|v| world.state.position.get(v)).into();
+        let tangent = world.state.edge(j).normalize();
+        clamp.directors = vec![greenstick_fibre::frames::turned(
+            DVec3::Y,
+            tangent,
+            total * k as f64,
+        )];
+        world.loads.clamps.push(clamp);
+    }
+    for j in 0..=edges {
+        world.state.angle[j] = total * j as f64 * step;
+    }
+    world.loads.damping = 0.5;
+    let mut solver = Explicit::new(None);
+    let mut size = |time: f64| {
+        solver.advance(&mut world, &mut NoContacts, time).unwrap();
+        world
+            .state
+            .position
+            .y
+            .iter()
+            .map(|y| y * y)
+            .sum::<f64>()
+            .sqrt()
+    };
+    let (early, late) = (size(1.0), size(3.0));
+    late / early
+}
+
+#[test]
+fn a_twisted_ring_leaves_its_plane_at_michells_twist() {
+    let (below, above) = (twisted_ring(0.95), twisted_ring(1.05));
+    println!(
+        "out of plane in 3 s: times {below} at 95 %, times {above} at 105 % of Michell's twist"
+    );
+    assert!(below < 2.0 && above > 20.0);
 }
