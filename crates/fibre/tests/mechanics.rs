@@ -101,11 +101,19 @@ fn a_cantilever_bends_as_the_elastica() {
 /// Rate (1/s²) at which a small bow grows under a load, negative where it swings back: the square of the frequency of
 /// the first mode, from the Rayleigh quotient along the motion of a rod let go at rest.
 fn swing(mut world: World, time: f64) -> f64 {
-    let shape: Vec<f64> = world.state.position.x.clone();
+    let rest = world.bundle.rest.x.clone();
+    let shape: Vec<f64> = world
+        .state
+        .position
+        .x
+        .iter()
+        .zip(&rest)
+        .map(|(x, r)| x - r)
+        .collect();
     let amplitude = |w: &World| -> f64 {
         let b = &w.bundle;
         (0..b.vertices())
-            .map(|i| b.mass[i] * w.state.position.x[i] * shape[i])
+            .map(|i| b.mass[i] * (w.state.position.x[i] - rest[i]) * shape[i])
             .sum()
     };
     let start = amplitude(&world);
@@ -240,7 +248,7 @@ fn bonded_beam(ratio: f64) -> f64 {
         let p = world.bundle.rest.get(i);
         let u = k * p.z / length;
         let slope = 1e-4 * k / length * (u.sinh() - u.sin() - r * (u.cosh() + u.cos()));
-        world.state.position.x[i] = 1e-4 * (u.cosh() + u.cos() - r * (u.sinh() + u.sin()));
+        world.state.position.x[i] += 1e-4 * (u.cosh() + u.cos() - r * (u.sinh() + u.sin()));
         // Plane sections, where the rods are held together at all.
         world.state.position.z[i] -= if ratio > 0.0 { slope * depth(p.x) } else { 0.0 };
     }
