@@ -1,0 +1,93 @@
+//! Vectors in space as three arrays, so that loops over many of them run on whole registers.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// As many vectors as each of the three arrays has numbers; the arrays always have the same length.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Vectors {
+    /// First components.
+    pub x: Vec<f64>,
+    /// Second components.
+    pub y: Vec<f64>,
+    /// Third components.
+    pub z: Vec<f64>,
+}
+
+impl Vectors {
+    /// `count` zero vectors.
+    pub fn zeros(count: usize) -> Self {
+        Vectors {
+            x: vec![0.0; count],
+            y: vec![0.0; count],
+            z: vec![0.0; count],
+        }
+    }
+
+    /// How many there are.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Vector `i`; `i` must be below [`Vectors::len`].
+    #[inline]
+    pub fn get(&self, i: usize) -> DVec3 {
+        DVec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Sets vector `i`; `i` must be below [`Vectors::len`].
+    #[inline]
+    pub fn set(&mut self, i: usize, v: DVec3) {
+        self.x[i] = v.x;
+        self.y[i] = v.y;
+        self.z[i] = v.z;
+    }
+
+    /// Adds to vector `i`; `i` must be below [`Vectors::len`].
+    #[inline]
+    pub fn add(&mut self, i: usize, v: DVec3) {
+        self.x[i] += v.x;
+        self.y[i] += v.y;
+        self.z[i] += v.z;
+    }
+
+    /// Appends a vector.
+    pub fn push(&mut self, v: DVec3) {
+        self.x.push(v.x);
+        self.y.push(v.y);
+        self.z.push(v.z);
+    }
+
+    /// Sets all to zero, keeping their number.
+    pub fn clear_to_zero(&mut self) {
+        self.x.fill(0.0);
+        self.y.fill(0.0);
+        self.z.fill(0.0);
+    }
+
+    /// All vectors in order.
+    pub fn iter(&self) -> impl Iterator<Item = DVec3> + '_ {
+        (0..self.len()).map(|i| self.get(i))
+    }
+
+    /// The sum in order of index.
+    pub fn sum(&self) -> DVec3 {
+        self.iter().fold(DVec3::ZERO, |a, v| a + v)
+    }
+}
+
+impl FromIterator<DVec3> for Vectors {
+    fn from_iter<I: IntoIterator<Item = DVec3>>(iter: I) -> Self {
+        let mut made = Vectors::default();
+        for v in iter {
+            made.push(v);
+        }
+        made
+    }
+}
