@@ -4,6 +4,7 @@
 //! | module | what is in it |
 //! |---|---|
 //! | [`bundle`] | [`Bundle`]: rods as arrays, their material and masses |
+//! | [`bodies`] | [`Bodies`]: rigid bodies, contacts with them and between rods |
 //! | [`bonds`] | [`Bonds`]: what joins a vertex to another rod's edge, and who gathers which force |
 //! | [`state`] | [`State`]: places, velocities, frames, permanent strain; apart from the bundle, so that solvers share it |
 //! | [`frames`] | parallel transport, curvature, twist |
@@ -15,6 +16,7 @@
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
+pub mod bodies;
 pub mod bonds;
 pub mod bundle;
 pub mod energy;
@@ -27,6 +29,10 @@ pub mod solver;
 pub mod state;
 pub mod vectors;
 
+pub use bodies::{
+    Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
+    Shape,
+};
 pub use bonds::{Bond, Bonds, Incidence};
 pub use bundle::{Bundle, Rod, RodMaterial};
 pub use error::{BundleError, LoadError, SolverError};
