@@ -1,6 +1,12 @@
 //! When rods and bonds fail (Sutherland 2012 §3.4), and what is left then.
 
+use crate::bundle::Bundle;
+use crate::energy;
 use crate::error::LoadError;
+use crate::event::{Cause, Event, EventKind};
+use crate::solver::{Contacts, World};
+use crate::state::State;
+use crate::topology;
 use serde::{Deserialize, Serialize};
 
 /// When a bond breaks.
@@ -8,7 +14,7 @@ use serde::{Deserialize, Serialize};
 pub enum BondCriterion {
     /// Never.
     Never,
-    /// Weighted energy `(1 − w) E_t + w E_s` above a threshold: the thesis's §3.4.2, with w = ½ its plain sum's half.
+    /// Weighted energy `(1 − w) E_t + w E_s` above a threshold, pressure counted like tension (§3.4.2; w = ½ is half its plain sum).
     Potential {
         /// Threshold, J.
         threshold: f64,
@@ -30,6 +36,8 @@ pub struct Failure {
     pub rods_yield: bool,
     /// When bonds break.
     pub bonds: BondCriterion,
+    /// Whether anything fails is looked at every so many steps; 1 for each.
+    pub interval: u32,
     /// Most that may break between two steps, the most overstressed first; `u32::MAX` for no limit.
     pub at_once: u32,
 }
@@ -40,6 +48,7 @@ impl Default for Failure {
             rods_break: false,
             rods_yield: false,
             bonds: BondCriterion::Never,
+            interval: 1,
             at_once: u32::MAX,
         }
     }
@@ -73,4 +82,218 @@ impl Failure {
         }
         Ok(())
     }
+}
+
+/// Something that is to break.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// How far its criterion is passed: demand over strength.
+    pub demand: f64,
+    /// Whether it is a bond; else a rod at a vertex.
+    pub bond: bool,
+    /// Number of the bond or vertex.
+    pub number: u32,
+}
+
+/// How near a rod is to breaking at a vertex: the strain of stretch × bending ratio over the strain at tensile failure.
+/// 0 at a rod's ends.
+pub fn rod_demand(bundle: &Bundle, state: &State, vertex: usize, diameter: f64) -> f64 {
+    if bundle.bend[vertex] <= 0.0 {
+        return 0.0;
+    }
+    let stretch = 1.0
+        + 0.5
+            * (energy::rod::strain(bundle, state, vertex - 1)
+                + energy::rod::strain(bundle, state, vertex));
+    let curvature = if bundle.twisting {
+        energy::framed::curvature_change(bundle, state, vertex)
+    } else {
+        // One over the radius of the circle through the three vertices.
+        let (a, b) = (state.edge(vertex - 1), state.edge(vertex));
+        2.0 * a.cross(b).length() / (a.length() * b.length() * (a + b).length())
+    };
+    (stretch * (1.0 + 0.5 * diameter * curvature) - 1.0) / bundle.tension_limit[vertex]
+}
+
+/// How near a bond is to breaking: demand over strength.
+pub fn bond_demand(criterion: BondCriterion, bundle: &Bundle, state: &State, bond: usize) -> f64 {
+    let b = &bundle.bonds;
+    let opening = || {
+        let (_, d) = energy::bond::vectors(bundle, state, bond);
+        (d.length() / b.distance[bond] - 1.0).max(0.0)
+    };
+    match criterion {
+        BondCriterion::Never => 0.0,
+        BondCriterion::Potential {
+            threshold,
+            shear_weight,
+        } => {
+            let (transverse, shear) = energy::bond::energy(bundle, state, bond);
+            ((1.0 - shear_weight) * transverse + shear_weight * shear) / threshold
+        }
+        BondCriterion::Griffith => {
+            let (transverse, shear) = energy::bond::energy(bundle, state, bond);
+            // Pressure closes a crack: it frees nothing.
+            let opened = if opening() > 0.0 { transverse } else { 0.0 };
+            (opened + shear) / b.fracture_energy[bond]
+        }
+        BondCriterion::Stress => {
+            let tension = b.transverse[bond] * opening() / b.tension_strength[bond];
+            let (_, shear) = energy::bond::energy(bundle, state, bond);
+            // Of S γ² the force along the facet is 2 S γ/d₀, γ = (E/S)^½.
+            let force = 2.0 * (b.shear[bond] * shear).sqrt() / b.distance[bond];
+            let along = force / b.shear_strength[bond];
+            (tension * tension + along * along).sqrt()
+        }
+    }
+}
+
+/// Lets rods yield: what is below the strain of yielding becomes permanent. Returns the energy it took, J.
+fn yield_rods(bundle: &Bundle, state: &mut State, events: &mut Vec<Event>) -> f64 {
+    let mut taken = 0.0;
+    for j in 0..bundle.vertices() {
+        if !bundle.is_edge(j) {
+            continue;
+        }
+        let strain = energy::rod::strain(bundle, state, j);
+        let limit = bundle.yield_strain[j];
+        if strain >= -limit {
+            continue;
+        }
+        let energy =
+            0.5 * bundle.stretch[j] * bundle.rest_length[j] * (strain * strain - limit * limit);
+        if state.plastic_strain[j] == 0.0 {
+            let rod = bundle.rod_of(j);
+            events.push(Event {
+                time: state.time,
+                kind: EventKind::RodYielded,
+                rod: bundle.parent[rod],
+                vertex: bundle.origin[j],
+                other: None,
+                place: state.position.get(j).midpoint(state.position.get(j + 1)),
+                cause: Cause::Compression,
+                demand: -strain / limit,
+                energy,
+            });
+        }
+        state.plastic_strain[j] += strain + limit;
+        taken += energy;
+    }
+    taken
+}
+
+/// Fills `queue` with what fails in a state, the most overstressed first, and in order of number where alike.
+pub fn detect(failure: &Failure, bundle: &Bundle, state: &State, queue: &mut Vec<Break>) {
+    queue.clear();
+    if failure.rods_break {
+        for rod in 0..bundle.rods() {
+            for vertex in bundle.rod(rod) {
+                let demand = rod_demand(bundle, state, vertex, bundle.diameter[rod]);
+                if demand >= 1.0 {
+                    queue.push(Break {
+                        demand,
+                        bond: false,
+                        number: vertex as u32,
+                    });
+                }
+            }
+        }
+    }
+    if failure.bonds != BondCriterion::Never {
+        for bond in 0..bundle.bonds.len() {
+            let demand = bond_demand(failure.bonds, bundle, state, bond);
+            if demand >= 1.0 {
+                queue.push(Break {
+                    demand,
+                    bond: true,
+                    number: bond as u32,
+                });
+            }
+        }
+    }
+    let key = |b: &Break| (b.bond, b.number);
+    queue.sort_unstable_by(|a, b| b.demand.total_cmp(&a.demand).then(key(a).cmp(&key(b))));
+    queue.truncate(failure.at_once as usize);
+}
+
+/// Finds what fails in the world's state and lets it, in a fixed order. `queue` is room to work in. Returns whether
+/// anything broke, so that the bundle has changed.
+pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Vec<Break>) -> bool {
+    let failure = world.failure;
+    if world.state.step % u64::from(failure.interval.max(1)) != 0 {
+        return false;
+    }
+    if failure.rods_yield {
+        world.fracture_loss += yield_rods(&world.bundle, &mut world.state, &mut world.events);
+    }
+    detect(&failure, &world.bundle, &world.state, queue);
+    if queue.is_empty() {
+        return false;
+    }
+    apply(world, contacts, queue);
+    true
+}
+
+/// Breaks all that is in `queue`, notes it in the world's events, and renumbers whatever named a vertex.
+pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) {
+    let cause = match world.failure.bonds {
+        BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
+        BondCriterion::Griffith => Cause::Griffith,
+        BondCriterion::Stress => Cause::Stress,
+    };
+    let World { bundle, state, .. } = world;
+    for b in queue {
+        let i = b.number as usize;
+        let event = if b.bond {
+            let (vertex, edge) = (
+                bundle.bonds.vertex[i] as usize,
+                bundle.bonds.edge[i] as usize,
+            );
+            let (transverse, shear) = energy::bond::energy(bundle, state, i);
+            let (_, d) = energy::bond::vectors(bundle, state, i);
+            Event {
+                time: state.time,
+                kind: EventKind::BondBroke,
+                rod: bundle.parent[bundle.rod_of(vertex)],
+                vertex: bundle.origin[vertex],
+                other: Some(bundle.parent[bundle.rod_of(edge)]),
+                place: state.position.get(vertex) - d * 0.5,
+                cause,
+                demand: b.demand,
+                energy: transverse + shear,
+            }
+        } else {
+            let energy = if bundle.twisting {
+                let (bend, twist) = energy::framed::energy(bundle, state, i);
+                bend + twist
+            } else {
+                energy::rod::bend_energy(bundle, state, i)
+            };
+            Event {
+                time: state.time,
+                kind: EventKind::RodBroke,
+                rod: bundle.parent[bundle.rod_of(i)],
+                vertex: bundle.origin[i],
+                other: None,
+                place: state.position.get(i),
+                cause: Cause::Tension,
+                demand: b.demand,
+                energy,
+            }
+        };
+        world.fracture_loss += event.energy;
+        world.events.push(event);
+    }
+    let mut bonds: Vec<u32> = queue.iter().filter(|b| b.bond).map(|b| b.number).collect();
+    let mut splits: Vec<u32> = queue.iter().filter(|b| !b.bond).map(|b| b.number).collect();
+    bonds.sort_unstable();
+    splits.sort_unstable();
+    let before = topology::break_up(
+        &mut world.bundle,
+        &mut world.state,
+        &mut world.loads,
+        &bonds,
+        &splits,
+    );
+    contacts.renumbered(&world.bundle, &before);
 }

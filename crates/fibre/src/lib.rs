@@ -10,9 +10,11 @@
 //! | [`frames`] | parallel transport, curvature, twist |
 //! | [`energy`] | energies by kind, forces, and Hessians of single elements |
 //! | [`loads`] | [`Loads`]: clamps, forces, moments, gravity, damping, wind, snow |
-//! | [`failure`] | when rods and bonds fail, and what is left then |
+//! | [`failure`] | when rods and bonds fail; [`topology`]: what is left then |
 //! | [`event`] | [`Event`]: what happened when and where |
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
+//! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
+//! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
@@ -22,11 +24,15 @@ pub mod bundle;
 pub mod energy;
 pub mod error;
 pub mod event;
+pub mod explicit;
 pub mod failure;
 pub mod frames;
+pub mod kernel;
 pub mod loads;
 pub mod solver;
+pub mod stability;
 pub mod state;
+pub mod topology;
 pub mod vectors;
 
 pub use bodies::{
@@ -37,8 +43,10 @@ pub use bonds::{Bond, Bonds, Incidence};
 pub use bundle::{Bundle, Rod, RodMaterial};
 pub use error::{BundleError, LoadError, SolverError};
 pub use event::{Cause, Event, EventKind};
+pub use explicit::Explicit;
 pub use failure::{BondCriterion, Failure};
+pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
-pub use solver::{Advance, Contacts, NoContacts, Solver, World};
+pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;

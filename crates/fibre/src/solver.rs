@@ -24,6 +24,19 @@ pub struct World {
     pub events: Vec<Event>,
     /// Energy that breaking and yielding have taken, J.
     pub fracture_loss: f64,
+    /// The stability limit as last found; kept here so that a run that is resumed takes the same steps.
+    pub limit: Option<KnownLimit>,
+}
+
+/// A stability limit and what it was found for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct KnownLimit {
+    /// Largest stable step, s.
+    pub limit: f64,
+    /// The bundle's generation then.
+    pub generation: u64,
+    /// Steps done by then.
+    pub step: u64,
 }
 
 impl World {
@@ -37,6 +50,7 @@ impl World {
             failure: Failure::default(),
             events: Vec::new(),
             fracture_loss: 0.0,
+            limit: None,
         }
     }
 
@@ -69,6 +83,11 @@ pub struct Advance {
 
 /// Bodies and contacts between rods, which solvers ask to act once a step.
 pub trait Contacts {
+    /// Whether there is nothing to touch, so that nothing has to be asked.
+    fn is_empty(&self) -> bool {
+        false
+    }
+
     /// Adds contact forces (N) that depend on positions and velocities at `time` (s), for solvers that take forces.
     fn add_forces(&mut self, bundle: &Bundle, state: &State, time: f64, forces: &mut Vectors);
 
@@ -91,6 +110,10 @@ pub trait Contacts {
 pub struct NoContacts;
 
 impl Contacts for NoContacts {
+    fn is_empty(&self) -> bool {
+        true
+    }
+
     fn add_forces(&mut self, _: &Bundle, _: &State, _: f64, _: &mut Vectors) {}
 
     fn resolve(&mut self, _: &Bundle, _: &mut State, _: f64) -> Result<(), SolverError> {

@@ -91,6 +91,13 @@ pub fn energy(bundle: &Bundle, state: &State, vertex: usize) -> (f64, f64) {
     (bend, bundle.twist[vertex] / l * m * m)
 }
 
+/// Change of curvature from the natural one at a vertex, 1/m.
+pub fn curvature_change(bundle: &Bundle, state: &State, vertex: usize) -> f64 {
+    let kappa = frames::curvature(frame(state, vertex - 1), frame(state, vertex));
+    let off = [0, 1].map(|k| kappa[k] - bundle.natural_curvature[k][vertex]);
+    (off[0] * off[0] + off[1] * off[1]).sqrt() / (0.5 * bundle.both_lengths(vertex))
+}
+
 /// Derivatives of the sum of [`energy`].
 pub fn gradient(bundle: &Bundle, state: &State, vertex: usize) -> FramedGradient {
     let s = strains(bundle, state, vertex);
