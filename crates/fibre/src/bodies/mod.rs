@@ -416,6 +416,10 @@ fn moved_squared(a: &Vectors, b: &Vectors) -> f64 {
 }
 
 impl Contacts for Bodies {
+    fn is_empty(&self) -> bool {
+        self.bodies.is_empty() && self.options.rods.is_none()
+    }
+
     fn add_forces(&mut self, _: &Bundle, _: &State, _: f64, _: &mut Vectors) {}
 
     fn resolve(
