@@ -12,6 +12,7 @@
 //! | [`loads`] | [`Loads`]: clamps, forces, moments, gravity, damping, wind, snow |
 //! | [`failure`] | when rods and bonds fail; [`topology`]: what is left then |
 //! | [`event`] | [`Event`]: what happened when and where |
+//! | [`scene`] | [`Scene`]: a TOML file of all this, and those that come with the program |
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
 //! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
 //! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
@@ -29,6 +30,7 @@ pub mod failure;
 pub mod frames;
 pub mod kernel;
 pub mod loads;
+pub mod scene;
 pub mod solver;
 pub mod stability;
 pub mod state;
@@ -47,6 +49,7 @@ pub use explicit::Explicit;
 pub use failure::{BondCriterion, Failure};
 pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
+pub use scene::{Scene, SceneError};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;

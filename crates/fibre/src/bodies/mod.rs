@@ -471,3 +471,29 @@ impl Contacts for Bodies {
 fn is_driven(body: &Body) -> bool {
     matches!(&body.motion, BodyMotion::Given(m) if *m != Motion::Fixed)
 }
+
+/// Distance (m) from a body at its start to the nearest rod's skin; negative where they overlap.
+///
+/// # Errors
+/// [`BodyError`] where the body is out of range.
+pub fn clearance(body: &Body, bundle: &Bundle, state: &State) -> Result<f64, BodyError> {
+    let moving = Moving::new(0, body.clone())?;
+    let mut least = f64::INFINITY;
+    for rod in 0..bundle.rods() {
+        let radius = 0.5 * bundle.diameter[rod];
+        for j in bundle.rod(rod) {
+            let here = moving.local(state.position.get(j));
+            let middle = if bundle.is_edge(j) {
+                moving.local(state.position.get(j) + 0.5 * state.edge(j))
+            } else {
+                here
+            };
+            for p in [here, middle] {
+                // On the surface the direction is undefined, but the distance is not.
+                let distance = moving.solid.distance(p).map_or(0.0, |(d, _)| d);
+                least = least.min(distance - radius);
+            }
+        }
+    }
+    Ok(least)
+}
