@@ -31,7 +31,10 @@ pub struct Explicit {
     given: Option<f64>,
     evaluator: Option<Evaluator>,
     next: Vectors,
+    /// Loads, and with twist the forces in material frames.
     outside: Forces,
+    /// Loads alone.
+    loads: Forces,
     inverse_mass: Vec<f64>,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
@@ -46,6 +49,7 @@ impl Explicit {
             evaluator: None,
             next: Vectors::default(),
             outside: Forces::default(),
+            loads: Forces::default(),
             inverse_mass: Vec::new(),
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
@@ -86,6 +90,7 @@ impl Explicit {
         if changed {
             self.next = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
+            self.loads = Forces::zeros(n);
             self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
             let inverse = |j: usize| {
                 if bundle.is_edge(j) {
@@ -139,12 +144,10 @@ impl Explicit {
             contacts.add_forces(bundle, state, state.time, linear);
         }
         let acts = outside && !(plain && weightless && contacts.is_empty());
-        let before = if acts {
-            power(&self.outside, state)
-        } else {
-            0.0
-        };
         if bundle.twisting {
+            if acts {
+                self.loads.clone_from(&self.outside);
+            }
             evaluator.add_framed(bundle, state, &mut self.outside);
         }
         let keep = 1.0 / (1.0 + loads.damping * dt);
@@ -187,23 +190,17 @@ impl Explicit {
         );
         let mut kinetic: f64 = self.sums.iter().sum();
         if acts {
-            // Work of the mean of both velocities would be that of the exact path; this is what the method did.
-            let after = self
-                .next
-                .iter()
-                .enumerate()
-                .fold(0.0, |s, (i, v)| s + v.dot(added_only(&self.outside, i)));
-            loaded = if bundle.twisting {
-                before * dt
+            let from = if bundle.twisting {
+                &self.loads
             } else {
-                after * dt
+                &self.outside
             };
+            loaded = dt * power(from, &self.next, &state.spin);
         }
-        if loads.damping > 0.0 {
-            report.damped += kinetic * (1.0 / (keep * keep) - 1.0);
-        }
-        let held = self.hold(world, dt);
+        let held = self.hold(world, dt, keep);
         kinetic += held.1;
+        // The work of −c m v along v Δt.
+        report.damped += 2.0 * kinetic * (1.0 / keep - 1.0);
         report.work += held.0 + loaded;
         *budget += held.0 + loaded;
         if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(rounding(&world.bundle)) {
@@ -212,8 +209,8 @@ impl Explicit {
         self.finish_step(world, contacts, dt, budget)
     }
 
-    /// Sets the velocities of clamped vertices; returns the clamps' work and the change of kinetic energy, J.
-    fn hold(&mut self, world: &World, dt: f64) -> (f64, f64) {
+    /// Sets the velocities of clamped vertices, of which damping has kept the part `keep`; returns the clamps' work and the change of kinetic energy, J.
+    fn hold(&mut self, world: &World, dt: f64, keep: f64) -> (f64, f64) {
         let World {
             bundle,
             state,
@@ -233,7 +230,7 @@ impl Explicit {
                     }
                 }
                 // The clamp's force over the step times the way.
-                work += bundle.mass[i] * (new - free).dot(new);
+                work += bundle.mass[i] * (new - free).dot(new) / keep;
                 change += 0.5 * bundle.mass[i] * (new.length_squared() - free.length_squared());
                 self.next.set(i, new);
             }
@@ -317,19 +314,14 @@ impl Explicit {
     }
 }
 
-fn added_only(outside: &Forces, i: usize) -> DVec3 {
-    outside.linear.get(i)
-}
-
-/// Power of outside forces and moments at the state's velocities, W.
-fn power(outside: &Forces, state: &State) -> f64 {
-    let linear = (0..outside.moment.len()).fold(0.0, |s, i| {
-        s + outside.linear.get(i).dot(state.velocity.get(i))
-    });
-    outside
+/// Power of forces and moments at velocities, W.
+fn power(forces: &Forces, velocity: &Vectors, spin: &[f64]) -> f64 {
+    let linear =
+        (0..forces.moment.len()).fold(0.0, |s, i| s + forces.linear.get(i).dot(velocity.get(i)));
+    forces
         .moment
         .iter()
-        .zip(&state.spin)
+        .zip(spin)
         .fold(linear, |s, (m, w)| s + m * w)
 }
 

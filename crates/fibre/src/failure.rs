@@ -220,7 +220,11 @@ pub fn detect(failure: &Failure, bundle: &Bundle, state: &State, queue: &mut Vec
 /// anything broke, so that the bundle has changed.
 pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Vec<Break>) -> bool {
     let failure = world.failure;
-    if world.state.step % u64::from(failure.interval.max(1)) != 0 {
+    if !world
+        .state
+        .step
+        .is_multiple_of(u64::from(failure.interval.max(1)))
+    {
         return false;
     }
     if failure.rods_yield {

@@ -3,6 +3,7 @@
 //!
 //! | module | what is in it |
 //! |---|---|
+//! | [`placement`] | from a stem and a species to a bundle: points, cells, rods, bonds, strengths |
 //! | [`bundle`] | [`Bundle`]: rods as arrays, their material and masses |
 //! | [`bodies`] | [`Bodies`]: rigid bodies, contacts with them and between rods |
 //! | [`bonds`] | [`Bonds`]: what joins a vertex to another rod's edge, and who gathers which force |
@@ -31,6 +32,7 @@ pub mod frames;
 pub mod kernel;
 pub mod loads;
 pub mod scene;
+pub mod placement;
 pub mod solver;
 pub mod stability;
 pub mod state;
@@ -50,6 +52,7 @@ pub use failure::{BondCriterion, Failure};
 pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use scene::{Scene, SceneError};
+pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;

@@ -35,8 +35,8 @@ impl Plain {
     #[inline(always)]
     fn zip(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let mut made = [0.0; WIDTH];
-        for i in 0..WIDTH {
-            made[i] = f(self.0[i], b.0[i]);
+        for ((made, a), b) in made.iter_mut().zip(self.0).zip(b.0) {
+            *made = f(a, b);
         }
         Plain(made)
     }
@@ -282,6 +282,39 @@ impl Scratch {
     };
 }
 
+// Functions, not closures: only what is always inlined may take part in a function with its own instructions.
+
+#[inline(always)]
+unsafe fn dot<L: Lanes>(u: [L; 3], v: [L; 3]) -> L {
+    unsafe { u[0].mul(v[0]).add(u[1].mul(v[1])).add(u[2].mul(v[2])) }
+}
+
+#[inline(always)]
+unsafe fn cross<L: Lanes>(u: [L; 3], v: [L; 3]) -> [L; 3] {
+    unsafe {
+        [
+            u[1].mul(v[2]).sub(u[2].mul(v[1])),
+            u[2].mul(v[0]).sub(u[0].mul(v[2])),
+            u[0].mul(v[1]).sub(u[1].mul(v[0])),
+        ]
+    }
+}
+
+#[inline(always)]
+unsafe fn scaled<L: Lanes>(u: [L; 3], by: L) -> [L; 3] {
+    unsafe { [u[0].mul(by), u[1].mul(by), u[2].mul(by)] }
+}
+
+#[inline(always)]
+unsafe fn row<L: Lanes>(from: &[f64; ROOM], k: usize) -> L {
+    unsafe { L::load(from.as_ptr().add(k)) }
+}
+
+#[inline(always)]
+unsafe fn rows3<L: Lanes>(from: &[[f64; ROOM]; 3], k: usize) -> [L; 3] {
+    unsafe { [row(&from[0], k), row(&from[1], k), row(&from[2], k)] }
+}
+
 /// Stretch and bending forces of `count` vertices (at most [`BLOCK`]).
 #[inline(always)]
 unsafe fn rods<L: Lanes>(
@@ -324,24 +357,12 @@ unsafe fn rods<L: Lanes>(
         // Bending at vertices from one before the first to one behind the last.
         k = 1;
         while k < count + 3 {
-            let load = |from: &[[f64; ROOM]; 3], k: usize| {
-                [0, 1, 2].map(|a| L::load(from[a].as_ptr().add(k)))
-            };
-            let (a, b) = (load(edge, k - 1), load(edge, k));
+            let (a, b): ([L; 3], [L; 3]) = (rows3(edge, k - 1), rows3(edge, k));
             let c = L::load(input.bend.as_ptr().add(k));
-            let dot = a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]));
-            let denominator = L::load(input.rest_product.as_ptr().add(k)).add(dot);
-            let inverse = one.div(denominator);
-            let cross = |u: [L; 3], v: [L; 3]| {
-                [
-                    u[1].mul(v[2]).sub(u[2].mul(v[1])),
-                    u[2].mul(v[0]).sub(u[0].mul(v[2])),
-                    u[0].mul(v[1]).sub(u[1].mul(v[0])),
-                ]
-            };
-            let twice = two.mul(inverse);
-            let kb = cross(a, b).map(|v| v.mul(twice));
-            let square = kb[0].mul(kb[0]).add(kb[1].mul(kb[1])).add(kb[2].mul(kb[2]));
+            let denominator = L::load(input.rest_product.as_ptr().add(k)).add(dot(a, b));
+            let twice = two.div(denominator);
+            let kb = scaled(cross(a, b), twice);
+            let square = dot(kb, kb);
             let f = twice.mul(c);
             let (bk, ak) = (cross(b, kb), cross(a, kb));
             for x in 0..3 {
@@ -368,10 +389,11 @@ unsafe fn rods<L: Lanes>(
                 L::load(pull.as_ptr().add(k - 1)),
             );
             for x in 0..3 {
-                let at = |from: &[f64; ROOM], k: usize| L::load(from.as_ptr().add(k));
-                let stretch = q1.mul(at(&edge[x], k)).sub(q0.mul(at(&edge[x], k - 1)));
-                let own = at(&before[x], k).add(at(&after[x], k));
-                let near = at(&before[x], k + 1).add(at(&after[x], k - 1));
+                let stretch = q1
+                    .mul(row::<L>(&edge[x], k))
+                    .sub(q0.mul(row::<L>(&edge[x], k - 1)));
+                let own = row::<L>(&before[x], k).add(row(&after[x], k));
+                let near = row::<L>(&before[x], k + 1).add(row(&after[x], k - 1));
                 stretch
                     .add(near.sub(own))
                     .store(out[x].as_mut_ptr().add(k - BEFORE));
@@ -416,7 +438,6 @@ unsafe fn bonds<L: Lanes>(input: &BondInput, out: &mut [BondForce]) {
                 e[a] = L::gather(p.add(1), first).sub(y);
                 d[a] = L::gather(p, vertex).sub(y.add(e[a].mul(t)));
             }
-            let dot = |u: [L; 3], v: [L; 3]| u[0].mul(v[0]).add(u[1].mul(v[1])).add(u[2].mul(v[2]));
             let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
             let inverse = one.div(le.mul(ld));
             let (ie, id) = (inverse.mul(ld), inverse.mul(le));
@@ -512,7 +533,7 @@ pub(crate) fn bond_forces(level: Level, input: &BondInput, out: &mut [BondForce]
         input.transverse,
         input.shear,
     ];
-    assert!(n % WIDTH == 0 && arrays.iter().all(|a| a.len() == n));
+    assert!(n.is_multiple_of(WIDTH) && arrays.iter().all(|a| a.len() == n));
     assert!(input.vertex.len() == n && input.edge.len() == n);
     let vertices = input.position.iter().map(|p| p.len()).min().unwrap_or(0);
     let below =
