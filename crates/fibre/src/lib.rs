@@ -17,6 +17,7 @@
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
 //! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
 //! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
+//! | [`store`] | frames, tables and checkpoints as bytes |
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
@@ -36,6 +37,7 @@ pub mod placement;
 pub mod solver;
 pub mod stability;
 pub mod state;
+pub mod store;
 pub mod topology;
 pub mod vectors;
 

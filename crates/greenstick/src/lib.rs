@@ -44,10 +44,13 @@ mod pictures;
 mod prepare;
 mod refine;
 mod report;
+mod rods;
+pub mod simulate;
 
 pub use breaking::{BreakRequest, Broken, break_scene, built_in_branch};
 pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
+pub use greenstick_fibre as fibre;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
 pub use greenstick_geometry as geometry;
@@ -58,6 +61,7 @@ pub use looks::Looks;
 pub use model::{Drawn, Model};
 pub use pictures::{picture_of_break, picture_of_scene};
 pub use prepare::{Extent, Prepared, prepare};
+pub use rods::rods_scene;
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 
 /// Keeps the example in the README one that compiles.
