@@ -6,6 +6,7 @@ mod failure;
 mod inspect;
 mod list;
 mod progress;
+mod simulate;
 mod species;
 mod values;
 
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Break(options) => break_wood::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
+        Command::Simulate(options) => simulate::run(options),
         Command::Parameters(options) => list::parameters(options),
         Command::Presets(options) => list::presets(options),
         Command::Species(options) => species::run(options),

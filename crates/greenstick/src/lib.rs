@@ -61,8 +61,8 @@ pub use looks::Looks;
 pub use model::{Drawn, Model};
 pub use pictures::{picture_of_break, picture_of_scene};
 pub use prepare::{Extent, Prepared, prepare};
-pub use rods::rods_scene;
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
+pub use rods::rods_scene;
 
 /// Keeps the example in the README one that compiles.
 #[cfg(doctest)]

@@ -19,7 +19,9 @@ pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
         ],
         ..Scene::default()
     };
-    scene.nodes.push(node("rods", tubes(frame), DAffine3::IDENTITY));
+    scene
+        .nodes
+        .push(node("rods", tubes(frame), DAffine3::IDENTITY));
     for (shape, &(centre, turn)) in shapes.iter().zip(&frame.bodies) {
         let mut mesh = solid(shape);
         if mesh.triangles.is_empty() {
@@ -135,9 +137,8 @@ fn ball(radius: f64, half: f64) -> Mesh {
         let (s, c) = libm::sincos(std::f64::consts::PI * f64::from(row) / f64::from(ROWS));
         let off = if 2 * row < ROWS { half } else { -half };
         for k in 0..AROUND {
-            let turn = DQuat::from_rotation_y(
-                std::f64::consts::TAU * f64::from(k) / f64::from(AROUND),
-            );
+            let turn =
+                DQuat::from_rotation_y(std::f64::consts::TAU * f64::from(k) / f64::from(AROUND));
             mesh.positions
                 .push(turn * DVec3::new(radius * s, radius * c + off, 0.0));
         }

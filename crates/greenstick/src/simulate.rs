@@ -6,6 +6,7 @@
 
 use crate::files::{self, FileError, Output};
 use glam::DVec3;
+use greenstick_fibre::SolverError;
 use greenstick_fibre::bodies::{BodyError, Shape};
 use greenstick_fibre::placement::{
     Arrangement, HowMany, Placement, PlacementError, WoodMaterial, place,
@@ -17,7 +18,6 @@ use greenstick_fibre::store::{
     Checkpoint, ENERGY_HEADER, EVENT_HEADER, EnergyRow, Frame, FrameReader, Progress, StoreError,
     checksum, event_row, write_header,
 };
-use greenstick_fibre::SolverError;
 use greenstick_geometry::{Cancelled, Context, Mesh, Scene};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
@@ -41,7 +41,9 @@ pub enum SimulateError {
     #[error(transparent)]
     Stem(#[from] StemError),
     /// A scene of an input without one.
-    #[error("the scene is of a mesh, and none was given; name one behind the scene, or choose another stem.kind")]
+    #[error(
+        "the scene is of a mesh, and none was given; name one behind the scene, or choose another stem.kind"
+    )]
     NoInput,
     /// The species is not known.
     #[error(transparent)]
@@ -171,7 +173,11 @@ pub struct SimulateReport {
 impl std::fmt::Display for SimulateReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "scene    {}", self.about)?;
-        let twist = if self.twist { "with twist" } else { "without twist" };
+        let twist = if self.twist {
+            "with twist"
+        } else {
+            "without twist"
+        };
         writeln!(
             f,
             "wood     {} rods, {} vertices, {} bonds on {:.3} m, {twist}",
@@ -298,7 +304,8 @@ fn prepare(
     let mut all = lasting.to_toml().into_bytes();
     let position = &made.world.state.position;
     for part in [&position.x, &position.y, &position.z] {
-        part.iter().for_each(|v| all.extend(v.to_bits().to_le_bytes()));
+        part.iter()
+            .for_each(|v| all.extend(v.to_bits().to_le_bytes()));
     }
     Ok((made, checksum(&all)))
 }
@@ -318,10 +325,12 @@ fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>, SimulateE
             for t in 0..node.mesh.triangles.len() {
                 triangles.push(node.mesh.corners(t).map(|p| {
                     let p = node.transform.transform_point3(p) + DVec3::ZERO;
-                    *numbers.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
-                        points.push(p);
-                        points.len() as u32 - 1
-                    })
+                    *numbers
+                        .entry(p.to_array().map(f64::to_bits))
+                        .or_insert_with(|| {
+                            points.push(p);
+                            points.len() as u32 - 1
+                        })
                 }));
             }
         }
@@ -615,7 +624,8 @@ fn finish_report(report: &mut SimulateReport, run: &Run) -> Result<(), SimulateE
     report.frames = run.progress.frames;
     report.fracture_loss_j = world.fracture_loss;
     let path = run.request.folder.join(GROWING[1]);
-    let text = fs::read_to_string(&path).map_err(|source| FileError::Unreadable { path, source })?;
+    let text =
+        fs::read_to_string(&path).map_err(|source| FileError::Unreadable { path, source })?;
     for line in text.lines().skip(1) {
         let mut cells = line.split(',');
         let time = cells.next().and_then(|t| t.parse().ok());

@@ -313,6 +313,13 @@ fn shape(number: usize, keys: &BodyKeys, mesh: Option<&Shape>) -> Result<Shape, 
     })
 }
 
+impl BodyKeys {
+    /// Its shape for a picture: a hull or mesh, which needs its file, as a small ball.
+    pub fn plain_shape(&self) -> Shape {
+        shape(0, self, None).unwrap_or(Shape::Sphere { radius: 0.005 })
+    }
+}
+
 fn body(
     number: usize,
     keys: &BodyKeys,

@@ -64,7 +64,13 @@ impl Checkpoint {
                 found: String::from_utf8_lossy(&bytes[..bytes.len().min(8)]).into_owned(),
             });
         }
-        let word = |at: usize| bytes.get(at..at + 4)?.try_into().ok().map(u32::from_le_bytes);
+        let word = |at: usize| {
+            bytes
+                .get(at..at + 4)?
+                .try_into()
+                .ok()
+                .map(u32::from_le_bytes)
+        };
         match word(8) {
             Some(found) if found > VERSION => {
                 return Err(StoreError::Newer {

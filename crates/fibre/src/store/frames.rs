@@ -220,7 +220,9 @@ impl<R: Read> FrameReader<R> {
         }
         // No more memory than there are bytes.
         let mut content = Vec::new();
-        let got = (&mut self.from).take(length + 8).read_to_end(&mut content)?;
+        let got = (&mut self.from)
+            .take(length + 8)
+            .read_to_end(&mut content)?;
         if (got as u64) < length + 8 {
             return Ok(None);
         }
