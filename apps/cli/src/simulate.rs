@@ -8,6 +8,7 @@ use greenstick::fibre::bodies::Shape;
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
 use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
+use greenstick::picture::PictureOptions;
 use greenstick::simulate::{SimulateError, SimulateReport, SimulateRequest, frames, simulate};
 use serde::Serialize;
 use std::fmt::Write;
@@ -196,7 +197,10 @@ fn pictures(
             continue;
         };
         let scene = greenstick::rods_scene(frame, &shapes);
-        let how = picture_options(&options.shot, options.threads);
+        let how = PictureOptions {
+            up: greenstick::simulate::UP,
+            ..picture_options(&options.shot, options.threads)
+        };
         let picture =
             progress.watch(|context| greenstick::picture_of_scene(&scene, &how, context))?;
         outputs.push(Output {

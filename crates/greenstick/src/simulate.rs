@@ -19,6 +19,7 @@ use greenstick_fibre::store::{
     checksum, event_row, write_header,
 };
 use greenstick_geometry::{Cancelled, Context, Mesh, Scene};
+use greenstick_picture::{Chart, Line, Picture};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::{Species, StrengthError, UnknownSpecies};
@@ -662,4 +663,45 @@ pub fn frames(folder: &Path) -> Result<Vec<Frame>, SimulateError> {
         .map_err(wrong)?
         .collect::<Result<_, _>>()
         .map_err(wrong)
+}
+
+/// Upwards in a scene.
+pub const UP: DVec3 = DVec3::Z;
+
+/// Energies over time, from the table of a run.
+///
+/// # Errors
+/// [`SimulateError`] where the table is not there.
+pub fn energy_chart(folder: &Path) -> Result<Picture, SimulateError> {
+    let path = folder.join(GROWING[0]);
+    let text =
+        fs::read_to_string(&path).map_err(|source| FileError::Unreadable { path, source })?;
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').filter_map(|c| c.parse().ok()).collect())
+        .filter(|r: &Vec<f64>| r.len() == 20)
+        .collect();
+    // What an energy of the table is in the picture: columns that are added.
+    let curves: [(&str, &[usize]); 6] = [
+        ("kinetic", &[1]),
+        ("stretch", &[2]),
+        ("bend, twist", &[3, 4]),
+        ("bonds", &[5, 6]),
+        ("fracture", &[14]),
+        ("rods in all", &[1, 2, 3, 4, 5, 6]),
+    ];
+    let lines = curves.map(|(name, columns)| Line {
+        name: name.to_owned(),
+        points: rows
+            .iter()
+            .map(|r| [r[0], columns.iter().map(|&c| r[c]).sum()])
+            .collect(),
+    });
+    Ok(Chart {
+        title: "Energies".to_owned(),
+        axes: ["time (s)".to_owned(), "energy (J)".to_owned()],
+        lines: lines.to_vec(),
+    }
+    .draw(1200, 700))
 }

@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Part of the distance at rest at which rods that were neighbours touch: whole wood must not rattle.
 const AT_REST: f64 = 0.9;
 /// How much wider than touching pairs are looked for, in the thickest rod's radii.
-const MARGIN: f64 = 1.0;
+const MARGIN: f64 = 0.25;
 
 /// Edges that may touch.
 #[derive(Clone, Default)]

@@ -229,6 +229,8 @@ declared! {
         threshold: f64 = 1e-3, (0.0, 1e6, "J");
         /// Weight of shear against transverse energy, for potential.
         shear_weight: f64 = 0.5, (0.0, 1.0, "");
+        /// Steps from one look for what fails to the next.
+        every: u32 = 1, (1.0, 1e6, "steps");
     }
 }
 

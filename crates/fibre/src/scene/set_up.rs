@@ -86,6 +86,7 @@ fn failure(scene: &Scene) -> Failure {
     Failure {
         rods_break: keys.rods,
         rods_yield: keys.yielding,
+        interval: keys.every,
         bonds: match keys.bonds {
             BondWord::Never => BondCriterion::Never,
             BondWord::Potential => BondCriterion::Potential {
