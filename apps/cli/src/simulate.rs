@@ -208,6 +208,11 @@ fn pictures(
             bytes: picture.png(),
         });
     }
+    let chart = greenstick::simulate::energy_chart(folder).map_err(|e| failure(e, folder))?;
+    outputs.push(Output {
+        path: folder.join("energy.png"),
+        bytes: chart.png(),
+    });
     files::write_all(&outputs)?;
     Ok(outputs
         .iter()
