@@ -16,6 +16,7 @@ Examples
   greenstick break tree.glb --at 0.3,2.1,-0.4          the limb at a point, the rest of the tree stays
   greenstick break beam.stl --unit mm --at 120cm       STL, OBJ, PLY and OFF do not say their unit
   greenstick break --preset splintering-tension --species \"white oak\" --seed 7
+  greenstick simulate three-blocks -o run              bonded fibres, moved and broken
   greenstick presets                                   ways in which wood breaks
   greenstick parameters                                everything that --set takes
   greenstick anatomy pole.ply --unit mm -o inside      rings, voxels and particles of a scan
@@ -79,6 +80,8 @@ pub enum Command {
     Check(CheckOptions),
     /// Take a picture of a mesh
     Picture(PictureOptions),
+    /// Move wood as bonded fibres until it breaks
+    Simulate(Box<SimulateOptions>),
     /// List the parameters that --set and recipes take
     Parameters(ParametersOptions),
     /// List the presets
@@ -322,6 +325,84 @@ pub struct AnatomyOptions {
     pub colours: ColoursWord,
 
     /// Print the report as JSON; the lists by layer are in anatomy.json
+    #[arg(long, help_heading = "How it is told")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "How it is told")]
+    pub quiet: bool,
+    /// Threads to use [default: as many as the machine offers]; the output is the same
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "How it is told")]
+    pub threads: Option<u16>,
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples
+  greenstick simulate --list
+  greenstick simulate three-blocks -o run --seed 2
+  greenstick simulate three-blocks -o run --seed 2 --resume    goes on where it was stopped
+  greenstick simulate bend pole.ply -o bent                    the scene on a mesh
+  greenstick simulate bend --save-scene mine.toml              to change it";
+
+#[derive(Debug, Args)]
+#[command(after_help = SIMULATE_EXAMPLES)]
+pub struct SimulateOptions {
+    /// Scene: a file that ends in .toml, or the name of one that comes with the program
+    pub scene: Option<String>,
+    /// Mesh that takes the place of the scene's stem
+    pub input: Option<PathBuf>,
+    /// Folder for everything that is written; made where it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Go on from the folder's checkpoint
+    #[arg(long)]
+    pub resume: bool,
+    /// List the scenes that come with the program
+    #[arg(long)]
+    pub list: bool,
+    /// Write the scene with all its keys
+    #[arg(long, value_name = "FILE.toml")]
+    pub save_scene: Option<PathBuf>,
+    /// Unit of length in the mesh, where its format has none
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+
+    /// Solver
+    #[arg(
+        long,
+        value_name = "NAME",
+        help_heading = "In place of the scene's own"
+    )]
+    pub solver: Option<String>,
+    /// Step of the solver, s; else it chooses
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        help_heading = "In place of the scene's own"
+    )]
+    pub step: Option<f64>,
+    /// Which of all the pieces of wood like this
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help_heading = "In place of the scene's own"
+    )]
+    pub seed: Option<u64>,
+    /// How long it lasts, s
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        help_heading = "In place of the scene's own"
+    )]
+    pub duration: Option<f64>,
+
+    /// Take no pictures of the first, middle and last frame
+    #[arg(long, help_heading = "Picture")]
+    pub no_pictures: bool,
+    #[command(flatten)]
+    pub shot: Shot,
+
+    /// Print the report as JSON
     #[arg(long, help_heading = "How it is told")]
     pub json: bool,
     /// Print nothing but errors

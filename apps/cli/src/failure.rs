@@ -41,6 +41,14 @@ impl Failure {
         }
     }
 
+    /// The user stopped the work.
+    pub fn stopped(message: impl ToString) -> Self {
+        Failure {
+            code: 130,
+            ..Failure::request(message)
+        }
+    }
+
     /// Adds what to do next.
     pub fn hint(self, hint: impl ToString) -> Self {
         Failure {

@@ -9,6 +9,7 @@ mod list;
 mod progress;
 mod rings;
 mod scan;
+mod simulate;
 mod species;
 mod values;
 
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Command::Anatomy(options) => anatomy::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
+        Command::Simulate(options) => simulate::run(options),
         Command::Parameters(options) => list::parameters(options),
         Command::Presets(options) => list::presets(options),
         Command::Rings(options) => rings::run(options),

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`placement`] | from a stem and a species to a bundle: points, cells, rods, bonds, strengths |
 //! | [`bundle`] | [`Bundle`]: rods as arrays, their material and masses |
+//! | [`bodies`] | [`Bodies`]: rigid bodies, contacts with them and between rods |
 //! | [`bonds`] | [`Bonds`]: what joins a vertex to another rod's edge, and who gathers which force |
 //! | [`state`] | [`State`]: places, velocities, frames, permanent strain; apart from the bundle, so that solvers share it |
 //! | [`frames`] | parallel transport, curvature, twist |
@@ -12,12 +13,15 @@
 //! | [`loads`] | [`Loads`]: clamps, forces, moments, gravity, damping, wind, snow |
 //! | [`failure`] | when rods and bonds fail; [`topology`]: what is left then |
 //! | [`event`] | [`Event`]: what happened when and where |
+//! | [`scene`] | [`Scene`]: a TOML file of all this, and those that come with the program |
 //! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
 //! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
 //! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
+//! | [`store`] | frames, tables and checkpoints as bytes |
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
+pub mod bodies;
 pub mod bonds;
 pub mod bundle;
 pub mod energy;
@@ -29,12 +33,18 @@ pub mod frames;
 pub mod kernel;
 pub mod loads;
 pub mod placement;
+pub mod scene;
 pub mod solver;
 pub mod stability;
 pub mod state;
+pub mod store;
 pub mod topology;
 pub mod vectors;
 
+pub use bodies::{
+    Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
+    Shape,
+};
 pub use bonds::{Bond, Bonds, Incidence};
 pub use bundle::{Bundle, Rod, RodMaterial};
 pub use error::{BundleError, LoadError, SolverError};
@@ -44,6 +54,7 @@ pub use failure::{BondCriterion, Failure};
 pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
+pub use scene::{Scene, SceneError};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
 pub use state::State;
 pub use vectors::Vectors;

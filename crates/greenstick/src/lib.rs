@@ -48,12 +48,15 @@ mod prepare;
 mod refine;
 mod report;
 pub mod rings;
+mod rods;
 pub mod scanning;
+pub mod simulate;
 
 pub use branch::built_in_branch;
 pub use breaking::{BreakRequest, Broken, break_scene};
 pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
+pub use greenstick_fibre as fibre;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
 pub use greenstick_geometry as geometry;
@@ -66,6 +69,7 @@ pub use model::{Drawn, Model};
 pub use pictures::{picture_of_break, picture_of_scene};
 pub use prepare::{Extent, Prepared, prepare};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
+pub use rods::rods_scene;
 
 /// Keeps the example in the README one that compiles.
 #[cfg(doctest)]

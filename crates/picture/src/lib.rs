@@ -7,6 +7,7 @@
 
 mod bvh;
 mod camera;
+mod chart;
 mod light;
 mod picture;
 mod render;
@@ -16,6 +17,7 @@ mod shader;
 mod smooth;
 
 pub use camera::{View, horizontal};
+pub use chart::{Chart, Line};
 pub use picture::Picture;
 pub use render::{PictureOptions, render};
 pub use shader::{Appearance, Hit, PlainShader, Shader};

@@ -1,0 +1,221 @@
+//! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
+
+use crate::arguments::SimulateOptions;
+use crate::break_wood::{picture_options, use_threads};
+use crate::failure::{Failure, print};
+use crate::progress::{Progress, Stage};
+use greenstick::fibre::bodies::Shape;
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
+use greenstick::files::{self, Output};
+use greenstick::formats::LengthUnit;
+use greenstick::picture::PictureOptions;
+use greenstick::simulate::{SimulateError, SimulateReport, SimulateRequest, frames, simulate};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a> {
+    #[serde(flatten)]
+    report: &'a SimulateReport,
+    pictures: &'a [String],
+    stages: &'a [Stage],
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    about: String,
+    duration_s: f64,
+}
+
+pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
+    if options.list {
+        return list(options.json);
+    }
+    let Some(name) = &options.scene else {
+        return Err(Failure::request("no scene is named")
+            .hint("`greenstick simulate --list` lists those that come with the program"));
+    };
+    let (mut scene, beside) = read(name)?;
+    change(&mut scene, options)?;
+    if let Some(path) = &options.save_scene {
+        let bytes = scene.to_toml().into_bytes();
+        files::write_all(&[Output {
+            path: path.clone(),
+            bytes,
+        }])?;
+        if options.output.is_none() {
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    let Some(folder) = &options.output else {
+        return Err(Failure::request("no folder is named for the results").hint("such as -o run"));
+    };
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    let unit = options.unit.map(LengthUnit::from);
+    let input = match &options.input {
+        Some(path) => {
+            progress.stage("read")?;
+            scene.stem.kind = greenstick::fibre::scene::StemWord::Input;
+            Some(files::read(path, unit)?)
+        }
+        None => None,
+    };
+    let request = SimulateRequest {
+        scene,
+        beside,
+        folder: folder.clone(),
+        resume: options.resume,
+    };
+    let report = progress
+        .watch(|context| simulate(input.as_ref(), &request, context))
+        .map_err(|e| failure(e, folder))?;
+    let pictures = pictures(&request, options, &progress)?;
+    let stages = progress.finish();
+    let text = if options.json {
+        let full = FullReport {
+            report: &report,
+            pictures: &pictures,
+            stages: &stages,
+        };
+        let text = serde_json::to_string_pretty(&full)
+            .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
+        text + "\n"
+    } else {
+        let mut text = report.to_string();
+        for file in report.files.iter().chain(&pictures) {
+            let _ = writeln!(text, "wrote    {file}");
+        }
+        let listed: Vec<String> = stages
+            .iter()
+            .filter(|s| s.seconds >= 0.005)
+            .map(|s| format!("{} {:.2}", s.name, s.seconds))
+            .collect();
+        let _ = writeln!(text, "took     {} s", listed.join(", "));
+        text
+    };
+    if !options.quiet || options.json {
+        print(&text)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn list(json: bool) -> Result<ExitCode, Failure> {
+    let mut listed = Vec::new();
+    for built_in in BUILT_IN {
+        let scene = built_in.scene().map_err(Failure::work)?;
+        listed.push(Listed {
+            name: built_in.name,
+            about: scene.about,
+            duration_s: scene.duration,
+        });
+    }
+    let text = if json {
+        serde_json::to_string_pretty(&listed).map_err(Failure::work)? + "\n"
+    } else {
+        listed.iter().fold(String::new(), |mut text, l| {
+            let _ = writeln!(text, "{:<14} {:>4} s  {}", l.name, l.duration_s, l.about);
+            text
+        })
+    };
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A scene file, or one that comes with the program; and the folder that its files are named from.
+fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
+    let path = Path::new(name);
+    if path.extension().is_none_or(|e| e != "toml") {
+        let scene = Scene::built_in(name).map_err(|e| {
+            Failure::request(e)
+                .hint("`greenstick simulate --list` lists them; a file ends in .toml")
+        })?;
+        return Ok((scene, PathBuf::new()));
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| Failure::request(format!("{name}: cannot be read: {e}")))?;
+    let scene = Scene::read(&text).map_err(|e| Failure::request(format!("{name}: {e}")))?;
+    Ok((scene, path.parent().unwrap_or(Path::new("")).to_owned()))
+}
+
+fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
+    if let Some(seed) = options.seed {
+        scene.seed = seed;
+    }
+    if let Some(duration) = options.duration {
+        scene.duration = duration;
+    }
+    if let Some(step) = options.step {
+        scene.step = Some(step);
+    }
+    if let Some(word) = &options.solver {
+        let found = SolverWord::ALL.into_iter().find(|s| s.name() == word);
+        scene.solver = found.ok_or_else(|| {
+            let names: Vec<&str> = SolverWord::ALL.iter().map(|s| s.name()).collect();
+            Failure::request(format!("there is no solver \"{word}\""))
+                .hint(format!("there is {}", names.join(", ")))
+        })?;
+    }
+    scene.check().map_err(|e: SceneError| Failure::request(e))
+}
+
+fn failure(error: SimulateError, folder: &Path) -> Failure {
+    let resume = "the same command with --resume goes on from the checkpoint";
+    match error {
+        SimulateError::Cancelled(_) => {
+            Failure::stopped(format!("stopped; {resume} in {}", folder.display()))
+        }
+        SimulateError::File(e) => e.into(),
+        SimulateError::Unwritable { .. } => Failure::work(error).hint(resume),
+        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
+        SimulateError::Taken { .. } => Failure::request(error).hint(resume),
+        _ => Failure::request(error),
+    }
+}
+
+/// Pictures of the first, the middle and the last frame.
+fn pictures(
+    request: &SimulateRequest,
+    options: &SimulateOptions,
+    progress: &Progress,
+) -> Result<Vec<String>, Failure> {
+    if options.no_pictures {
+        return Ok(Vec::new());
+    }
+    progress.stage("pictures")?;
+    let folder = &request.folder;
+    let all = frames(folder).map_err(|e| failure(e, folder))?;
+    let shapes: Vec<Shape> = request.scene.body.iter().map(|b| b.plain_shape()).collect();
+    let mut numbers = vec![0, all.len() / 2, all.len().saturating_sub(1)];
+    numbers.dedup();
+    let mut outputs = Vec::new();
+    for number in numbers {
+        let Some(frame) = all.get(number) else {
+            continue;
+        };
+        let scene = greenstick::rods_scene(frame, &shapes);
+        let how = PictureOptions {
+            up: greenstick::simulate::UP,
+            ..picture_options(&options.shot, options.threads)
+        };
+        let picture =
+            progress.watch(|context| greenstick::picture_of_scene(&scene, &how, context))?;
+        outputs.push(Output {
+            path: folder.join(format!("frame-{number:05}.png")),
+            bytes: picture.png(),
+        });
+    }
+    let chart = greenstick::simulate::energy_chart(folder).map_err(|e| failure(e, folder))?;
+    outputs.push(Output {
+        path: folder.join("energy.png"),
+        bytes: chart.png(),
+    });
+    files::write_all(&outputs)?;
+    Ok(outputs
+        .iter()
+        .map(|o| o.path.display().to_string())
+        .collect())
+}

@@ -1,0 +1,248 @@
+//! Rods that collide with each other once no bond joins them (model.md §3; Sutherland 2012 §6.4): edges as capsules of
+//! the rods' diameter, found by a grid of cells, sorted.
+//!
+//! Pairs that a bond joins, or whose edges lie next to each other on one rod, are left out. Rods that lie closer at rest
+//! than their diameters add up to (cells of wood are not round) touch at their distance at rest.
+
+use super::contact::{Contact, Other};
+use super::{SLOP, moved_squared};
+use crate::bundle::Bundle;
+use crate::state::State;
+use crate::vectors::Vectors;
+use glam::DVec3;
+
+/// Part of the distance at rest at which rods that were neighbours touch: whole wood must not rattle.
+const AT_REST: f64 = 0.9;
+/// How much wider than touching pairs are looked for, in the thickest rod's radii.
+const MARGIN: f64 = 0.25;
+
+/// Edges that may touch.
+#[derive(Clone, Default)]
+pub(super) struct RodPairs {
+    pairs: Vec<Pair>,
+    /// Cell and edge, sorted.
+    cells: Vec<(u64, u32)>,
+    position: Vectors,
+    slack: f64,
+}
+
+#[derive(Clone, Copy)]
+struct Pair {
+    a: u32,
+    b: u32,
+    /// Distance at which they touch, m.
+    reach: f64,
+}
+
+/// Bits of a cell's coordinate in its key.
+const BITS: u32 = 21;
+
+fn key(cell: [i64; 3]) -> u64 {
+    let part = |c: i64| (c.clamp(0, (1 << BITS) - 1)) as u64;
+    part(cell[2]) << (2 * BITS) | part(cell[1]) << BITS | part(cell[0])
+}
+
+impl RodPairs {
+    /// Forgets everything, as numbers have changed.
+    pub fn forget(&mut self, bundle: &Bundle) {
+        self.slack = 0.0;
+        self.position = Vectors::zeros(bundle.vertices());
+    }
+
+    /// Adds the contacts of now.
+    pub fn gather(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        radius: &[f64],
+        contacts: &mut Vec<Contact>,
+    ) {
+        let moved = moved_squared(&state.position, &self.position);
+        if self.slack <= 0.0 || moved.is_nan() || 4.0 * moved > self.slack * self.slack {
+            self.look(bundle, state, radius);
+        }
+        for pair in &self.pairs {
+            let (a, b) = (pair.a as usize, pair.b as usize);
+            let one = (state.position.get(a), state.edge(a));
+            let two = (state.position.get(b), state.edge(b));
+            let (s, t) = closest(one, two);
+            let (p, q) = (one.0 + one.1 * s, two.0 + two.1 * t);
+            let distance = p.distance(q);
+            if distance < pair.reach
+                && let Some(normal) = (p - q).try_normalize()
+            {
+                contacts.push(Contact {
+                    edge: pair.a,
+                    t: s,
+                    other: Other::Edge(pair.b, t),
+                    normal,
+                    place: 0.5 * (p + q),
+                    depth: pair.reach - distance,
+                    slop: SLOP * radius[a],
+                });
+            }
+        }
+    }
+
+    /// Looks for pairs anew.
+    fn look(&mut self, bundle: &Bundle, state: &State, radius: &[f64]) {
+        let edges = || (0..bundle.vertices()).filter(|&j| radius[j] > 0.0);
+        let thickest = radius.iter().copied().fold(0.0, f64::max);
+        self.slack = MARGIN * thickest;
+        let longest = edges().map(|j| state.edge(j).length()).fold(0.0, f64::max);
+        let side = longest + 2.0 * thickest + self.slack;
+        let low = state
+            .position
+            .iter()
+            .fold(DVec3::INFINITY, |low, p| low.min(p));
+        self.position.clone_from(&state.position);
+        self.pairs.clear();
+        if !(side.is_finite() && low.is_finite()) {
+            return;
+        }
+        let cell = |j: usize| {
+            let middle = state.position.get(j) + 0.5 * state.edge(j);
+            ((middle - low) / side).to_array().map(|c| c as i64 + 1)
+        };
+        self.cells.clear();
+        self.cells.extend(edges().map(|j| (key(cell(j)), j as u32)));
+        self.cells.sort_unstable();
+        for a in edges() {
+            let [x, y, z] = cell(a);
+            for dz in -1..=1 {
+                for dy in -1..=1 {
+                    let from = key([x - 1, y + dy, z + dz]);
+                    let to = key([x + 1, y + dy, z + dz]);
+                    let start = self.cells.partition_point(|c| c.0 < from);
+                    for &(k, b) in &self.cells[start..] {
+                        if k > to {
+                            break;
+                        }
+                        if b as usize > a {
+                            let pair = may_touch(bundle, state, radius, a, b as usize, self.slack);
+                            self.pairs.extend(pair);
+                        }
+                    }
+                }
+            }
+        }
+        // The order of contacts must not depend on where cells begin.
+        self.pairs.sort_unstable_by_key(|p| (p.a, p.b));
+    }
+}
+
+fn may_touch(
+    bundle: &Bundle,
+    state: &State,
+    radius: &[f64],
+    a: usize,
+    b: usize,
+    slack: f64,
+) -> Option<Pair> {
+    let touch = radius[a] + radius[b];
+    let one = (state.position.get(a), state.edge(a));
+    let two = (state.position.get(b), state.edge(b));
+    if distance(one, two) > touch + slack
+        || next_on_rod(bundle, a, b, touch)
+        || bonded(bundle, a, b)
+    {
+        return None;
+    }
+    let at_rest = |j: usize| {
+        let p = bundle.rest.get(j);
+        (p, bundle.rest.get(j + 1) - p)
+    };
+    let rest = distance(at_rest(a), at_rest(b));
+    (rest > 0.0).then(|| Pair {
+        a: a as u32,
+        b: b as u32,
+        reach: touch.min(AT_REST * rest),
+    })
+}
+
+/// Whether two edges lie on what was one rod, so close that bending alone brings them together.
+fn next_on_rod(bundle: &Bundle, a: usize, b: usize, touch: f64) -> bool {
+    let parent = |j: usize| bundle.parent[bundle.rod_of(j)];
+    if parent(a) != parent(b) {
+        return false;
+    }
+    let between = bundle.origin[a].abs_diff(bundle.origin[b]);
+    f64::from(between.saturating_sub(1)) * bundle.rest_length[a].min(bundle.rest_length[b])
+        < 2.0 * touch
+}
+
+/// Whether a bond joins two edges or those next to them.
+fn bonded(bundle: &Bundle, a: usize, b: usize) -> bool {
+    let joins = |from: usize, to: usize| {
+        (from..=from + 1).any(|v| {
+            let own = &bundle.bonds.incidence.own;
+            (own[v] as usize..own[v + 1] as usize)
+                .any(|i| bundle.bonds.edge[i].abs_diff(to as u32) <= 1)
+        })
+    };
+    joins(a, b) || joins(b, a)
+}
+
+fn distance(one: (DVec3, DVec3), two: (DVec3, DVec3)) -> f64 {
+    let (s, t) = closest(one, two);
+    (one.0 + one.1 * s).distance(two.0 + two.1 * t)
+}
+
+/// Places on two segments, each a start and a vector, that are closest to each other (Ericson, *Real-Time Collision
+/// Detection*, 5.1.9). Parallel ones meet in the middle of where they lie side by side.
+fn closest((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3)) -> (f64, f64) {
+    let r = p - q;
+    let (dd, ee, de, dr, er) = (d.dot(d), e.dot(e), d.dot(e), d.dot(r), e.dot(r));
+    if dd <= 0.0 || ee <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let determinant = dd * ee - de * de;
+    let s = if determinant > 1e-14 * dd * ee {
+        ((de * er - dr * ee) / determinant).clamp(0.0, 1.0)
+    } else {
+        let (a, b) = (-dr / dd, (de - dr) / dd);
+        (a.clamp(0.0, 1.0) + b.clamp(0.0, 1.0)) / 2.0
+    };
+    let t = (de * s + er) / ee;
+    if (0.0..=1.0).contains(&t) {
+        return (s, t);
+    }
+    let t = t.clamp(0.0, 1.0);
+    (((de * t - dr) / dd).clamp(0.0, 1.0), t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick_wood::noise;
+
+    #[test]
+    fn the_closest_places_are_those_of_a_fine_search() {
+        let vector = |i: i64, k: i64| {
+            DVec3::from_array([0, 1, 2].map(|c| 2.0 * noise::unit(5, i, k, c) - 1.0))
+        };
+        for i in 0..60 {
+            let one = (vector(i, 0), vector(i, 1));
+            // A third are parallel or nearly so.
+            let e = if i % 3 == 0 {
+                one.1 * 0.7 + vector(i, 3) * 1e-9 * f64::from((i % 2) as u8)
+            } else {
+                vector(i, 3)
+            };
+            let two = (vector(i, 2), e);
+            let found = distance(one, two);
+            let mut least = f64::INFINITY;
+            for a in 0..=400 {
+                for b in 0..=400 {
+                    let p = one.0 + one.1 * (f64::from(a) / 400.0);
+                    let q = two.0 + two.1 * (f64::from(b) / 400.0);
+                    least = least.min(p.distance(q));
+                }
+            }
+            assert!(
+                found <= least + 1e-8 && least < found + 0.01,
+                "{i}: {found} {least}"
+            );
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Checkpoints: everything that a run needs to go on as if it had never stopped. The 8 bytes `GSPOINT\0`, a `u32`
+//! version, a `u32` 0, the `u64` hash of what is simulated, the content (postcard), and its `u64` checksum.
+
+use super::{Ledger, StoreError, checksum};
+use crate::bodies::BodiesState;
+use crate::solver::World;
+use serde::{Deserialize, Serialize};
+
+const MAGIC: &[u8; 8] = b"GSPOINT\0";
+const VERSION: u32 = 1;
+const HEAD: usize = 24;
+
+/// How far a run is and what it has written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Rows of the energy table after the first.
+    pub ticks: u64,
+    /// Frames written.
+    pub frames: u64,
+    /// Events written.
+    pub events: u64,
+    /// Bytes of the energy table, the events and the frames.
+    pub bytes: [u64; 3],
+    /// Energy taken and given so far.
+    pub ledger: Ledger,
+}
+
+/// A run between two steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The rods.
+    pub world: World,
+    /// The bodies.
+    pub bodies: BodiesState,
+    /// How far it is.
+    pub progress: Progress,
+}
+
+impl Checkpoint {
+    /// The checkpoint as bytes; `hash` says what is simulated.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`] where the state cannot be written.
+    pub fn to_bytes(&self, hash: u64) -> Result<Vec<u8>, StoreError> {
+        let content = postcard::to_stdvec(self).map_err(|e| damaged(e.to_string()))?;
+        let mut bytes = Vec::with_capacity(content.len() + HEAD + 8);
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend([0; 4]);
+        bytes.extend(hash.to_le_bytes());
+        bytes.extend(&content);
+        bytes.extend(checksum(&content).to_le_bytes());
+        Ok(bytes)
+    }
+
+    /// The checkpoint in some bytes, and the hash of what it is a checkpoint of.
+    ///
+    /// # Errors
+    /// [`StoreError`] for what is no checkpoint, a newer one, or a damaged one.
+    pub fn from_bytes(bytes: &[u8]) -> Result<(Checkpoint, u64), StoreError> {
+        if !bytes.starts_with(MAGIC) {
+            return Err(StoreError::Foreign {
+                expected: "checkpoint of a simulation",
+                found: String::from_utf8_lossy(&bytes[..bytes.len().min(8)]).into_owned(),
+            });
+        }
+        let word = |at: usize| {
+            bytes
+                .get(at..at + 4)?
+                .try_into()
+                .ok()
+                .map(u32::from_le_bytes)
+        };
+        match word(8) {
+            Some(found) if found > VERSION => {
+                return Err(StoreError::Newer {
+                    what: "checkpoint",
+                    found,
+                    known: VERSION,
+                });
+            }
+            Some(_) if bytes.len() >= HEAD + 8 => {}
+            _ => return Err(damaged(format!("it ends after {} bytes", bytes.len()))),
+        }
+        let (content, sum) = bytes[HEAD..].split_at(bytes.len() - HEAD - 8);
+        if sum != checksum(content).to_le_bytes() {
+            return Err(damaged("its checksum is wrong".into()));
+        }
+        let mut hash = [0; 8];
+        hash.copy_from_slice(&bytes[16..24]);
+        let read = postcard::from_bytes(content).map_err(|e| damaged(e.to_string()))?;
+        Ok((read, u64::from_le_bytes(hash)))
+    }
+}
+
+fn damaged(problem: String) -> StoreError {
+    StoreError::Damaged {
+        what: "checkpoint",
+        problem,
+    }
+}

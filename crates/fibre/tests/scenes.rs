@@ -1,0 +1,198 @@
+//! Scenes: the built-in ones, what is refused and how, and a bundle set up in one.
+
+use glam::{DVec3, dvec3};
+use greenstick_fibre::scene::{BUILT_IN, Declared, Scene, set_up};
+use greenstick_fibre::{Bundle, Motion, Rod, RodMaterial};
+
+/// Four rods along a slanted line, 20 cm long, 11 vertices each.
+fn sticks() -> (Bundle, Vec<f64>) {
+    let along = dvec3(1.0, 2.0, 0.5).normalize();
+    let across = along.any_orthonormal_vector();
+    let material = RodMaterial::solid(4e-6, 1e9, 1e8, 600.0);
+    let mut lengths = Vec::new();
+    let rods: Vec<Rod> = (0..4)
+        .map(|r| {
+            let side =
+                across * 2e-3 * f64::from(r & 1) + along.cross(across) * 2e-3 * f64::from(r >> 1);
+            let place = |i: i32| DVec3::ONE + side + along * (0.02 * f64::from(i));
+            lengths.extend((0..11).map(|i| 0.3 + 0.02 * f64::from(i)));
+            Rod::new((0..11).map(place).collect(), material)
+        })
+        .collect();
+    (Bundle::new(&rods, false).unwrap(), lengths)
+}
+
+#[test]
+fn built_in_scenes_can_be_read_and_written_without_loss() {
+    for built_in in BUILT_IN {
+        let scene = built_in
+            .scene()
+            .unwrap_or_else(|e| panic!("{}: {e}", built_in.name));
+        assert!(!scene.about.is_empty(), "{}", built_in.name);
+        let again = Scene::read(&scene.to_toml()).unwrap();
+        assert_eq!(again, scene, "{}", built_in.name);
+    }
+    let told = Scene::built_in("three-bloks").unwrap_err().to_string();
+    assert!(told.contains("did you mean \"three-blocks\""), "{told}");
+}
+
+#[test]
+fn every_key_is_documented_and_its_default_in_range() {
+    let keys = Scene::reference();
+    assert!(keys.len() > 70);
+    for k in &keys {
+        assert!(!k.doc.is_empty(), "{}", k.key);
+        assert!(Scene::reference_markdown().contains(&format!("`{}`", k.key)));
+    }
+    assert_eq!(Scene::default().out_of_range(""), None);
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_line_and_what_would_be_right() {
+    for (text, words) in [
+        (
+            "durration = 3",
+            "line 1: unknown key \"durration\"; did you mean \"duration\"",
+        ),
+        (
+            "\n[stem]\nlenght = \"3 cm\"",
+            "line 3: unknown key \"lenght\" in [stem]; did you mean \"length\"",
+        ),
+        ("[[bdy]]\nshape = \"box\"", "did you mean \"body\""),
+        (
+            "[[clamp]]\nfrm = 0.1",
+            "line 2: unknown key \"frm\" in [clamp]",
+        ),
+        (
+            "[[clamp]]\n[[clamp.key]]\ntme = 0.1",
+            "unknown key \"tme\" in [key]; did you mean \"time\"",
+        ),
+        ("[stem]\nlength = 3", "line 2"),
+        (
+            "[stem]\nlength = \"3 feet\"",
+            "\"3 feet\" is no length; write a number with mm, cm or m",
+        ),
+        ("[stem]\nkind = \"tube\"", "`tube`"),
+        (
+            "[wood]\nstiffness = -1.0",
+            "wood.stiffness is -1, but it must be from 0.000001 to 100",
+        ),
+        (
+            "duration = nan",
+            "duration is NaN, but it must be from 0 to 1000000 s",
+        ),
+        ("[[body]]\nsize = \"1, -2, 3 cm\"", "[body].size is -0.02"),
+        (
+            "[rods]\nedge = [\"5 mm\", \"4 mm\"]",
+            "rods.edge is 0.005, but it must be below",
+        ),
+        ("seed = \"x", "line 1"),
+    ] {
+        let told = Scene::read(text).unwrap_err().to_string();
+        assert!(told.contains(words), "{text:?}: {told}");
+    }
+}
+
+#[test]
+fn a_bundle_lies_in_the_scenes_axes_and_bodies_touch_it() {
+    let (bundle, along) = sticks();
+    let thick = bundle.diameter[0];
+    let scene = Scene::read(
+        "[contact]\nrods = false\n\
+         [[clamp]]\nfrom = 0.0\nto = 0.1\n[[clamp.key]]\ntime = 0\n[[clamp.key]]\ntime = 2\nmove_by = \"0, 0, 1 cm\"\nturn = [0, 90, 0]\n\
+         [[body]]\nname = \"floor\"\nshape = \"half-space\"\ntouch = [0, 0, -1]\ngap = \"1 mm\"\n\
+         [[body]]\nshape = \"sphere\"\ndiameter = \"2 cm\"\nat = 0.5\ntouch = [0, 0, 1]",
+    )
+    .unwrap();
+    let made = set_up(&scene, bundle, &along, &[]).unwrap();
+    let bundle = &made.world.bundle;
+    assert!((made.length - 0.2).abs() < 1e-12);
+    for i in 0..bundle.vertices() {
+        let p = bundle.rest.get(i);
+        assert!((p.x - 0.2 * made.fraction[i]).abs() < 1e-12, "{p}");
+        assert!(p.y.hypot(p.z) < 1.5e-3, "{p}");
+    }
+    let lowest = bundle.rest.z.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = bundle
+        .rest
+        .z
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    let places: Vec<DVec3> = made.bodies.iter().map(|b| b.1.centre).collect();
+    assert!(
+        (places[0].z - (lowest - 0.5 * thick - 1e-3)).abs() < 1e-6,
+        "{places:?}"
+    );
+    // The ball touches at most two rods' skins: between top and bottom of a ball on two ridges.
+    let top = places[1].z - 0.01 - 0.5 * thick;
+    assert!(
+        top <= highest + 1e-6 && top > highest - 1e-3,
+        "{places:?} {highest}"
+    );
+    let clamp = &made.world.loads.clamps[0];
+    assert_eq!(clamp.vertices.len(), 8);
+    let Motion::Keys(keys) = &clamp.motion else {
+        panic!("{clamp:?}")
+    };
+    assert!((keys[1].1.rotation * DVec3::X).distance(DVec3::NEG_Z) < 1e-12);
+}
+
+#[test]
+fn what_does_not_fit_the_bundle_is_refused() {
+    for (text, words) in [
+        (
+            "[[clamp]]\nfrom = 0.41\nto = 0.49",
+            "clamp 0 holds nothing: no vertex lies from 0.41 to 0.49",
+        ),
+        (
+            "[[clamp]]\nto = 0.2\naxes = \"xw\"",
+            "one or more of x, y and z",
+        ),
+        ("[[body]]\nshape = \"box\"", "deep in body 0"),
+        (
+            "[[body]]\nshape = \"hull\"\nplace = \"0, 0, 9 cm\"",
+            "needs the name of a mesh file",
+        ),
+        (
+            "[[body]]\nshape = \"box\"\nplace = \"0, 9, 0 cm\"\ntouch = [0, 0, 1]",
+            "never touches the stem",
+        ),
+        (
+            "[[body]]\nplace = \"0, 9, 0 cm\"\nmotion = \"free\"\n[[body]]\nplace = \"0, 10, 0 cm\"",
+            "bodies 0 and 1 overlap",
+        ),
+        (
+            "[[clamp]]\n[[clamp.key]]\ntime = 1\n[[clamp.key]]\ntime = 0.5",
+            "0.5 s does not",
+        ),
+    ] {
+        let (bundle, along) = sticks();
+        let scene = Scene::read(text).unwrap();
+        let told = set_up(&scene, bundle, &along, &[])
+            .err()
+            .map(|e| e.to_string())
+            .unwrap_or_default();
+        assert!(told.contains(words), "{text:?}: {told}");
+    }
+}
+
+#[test]
+fn a_bent_start_has_the_energy_of_the_bent_beam() {
+    // Four rods of E A each: ½ κ² L Σ(E I + E A z²) about the arc that keeps the length.
+    let (bundle, along) = sticks();
+    let scene = Scene::read("[start]\nbend = 12.0").unwrap();
+    let (area, bend) = (4e-6, bundle.bend[1]);
+    let made = set_up(&scene, bundle, &along, &[]).unwrap();
+    let kappa = 12f64.to_radians() / 0.2;
+    let rest = &made.world.bundle.rest;
+    let mut expected = 0.0;
+    for r in 0..4 {
+        let z = rest.get(r * 11).z;
+        expected += 0.5 * kappa * kappa * 0.2 * (1e9 * area * z * z + bend);
+    }
+    let found =
+        greenstick_fibre::energy::energies(&made.world.bundle, &made.world.state).potential();
+    // Of 10 edges the curvature is at 9 vertices, and chords are shorter than arcs.
+    assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+}

@@ -1,0 +1,155 @@
+//! A frame of a simulation as meshes: rods as tubes, bodies as solids.
+
+use glam::{DAffine3, DQuat, DVec3};
+use greenstick_fibre::bodies::Shape;
+use greenstick_fibre::store::Frame;
+use greenstick_geometry::{Material, Mesh, Node, Scene};
+use greenstick_wood::primitive;
+
+/// Sides of a tube.
+const SIDES: usize = 7;
+
+/// A frame as a scene: one mesh of tubes, and one for each body but half-spaces. `shapes` are the bodies' shapes, in
+/// their order; those of which the centre of mass is not the origin are shown about it.
+pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
+    let mut scene = Scene {
+        materials: vec![
+            material("wood", [0.72, 0.53, 0.33, 1.0]),
+            material("body", [0.36, 0.40, 0.45, 1.0]),
+        ],
+        ..Scene::default()
+    };
+    scene
+        .nodes
+        .push(node("rods", tubes(frame), DAffine3::IDENTITY));
+    for (shape, &(centre, turn)) in shapes.iter().zip(&frame.bodies) {
+        let mut mesh = solid(shape);
+        if mesh.triangles.is_empty() {
+            continue;
+        }
+        mesh.materials = vec![1; mesh.triangles.len()];
+        let place = DAffine3::from_rotation_translation(turn, centre);
+        scene.nodes.push(node("body", mesh, place));
+    }
+    scene
+}
+
+fn material(name: &str, base_color: [f32; 4]) -> Material {
+    Material {
+        name: name.into(),
+        base_color,
+        roughness: 0.8,
+        ..Material::default()
+    }
+}
+
+fn node(name: &str, mesh: Mesh, transform: DAffine3) -> Node {
+    Node {
+        name: name.into(),
+        transform,
+        mesh,
+        parent: None,
+    }
+}
+
+fn tubes(frame: &Frame) -> Mesh {
+    let mut mesh = Mesh::default();
+    let place = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
+    for (rod, ends) in frame.first.windows(2).enumerate() {
+        let (from, to) = (ends[0] as usize, ends[1] as usize);
+        let radius = 0.5 * f64::from(frame.diameter[rod]);
+        let mut across = DVec3::from_array(frame.director[from].map(f64::from));
+        let first = mesh.positions.len() as u32;
+        for i in from..to {
+            let (before, after) = (place(i.max(from + 1) - 1), place((i + 1).min(to - 1)));
+            let along = (after - before).normalize_or(DVec3::X);
+            across = across
+                .reject_from_normalized(along)
+                .normalize_or(along.any_orthonormal_vector());
+            let other = along.cross(across);
+            for k in 0..SIDES {
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / SIDES as f64);
+                mesh.positions
+                    .push(place(i) + radius * (across * cos + other * sin));
+            }
+        }
+        let (rows, sides) = ((to - from) as u32, SIDES as u32);
+        let at = |row: u32, k: u32| first + row * sides + k % sides;
+        for row in 0..rows - 1 {
+            for k in 0..sides {
+                let (a, b) = (at(row, k), at(row, k + 1));
+                let (c, d) = (at(row + 1, k + 1), at(row + 1, k));
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        for k in 1..sides - 1 {
+            mesh.triangles.push([at(0, 0), at(0, k + 1), at(0, k)]);
+            mesh.triangles
+                .push([at(rows - 1, 0), at(rows - 1, k), at(rows - 1, k + 1)]);
+        }
+    }
+    mesh.materials = vec![0; mesh.triangles.len()];
+    mesh
+}
+
+/// A body about its centre; empty for a half-space, which has no end.
+fn solid(shape: &Shape) -> Mesh {
+    let centred = |radius: f64, half: f64| {
+        let map = DAffine3::from_translation(DVec3::new(0.0, -half, 0.0));
+        primitive::cylinder(radius, 2.0 * half, 48).transformed(&map)
+    };
+    match shape {
+        Shape::HalfSpace { .. } => Mesh::default(),
+        // Length along z, width along x, thickness along y.
+        Shape::Box { half } => primitive::board(2.0 * half.z, 2.0 * half.x, 2.0 * half.y),
+        Shape::Sphere { radius } => ball(*radius, 0.0),
+        Shape::Capsule {
+            half_length,
+            radius,
+        } => ball(*radius, *half_length),
+        Shape::Cylinder {
+            half_length,
+            radius,
+        } => centred(*radius, *half_length),
+        Shape::Hull { points } => points.iter().fold(Mesh::default(), |mut all, &p| {
+            // Corners only: a hull is known by them.
+            let corner = ball(0.02 * p.length(), 0.0).transformed(&DAffine3::from_translation(p));
+            let first = all.positions.len() as u32;
+            all.positions.extend(corner.positions);
+            all.triangles
+                .extend(corner.triangles.iter().map(|t| t.map(|v| v + first)));
+            all
+        }),
+        Shape::Mesh { points, triangles } => Mesh {
+            positions: points.clone(),
+            triangles: triangles.clone(),
+            ..Mesh::default()
+        },
+    }
+}
+
+/// A ball whose halves are `half` (m) off the middle along ±y.
+fn ball(radius: f64, half: f64) -> Mesh {
+    const ROWS: u32 = 24;
+    const AROUND: u32 = 32;
+    let mut mesh = Mesh::default();
+    for row in 0..=ROWS {
+        let (s, c) = libm::sincos(std::f64::consts::PI * f64::from(row) / f64::from(ROWS));
+        let off = if 2 * row < ROWS { half } else { -half };
+        for k in 0..AROUND {
+            let turn =
+                DQuat::from_rotation_y(std::f64::consts::TAU * f64::from(k) / f64::from(AROUND));
+            mesh.positions
+                .push(turn * DVec3::new(radius * s, radius * c + off, 0.0));
+        }
+    }
+    let at = |row: u32, k: u32| row * AROUND + k % AROUND;
+    for row in 0..ROWS {
+        for k in 0..AROUND {
+            let (a, b) = (at(row, k), at(row, k + 1));
+            let (c, d) = (at(row + 1, k + 1), at(row + 1, k));
+            mesh.triangles.extend([[a, c, b], [a, d, c]]);
+        }
+    }
+    mesh
+}
