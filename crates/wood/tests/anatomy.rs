@@ -21,7 +21,11 @@ const TISSUE: Proportions = Proportions {
 };
 
 fn found(mesh: &Mesh) -> Found {
-    let place = "0.5".parse().unwrap();
+    found_at(mesh, "0.5")
+}
+
+fn found_at(mesh: &Mesh, place: &str) -> Found {
+    let place = place.parse().unwrap();
     find(
         std::slice::from_ref(mesh),
         &place,
@@ -174,7 +178,7 @@ fn both_sides_of_a_slot_are_wood() {
     assert!(
         (mesh.volume() / (0.025 * (0.27 - 0.08)) - 1.0).abs() < 1e-12 && mesh.check().is_solid()
     );
-    let found = found(&mesh);
+    let found = found_at(&mesh, "0.9");
     assert_eq!(found.stem.kind, StemKind::Board);
     let anatomy = Anatomy::new(&found, &mesh, &options(512)).unwrap();
     let section = anatomy.section(0.4).unwrap();

@@ -376,12 +376,12 @@ mod tests {
                 }
             }
             // Corners of the outline lie between the table's directions and may be cut off there, by the sagitta of a
-            // chord at the tips of the lobes at most.
-            let sagitta = 0.05 * (25.0 * depth + 0.4) * (TAU / 240.0).powi(2) / 8.0;
+            // chord at the tips of the lobes at most: (r − r'') δ²/8.
+            let sagitta = 0.05 * (25.0 * depth + 1.5) * (TAU / 240.0).powi(2) / 8.0;
             for p in &outline {
                 let d = *p - field.pith();
                 let off = d.length() - field.outer(libm::atan2(d.y, d.x));
-                assert!(off.abs() < 1.1 * sagitta, "{depth}: {off}");
+                assert!(off.abs() < sagitta, "{depth}: {off}");
             }
         }
     }
