@@ -1,11 +1,11 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
-use crate::arguments::AnatomyOptions;
+use crate::arguments::{AnatomyOptions, RingsByWord, ScheduleWord};
 use crate::break_wood::{Written, doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
 use crate::values;
-use greenstick::anatomy::{AnatomyReport, AnatomyRequest};
+use greenstick::anatomy::{AnatomyReport, AnatomyRequest, RingsBy};
 use greenstick::files::{self, Source};
 use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::StemOptions;
@@ -52,7 +52,9 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
         options.unit,
         inside.report.length_m,
     );
-    inside.report.notes.extend(doubt);
+    if let Some(doubt) = doubt {
+        inside.note(doubt)?;
+    }
     progress.stage("write")?;
     let planned: Vec<_> = inside
         .files
@@ -101,6 +103,7 @@ fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest,
         },
         species: options.species.clone(),
         resolution: options.resolution,
+        rings_by: rings_by(options)?,
         rings: options.rings,
         sectors: options.sectors,
         layers: options.layers,
@@ -110,6 +113,21 @@ fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest,
         colours: options.colours.into(),
         parts: options.only.iter().map(|&word| word.into()).collect(),
     })
+}
+
+fn rings_by(options: &AnatomyOptions) -> Result<RingsBy, Failure> {
+    match (options.rings_by, options.schedule) {
+        (RingsByWord::Field, None) => Ok(RingsBy::Field),
+        (RingsByWord::Field, Some(_)) => Err(Failure::request(
+            "--schedule is of an erosion; say --rings-by erosion with it",
+        )),
+        (RingsByWord::Erosion, _) if options.rings.is_some() => Err(Failure::request(
+            "--rings: an erosion makes its own number of rings, by its --schedule and the --resolution; leave it out",
+        )),
+        (RingsByWord::Erosion, schedule) => Ok(RingsBy::Erosion(
+            schedule.unwrap_or(ScheduleWord::Alternating).into(),
+        )),
+    }
 }
 
 fn told(

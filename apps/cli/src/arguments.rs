@@ -3,7 +3,7 @@
 use crate::scan::ScanArguments;
 use crate::values;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use greenstick::anatomy::{Part, RingColours};
+use greenstick::anatomy::{ErosionSchedule, Part, RingColours};
 use greenstick::formats::LengthUnit;
 use greenstick::wood::anatomy::Bundles;
 use greenstick::wood::stem::StemKind;
@@ -280,7 +280,13 @@ pub struct AnatomyOptions {
     #[arg(long, value_name = "NUMBER", default_value = "128", help_heading = "How finely",
         value_parser = values::resolution)]
     pub resolution: usize,
-    /// Annual rings; as many as make rings of the usual width where absent
+    /// Where rings come from
+    #[arg(long, default_value = "field", help_heading = "How finely")]
+    pub rings_by: RingsByWord,
+    /// Kernels of the erosion [default: alternating]
+    #[arg(long, help_heading = "How finely")]
+    pub schedule: Option<ScheduleWord>,
+    /// Annual rings; as many as make rings of the usual width where absent. An erosion makes its own number
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = "How finely")]
     pub rings: Option<u16>,
     /// Sectors of every ring; with equal-area bundles, of the outermost
@@ -467,6 +473,39 @@ impl From<BundlesWord> for Bundles {
         match word {
             BundlesWord::Fixed => Bundles::Fixed,
             BundlesWord::EqualArea => Bundles::EqualArea,
+        }
+    }
+}
+
+/// Where rings come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RingsByWord {
+    #[value(help = "a continuous field, round at the pith and like the outline outside")]
+    Field,
+    #[value(help = "erosion of the voxels, as published")]
+    Erosion,
+}
+
+/// Schedules of an erosion.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ScheduleWord {
+    #[value(help = "every pass takes a voxel, as in the publication's Fig. 5 and Table 1")]
+    Alternating,
+    #[value(
+        name = "figure-6",
+        help = "rings of different widths, as in its Fig. 6"
+    )]
+    Figure6,
+    #[value(help = "twice as wide along one direction, as in its Fig. 8")]
+    Eccentric,
+}
+
+impl From<ScheduleWord> for ErosionSchedule {
+    fn from(word: ScheduleWord) -> Self {
+        match word {
+            ScheduleWord::Alternating => ErosionSchedule::Alternating,
+            ScheduleWord::Figure6 => ErosionSchedule::Figure6,
+            ScheduleWord::Eccentric => ErosionSchedule::Eccentric,
         }
     }
 }

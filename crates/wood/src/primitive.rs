@@ -206,7 +206,7 @@ fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
 /// How far a place is from the coarse and from the fine furrows of the bark, 0 (in one) to 1.
 fn furrows(options: &BranchOptions, along: f64, turn: f64) -> (f64, f64) {
     let seed = options.seed;
-    let z = along * options.length / (0.5 * options.diameter);
+    let z = along * (options.length / (0.5 * options.diameter));
     // Furrows: borders of cells drawn out along the grain, shifted to and fro so that no two run alike.
     let shift = 0.06 * noise(seed, 41, turn * 4.0, z * 0.5, 4)
         + 0.015 * noise(seed, 42, turn * 16.0, z * 1.7, 16);

@@ -10,7 +10,7 @@ use greenstick_wood::anatomy::{
     rebuilt_surface,
 };
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
-use greenstick_wood::stem::{Found, StemOptions, find};
+use greenstick_wood::stem::{Found, StemKind, StemOptions, find};
 use greenstick_wood::tissue::Proportions;
 use std::f64::consts::{PI, TAU};
 
@@ -21,7 +21,11 @@ const TISSUE: Proportions = Proportions {
 };
 
 fn found(mesh: &Mesh) -> Found {
-    let place = "0.5".parse().unwrap();
+    found_at(mesh, "0.5")
+}
+
+fn found_at(mesh: &Mesh, place: &str) -> Found {
+    let place = place.parse().unwrap();
     find(
         std::slice::from_ref(mesh),
         &place,
@@ -128,6 +132,63 @@ fn a_bent_tube_has_the_volume_of_pappus() {
         "{voxels} {}",
         mesh.volume()
     );
+}
+
+/// A board of 0.3 m × 0.9 m × 25 mm with a slot through it that leaves 50 mm at its sides.
+fn slotted_board() -> Mesh {
+    let (xs, ys, zs) = ([0.0, 0.05, 0.25, 0.3], [0.0, 0.2, 0.6, 0.9], [0.0, 0.025]);
+    let mut mesh = Mesh::default();
+    for k in 0..32 {
+        let (x, y, z) = (xs[k % 4], ys[k / 4 % 4], zs[k / 16]);
+        mesh.positions.push(DVec3::new(x, y, z));
+    }
+    let at = |x: i32, y: i32, z: i32| (x + 4 * y + 16 * z) as u32;
+    let wood = |x: i32, y: i32| (0..3).contains(&x) && (0..3).contains(&y) && (x, y) != (1, 1);
+    let mut quad = |c: [u32; 4]| {
+        let halves = [[c[0], c[1], c[2]], [c[0], c[2], c[3]]];
+        mesh.triangles.extend(halves);
+    };
+    for (x, y) in (0..9).map(|k| (k % 3, k / 3)).filter(|&(x, y)| wood(x, y)) {
+        let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
+        quad(corners.map(|(x, y)| at(x, y, 1)));
+        let mut below = corners;
+        below.reverse();
+        quad(below.map(|(x, y)| at(x, y, 0)));
+        for (k, beside) in [(x, y - 1), (x + 1, y), (x, y + 1), (x - 1, y)]
+            .into_iter()
+            .enumerate()
+        {
+            if !wood(beside.0, beside.1) {
+                let (a, b) = (corners[k], corners[(k + 1) % 4]);
+                quad([
+                    at(a.0, a.1, 0),
+                    at(b.0, b.1, 0),
+                    at(b.0, b.1, 1),
+                    at(a.0, a.1, 1),
+                ]);
+            }
+        }
+    }
+    mesh
+}
+
+#[test]
+fn both_sides_of_a_slot_are_wood() {
+    let mesh = slotted_board();
+    assert!(
+        (mesh.volume() / (0.025 * (0.27 - 0.08)) - 1.0).abs() < 1e-12 && mesh.check().is_solid()
+    );
+    let found = found_at(&mesh, "0.9");
+    assert_eq!(found.stem.kind, StemKind::Board);
+    let anatomy = Anatomy::new(&found, &mesh, &options(512)).unwrap();
+    let section = anatomy.section(0.4).unwrap();
+    assert_eq!(section.outline.parts, 2);
+    assert!((section.outline.area - 0.1 * 0.025).abs() < 1e-12);
+    assert!((section.outline.girth - 0.3).abs() < 1e-12);
+    let rhos = section.outline.points().map(|p| section.field.address(p).0);
+    assert!((rhos.fold(0.0, f64::max) - 1.0).abs() < 1e-12);
+    let voxels = volume(&found, &mesh, 256);
+    assert!((voxels / mesh.volume() - 1.0).abs() < 0.05, "{voxels}");
 }
 
 #[test]

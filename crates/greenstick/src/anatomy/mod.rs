@@ -1,25 +1,28 @@
 //! The inside of a stem as files a scientist can use (forests-2023): sections, a volume, particles, the surface rebuilt
 //! from them, and their numbers.
 
+mod drawn;
 mod paint;
 mod particles;
 mod report;
 mod volume;
 
+pub use drawn::{ErosionSchedule, RingsBy};
 pub use report::{AnatomyReport, RingRows, SectionReport, SegmentReport};
 
 use crate::Error;
 use crate::looks::looks;
+use drawn::Look;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Mesh, Node, Scene, Table};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyOptions, Bundles, RingNumbers, Section, SurfaceColours,
 };
-use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::rings::Schedule;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
-use greenstick_wood::tissue::{Proportions, Zone};
+use greenstick_wood::tissue::Zone;
 
 /// A kind of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +71,9 @@ pub struct AnatomyRequest {
     pub species: Option<String>,
     /// Voxels along each side of a segment, 32 to 512.
     pub resolution: usize,
-    /// Number of rings; by the width that is usual where absent.
+    /// Where rings come from.
+    pub rings_by: RingsBy,
+    /// Number of rings; by the width that is usual where absent. Erosion makes its own.
     pub rings: Option<u16>,
     /// Sectors of every ring, or of the outermost.
     pub sectors: u32,
@@ -93,6 +98,7 @@ impl Default for AnatomyRequest {
             stem: StemOptions::default(),
             species: None,
             resolution: 128,
+            rings_by: RingsBy::Field,
             rings: None,
             sectors: 40,
             layers: None,
@@ -116,6 +122,26 @@ pub struct Inside {
     pub files: Vec<Encoded>,
 }
 
+impl Inside {
+    /// Adds a note to the numbers and to their file.
+    ///
+    /// # Errors
+    /// [`Error::Report`] where the numbers cannot be put into JSON.
+    pub fn note(&mut self, note: String) -> Result<(), Error> {
+        self.report.notes.push(note);
+        self.files.pop();
+        self.files.push(numbers_file(&self.report)?);
+        Ok(())
+    }
+}
+
+fn numbers_file(report: &AnatomyReport) -> Result<Encoded, Error> {
+    Ok(Encoded {
+        name: "anatomy.json".to_owned(),
+        bytes: serde_json::to_vec(report).map_err(|e| Error::Report(e.to_string()))?,
+    })
+}
+
 /// More particles than this are a slip of the hand.
 const MOST_PARTICLES: u64 = 50_000_000;
 /// Layers where nobody says how many.
@@ -127,8 +153,10 @@ const BARK: f64 = 0.95;
 struct Work<'a> {
     anatomy: &'a Anatomy<'a>,
     request: &'a AnatomyRequest,
-    look: WoodAppearance,
-    tissue: Proportions,
+    look: Look,
+    /// The passes of an erosion, where rings come from one.
+    schedule: Option<Schedule>,
+    /// Of rings by the field.
     numbers: RingNumbers,
     /// Colour of each pass, sRGB.
     palette: Vec<[u8; 3]>,
@@ -156,6 +184,12 @@ pub fn anatomy(
     let mesh = &meshes[found.node];
     let parameters = BreakParameters::default();
     let mut look = looks(&found.stem, &parameters, species, BARK).wood;
+    let schedule = request.rings_by.schedule(request.resolution);
+    if schedule.is_some() && request.rings.is_some() {
+        return Err(Error::Amount(
+            "a number of rings for an erosion, whose schedule makes their number; expected only one of the two".into(),
+        ));
+    }
     let rings = request.rings.unwrap_or(look.rings.round() as u16);
     check(request, rings)?;
     // Rings are those of the data: the look's own would lie elsewhere.
@@ -164,19 +198,30 @@ pub fn anatomy(
         resolution: request.resolution,
         rings,
     };
-    let made = Anatomy::new(&found, mesh, &options)?;
+    let mut made = Anatomy::new(&found, mesh, &options)?;
+    if let Some(schedule) = &schedule {
+        context.step("rings", 0.0)?;
+        made.rings = drawn::count_rings(&made, schedule)?;
+        check(request, made.rings)?;
+    }
+    let rings = made.rings;
     let tissue = parameters.proportions();
     let mut numbers = RingNumbers::alternating(2 * rings, &tissue);
     if found.stem.kind == StemKind::Board {
         // A board is sawn from the wood between pith and bark.
         numbers.zone.fill(Zone::Sapwood);
     }
-    let palette = paint::palette(&look, &numbers, request.colours);
+    let look = Look {
+        wood: look,
+        tissue,
+        colours: request.colours,
+    };
+    let palette = paint::palette(&look, &numbers);
     let work = Work {
         anatomy: &made,
         request,
         look,
-        tissue,
+        schedule,
         numbers,
         palette,
     };
@@ -215,7 +260,7 @@ pub fn anatomy(
                     LengthUnit::Metre,
                 )?),
                 None if colours == SurfaceColours::Ring => notes.push(
-                    "no surface was rebuilt: that takes a round stem, two layers and three sectors in its ring"
+                    "no surface was rebuilt: that takes a round stem, two layers, and a ring of three sectors that is whole in each"
                         .to_owned(),
                 ),
                 None => {}
@@ -236,11 +281,7 @@ pub fn anatomy(
     }
     context.step("report", 0.0)?;
     let report = report::report(&work, &layers, (mesh, &found), segments, notes);
-    let text = serde_json::to_vec(&report).map_err(|e| Error::Report(e.to_string()))?;
-    files.push(Encoded {
-        name: "anatomy.json".to_owned(),
-        bytes: text,
-    });
+    files.push(numbers_file(&report)?);
     Ok(Inside {
         report,
         particles: table,

@@ -2,13 +2,14 @@
 //!
 //! Rings are those of the data, ring by ring; streaks, vessels and rays between them come from the look of the wood.
 
+use super::drawn::Look;
 use super::{RingColours, Work, sections_at};
 use crate::Error;
 use glam::{DVec2, DVec3};
 use greenstick_formats::Encoded;
 use greenstick_geometry::{Bitmap, Context};
 use greenstick_picture::Picture;
-use greenstick_wood::anatomy::{Grid, LATEWOOD, RingNumbers, Section, field_passes, fill};
+use greenstick_wood::anatomy::{Grid, LATEWOOD, RingNumbers, Section, fill};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint};
 use greenstick_wood::noise::smoothstep;
 use greenstick_wood::tissue::Zone;
@@ -36,11 +37,9 @@ const ZONES: [[u8; 3]; 5] = [
 ];
 
 /// Colour of every pass, sRGB; black for what is no wood.
-pub(super) fn palette(
-    look: &WoodAppearance,
-    numbers: &RingNumbers,
-    colours: RingColours,
-) -> Vec<[u8; 3]> {
+pub(super) fn palette(look: &Look, numbers: &RingNumbers) -> Vec<[u8; 3]> {
+    let colours = look.colours;
+    let look = &look.wood;
     let darker = latewood(look);
     let of = |pass: usize| {
         let late = RingNumbers::is_latewood(pass as u16);
@@ -111,13 +110,13 @@ impl Work<'_> {
             along: section.length,
             end_grain: end,
         };
-        let colour = DVec3::from_array(self.look.wood(&point, footprint).color);
-        if rho >= self.look.phloem || rho < self.look.pith {
+        let colour = DVec3::from_array(self.look.wood.wood(&point, footprint).color);
+        if rho >= self.look.wood.phloem || rho < self.look.wood.pith {
             return colour;
         }
         // Latewood darkens outwards and ends at once.
-        let late = self.look.latewood * smoothstep(1.0 - 2.0 * LATEWOOD, 0.95, part);
-        colour * (DVec3::ONE + (latewood(&self.look) - DVec3::ONE) * late)
+        let late = self.look.wood.latewood * smoothstep(1.0 - 2.0 * LATEWOOD, 0.95, part);
+        colour * (DVec3::ONE + (latewood(&self.look.wood) - DVec3::ONE) * late)
     }
 }
 
@@ -129,29 +128,47 @@ pub(super) fn sections(work: &Work, context: &Context) -> Result<Vec<Encoded>, E
     lengths
         .extend((0..others).map(|k| low + (high - low) * (f64::from(k) + 0.5) / f64::from(others)));
     let side = work.anatomy.grid.pixel * work.anatomy.grid.count as f64;
-    let count = work.request.resolution.max(SIDE);
-    let grid = Grid {
-        count,
-        pixel: side / count as f64,
+    let fine = work.request.resolution.max(SIDE);
+    // Eroded rings are those of the voxels, shown as squares.
+    let (pixels, zoom) = match work.schedule {
+        Some(_) => (
+            work.request.resolution,
+            SIDE.div_ceil(work.request.resolution),
+        ),
+        None => (fine, 1),
     };
+    let grid = Grid {
+        count: pixels,
+        pixel: side / pixels as f64,
+    };
+    let count = pixels * zoom;
     let mut files: Vec<Encoded> = Vec::new();
     for (i, section) in sections_at(work, &lengths).iter().enumerate() {
         context.step("sections", i as f64 / lengths.len() as f64)?;
-        let map = fill(&grid, &section.outline.loops);
-        let passes = field_passes(&grid, &map, &section.field, work.anatomy.rings);
+        let drawn = work.drawn(section, &grid);
         let zone = |p: u16| match p {
             0 => [255; 3],
-            p => ZONES[usize::from(work.numbers.zone[usize::from(p)].code())],
+            p => ZONES[usize::from(drawn.numbers.zone[usize::from(p)].code())],
         };
+        let pass = |x: usize, y: usize| drawn.passes[y / zoom * grid.count + x / zoom];
         let name = format!("section_{:06.1}mm", section.length * 1e3);
         if files.iter().any(|f| f.name.starts_with(&name)) {
             continue;
         }
-        let contour = |x: usize, y: usize| [u8::from(map.get(x, y)) * 255; 3];
+        let contour = |x: usize, y: usize| [u8::from(drawn.map.get(x / zoom, y / zoom)) * 255; 3];
+        let rings = if work.schedule.is_some() {
+            let colour = |p: u16| match p {
+                0 => bytes(PAPER),
+                p => drawn.palette[usize::from(p)],
+            };
+            picture(count, |x, y| colour(pass(x, y)))
+        } else {
+            wood_picture(work, section, &grid)
+        };
         let pictures = [
             ("contour", picture(count, contour)),
-            ("rings", wood_picture(work, section, &grid)),
-            ("zones", picture(count, |x, y| zone(passes[y * count + x]))),
+            ("rings", rings),
+            ("zones", picture(count, |x, y| zone(pass(x, y)))),
         ];
         files.extend(pictures.map(|(kind, picture)| Encoded {
             name: format!("{name}_{kind}.png"),
@@ -260,6 +277,9 @@ fn column(work: &Work, length: f64, height: usize, pixel: f64) -> Vec<[u8; 3]> {
     } else {
         section.field.pith().y
     };
+    if work.schedule.is_some() {
+        return eroded_column(work, &section, level, height, pixel);
+    }
     let mut crossings: Vec<f64> = Vec::new();
     for outline in &section.outline.loops {
         for (i, a) in outline.iter().enumerate() {
@@ -288,6 +308,30 @@ fn column(work: &Work, length: f64, height: usize, pixel: f64) -> Vec<[u8; 3]> {
                 );
             }
             bytes(sum / SAMPLES as f64)
+        })
+        .collect()
+}
+
+/// A column of the longitudinal picture from eroded rings.
+fn eroded_column(
+    work: &Work,
+    section: &Section,
+    level: f64,
+    height: usize,
+    pixel: f64,
+) -> Vec<[u8; 3]> {
+    let grid = &work.anatomy.grid;
+    let drawn = work.drawn(section, grid);
+    let index = |v: f64| {
+        let i = (v / grid.pixel + 0.5 * grid.count as f64).max(0.0) as usize;
+        i.min(grid.count - 1)
+    };
+    let row = &drawn.passes[index(level) * grid.count..][..grid.count];
+    (0..height)
+        .map(|y| (y as f64 + 0.5 - 0.5 * height as f64) * pixel)
+        .map(|x| match row[index(x)] {
+            0 => bytes(PAPER),
+            p => drawn.palette[usize::from(p)],
         })
         .collect()
 }

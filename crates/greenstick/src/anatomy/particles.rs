@@ -5,8 +5,8 @@ use crate::Error;
 use glam::DAffine3;
 use greenstick_geometry::{Column, Context, Material, Node, Scene, Table, Values};
 use greenstick_wood::anatomy::{
-    Grid, Layout, Particle, Section, SurfaceColours, field_particles, field_passes, fill,
-    pixel_particles, rebuilt_surface,
+    Grid, Layout, Particle, Section, SurfaceColours, field_particles, pixel_particles,
+    rebuilt_surface,
 };
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -74,19 +74,34 @@ pub(super) fn layers(work: &Work, context: &Context) -> Result<Layers, Error> {
 }
 
 fn layer_of(work: &Work, section: &Section, layer: u32, layout: &Layout) -> Vec<Particle> {
+    let voxels = &work.anatomy.grid;
+    if work.schedule.is_some() {
+        let drawn = work.drawn(section, voxels);
+        return pixel_particles(
+            section,
+            (voxels, &drawn.passes),
+            &drawn.numbers,
+            layout,
+            layer,
+        );
+    }
     if !work.is_board() {
-        return field_particles(section, layer, layout, &work.tissue);
+        return field_particles(section, layer, layout, &work.look.tissue);
     }
     // A board is thin: the voxels' own grid may be too coarse for areas.
-    let voxels = &work.anatomy.grid;
     let count = voxels.count.max(FINE);
     let grid = Grid {
         count,
         pixel: voxels.pixel * voxels.count as f64 / count as f64,
     };
-    let map = fill(&grid, &section.outline.loops);
-    let passes = field_passes(&grid, &map, &section.field, work.anatomy.rings);
-    pixel_particles(section, (&grid, &passes), &work.numbers, layout, layer)
+    let drawn = work.drawn(section, &grid);
+    pixel_particles(
+        section,
+        (&grid, &drawn.passes),
+        &drawn.numbers,
+        layout,
+        layer,
+    )
 }
 
 impl Layers {
@@ -136,6 +151,16 @@ impl Layers {
                 real("s", "m", "length along the centreline", &|p| p.length),
             ],
         }
+    }
+
+    /// Sectors times rings, summed over the layers: Eq. 1, where each section has its own number of rings.
+    pub fn equation_1(&self) -> u64 {
+        let of_layer = |particles: &Vec<Particle>| -> u64 {
+            let runs = particles.chunk_by(|a, b| a.ring == b.ring);
+            runs.map(|r| u64::from(self.layout.sectors[usize::from(r[0].ring) - 1]))
+                .sum()
+        };
+        self.particles.iter().map(of_layer).sum()
     }
 
     /// The surface over a ring's particles as a scene.

@@ -33,8 +33,10 @@ pub struct AnatomyReport {
     pub mesh_volume_m3: Option<f64>,
     /// Volume of all voxels that are wood, m³; none where none were made.
     pub voxel_volume_m3: Option<f64>,
-    /// Number of rings.
+    /// Number of rings; by erosion that of the section with most.
     pub rings: u16,
+    /// Where rings come from: `field`, or `erosion` and its schedule.
+    pub rings_by: &'static str,
     /// Sectors of each ring, from the pith outwards.
     pub sectors: Vec<u32>,
     /// Number of layers.
@@ -43,7 +45,8 @@ pub struct AnatomyReport {
     pub layer_distance_m: f64,
     /// Number of particles.
     pub particles: usize,
-    /// Sum over the layers of sectors times rings (Eq. 1); more than `particles` where a board's faces cut rings off.
+    /// Sum over the layers of sectors times rings (Eq. 1); more than `particles` where a board's faces
+    /// cut rings off or a sector of an eroded ring has no pixel.
     pub equation_1: u64,
     /// Area of the smallest and the largest bundle, m².
     pub bundle_area_m2: [f64; 2],
@@ -108,7 +111,7 @@ pub struct SectionReport {
 /// Rings of a section, column by column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RingRows {
-    /// Mean distance of the ring's outer contour from the pith, m.
+    /// Mean distance of the ring's outer contour from the pith, m; of an eroded ring the radius of the circle as large.
     pub radius_m: Vec<f64>,
     /// Mean width, m.
     pub width_m: Vec<f64>,
@@ -168,11 +171,12 @@ pub(super) fn report(
         mesh_volume_m3: closed_volume(&shell).1,
         voxel_volume_m3: (!segments.is_empty()).then(|| segments.iter().map(|s| s.volume_m3).sum()),
         rings: work.anatomy.rings,
+        rings_by: work.request.rings_by.name(),
         sectors: layers.layout.sectors.clone(),
         layers: layers.sections.len(),
         layer_distance_m: layers.thickness,
         particles: all().count(),
-        equation_1: layers.layout.particles() * layers.sections.len() as u64,
+        equation_1: layers.equation_1(),
         bundle_area_m2: [least.min(most), most],
         zones: Zone::ALL.iter().map(ToString::to_string).collect(),
         centreline_m: axis.points().iter().map(|p| p.to_array()).collect(),
@@ -182,18 +186,29 @@ pub(super) fn report(
             .iter()
             .zip(&layers.particles)
             .map(|(section, particles)| {
-                let mut areas = vec![0.0; work.anatomy.rings.into()];
+                let rings = usize::from(work.anatomy.rings);
+                let mut areas = vec![0.0; rings];
+                let mut zones: Vec<u8> = (1..=rings)
+                    .map(|ring| work.numbers.zone[2 * (rings - ring) + 2].code())
+                    .collect();
                 for p in particles {
-                    areas[usize::from(p.ring) - 1] += p.area;
+                    let ring = usize::from(p.ring) - 1;
+                    areas[ring] += p.area;
+                    zones[ring] = p.zone.code();
                 }
-                section_report(work, section, areas)
+                section_report(work, section, areas, zones)
             })
             .collect(),
         notes,
     }
 }
 
-fn section_report(work: &Work, section: &Section, areas: Vec<f64>) -> SectionReport {
+fn section_report(
+    work: &Work,
+    section: &Section,
+    areas: Vec<f64>,
+    zones: Vec<u8>,
+) -> SectionReport {
     let rings = work.anatomy.rings;
     let pith = section.field.pith();
     let mean = |ring: u16| {
@@ -204,9 +219,17 @@ fn section_report(work: &Work, section: &Section, areas: Vec<f64>) -> SectionRep
             .sum();
         sum / DIRECTIONS as f64
     };
-    let radii: Vec<f64> = (0..=rings).map(mean).collect();
-    // Of passes it is the last, earlywood one that belongs to each ring for certain.
-    let zone = |ring: u16| work.numbers.zone[usize::from(2 * (rings - ring) + 2)].code();
+    let radii: Vec<f64> = if work.schedule.is_some() {
+        // Of eroded rings those of circles as large.
+        let mut sum = 0.0;
+        let circles = areas.iter().map(|a| {
+            sum += a;
+            (sum / std::f64::consts::PI).sqrt()
+        });
+        std::iter::once(0.0).chain(circles).collect()
+    } else {
+        (0..=rings).map(mean).collect()
+    };
     SectionReport {
         length_m: section.length,
         centre_m: section.frame.origin.to_array(),
@@ -220,7 +243,7 @@ fn section_report(work: &Work, section: &Section, areas: Vec<f64>) -> SectionRep
             width_m: radii.windows(2).map(|w| w[1] - w[0]).collect(),
             radius_m: radii[1..].to_vec(),
             area_m2: areas,
-            zone: (1..=rings).map(zone).collect(),
+            zone: zones,
         },
     }
 }

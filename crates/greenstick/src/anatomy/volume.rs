@@ -13,7 +13,7 @@ use greenstick_formats::vtk::{
     Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
 };
 use greenstick_geometry::Context;
-use greenstick_wood::anatomy::{Segment, field_passes};
+use greenstick_wood::anatomy::Segment;
 use rayon::prelude::*;
 
 /// Sections between two looks at whether to stop.
@@ -74,9 +74,9 @@ fn slice(work: &Work, length: f64) -> Slice {
             guessed: 0.0,
         };
     };
-    let map = work.anatomy.voxels(&section.outline);
-    let passes = field_passes(grid, &map, &section.field, work.anatomy.rings);
-    let ring = |p: u16| work.numbers.ring[usize::from(p)];
+    let drawn = work.drawn(&section, grid);
+    let (passes, numbers) = (&drawn.passes, &drawn.numbers);
+    let ring = |p: u16| numbers.ring[usize::from(p)];
     let rings: Vec<u8> = if wide {
         passes.iter().flat_map(|&p| ring(p).to_le_bytes()).collect()
     } else {
@@ -86,19 +86,19 @@ fn slice(work: &Work, length: f64) -> Slice {
         if p == 0 {
             NO_WOOD
         } else {
-            work.numbers.zone[usize::from(p)].code()
+            numbers.zone[usize::from(p)].code()
         }
     };
     let zones: Vec<u8> = passes.iter().map(|&p| zone(p)).collect();
     let colours: Vec<[u8; 3]> = passes
         .iter()
-        .map(|&p| work.palette[usize::from(p)])
+        .map(|&p| drawn.palette[usize::from(p)])
         .collect();
     Slice {
         ring: compress(&rings),
         zone: compress(&zones),
         colour: compress(colours.as_flattened()),
-        voxels: map.count(),
+        voxels: drawn.map.count(),
         guessed: section.outline.guessed,
     }
 }

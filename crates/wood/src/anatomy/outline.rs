@@ -14,6 +14,8 @@ pub struct Slicer {
     points: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     tree: Bvh,
+    /// Whether all of it is one board rather than a stem and what grows beside it.
+    board: bool,
 }
 
 /// A section's outline in a frame's (x, y), m.
@@ -21,11 +23,13 @@ pub struct Slicer {
 pub struct Outline {
     /// Closed loops: the stem's own first, counter-clockwise; then hollows in it and small parts of relief beside it.
     pub loops: Vec<Vec<DVec2>>,
-    /// Area within the stem's own loop, m².
+    /// How many loops from the first on are the stem's own: one but for a board with slots, which may fall into several.
+    pub parts: usize,
+    /// Area within the stem's own loops, m²; of a board without its hollows.
     pub area: f64,
-    /// Centroid of that loop, m.
+    /// Centroid of the first loop, m.
     pub centroid: DVec2,
-    /// Length of that loop, m.
+    /// Length of the stem's own loops, m.
     pub girth: f64,
     /// Part of the girth that was guessed across holes of the mesh, 0 to 1.
     pub guessed: f64,
@@ -51,9 +55,24 @@ struct Piece {
     at: [DVec2; 2],
 }
 
+impl Outline {
+    /// The points of the stem's own loops.
+    pub fn points(&self) -> impl Iterator<Item = DVec2> {
+        self.loops[..self.parts].iter().flatten().copied()
+    }
+
+    /// Whether one of the stem's own loops holds `p`.
+    pub fn holds(&self, p: DVec2) -> bool {
+        self.loops[..self.parts]
+            .iter()
+            .any(|l| polygon::contains(l, p))
+    }
+}
+
 impl Slicer {
-    /// The triangles numbered in `shell` of `mesh`, which is in world metres.
-    pub fn new(mesh: &Mesh, shell: &[u32]) -> Self {
+    /// The triangles numbered in `shell` of `mesh`, which is in world metres. Of a `board` all loops of a section are
+    /// wood, of a round stem only one.
+    pub fn new(mesh: &Mesh, shell: &[u32], board: bool) -> Self {
         let (numbers, count) = mesh.points();
         let mut points = vec![DVec3::ZERO; count];
         for (&n, &p) in numbers.iter().zip(&mesh.positions) {
@@ -72,6 +91,7 @@ impl Slicer {
             tree: Bvh::new(&boxes),
             points,
             triangles,
+            board,
         }
     }
 
@@ -105,6 +125,9 @@ impl Slicer {
         if !(area > 0.0 && girth > 0.0) {
             return None;
         }
+        if self.board {
+            return Some(whole(own, main, chains, centroid));
+        }
         let mut loops = vec![own];
         for (k, other) in chains.into_iter().enumerate() {
             let Some(&first) = other.points.first() else {
@@ -123,6 +146,7 @@ impl Slicer {
         let guessed = gap / girth;
         Some(Outline {
             loops,
+            parts: 1,
             area,
             centroid,
             girth,
@@ -169,6 +193,44 @@ impl Slicer {
             });
         });
         pieces
+    }
+}
+
+/// The outline of all loops of a board's section, `own` standing for the loop `main`.
+fn whole(own: Vec<DVec2>, main: usize, chains: Vec<Chain>, centroid: DVec2) -> Outline {
+    let guessed: f64 = chains.iter().map(|c| c.guessed).sum();
+    let mut loops: Vec<Vec<DVec2>> = chains.into_iter().map(|c| c.points).collect();
+    loops[main] = own;
+    loops.swap(0, main);
+    loops.retain(|l| l.len() > 2);
+    // What lies within an odd number of the others is a hollow.
+    let hollow: Vec<bool> = (0..loops.len())
+        .map(|k| {
+            let around = |j: &usize| *j != k && polygon::contains(&loops[*j], loops[k][0]);
+            (0..loops.len()).filter(around).count() % 2 == 1
+        })
+        .collect();
+    let size = |l: &[DVec2]| polygon::area_and_centroid(l).0.abs();
+    let mut area = 0.0;
+    let (mut own, mut hollows) = (Vec::new(), Vec::new());
+    for (l, hollow) in loops.into_iter().zip(hollow) {
+        if hollow {
+            area -= size(&l);
+            hollows.push(l);
+        } else {
+            area += size(&l);
+            own.push(l);
+        }
+    }
+    let (parts, girth) = (own.len(), own.iter().map(|l| polygon::perimeter(l)).sum());
+    own.append(&mut hollows);
+    Outline {
+        loops: own,
+        parts,
+        area,
+        centroid,
+        girth,
+        guessed: guessed / girth,
     }
 }
 

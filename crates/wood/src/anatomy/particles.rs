@@ -7,6 +7,7 @@
 //! A particle lies on its ring's outer contour, as published, so that those of the outermost ring are the bark.
 
 use super::fill::Grid;
+use super::outline::Outline;
 use super::rings::RingNumbers;
 use super::sections::Section;
 use crate::stem::RingField;
@@ -223,8 +224,7 @@ pub fn pixel_particles(
             })
     };
     let pith = section.field.pith();
-    let own = &section.outline.loops[0];
-    let inside = crate::stem::polygon::contains(own, pith);
+    let inside = section.outline.holds(pith);
     // The centre of what is left before each ring is taken: all pixels of that ring and of those within it.
     let mut sums = vec![(DVec2::ZERO, 0.0); rings];
     for (at, ring) in pixels() {
@@ -246,7 +246,7 @@ pub fn pixel_particles(
     let window = if inside {
         (0.0, TAU)
     } else {
-        seen_from(own, pith)
+        seen_from(&section.outline, pith)
     };
     let mut cells: Vec<Vec<(DVec2, f64)>> = layout
         .sectors
@@ -334,12 +334,11 @@ fn first_beyond(
 }
 
 /// The angle (rad) at which an outline begins as seen from a point outside of it, and how wide it looks.
-fn seen_from(outline: &[DVec2], from: DVec2) -> (f64, f64) {
-    let middle =
-        outline.iter().fold(DVec2::ZERO, |sum, p| sum + *p) / outline.len().max(1) as f64 - from;
+fn seen_from(outline: &Outline, from: DVec2) -> (f64, f64) {
+    let middle = outline.centroid - from;
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
-    for p in outline {
-        let d = *p - from;
+    for p in outline.points() {
+        let d = p - from;
         let angle = libm::atan2(middle.perp_dot(d), middle.dot(d));
         (low, high) = (low.min(angle), high.max(angle));
     }
@@ -350,7 +349,7 @@ fn seen_from(outline: &[DVec2], from: DVec2) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::{Outline, field_passes, fill};
+    use crate::anatomy::{field_passes, fill};
     use crate::stem::Frame;
 
     const TISSUE: Proportions = Proportions {
@@ -374,6 +373,7 @@ mod tests {
             centroid: DVec2::ZERO,
             girth: 0.33,
             guessed: 0.0,
+            parts: 1,
             loops: vec![own],
         };
         let frame = Frame {

@@ -21,6 +21,14 @@ pub fn field_passes(grid: &Grid, section: &Bitmap, field: &RingField, rings: u16
     let mut passes = vec![1; grid.count * grid.count];
     let mut scan = Scan::default();
     let count = f64::from(rings);
+    let directions: Vec<(f64, DVec2)> = (0..CORNERS)
+        .map(|j| TAU * j as f64 / CORNERS as f64 - PI)
+        .map(|angle| {
+            let (sin, cos) = libm::sincos(angle);
+            (angle, DVec2::new(cos, sin))
+        })
+        .collect();
+    let mut curve = vec![DVec2::ZERO; CORNERS];
     for outside in 0..rings {
         let outer = count - f64::from(outside);
         let number = 2 * outside + 1;
@@ -28,7 +36,9 @@ pub fn field_passes(grid: &Grid, section: &Bitmap, field: &RingField, rings: u16
             if ring <= 0.0 {
                 break;
             }
-            let curve = curve(field, ring / count);
+            for (p, (angle, direction)) in curve.iter_mut().zip(&directions) {
+                *p = field.pith() + *direction * field.radius(ring / count, *angle);
+            }
             scan.spans(grid, &curve, |y, pixels| {
                 passes[y * grid.count..][pixels].fill(pass);
             });
@@ -36,13 +46,6 @@ pub fn field_passes(grid: &Grid, section: &Bitmap, field: &RingField, rings: u16
     }
     mask(section, &mut passes);
     passes
-}
-
-/// The ring of a ring coordinate as a polygon, m.
-fn curve(field: &RingField, ring: f64) -> Vec<DVec2> {
-    (0..CORNERS)
-        .map(|j| field.point(ring, TAU * j as f64 / CORNERS as f64 - PI))
-        .collect()
 }
 
 /// Sets the pixels that are not in the section to 0.

@@ -102,7 +102,7 @@ impl<'a> Anatomy<'a> {
             return Err(AnatomyError::Resolution(count));
         }
         let stem = &found.stem;
-        let slicer = Slicer::new(mesh, &found.shell);
+        let slicer = Slicer::new(mesh, &found.shell, stem.kind == StemKind::Board);
         let axis = stem.grain.axis();
         let length = axis.length();
         let tried = (TRIED.0 * length / stem.radius)
@@ -114,7 +114,7 @@ impl<'a> Anatomy<'a> {
             .collect();
         let reach = stations
             .iter()
-            .flat_map(|(_, o)| &o.loops[0])
+            .flat_map(|(_, o)| o.points())
             .map(|p| p.abs().max_element())
             .fold(0.0, f64::max);
         if reach == 0.0 {
@@ -188,11 +188,14 @@ impl<'a> Anatomy<'a> {
     fn field(&self, outline: &Outline, length: f64) -> RingField {
         let scale = self.stem.grain.scale(length);
         let pith = self.stem.rings.pith() * scale;
-        let own = &outline.loops[0];
         if self.stem.kind == StemKind::Board {
-            let reach = own.iter().map(|p| p.distance(pith)).fold(0.0, f64::max);
+            let reach = outline
+                .points()
+                .map(|p| p.distance(pith))
+                .fold(0.0, f64::max);
             return RingField::arcs(pith, reach, reach);
         }
+        let own = &outline.loops[0];
         let clear = 0.1 * (outline.area / std::f64::consts::PI).sqrt();
         let safe = polygon::contains(own, pith) && polygon::distance(own, pith) > clear;
         let pith = if safe { pith } else { outline.centroid };

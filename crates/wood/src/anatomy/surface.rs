@@ -5,7 +5,7 @@ use super::particles::{Layout, Particle};
 use glam::DVec3;
 use greenstick_geometry::Mesh;
 use greenstick_geometry::mesh::Attribute;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// What colours tell apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,9 +17,10 @@ pub enum SurfaceColours {
     Sector,
 }
 
-/// The closed surface over the particles of `ring` (1 to the layout's number). `layers` are those of a round stem, each with
-/// all particles of the layout in the order of [`super::field_particles`]; `piths` are the pith in the first and the last
-/// layer, m. `None` where there are fewer than two layers, three sectors, or a layer is not whole.
+/// The closed surface over the particles of `ring` (1 to the layout's number). `layers` are those of a round stem, each
+/// with its particles in the order of [`super::field_particles`]; inner rings may lack some. `piths` are the pith in the
+/// first and the last layer, m. `None` where there are fewer than two layers or three sectors, or `ring` is not whole in a
+/// layer.
 pub fn rebuilt_surface(
     layers: &[&[Particle]],
     layout: &Layout,
@@ -29,17 +30,17 @@ pub fn rebuilt_surface(
 ) -> Option<Mesh> {
     let rings = usize::from(ring);
     let around = *layout.sectors.get(rings.checked_sub(1)?)?;
-    let (count, whole) = (layers.len(), layout.particles());
-    if count < 2 || around < 3 || layers.iter().any(|l| l.len() as u64 != whole) {
+    let count = layers.len();
+    let of_ring = |layer: usize, k: usize| {
+        let all = layers[layer];
+        let start = all.partition_point(|p| usize::from(p.ring) <= k);
+        let end = all.partition_point(|p| usize::from(p.ring) <= k + 1);
+        &all[start..end]
+    };
+    let whole = |layer: usize| of_ring(layer, rings - 1).len() == around as usize;
+    if count < 2 || around < 3 || !(0..count).all(whole) {
         return None;
     }
-    let starts: Vec<usize> = layout
-        .sectors
-        .iter()
-        .scan(0, |sum, &n| Some(std::mem::replace(sum, *sum + n as usize)))
-        .collect();
-    let of_ring =
-        |layer: usize, k: usize| &layers[layer][starts[k]..][..layout.sectors[k] as usize];
     let mut made = Builder {
         mesh: Mesh::default(),
         data: Vec::new(),
@@ -66,14 +67,16 @@ pub fn rebuilt_surface(
         let flip = end == 0;
         let mut outer = rows[layer].clone();
         let angles = |k: usize| {
-            of_ring(layer, k)
-                .iter()
-                .map(|p| p.angle)
-                .collect::<Vec<_>>()
+            let mut angles: Vec<f64> = of_ring(layer, k).iter().map(|p| p.angle).collect();
+            // The first may lie a little before angle 0.
+            if let Some(first) = angles.first_mut().filter(|a| **a > PI) {
+                *first -= TAU;
+            }
+            angles
         };
         for k in (0..rings).rev() {
             // A ring of one or two bundles is no ring: the pith stands for it.
-            let Some(within) = k.checked_sub(1).filter(|&w| layout.sectors[w] > 2) else {
+            let Some(within) = k.checked_sub(1).filter(|&w| of_ring(layer, w).len() > 2) else {
                 let pith = made.pith(&layers[layer][0], piths[end]);
                 made.stitch((&outer, &angles(k)), (&[pith], &[0.0]), flip);
                 break;

@@ -1,6 +1,7 @@
 //! Plane geometry of a section's outline: area, centroid, enclosing rectangle, largest inscribed circle.
 
 use glam::DVec2;
+use std::f64::consts::{PI, TAU};
 
 /// Signed area (counter-clockwise positive) and centroid of a closed polygon.
 pub(crate) fn area_and_centroid(outline: &[DVec2]) -> (f64, DVec2) {
@@ -65,6 +66,43 @@ pub(crate) fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2
             let r = direction.dot(a + (b - a) * (u / (u - v)));
             if r > 0.0 && best.is_none_or(|k| r > k) {
                 best = Some(r);
+            }
+        }
+    }
+    best
+}
+
+/// [`farthest_crossing`] in `count` directions at equal angles, the first at −π, each edge looked at only where it lies.
+pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -> Vec<Option<f64>> {
+    let directions: Vec<DVec2> = (0..count)
+        .map(|j| {
+            let (sin, cos) = libm::sincos(TAU * j as f64 / count as f64 - PI);
+            DVec2::new(cos, sin)
+        })
+        .collect();
+    let corners: Vec<(DVec2, f64)> = outline
+        .iter()
+        .map(|p| *p - from)
+        .map(|d| (d, (libm::atan2(d.y, d.x) + PI) * (count as f64 / TAU)))
+        .collect();
+    let mut best: Vec<Option<f64>> = vec![None; count];
+    for (i, &(a, start)) in corners.iter().enumerate() {
+        let (b, end) = corners[(i + 1) % corners.len()];
+        // An edge is seen under less than half a turn.
+        let half = 0.5 * count as f64;
+        let turn = (end - start + half).rem_euclid(count as f64) - half;
+        let (low, high) = (start.min(start + turn), start.max(start + turn));
+        if !(low.is_finite() && high.is_finite()) {
+            continue;
+        }
+        for j in low.floor() as i64 - 1..=high.ceil() as i64 + 1 {
+            let j = j.rem_euclid(count as i64) as usize;
+            let (u, v) = (directions[j].perp_dot(a), directions[j].perp_dot(b));
+            if (u > 0.0) != (v > 0.0) {
+                let r = directions[j].dot(a + (b - a) * (u / (u - v)));
+                if r > 0.0 && best[j].is_none_or(|k| r > k) {
+                    best[j] = Some(r);
+                }
             }
         }
     }
@@ -209,6 +247,29 @@ pub(crate) fn largest_inscribed_circle(outline: &[DVec2]) -> (DVec2, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn crossings_in_all_directions_are_those_in_each() {
+        // A star that folds back, seen from within, from beside and from a corner.
+        let star: Vec<DVec2> = (0..41)
+            .map(|i| {
+                let a = f64::from(i) * 0.9 + 0.3 * f64::from(i % 5);
+                DVec2::new(libm::cos(a), libm::sin(a)) * (1.0 + f64::from(i % 7))
+            })
+            .collect();
+        for from in [
+            DVec2::ZERO,
+            DVec2::new(0.3, 9.0),
+            star[3],
+            DVec2::new(-2.0, 0.0),
+        ] {
+            for (j, found) in farthest_crossings(&star, from, 96).into_iter().enumerate() {
+                let (sin, cos) = libm::sincos(TAU * j as f64 / 96.0 - PI);
+                let one = farthest_crossing(&star, from, DVec2::new(cos, sin));
+                assert_eq!(found, one, "{from} {j}");
+            }
+        }
+    }
 
     #[test]
     fn a_turned_rectangle_is_measured() {

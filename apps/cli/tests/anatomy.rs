@@ -1,0 +1,165 @@
+//! `greenstick anatomy`: what it writes and what it refuses.
+
+mod support;
+
+use serde_json::Value;
+use std::f64::consts::PI;
+use support::Folder;
+
+/// An OBJ cylinder of radius 1 and length 8, in whatever unit.
+fn cylinder() -> String {
+    let mut text = String::new();
+    let (around, rows) = (24, 12);
+    for i in 0..=rows {
+        for j in 0..around {
+            let (s, c) = (2.0 * PI * f64::from(j) / f64::from(around)).sin_cos();
+            text += &format!("v {c:.6} {s:.6} {}\n", 8.0 * f64::from(i) / f64::from(rows));
+        }
+    }
+    let at = |i: i32, j: i32| i * around + j % around + 1;
+    for i in 0..rows {
+        for j in 0..around {
+            let corners = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            text += &format!(
+                "f {} {} {} {}\n",
+                corners[0], corners[1], corners[2], corners[3]
+            );
+        }
+    }
+    let face = |i: i32, back: bool| {
+        let mut corners: Vec<String> = (0..around).map(|j| at(i, j).to_string()).collect();
+        if back {
+            corners.reverse();
+        }
+        format!("f {}\n", corners.join(" "))
+    };
+    text + &face(0, true) + &face(rows, false)
+}
+
+fn numbers(folder: &Folder, path: &str) -> Value {
+    serde_json::from_slice(&folder.read(path)).unwrap()
+}
+
+#[test]
+fn a_cylinder_has_its_volume_and_its_rings() {
+    let folder = Folder::new();
+    folder.write("log.obj", cylinder());
+    let arguments =
+        "anatomy log.obj --unit cm -o in --resolution 48 --rings 8 --layers 5 --sectors 12";
+    let run = folder.run(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(run.code, 0, "{}", run.err);
+    let report = numbers(&folder, "in/anatomy.json");
+    // 24 corners of a circle of 1 cm, 8 cm long.
+    let volume = 12.0 * (PI / 12.0).sin() * 1e-4 * 0.08;
+    let found = |name: &str| report[name].as_f64().unwrap();
+    assert!((found("mesh_volume_m3") / volume - 1.0).abs() < 1e-5);
+    assert!((found("voxel_volume_m3") / volume - 1.0).abs() < 0.01);
+    assert_eq!(
+        (&report["particles"], &report["equation_1"]),
+        (&480.into(), &480.into())
+    );
+    let rings = &report["sections"][2]["rings"];
+    for k in 0..8 {
+        // Rings of a circle about its middle are circles of equal width.
+        let radius = rings["radius_m"][k].as_f64().unwrap();
+        assert!(
+            (radius / (0.00125 * (k + 1) as f64) - 1.0).abs() < 0.02,
+            "{k}: {radius}"
+        );
+    }
+    let csv = String::from_utf8(folder.read("in/particles.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 481);
+    for name in [
+        "volume.vtm",
+        "longitudinal.png",
+        "surface_rings.glb",
+        "particles.parquet",
+    ] {
+        assert!(!folder.read(&format!("in/{name}")).is_empty());
+    }
+}
+
+#[test]
+fn eroded_rings_are_those_of_the_publication() {
+    let folder = Folder::new();
+    folder.write("log.obj", cylinder());
+    let base = "anatomy log.obj --unit cm -o in --resolution 64 --layers 3 --only particles --rings-by erosion";
+    let run = |more: &str| {
+        let arguments = format!("{base}{more}");
+        folder.run(&arguments.split(' ').collect::<Vec<_>>())
+    };
+    let done = run("");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let report = numbers(&folder, "in/anatomy.json");
+    // The circle's radius is 64/2/1.04 = 30.8 pixels; its inscribed square is 21.8 to either side, a pixel for each pass,
+    // and two passes make a ring.
+    assert_eq!(
+        (&report["rings"], &report["rings_by"]),
+        (&11.into(), &"erosion, alternating".into())
+    );
+    let done = run(" --schedule figure-6");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let wide = numbers(&folder, "in/anatomy.json");
+    assert!(wide["rings"].as_u64() < report["rings"].as_u64());
+    let done = run(" --rings 9");
+    assert!(
+        done.code == 2 && done.err.contains("its own number of rings"),
+        "{}",
+        done.err
+    );
+}
+
+#[test]
+fn wrong_requests_are_refused_and_doubts_told() {
+    let folder = Folder::new();
+    folder.write("log.obj", cylinder());
+    let run = |arguments: &str| folder.run(&arguments.split(' ').collect::<Vec<_>>());
+    for (arguments, told) in [
+        ("anatomy log.obj -o in --resolution 31", "32"),
+        ("anatomy log.obj -o in --rings 0", "1..=1000"),
+        (
+            "anatomy log.obj -o in --surface-ring 9 --rings 8",
+            "surface",
+        ),
+        (
+            "anatomy log.obj -o in --schedule figure-6",
+            "--rings-by erosion",
+        ),
+        ("anatomy none.obj -o in", "none.obj"),
+        ("anatomy log.obj -o log.obj", "log.obj"),
+    ] {
+        let done = run(arguments);
+        assert!(
+            done.code == 2 || done.code == 1,
+            "{arguments}: {}",
+            done.err
+        );
+        assert!(done.err.contains(told), "{arguments}: {}", done.err);
+    }
+    assert_eq!(folder.names(), ["log.obj"]);
+    // 80 m long, in a format that does not say its unit.
+    let text: String = cylinder()
+        .lines()
+        .map(|line| match line.strip_prefix("v ") {
+            Some(rest) => {
+                let scaled = rest
+                    .split(' ')
+                    .map(|n| (n.parse::<f64>().unwrap() * 10.0).to_string());
+                format!("v {}\n", scaled.collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    folder.write("long.obj", text);
+    let done = run("anatomy long.obj -o in --resolution 32 --layers 2 --only particles");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let report = numbers(&folder, "in/anatomy.json");
+    let notes = report["notes"].as_array().unwrap();
+    assert!(
+        notes
+            .iter()
+            .any(|n| n.as_str().unwrap().contains("--unit mm")),
+        "{notes:?}"
+    );
+    assert!(done.out.contains("--unit mm"));
+}

@@ -1,0 +1,195 @@
+//! The rings of a section as pixels: from the ring field, or eroded as published (forests-2023 §3.3).
+//!
+//! Eroded rings are counted from the bark inwards, so that the outermost is the same year all along the stem and slimmer
+//! sections lack the first years, as in a tree. Tissues go by each section's own number of rings.
+
+use super::{RingColours, Work, paint};
+use crate::Error;
+use greenstick_geometry::Bitmap;
+use greenstick_wood::anatomy::{Anatomy, Grid, RingNumbers, Section, field_passes, fill};
+use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::rings::{self, Schedule};
+use greenstick_wood::stem::StemKind;
+use greenstick_wood::tissue::Proportions;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Where rings come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RingsBy {
+    /// The continuous field, of any number of rings, whatever the resolution.
+    #[default]
+    Field,
+    /// Erosion of the voxels, as published. The schedule and the resolution make the number of rings.
+    Erosion(ErosionSchedule),
+}
+
+/// A published order of kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErosionSchedule {
+    /// Every pass takes a pixel: Fig. 5 and Table 1.
+    Alternating,
+    /// Rings of different widths, from the bark inwards: Fig. 6, made for 256 voxels and widened for twice as many.
+    Figure6,
+    /// Twice as fast along the section's x and moved along it: Fig. 8, which gives no numbers.
+    Eccentric,
+}
+
+/// Resolution for which Fig. 6 gives its kernels.
+const FIGURE_6: usize = 256;
+/// Sections along the stem in which rings are counted beforehand.
+const COUNTED: usize = 96;
+
+impl RingsBy {
+    /// `field` or the schedule's name.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            RingsBy::Field => "field",
+            RingsBy::Erosion(ErosionSchedule::Alternating) => "erosion, alternating",
+            RingsBy::Erosion(ErosionSchedule::Figure6) => "erosion, figure 6",
+            RingsBy::Erosion(ErosionSchedule::Eccentric) => "erosion, eccentric",
+        }
+    }
+
+    /// The passes of an erosion at a resolution.
+    pub(super) fn schedule(self, resolution: usize) -> Option<Schedule> {
+        match self {
+            RingsBy::Field => None,
+            RingsBy::Erosion(ErosionSchedule::Alternating) => Some(Schedule::thinnest()),
+            RingsBy::Erosion(ErosionSchedule::Figure6) => {
+                let factor = (resolution / FIGURE_6).max(1) as u32;
+                Some(Schedule::figure_6().scaled(factor))
+            }
+            RingsBy::Erosion(ErosionSchedule::Eccentric) => {
+                Some(Schedule::thinnest().eccentric(2, (1, 0)))
+            }
+        }
+    }
+}
+
+/// The largest number of rings that the schedule makes in a section of the stem.
+pub(super) fn count_rings(anatomy: &Anatomy, schedule: &Schedule) -> Result<u16, Error> {
+    if anatomy.stem().kind == StemKind::Board {
+        return Err(Error::Amount(
+            "rings of a board by erosion, which would follow its faces; expected a round stem, or rings by the field"
+                .to_owned(),
+        ));
+    }
+    let length = anatomy.stem().grain.axis().length();
+    let most = (0..COUNTED)
+        .into_par_iter()
+        .filter_map(|k| anatomy.outline(length * (k as f64 + 0.5) / COUNTED as f64))
+        .map(|outline| last(&rings::passes(&anatomy.voxels(&outline), schedule)))
+        .max();
+    let most = most.unwrap_or(0);
+    Ok(schedule.rings(most).last().copied().unwrap_or(0).max(1))
+}
+
+/// The highest number of a pass.
+fn last(passes: &[u16]) -> u16 {
+    passes
+        .iter()
+        .copied()
+        .filter(|&p| p < rings::NEVER)
+        .max()
+        .unwrap_or(0)
+}
+
+/// A section's pixels.
+pub(super) struct Drawn<'a> {
+    /// Which of them are wood.
+    pub map: Bitmap,
+    /// The pass of each, row by row; 0 where there is no wood.
+    pub passes: Vec<u16>,
+    /// What passes stand for.
+    pub numbers: Cow<'a, RingNumbers>,
+    /// Colour of each pass, sRGB.
+    pub palette: Cow<'a, [[u8; 3]]>,
+}
+
+/// The look of passes.
+pub(super) struct Look {
+    pub wood: WoodAppearance,
+    pub tissue: Proportions,
+    pub colours: RingColours,
+}
+
+impl Work<'_> {
+    /// The pixels of a section on a grid. Eroded rings are as wide as the grid's pixels make them.
+    pub(super) fn drawn(&self, section: &Section, grid: &Grid) -> Drawn<'_> {
+        let map = fill(grid, &section.outline.loops);
+        let Some(schedule) = &self.schedule else {
+            return Drawn {
+                passes: field_passes(grid, &map, &section.field, self.anatomy.rings),
+                map,
+                numbers: Cow::Borrowed(&self.numbers),
+                palette: Cow::Borrowed(&self.palette),
+            };
+        };
+        let mut passes = rings::passes(&map, schedule);
+        let last = last(&passes);
+        for p in &mut passes {
+            // What no pass took, which no published schedule leaves, is the pith's.
+            *p = (*p).min(last);
+        }
+        let numbers = eroded(schedule, last, self.anatomy.rings, &self.look.tissue);
+        Drawn {
+            map,
+            passes,
+            palette: Cow::Owned(paint::palette(&self.look, &numbers)),
+            numbers: Cow::Owned(numbers),
+        }
+    }
+}
+
+/// What passes 1 to `last` of a section stand for in a stem of `most` rings.
+fn eroded(schedule: &Schedule, last: u16, most: u16, tissue: &Proportions) -> RingNumbers {
+    let inwards = schedule.rings(last);
+    let own = inwards.last().copied().unwrap_or(0).max(1);
+    // A section that was not counted beforehand may have more: those share the innermost number.
+    let ring = |n: u16| {
+        if n == 0 {
+            0
+        } else {
+            most.saturating_sub(n - 1).max(1)
+        }
+    };
+    let zone = |n: u16| tissue.zone_of_ring((own + 1 - n.max(1)).into(), own.into());
+    RingNumbers {
+        rings: most,
+        ring: inwards.iter().map(|&n| ring(n)).collect(),
+        zone: inwards.iter().map(|&n| zone(n)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick_wood::tissue::Zone;
+
+    #[test]
+    fn eroded_rings_count_from_the_bark_and_tissues_by_the_section() {
+        let tissue = Proportions {
+            pith: 0.2,
+            heartwood: 0.4,
+            phloem: 0.1,
+        };
+        // 20 passes make 10 rings, in a stem of 12.
+        let numbers = eroded(&Schedule::thinnest(), 20, 12, &tissue);
+        assert_eq!(
+            (numbers.ring[0], numbers.ring[1], numbers.ring[2]),
+            (0, 12, 12)
+        );
+        assert_eq!((numbers.ring[3], numbers.ring[20]), (11, 3));
+        assert_eq!(
+            (numbers.zone[1], numbers.zone[20]),
+            (Zone::Bark, Zone::Pith)
+        );
+        // More rings than the stem was counted to have.
+        let numbers = eroded(&Schedule::thinnest(), 20, 7, &tissue);
+        assert_eq!(
+            (numbers.ring[1], numbers.ring[13], numbers.ring[20]),
+            (7, 1, 1)
+        );
+    }
+}
