@@ -26,7 +26,7 @@ use rods::{BEFORE, BEHIND, BLOCK, RodInput, Scratch, StepInput};
 use std::ops::Range;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
-const GRAIN: usize = 8 * BLOCK;
+const GRAIN: usize = 32 * BLOCK;
 
 /// Does both, on two threads where there are.
 fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
@@ -240,8 +240,10 @@ impl Evaluator {
                 let count = out.first[0].len();
                 this.block(bundle, state, first, count, &mut scratch);
                 for (to, from) in out.first.into_iter().zip(&scratch.force) {
-                    for (to, from) in to.iter_mut().zip(from) {
-                        *to = if adding { *to + from } else { *from };
+                    if adding {
+                        to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+                    } else {
+                        to.copy_from_slice(&from[..to.len()]);
                     }
                 }
             });
@@ -362,14 +364,14 @@ impl Evaluator {
         count: usize,
         scratch: &mut Scratch,
     ) {
-        let mut rows = [[0.0; 4]; BLOCK];
         let rows = if self.bonds.is_empty() {
             &[][..]
         } else {
             let (force, sums) = (&self.bond_force, &self.edge_force);
+            let out = &mut scratch.rows[..count];
             self.bonds
-                .gather(self.level, bundle, force, sums, first, &mut rows[..count]);
-            &rows[..]
+                .gather(self.level, bundle, force, sums, first, out);
+            &scratch.rows[..]
         };
         let need = count + BEFORE + BEHIND;
         let n = state.position.len();

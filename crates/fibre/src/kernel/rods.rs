@@ -15,7 +15,7 @@ pub(crate) const BEFORE: usize = 2;
 /// Entries read behind the last vertex of a block, rounding up to whole lanes included.
 pub(crate) const BEHIND: usize = 2 * WIDTH;
 /// Room for a block with all it reads.
-pub(crate) const ROOM: usize = BLOCK + BEFORE + BEHIND;
+pub(crate) const ROOM: usize = (BLOCK + BEFORE + BEHIND).next_multiple_of(WIDTH);
 
 /// What the rod kernel reads: arrays that begin [`BEFORE`] entries before the first vertex and go on for at least
 /// [`BEHIND`] behind the last.
@@ -34,11 +34,12 @@ pub(crate) struct RodInput<'a> {
 /// Numbers of the vertices of a block, and behind them what rounding up to whole lanes makes.
 pub(crate) type Block = [[f64; ROOM]; 3];
 
-/// What is kept between the passes.
+/// What is kept between the passes; aligned, as stores that go over the end of a line of cache are slow.
+#[repr(align(64))]
 pub(crate) struct Passes {
-    /// Entry k is of the edge before vertex first − [`BEFORE`] + k.
+    /// Entry k is of the edge before vertex first − 1 + k.
     before: Block,
-    /// Entry k is of the edge behind vertex first − [`BEFORE`] + k.
+    /// Entry k is of the edge behind vertex first − 1 + k.
     behind: Block,
 }
 
@@ -47,6 +48,8 @@ pub(crate) struct Scratch {
     pub passes: Passes,
     /// Copies of positions and permanent strains near the ends of the arrays.
     pub copies: [[f64; ROOM]; 4],
+    /// What bonds do to the block's vertices.
+    pub rows: [Row; ROOM],
     /// Forces on the block's vertices.
     pub force: Block,
 }
@@ -58,6 +61,7 @@ impl Scratch {
             behind: [[0.0; ROOM]; 3],
         },
         copies: [[0.0; ROOM]; 4],
+        rows: [[0.0; 4]; ROOM],
         force: [[0.0; ROOM]; 3],
     };
 }
@@ -98,17 +102,17 @@ unsafe fn stresses<L: Lanes>(input: &RodInput, count: usize, passes: &mut Passes
             for i in 0..3 {
                 x.mul(a[i])
                     .sub(y.mul(b[i]))
-                    .store(passes.before[i].as_mut_ptr().add(k));
+                    .store(passes.before[i].as_mut_ptr().add(k - 1));
                 y.mul(a[i])
                     .sub(z.mul(b[i]))
-                    .store(passes.behind[i].as_mut_ptr().add(k));
+                    .store(passes.behind[i].as_mut_ptr().add(k - 1));
             }
             k += WIDTH;
         }
     }
 }
 
-/// Force on eight vertices from entry k: that of the edge behind less that of the edge before.
+/// Force on eight vertices from entry k on: that of the edge behind less that of the edge before.
 #[inline(always)]
 unsafe fn on_vertices<L: Lanes>(passes: &Passes, k: usize) -> [L; 3] {
     unsafe {
@@ -141,7 +145,7 @@ unsafe fn block_forces<L: Lanes>(
         stresses::<L>(input, count, passes);
         let mut k = 0;
         while k < count {
-            let mut f = on_vertices::<L>(passes, k + BEFORE);
+            let mut f = on_vertices::<L>(passes, k + 1);
             if !rows.is_empty() {
                 let more = L::rows(rows.as_ptr().add(k), [0, 1, 2, 3, 4, 5, 6, 7].as_ptr());
                 f = [f[0].add(more[0]), f[1].add(more[1]), f[2].add(more[2])];
