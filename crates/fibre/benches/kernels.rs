@@ -1,13 +1,12 @@
 //! Speed of the explicit solver's kernels: vertex-steps and bond-steps a second, by instructions and threads.
 //!
-//! `cargo bench -p greenstick-fibre`
+//! `cargo bench -p greenstick-fibre [-- PART]`, PART of the lines wanted, such as `"bond-steps, Avx512"`
 
 use glam::DVec3;
 use greenstick_fibre::energy::Forces;
 use greenstick_fibre::{
     Bond, Bundle, Evaluator, Explicit, Level, NoContacts, Rod, RodMaterial, Solver, State, World,
 };
-use std::time::Instant;
 
 /// `side` × `side` rods of 30 vertices; with bonds to the four neighbours and two diagonal ones where asked.
 fn bundle(side: usize, bonded: bool) -> Bundle {
@@ -59,19 +58,43 @@ fn bundle(side: usize, bonded: bool) -> Bundle {
     made
 }
 
-/// Seconds for one call, the best of several rounds.
-fn time(mut work: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    work();
-    let calls = (0.05 / start.elapsed().as_secs_f64()).clamp(1.0, 1e6) as usize;
-    (0..7)
-        .map(|_| {
-            let start = Instant::now();
-            (0..calls).for_each(|_| work());
-            start.elapsed().as_secs_f64() / calls as f64
-        })
+/// Which clock counts.
+#[derive(Clone, Copy, PartialEq)]
+enum Clock {
+    /// That of this thread alone, which stands while others have its processor.
+    Thread,
+    Wall,
+}
+
+impl Clock {
+    fn seconds(self) -> f64 {
+        let id = match self {
+            Clock::Thread => rustix::time::ClockId::ThreadCPUTime,
+            Clock::Wall => rustix::time::ClockId::Monotonic,
+        };
+        let now = rustix::time::clock_gettime(id);
+        now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+    }
+}
+
+/// Seconds of one call: the least of many short repetitions, as other work on the machine only ever adds.
+fn time(clock: Clock, mut work: impl FnMut()) -> f64 {
+    let mut sample = |calls: usize| {
+        let start = clock.seconds();
+        (0..calls).for_each(|_| work());
+        (clock.seconds() - start) / calls as f64
+    };
+    let once = sample(1).min(sample(1));
+    let calls = (SAMPLE / once).clamp(1.0, 1e6) as usize;
+    let samples = (TOTAL / (once * calls as f64)).clamp(5.0, 400.0) as usize;
+    (0..samples)
+        .map(|_| sample(calls))
         .fold(f64::INFINITY, f64::min)
 }
+
+/// Length of a repetition and of all of them, s.
+const SAMPLE: f64 = 4e-4;
+const TOTAL: f64 = 0.3;
 
 fn in_threads(threads: usize, work: impl FnOnce() -> f64 + Send) -> f64 {
     rayon::ThreadPoolBuilder::new()
@@ -81,56 +104,104 @@ fn in_threads(threads: usize, work: impl FnOnce() -> f64 + Send) -> f64 {
         .install(work)
 }
 
+fn clock(threads: usize) -> Clock {
+    if threads == 1 {
+        Clock::Thread
+    } else {
+        Clock::Wall
+    }
+}
+
+/// Million units a second of force evaluations.
+fn forces(made: &Bundle, level: Level, threads: usize) -> f64 {
+    let state = State::at_rest(made);
+    in_threads(threads, || {
+        let mut evaluator = Evaluator::with_level(made, level);
+        let mut out = Forces::zeros(made.vertices());
+        time(clock(threads), || evaluator.forces(made, &state, &mut out))
+    })
+}
+
+/// Seconds of an explicit step, from runs of different lengths: what a run does once is left out.
+fn steps(made: &Bundle, threads: usize) -> f64 {
+    in_threads(threads, || {
+        let mut world = World::new(made.clone());
+        let mut solver = Explicit::new(None);
+        let step = solver.step(&world).unwrap();
+        let size = made.vertices() + made.bonds.len();
+        let count = (4e5 / size as f64).clamp(4.0, 100.0).ceil();
+        let mut run = |count: f64| {
+            time(clock(threads), || {
+                solver
+                    .advance(&mut world, &mut NoContacts, count * step)
+                    .unwrap();
+            })
+        };
+        let (short, long) = (run(1.0), run(1.0 + count));
+        (long - short) / count
+    })
+}
+
+/// Gigabytes a second of a = b + s c over arrays that no cache holds (three streams and what writing reads).
+fn stream(threads: usize) -> f64 {
+    let n = 1 << 23;
+    let (mut a, b, c) = (vec![0.0f64; n], vec![1.0f64; n], vec![2.0f64; n]);
+    let seconds = in_threads(threads, || {
+        time(clock(threads), || {
+            let part = n / threads;
+            rayon::scope(|scope| {
+                let parts = a.chunks_mut(part).zip(b.chunks(part)).zip(c.chunks(part));
+                for ((a, b), c) in parts {
+                    let mut work = move || {
+                        for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+                            *a = b + 3.0 * c;
+                        }
+                    };
+                    if threads == 1 {
+                        work();
+                    } else {
+                        scope.spawn(move |_| work());
+                    }
+                }
+            });
+        })
+    });
+    32.0 * n as f64 / seconds * 1e-9
+}
+
 fn main() {
+    let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
     println!(
-        "{:<34}{:>9}{:>9}{:>9}  million a second",
+        "memory: {:.1} GB/s on 1 thread, {:.1} on 2",
+        stream(1),
+        stream(2)
+    );
+    println!(
+        "{:<34}{:>9}{:>10}{:>10}  million a second",
         "", "rods", "1 thread", "2 threads"
     );
     for (bonded, what) in [(false, "vertex-steps"), (true, "bond-steps")] {
         for side in [10, 32, 100] {
             let made = bundle(side, bonded);
-            let state = State::at_rest(&made);
             let units = if bonded {
                 made.bonds.len()
             } else {
                 made.vertices()
-            } as f64;
-            for level in [Level::Plain, Level::Avx2, Level::Avx512] {
-                let forces = |threads| {
-                    in_threads(threads, || {
-                        let mut evaluator = Evaluator::with_level(&made, level);
-                        let mut out = Forces::zeros(made.vertices());
-                        time(|| evaluator.forces(&made, &state, &mut out))
-                    })
-                };
-                let [one, two] = [1, 2].map(|t| units / forces(t) * 1e-6);
-                println!(
-                    "{:<34}{:>9}{one:>9.1}{two:>9.1}",
-                    format!("forces, {what}, {level:?}"),
-                    side * side
-                );
-            }
-            let steps = |threads| {
-                in_threads(threads, || {
-                    let mut world = World::new(made.clone());
-                    let mut solver = Explicit::new(None);
-                    let step = solver.step(&world).unwrap();
-                    solver.advance(&mut world, &mut NoContacts, step).unwrap();
-                    let count = (3e7 / units).ceil();
-                    // What an advance does once is small against its steps.
-                    time(|| {
-                        solver
-                            .advance(&mut world, &mut NoContacts, count * step)
-                            .unwrap();
-                    }) / count
-                })
+            } as f64
+                * 1e-6;
+            let show = |name: String, by: &dyn Fn(usize) -> f64| {
+                if part.as_ref().is_some_and(|p| !name.contains(p.as_str())) {
+                    return;
+                }
+                let [one, two] = [1, 2].map(|t| units / by(t));
+                println!("{name:<34}{:>9}{one:>10.1}{two:>10.1}", side * side);
             };
-            let [one, two] = [1, 2].map(|t| units / steps(t) * 1e-6);
-            println!(
-                "{:<34}{:>9}{one:>9.1}{two:>9.1}",
-                format!("explicit steps, {what}"),
-                side * side
-            );
+            for level in [Level::Plain, Level::Avx2, Level::Avx512] {
+                show(format!("forces, {what}, {level:?}"), &|t| {
+                    forces(&made, level, t)
+                });
+            }
+            show(format!("explicit steps, {what}"), &|t| steps(&made, t));
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::bundle::Bundle;
 use crate::energy::{Forces, energies, rod};
 use crate::error::SolverError;
 use crate::failure;
-use crate::kernel::Evaluator;
+use crate::kernel::{Evaluator, Step};
 use crate::solver::{Advance, Contacts, KnownLimit, Solver, World};
 use crate::stability;
 use crate::state::State;
@@ -30,7 +30,10 @@ const ROUNDING_STRAIN: f64 = 1e-9;
 pub struct Explicit {
     given: Option<f64>,
     evaluator: Option<Evaluator>,
+    /// Velocities after the step.
     next: Vectors,
+    /// Positions after the step.
+    place: Vectors,
     /// Loads, and with twist the forces in material frames.
     outside: Forces,
     /// Loads alone.
@@ -48,6 +51,7 @@ impl Explicit {
             given: step,
             evaluator: None,
             next: Vectors::default(),
+            place: Vectors::default(),
             outside: Forces::default(),
             loads: Forces::default(),
             inverse_mass: Vec::new(),
@@ -89,6 +93,7 @@ impl Explicit {
         };
         if changed {
             self.next = Vectors::zeros(n);
+            self.place = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
             self.loads = Forces::zeros(n);
             self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
@@ -151,42 +156,19 @@ impl Explicit {
             evaluator.add_framed(bundle, state, &mut self.outside);
         }
         let keep = 1.0 / (1.0 + loads.damping * dt);
-        let (velocity, added) = (&state.velocity, &self.outside.linear);
-        let inverse_mass = &self.inverse_mass;
-        evaluator.each_vertex(
+        let step = Step {
+            outside: outside.then_some(&self.outside.linear),
+            inverse_mass: &self.inverse_mass,
+            step: dt,
+            keep,
+        };
+        evaluator.step(
             bundle,
             state,
+            &step,
             &mut self.next,
+            &mut self.place,
             &mut self.sums,
-            |first, forces, count, out, sum| {
-                let range = first..first + count;
-                let (im, mass) = (&inverse_mass[range.clone()], &bundle.mass[range.clone()]);
-                let mut doubled = [0.0; 8];
-                let old = [&velocity.x, &velocity.y, &velocity.z];
-                let more = [&added.x, &added.y, &added.z];
-                for (a, out) in out.into_iter().enumerate() {
-                    let (old, force) = (&old[a][range.clone()], &forces[a][..count]);
-                    if outside {
-                        let more = &more[a][range.clone()];
-                        for i in 0..count {
-                            out[i] = (old[i] + dt * im[i] * (force[i] + more[i])) * keep;
-                        }
-                    } else {
-                        for i in 0..count {
-                            out[i] = (old[i] + dt * im[i] * force[i]) * keep;
-                        }
-                    }
-                    // In eight sums, so that the order is the same at every width.
-                    for (out, mass) in out.chunks(8).zip(mass.chunks(8)) {
-                        for ((sum, v), m) in doubled.iter_mut().zip(out).zip(mass) {
-                            *sum += m * v * v;
-                        }
-                    }
-                }
-                if let Some(sum) = sum {
-                    *sum = 0.5 * doubled.iter().sum::<f64>();
-                }
-            },
         );
         let mut kinetic: f64 = self.sums.iter().sum();
         if acts {
@@ -233,6 +215,7 @@ impl Explicit {
                 work += bundle.mass[i] * (new - free).dot(new) / keep;
                 change += 0.5 * bundle.mass[i] * (new.length_squared() - free.length_squared());
                 self.next.set(i, new);
+                self.place.set(i, state.position.get(i) + new * dt);
             }
         }
         (work, change)
@@ -252,12 +235,7 @@ impl Explicit {
             ..
         } = world;
         std::mem::swap(&mut state.velocity, &mut self.next);
-        let (p, v) = (&mut state.position, &state.velocity);
-        for (p, v) in [(&mut p.x, &v.x), (&mut p.y, &v.y), (&mut p.z, &v.z)] {
-            for (p, v) in p.iter_mut().zip(v) {
-                *p += dt * v;
-            }
-        }
+        std::mem::swap(&mut state.position, &mut self.place);
         if bundle.twisting {
             let keep = 1.0 / (1.0 + loads.damping * dt);
             for j in 0..bundle.vertices() {
@@ -286,7 +264,7 @@ impl Explicit {
         let mut after = state.clone();
         for i in 0..bundle.vertices() {
             after.velocity.set(i, self.next.get(i));
-            after.position.add(i, self.next.get(i) * dt);
+            after.position.set(i, self.place.get(i));
         }
         let (mut rod, mut energy, mut most, mut was) = (0, "kinetic", f64::NEG_INFINITY, 0.0);
         for r in 0..bundle.rods() {

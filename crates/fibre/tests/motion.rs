@@ -140,7 +140,8 @@ fn too_large_a_step_is_refused_and_the_limit_is_sharp() {
     );
     assert!(beyond.state.is_finite() && after > before && beyond.state.step > 0);
     let total = energies(&beyond.bundle, &beyond.state).kinetic;
-    assert!(total < 3.0 * energies(&world.bundle, &world.state).total());
+    // Caught in the first step after which it moves with more than 16 times all energy that there was.
+    assert!(total < 16.0 * energies(&world.bundle, &world.state).total());
 }
 
 #[test]

@@ -5,7 +5,11 @@
 //! one place, and no sum depends on how the work was shared out, so that the same bytes come out of any number of
 //! threads. Work is shared with `rayon` in the caller's pool.
 
+mod bonds;
 mod lanes;
+mod rods;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use lanes::Level;
 
@@ -14,16 +18,104 @@ use crate::energy::Forces;
 use crate::energy::framed::{self, FramedGradient};
 use crate::state::State;
 use crate::vectors::Vectors;
+use bonds::BondTable;
 use glam::DVec3;
-use lanes::{
-    BEFORE, BEHIND, BLOCK, BlockForces, BondForce, BondInput, ROOM, RodInput, Scratch, WIDTH,
-};
+use lanes::{Pair, Row};
 use rayon::prelude::*;
+use rods::{BEFORE, BEHIND, BLOCK, RodInput, Scratch, StepInput};
+use std::ops::Range;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
-const GRAIN: usize = 16 * BLOCK;
-/// Bonds that one task takes.
-const BOND_GRAIN: usize = 4096;
+const GRAIN: usize = 32 * BLOCK;
+
+/// Does both, on two threads where there are.
+fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+    if rayon::current_num_threads() > 1 {
+        rayon::join(a, b);
+    } else {
+        a();
+        b();
+    }
+}
+
+/// Arrays that a pass over all vertices writes: a part of each for the same vertices.
+struct Output<'a> {
+    /// Velocities, or forces.
+    first: [&'a mut [f64]; 3],
+    /// Positions, or nothing.
+    second: [&'a mut [f64]; 3],
+    /// One for each block, or nothing.
+    sums: &'a mut [f64],
+}
+
+impl<'a> Output<'a> {
+    /// Parts before and from vertex `at` of these, a multiple of [`BLOCK`].
+    fn split(self, at: usize) -> (Self, Self) {
+        fn cut<T>(a: &mut [T], at: usize) -> (&mut [T], &mut [T]) {
+            a.split_at_mut(at.min(a.len()))
+        }
+        let [a, b, c] = self.first.map(|a| cut(a, at));
+        let [d, e, f] = self.second.map(|a| cut(a, at));
+        let sums = cut(self.sums, at / BLOCK);
+        (
+            Output {
+                first: [a.0, b.0, c.0],
+                second: [d.0, e.0, f.0],
+                sums: sums.0,
+            },
+            Output {
+                first: [a.1, b.1, c.1],
+                second: [d.1, e.1, f.1],
+                sums: sums.1,
+            },
+        )
+    }
+
+    /// Calls `work` for each block in turn.
+    fn each_block(self, first: usize, mut work: impl FnMut(usize, Output<'a>)) {
+        let (mut first, mut left) = (first, self);
+        while left.first[0].len() > BLOCK {
+            let (block, rest) = left.split(BLOCK);
+            work(first, block);
+            first += BLOCK;
+            left = rest;
+        }
+        work(first, left);
+    }
+}
+
+/// Calls `work` for the tasks that `out`, whose first vertex is `first`, is made of.
+fn share<'a>(first: usize, out: Output<'a>, work: &(impl Fn(usize, Output<'a>) + Sync)) {
+    let n = out.first[0].len();
+    if n <= GRAIN {
+        work(first, out);
+    } else {
+        let middle = n.div_ceil(GRAIN) / 2 * GRAIN;
+        let (a, b) = out.split(middle);
+        both(|| share(first, a, work), || share(first + middle, b, work));
+    }
+}
+
+/// The three arrays of some vectors.
+fn part<'a>(of: &'a Vectors, range: &Range<usize>) -> [&'a [f64]; 3] {
+    [
+        &of.x[range.clone()],
+        &of.y[range.clone()],
+        &of.z[range.clone()],
+    ]
+}
+
+/// A step to take: v ← (v + Δt f/m) k, x ← x + Δt v.
+pub(crate) struct Step<'a> {
+    /// Forces from outside, N.
+    pub outside: Option<&'a Vectors>,
+    /// One over each vertex's mass, 1/kg.
+    pub inverse_mass: &'a [f64],
+    /// Δt, s.
+    pub step: f64,
+    /// Part k of the velocity that damping keeps.
+    pub keep: f64,
+}
 
 /// What is derived from a bundle to compute its forces. Makes no allocation after [`Evaluator::refresh`].
 #[derive(Debug, Clone)]
@@ -35,15 +127,13 @@ pub struct Evaluator {
     stretch: Vec<f64>,
     rest_product: Vec<f64>,
     bend: Vec<f64>,
-    // Per bond, padded to whole lanes with bonds that nobody gathers.
-    vertex: Vec<u32>,
-    edge: Vec<u32>,
-    t: Vec<f64>,
-    inverse_distance: Vec<f64>,
-    rest_cosine: Vec<f64>,
-    transverse: Vec<f64>,
-    shear: Vec<f64>,
-    bond_force: Vec<BondForce>,
+    bonds: BondTable,
+    /// Places of vertices in rows, for bonds.
+    position: Vec<Row>,
+    /// Per bond of the table: force on its vertex.
+    bond_force: Vec<Row>,
+    /// Per edge: sums over its bonds of forces on their vertices and on y₁.
+    edge_force: Vec<Pair>,
     framed: Vec<FramedGradient>,
 }
 
@@ -69,14 +159,10 @@ impl Evaluator {
             stretch: Vec::new(),
             rest_product: Vec::new(),
             bend: Vec::new(),
-            vertex: Vec::new(),
-            edge: Vec::new(),
-            t: Vec::new(),
-            inverse_distance: Vec::new(),
-            rest_cosine: Vec::new(),
-            transverse: Vec::new(),
-            shear: Vec::new(),
+            bonds: BondTable::default(),
+            position: Vec::new(),
             bond_force: Vec::new(),
+            edge_force: Vec::new(),
             framed: Vec::new(),
         };
         made.derive(bundle);
@@ -86,7 +172,7 @@ impl Evaluator {
     /// Derives everything again where the bundle has changed; returns whether it had.
     pub fn refresh(&mut self, bundle: &Bundle) -> bool {
         let changed = self.generation != bundle.generation
-            || self.inverse_rest.len() != bundle.vertices() + BEFORE + BEHIND + BLOCK;
+            || self.inverse_rest.len() != bundle.vertices() + BEFORE + BEHIND;
         if changed {
             self.derive(bundle);
         }
@@ -97,7 +183,7 @@ impl Evaluator {
         let n = bundle.vertices();
         self.generation = bundle.generation;
         let padded = |value: &dyn Fn(usize) -> f64, padding: f64| {
-            let mut made = vec![padding; n + BEFORE + BEHIND + BLOCK];
+            let mut made = vec![padding; n + BEFORE + BEHIND];
             for i in 0..n {
                 made[BEFORE + i] = value(i);
             }
@@ -124,23 +210,11 @@ impl Evaluator {
             },
             0.0,
         );
-        let b = &bundle.bonds;
-        let whole = b.len().div_ceil(WIDTH) * WIDTH;
-        let numbers = |from: &mut dyn Iterator<Item = f64>| {
-            let mut made: Vec<f64> = from.collect();
-            made.resize(whole, 0.0);
-            made
-        };
-        self.vertex = b.vertex.clone();
-        self.vertex.resize(whole, 0);
-        self.edge = b.edge.clone();
-        self.edge.resize(whole, 0);
-        self.t = numbers(&mut b.t.iter().copied());
-        self.inverse_distance = numbers(&mut b.distance.iter().map(|d| 1.0 / d));
-        self.rest_cosine = numbers(&mut b.rest_cosine.iter().copied());
-        self.transverse = numbers(&mut b.transverse.iter().copied());
-        self.shear = numbers(&mut b.shear.iter().map(|s| 2.0 * s));
-        self.bond_force = vec![[0.0; 8]; whole];
+        self.bonds = BondTable::new(bundle);
+        let bonded = if self.bonds.is_empty() { 0 } else { n };
+        self.position = vec![[0.0; 4]; bonded];
+        self.edge_force = vec![[0.0; 8]; bonded];
+        self.bond_force = vec![[0.0; 4]; self.bonds.len()];
         self.framed = vec![NO_GRADIENT; if bundle.twisting { n } else { 0 }];
     }
 
@@ -152,21 +226,68 @@ impl Evaluator {
             out.clear();
             self.add_framed(bundle, state, out);
         }
-        let Forces { linear, .. } = out;
-        let twisting = bundle.twisting;
-        self.each_vertex(
-            bundle,
-            state,
-            linear,
-            &mut [],
-            |_, forces, count, mut chunk, _| {
-                for (to, from) in chunk.iter_mut().zip(forces) {
-                    for (to, from) in to.iter_mut().zip(&from[..count]) {
-                        *to = if twisting { *to + from } else { *from };
+        self.bond_pass(state);
+        let (this, adding) = (&*self, bundle.twisting);
+        let Vectors { x, y, z } = &mut out.linear;
+        let output = Output {
+            first: [x, y, z],
+            second: [&mut [], &mut [], &mut []],
+            sums: &mut [],
+        };
+        share(0, output, &|first, out| {
+            let mut scratch = Scratch::NEW;
+            out.each_block(first, |first, out| {
+                let count = out.first[0].len();
+                this.block(bundle, state, first, count, &mut scratch);
+                for (to, from) in out.first.into_iter().zip(&scratch.force) {
+                    if adding {
+                        to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+                    } else {
+                        to.copy_from_slice(&from[..to.len()]);
                     }
                 }
-            },
-        );
+            });
+        });
+    }
+
+    /// Takes a step of all vertices from `state` into `velocity` and `position`, under all forces but those in material
+    /// frames. Sets `sums` to parts of the kinetic energy after it, [`Evaluator::blocks`] of them.
+    pub(crate) fn step(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        step: &Step,
+        velocity: &mut Vectors,
+        position: &mut Vectors,
+        sums: &mut [f64],
+    ) {
+        self.bond_pass(state);
+        let this = &*self;
+        let output = Output {
+            first: [&mut velocity.x, &mut velocity.y, &mut velocity.z],
+            second: [&mut position.x, &mut position.y, &mut position.z],
+            sums,
+        };
+        share(0, output, &|first, out| {
+            let mut scratch = Scratch::NEW;
+            out.each_block(first, |first, out| {
+                let range = first..first + out.first[0].len();
+                this.block(bundle, state, first, range.len(), &mut scratch);
+                let input = StepInput {
+                    velocity: part(&state.velocity, &range),
+                    position: part(&state.position, &range),
+                    outside: step.outside.map_or([&[][..]; 3], |v| part(v, &range)),
+                    mass: &bundle.mass[range.clone()],
+                    inverse_mass: &step.inverse_mass[range.clone()],
+                    step: step.step,
+                    keep: step.keep,
+                };
+                let energy = rods::step(this.level, &input, &scratch, out.first, out.second);
+                if let Some(sum) = out.sums.first_mut() {
+                    *sum = energy;
+                }
+            });
+        });
     }
 
     /// Adds the forces and moments of bending and twist in material frames.
@@ -197,171 +318,95 @@ impl Evaluator {
         }
     }
 
+    /// Computes the forces of bonds.
     fn bond_pass(&mut self, state: &State) {
+        if self.bonds.is_empty() {
+            return;
+        }
         let p = &state.position;
-        let level = self.level;
-        let work = |(k, out): (usize, &mut [BondForce])| {
-            let range = k * BOND_GRAIN..k * BOND_GRAIN + out.len();
-            let input = BondInput {
-                position: [&p.x, &p.y, &p.z],
-                vertex: &self.vertex[range.clone()],
-                edge: &self.edge[range.clone()],
-                t: &self.t[range.clone()],
-                inverse_distance: &self.inverse_distance[range.clone()],
-                rest_cosine: &self.rest_cosine[range.clone()],
-                transverse: &self.transverse[range.clone()],
-                shear: &self.shear[range],
-            };
-            lanes::bond_forces(level, &input, out);
-        };
-        if self.bond_force.len() <= BOND_GRAIN {
-            work((0, &mut self.bond_force));
-        } else {
-            self.bond_force
-                .par_chunks_mut(BOND_GRAIN)
-                .enumerate()
-                .for_each(work);
-        }
-    }
-
-    /// Calls `finish(first, forces, count, out, sum)` for every block of vertices with the forces of stretch, bending
-    /// without twist, and bonds; `out` are the block's parts of `out`, and `sum` its entry of `sums`, which holds one
-    /// for each block or nothing.
-    pub(crate) fn each_vertex(
-        &mut self,
-        bundle: &Bundle,
-        state: &State,
-        out: &mut Vectors,
-        sums: &mut [f64],
-        finish: impl Fn(usize, &BlockForces, usize, [&mut [f64]; 3], Option<&mut f64>) + Sync,
-    ) {
-        if !bundle.bonds.is_empty() {
-            self.bond_pass(state);
-        }
-        let this = &*self;
-        let task = |k: usize, x: &mut [f64], y: &mut [f64], z: &mut [f64], sums: &mut [f64]| {
-            let mut scratch = Scratch::NEW;
-            let mut forces: BlockForces = [[0.0; ROOM]; 3];
-            let mut sums = sums.iter_mut();
-            let blocks = x
-                .chunks_mut(BLOCK)
-                .zip(y.chunks_mut(BLOCK))
-                .zip(z.chunks_mut(BLOCK));
-            for (b, ((x, y), z)) in blocks.enumerate() {
-                let first = k * GRAIN + b * BLOCK;
-                let count = x.len();
-                this.rod_block(state, first, count, &mut scratch, &mut forces);
-                if !bundle.bonds.is_empty() {
-                    this.gather(bundle, first, count, &mut forces);
-                }
-                finish(first, &forces, count, [x, y, z], sums.next());
+        let fill = |(k, rows): (usize, &mut [Row])| {
+            let range = k * GRAIN..k * GRAIN + rows.len();
+            let places = p.x[range.clone()]
+                .iter()
+                .zip(&p.y[range.clone()])
+                .zip(&p.z[range]);
+            for (row, ((x, y), z)) in rows.iter_mut().zip(places) {
+                *row = [*x, *y, *z, 0.0];
             }
         };
-        let per_task = GRAIN / BLOCK;
-        if out.len() <= GRAIN {
-            task(0, &mut out.x, &mut out.y, &mut out.z, sums);
-        } else if sums.is_empty() {
-            let chunks = out.x.par_chunks_mut(GRAIN).zip(out.y.par_chunks_mut(GRAIN));
-            chunks
-                .zip(out.z.par_chunks_mut(GRAIN))
+        if rayon::current_num_threads() > 1 {
+            self.position
+                .par_chunks_mut(GRAIN)
                 .enumerate()
-                .for_each(|(k, ((x, y), z))| task(k, x, y, z, &mut []));
+                .for_each(fill);
         } else {
-            let chunks = out.x.par_chunks_mut(GRAIN).zip(out.y.par_chunks_mut(GRAIN));
-            chunks
-                .zip(out.z.par_chunks_mut(GRAIN))
-                .zip(sums.par_chunks_mut(per_task))
-                .enumerate()
-                .for_each(|(k, (((x, y), z), s))| task(k, x, y, z, s));
+            self.position.chunks_mut(GRAIN).enumerate().for_each(fill);
         }
+        self.bonds.forces(
+            self.level,
+            &self.position,
+            &mut self.bond_force,
+            &mut self.edge_force,
+        );
     }
 
-    /// How many entries `sums` of [`Evaluator::each_vertex`] has.
+    /// How many sums [`Evaluator::step`] makes.
     pub(crate) fn blocks(vertices: usize) -> usize {
         vertices.div_ceil(BLOCK)
     }
 
-    fn rod_block(
+    /// Forces on a block of vertices into the scratch.
+    fn block(
         &self,
+        bundle: &Bundle,
         state: &State,
         first: usize,
         count: usize,
         scratch: &mut Scratch,
-        out: &mut BlockForces,
     ) {
-        let need = count.div_ceil(WIDTH) * WIDTH + BEFORE + BEHIND;
+        let rows = if self.bonds.is_empty() {
+            &[][..]
+        } else {
+            let (force, sums) = (&self.bond_force, &self.edge_force);
+            let out = &mut scratch.rows[..count];
+            self.bonds
+                .gather(self.level, bundle, force, sums, first, out);
+            &scratch.rows[..]
+        };
+        let need = count + BEFORE + BEHIND;
         let n = state.position.len();
         let p = &state.position;
         let sources = [&p.x, &p.y, &p.z, &state.plastic_strain];
-        let constants = |a: &'_ [f64]| first..(first + need).min(a.len());
-        let mut copies = [[0.0; ROOM]; 4];
+        let copies = &mut scratch.copies;
         let inside = first >= BEFORE && first - BEFORE + need <= n;
         let view: [&[f64]; 4] = if inside {
             sources.map(|s| &s[first - BEFORE..first - BEFORE + need])
         } else {
-            let (low, high) = (
-                first.saturating_sub(BEFORE),
-                (first - BEFORE.min(first) + need).min(n),
-            );
+            let low = first.saturating_sub(BEFORE);
+            let high = (first + need - BEFORE).min(n);
             let shift = low + BEFORE - first;
             for (copy, source) in copies.iter_mut().zip(sources) {
+                copy.fill(0.0);
                 copy[shift..shift + high - low].copy_from_slice(&source[low..high]);
             }
             [0, 1, 2, 3].map(|a| &copies[a][..need])
         };
+        let part = first..first + need;
         let input = RodInput {
             position: [view[0], view[1], view[2]],
             plastic_strain: view[3],
-            inverse_rest: &self.inverse_rest[constants(&self.inverse_rest)],
-            stretch: &self.stretch[constants(&self.stretch)],
-            rest_product: &self.rest_product[constants(&self.rest_product)],
-            bend: &self.bend[constants(&self.bend)],
+            inverse_rest: &self.inverse_rest[part.clone()],
+            stretch: &self.stretch[part.clone()],
+            rest_product: &self.rest_product[part.clone()],
+            bend: &self.bend[part],
         };
-        lanes::rod_forces(self.level, &input, count, scratch, out);
-    }
-
-    /// Adds what bonds do to the vertices of a block.
-    fn gather(&self, bundle: &Bundle, first: usize, count: usize, out: &mut BlockForces) {
-        let lists = &bundle.bonds.incidence;
-        let [fx, fy, fz] = out;
-        // What bonds do to the end of the edge before.
-        let end_of = |edge: usize| {
-            let mut sum = [0.0; 4];
-            let range = lists.first[edge] as usize..lists.first[edge + 1] as usize;
-            for &b in &lists.held[range] {
-                let f = &self.bond_force[b as usize];
-                sum[0] += f[3];
-                sum[1] += f[4];
-                sum[2] += f[5];
-            }
-            sum
-        };
-        let mut carried = if first > 0 {
-            end_of(first - 1)
-        } else {
-            [0.0; 4]
-        };
-        for i in 0..count {
-            let v = first + i;
-            let mut sum = carried;
-            for f in &self.bond_force[lists.own[v] as usize..lists.own[v + 1] as usize] {
-                sum[0] += f[0];
-                sum[1] += f[1];
-                sum[2] += f[2];
-            }
-            let mut end = [0.0; 4];
-            let range = lists.first[v] as usize..lists.first[v + 1] as usize;
-            for &b in &lists.held[range] {
-                let f = &self.bond_force[b as usize];
-                for a in 0..3 {
-                    sum[a] -= f[a] + f[3 + a];
-                    end[a] += f[3 + a];
-                }
-            }
-            fx[i] += sum[0];
-            fy[i] += sum[1];
-            fz[i] += sum[2];
-            carried = end;
-        }
+        rods::rod_forces(
+            self.level,
+            &input,
+            rows,
+            count,
+            &mut scratch.passes,
+            &mut scratch.force,
+        );
     }
 }

@@ -1,0 +1,321 @@
+//! Stretch and bending of rods without twist, in two passes over a block of vertices: what each edge is stressed with,
+//! then what each vertex is pushed with, and, where a step is taken, where it goes.
+//!
+//! With a = e₋, b = e₊, D = |ē₋||ē₊| + a·b, τ = 2/D and c = α/l, the bending energy c τ² |a×b|² has the gradients
+//! X a − Y b by a and −(Y a − Z b) by b, X = 2cτ² b·b, Z = 2cτ² a·a, Y = 2cτ² a·b + cτ³ |a×b|². That X, Y and Z are
+//! common to both keeps angular momentum to the last bits. One division serves the edge's length and D.
+#![allow(unsafe_code)]
+
+use super::lanes::{Lanes, Level, Row, WIDTH, difference, dot, for_each_level, load3};
+
+/// Vertices that the kernel does in one go: what it keeps between its passes fits into the first cache.
+pub(crate) const BLOCK: usize = 192;
+/// Entries read before the first vertex of a block.
+pub(crate) const BEFORE: usize = 2;
+/// Entries read behind the last vertex of a block, rounding up to whole lanes included.
+pub(crate) const BEHIND: usize = 2 * WIDTH;
+/// Room for a block with all it reads.
+pub(crate) const ROOM: usize = (BLOCK + BEFORE + BEHIND).next_multiple_of(WIDTH);
+
+/// What the rod kernel reads: arrays that begin [`BEFORE`] entries before the first vertex and go on for at least
+/// [`BEHIND`] behind the last.
+#[derive(Clone, Copy)]
+pub(crate) struct RodInput<'a> {
+    pub position: [&'a [f64]; 3],
+    pub plastic_strain: &'a [f64],
+    pub inverse_rest: &'a [f64],
+    pub stretch: &'a [f64],
+    /// |ē₋||ē₊| of each vertex.
+    pub rest_product: &'a [f64],
+    /// α/l of each vertex; 0 at ends.
+    pub bend: &'a [f64],
+}
+
+/// Numbers of the vertices of a block, and behind them what rounding up to whole lanes makes.
+pub(crate) type Block = [[f64; ROOM]; 3];
+
+/// What is kept between the passes; aligned, as stores that go over the end of a line of cache are slow.
+#[repr(align(64))]
+pub(crate) struct Passes {
+    /// Entry k is of the edge before vertex first − 1 + k.
+    before: Block,
+    /// Entry k is of the edge behind vertex first − 1 + k.
+    behind: Block,
+}
+
+/// What a task keeps.
+pub(crate) struct Scratch {
+    pub passes: Passes,
+    /// Copies of positions and permanent strains near the ends of the arrays.
+    pub copies: [[f64; ROOM]; 4],
+    /// What bonds do to the block's vertices.
+    pub rows: [Row; ROOM],
+    /// Forces on the block's vertices.
+    pub force: Block,
+}
+
+impl Scratch {
+    pub(crate) const NEW: Scratch = Scratch {
+        passes: Passes {
+            before: [[0.0; ROOM]; 3],
+            behind: [[0.0; ROOM]; 3],
+        },
+        copies: [[0.0; ROOM]; 4],
+        rows: [[0.0; 4]; ROOM],
+        force: [[0.0; ROOM]; 3],
+    };
+}
+
+#[inline(always)]
+unsafe fn stresses<L: Lanes>(input: &RodInput, count: usize, passes: &mut Passes) {
+    unsafe {
+        let one = L::splat(1.0);
+        let tiny = L::splat(f64::MIN_POSITIVE);
+        let position = input.position.map(<[f64]>::as_ptr);
+        let mut k = 1;
+        // Vertices from one before the first to one behind the last, each with the edge before it.
+        while k < count + BEFORE + 1 {
+            let (p, q, r) = (
+                load3::<L>(position, k - 1),
+                load3::<L>(position, k),
+                load3::<L>(position, k + 1),
+            );
+            let (a, b) = (difference(q, p), difference(r, q));
+            let c = L::load(input.bend.as_ptr().add(k));
+            let (aa, bb, ab) = (dot(a, a).add(tiny), dot(b, b), dot(a, b));
+            let d = L::load(input.rest_product.as_ptr().add(k)).add(ab);
+            let d = d.where_positive(c, one);
+            let length = aa.sqrt();
+            let inverse = one.div(length.mul(d));
+            let tau = inverse.add(inverse).mul(length);
+            let plastic = L::load(input.plastic_strain.as_ptr().add(k - 1));
+            let inverse_rest = L::load(input.inverse_rest.as_ptr().add(k - 1));
+            let pull = inverse_rest
+                .sub(one.add(plastic).mul(inverse.mul(d)))
+                .mul(L::load(input.stretch.as_ptr().add(k - 1)));
+            let m = c.mul(tau).mul(tau);
+            let g = m.add(m);
+            let square = aa.mul(bb).sub(ab.mul(ab));
+            let (x, z) = (g.mul(bb), g.mul(aa));
+            let y = g.mul(ab).add(m.mul(tau).mul(square));
+            let x = x.add(pull);
+            for i in 0..3 {
+                x.mul(a[i])
+                    .sub(y.mul(b[i]))
+                    .store(passes.before[i].as_mut_ptr().add(k - 1));
+                y.mul(a[i])
+                    .sub(z.mul(b[i]))
+                    .store(passes.behind[i].as_mut_ptr().add(k - 1));
+            }
+            k += WIDTH;
+        }
+    }
+}
+
+/// Force on eight vertices from entry k on: that of the edge behind less that of the edge before.
+#[inline(always)]
+unsafe fn on_vertices<L: Lanes>(passes: &Passes, k: usize) -> [L; 3] {
+    unsafe {
+        let before = [
+            passes.before[0].as_ptr(),
+            passes.before[1].as_ptr(),
+            passes.before[2].as_ptr(),
+        ];
+        let behind = [
+            passes.behind[0].as_ptr(),
+            passes.behind[1].as_ptr(),
+            passes.behind[2].as_ptr(),
+        ];
+        let next = difference(load3::<L>(before, k + 1), load3(behind, k));
+        let last = difference(load3::<L>(before, k), load3(behind, k - 1));
+        difference(next, last)
+    }
+}
+
+/// Forces of `count` vertices (at most [`BLOCK`]) into `force`, with those in `rows` where there are any.
+#[inline(always)]
+unsafe fn block_forces<L: Lanes>(
+    input: &RodInput,
+    rows: &[Row],
+    count: usize,
+    passes: &mut Passes,
+    force: &mut Block,
+) {
+    unsafe {
+        stresses::<L>(input, count, passes);
+        let mut k = 0;
+        while k < count {
+            let mut f = on_vertices::<L>(passes, k + 1);
+            if !rows.is_empty() {
+                let more = L::rows(rows.as_ptr().add(k), [0, 1, 2, 3, 4, 5, 6, 7].as_ptr());
+                f = [f[0].add(more[0]), f[1].add(more[1]), f[2].add(more[2])];
+            }
+            for (to, f) in force.iter_mut().zip(f) {
+                f.store(to.as_mut_ptr().add(k));
+            }
+            k += WIDTH;
+        }
+    }
+}
+
+for_each_level! {
+    /// [`block_forces`] at a level.
+    block_forces_at = block_forces(
+        input: &RodInput, rows: &[Row], count: usize, passes: &mut Passes, force: &mut Block,
+    )
+}
+
+/// Forces of `count` vertices (at most [`BLOCK`]) into `force`: stretch, bending, and those in `rows`, of which
+/// there are none or enough for whole lanes.
+pub(crate) fn rod_forces(
+    level: Level,
+    input: &RodInput,
+    rows: &[Row],
+    count: usize,
+    passes: &mut Passes,
+    force: &mut Block,
+) {
+    let need = count + BEFORE + BEHIND;
+    let arrays = input.position.into_iter().chain([
+        input.plastic_strain,
+        input.inverse_rest,
+        input.stretch,
+        input.rest_product,
+        input.bend,
+    ]);
+    assert!(count <= BLOCK && arrays.into_iter().all(|a| a.len() >= need));
+    assert!(rows.is_empty() || rows.len() >= count.next_multiple_of(WIDTH));
+    // Safety: every array holds all that is read.
+    unsafe { block_forces_at(level, input, rows, count, passes, force) }
+}
+
+/// A step of eight vertices at a time, and what it needs: v ← (v + Δt f/m) k, x ← x + Δt v.
+pub(crate) struct StepInput<'a> {
+    pub velocity: [&'a [f64]; 3],
+    pub position: [&'a [f64]; 3],
+    /// Forces from outside; empty for none.
+    pub outside: [&'a [f64]; 3],
+    pub mass: &'a [f64],
+    pub inverse_mass: &'a [f64],
+    pub step: f64,
+    pub keep: f64,
+}
+
+/// Takes the step of whole lanes, from entry `from` of `force`; returns eight sums of m v².
+#[inline(always)]
+unsafe fn steps<L: Lanes>(
+    input: &StepInput,
+    force: &Block,
+    from: usize,
+    velocity: &mut [&mut [f64]; 3],
+    position: &mut [&mut [f64]; 3],
+    sums: &mut [f64; WIDTH],
+) {
+    unsafe {
+        let (step, keep) = (L::splat(input.step), L::splat(input.keep));
+        let mut sum = L::load(sums.as_ptr());
+        let mut k = 0;
+        while k + WIDTH <= velocity[0].len() {
+            let push = step.mul(L::load(input.inverse_mass.as_ptr().add(k)));
+            let mut v = [step; 3];
+            for i in 0..3 {
+                let mut f = L::load(force[i].as_ptr().add(from + k));
+                if !input.outside[i].is_empty() {
+                    f = f.add(L::load(input.outside[i].as_ptr().add(k)));
+                }
+                v[i] = L::load(input.velocity[i].as_ptr().add(k))
+                    .add(push.mul(f))
+                    .mul(keep);
+                v[i].store(velocity[i].as_mut_ptr().add(k));
+                L::load(input.position[i].as_ptr().add(k))
+                    .add(step.mul(v[i]))
+                    .store(position[i].as_mut_ptr().add(k));
+            }
+            sum = sum.add(dot(v, v).mul(L::load(input.mass.as_ptr().add(k))));
+            k += WIDTH;
+        }
+        sum.store(sums.as_mut_ptr());
+    }
+}
+
+for_each_level! {
+    /// [`steps`] at a level.
+    steps_at = steps(
+        input: &StepInput, force: &Block, from: usize, velocity: &mut [&mut [f64]; 3],
+        position: &mut [&mut [f64]; 3], sums: &mut [f64; WIDTH],
+    )
+}
+
+/// Takes the step of a block of vertices, whose arrays are all equally long; returns its kinetic energy after it.
+pub(crate) fn step(
+    level: Level,
+    input: &StepInput,
+    scratch: &Scratch,
+    mut velocity: [&mut [f64]; 3],
+    mut position: [&mut [f64]; 3],
+) -> f64 {
+    let n = input.mass.len();
+    let read = [&input.velocity, &input.position].into_iter().flatten();
+    let more = input.outside.iter().filter(|a| !a.is_empty());
+    assert!(n <= BLOCK && input.inverse_mass.len() == n);
+    assert!(read.chain(more).all(|a| a.len() == n));
+    assert!(velocity.iter().chain(&position).all(|a| a.len() == n));
+    let mut sums = [0.0; WIDTH];
+    // Safety: every array holds all that is read and written.
+    unsafe {
+        steps_at(
+            level,
+            input,
+            &scratch.force,
+            0,
+            &mut velocity,
+            &mut position,
+            &mut sums,
+        )
+    }
+    let whole = n - n % WIDTH;
+    if whole < n {
+        // The same on copies that are filled up with nothing.
+        let filled = |a: &[f64]| {
+            let mut made = [0.0; WIDTH];
+            if !a.is_empty() {
+                made[..n - whole].copy_from_slice(&a[whole..]);
+            }
+            made
+        };
+        let (v, p) = (input.velocity.map(filled), input.position.map(filled));
+        let outside = input.outside.map(filled);
+        let (mass, inverse_mass) = (filled(input.mass), filled(input.inverse_mass));
+        let mut made = [[0.0; WIDTH]; 6];
+        let [a, b, c, d, e, f] = &mut made;
+        let input = StepInput {
+            velocity: [&v[0], &v[1], &v[2]],
+            position: [&p[0], &p[1], &p[2]],
+            outside: [0, 1, 2].map(|i| match input.outside[i] {
+                [] => &[][..],
+                _ => &outside[i],
+            }),
+            mass: &mass,
+            inverse_mass: &inverse_mass,
+            ..*input
+        };
+        let (mut new, mut place): ([&mut [f64]; 3], [&mut [f64]; 3]) = ([a, b, c], [d, e, f]);
+        // Safety: as above; forces reach beyond a block by more than a lane.
+        unsafe {
+            steps_at(
+                level,
+                &input,
+                &scratch.force,
+                whole,
+                &mut new,
+                &mut place,
+                &mut sums,
+            );
+        }
+        for i in 0..3 {
+            velocity[i][whole..].copy_from_slice(&made[i][..n - whole]);
+            position[i][whole..].copy_from_slice(&made[3 + i][..n - whole]);
+        }
+    }
+    0.5 * sums.iter().sum::<f64>()
+}
