@@ -113,7 +113,9 @@ def check_surface(folder, report, places):
         colours = arrays(found.GetCurrentDataObject().GetPointData())["COLOR_0"]
         told_apart = report["rings"] if "rings" in name else max(report["sectors"])
         assert len(np.unique(colours, axis=0)) >= min(told_apart, 12) - 2, colours
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        if report["rings_by"] == "field":
+            # Particles of eroded rings lie in the middles of pixels, several in one near the pith.
+            mesh.merge_vertices(merge_tex=True, merge_norm=True)
         assert mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0, name
         between = report["layer_distance_m"] * sum(s["area_m2"] for s in report["sections"][1:])
         assert abs(mesh.volume / between - 1) < 0.06, (mesh.volume, between)

@@ -137,14 +137,14 @@ fn wrong_requests_are_refused_and_doubts_told() {
         assert!(done.err.contains(told), "{arguments}: {}", done.err);
     }
     assert_eq!(folder.names(), ["log.obj"]);
-    // 80 m long, in a format that does not say its unit.
+    // 800 m long, in a format that does not say its unit.
     let text: String = cylinder()
         .lines()
         .map(|line| match line.strip_prefix("v ") {
             Some(rest) => {
                 let scaled = rest
                     .split(' ')
-                    .map(|n| (n.parse::<f64>().unwrap() * 10.0).to_string());
+                    .map(|n| (n.parse::<f64>().unwrap() * 100.0).to_string());
                 format!("v {}\n", scaled.collect::<Vec<_>>().join(" "))
             }
             None => format!("{line}\n"),

@@ -13,6 +13,9 @@ use std::fmt;
 /// Directions over which a ring's radius is averaged.
 const DIRECTIONS: usize = 72;
 
+/// Difference of the voxels' volume from the mesh's that is told, %: a board may be a few voxels thick.
+const COARSE: f64 = 2.0;
+
 /// Everything that is worth knowing about a stem's inside. Lengths are in m along the centreline or in the world, as their
 /// names say; every name ends with its unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -158,6 +161,18 @@ pub(super) fn report(
             "particles lie between {low:.3} and {high:.3} m, where sections are whole"
         ));
     }
+    let mesh_volume = closed_volume(&shell).1;
+    let voxel_volume = (!segments.is_empty()).then(|| segments.iter().map(|s| s.volume_m3).sum());
+    if let (Some(mesh), Some(voxels)) = (mesh_volume, voxel_volume) {
+        let off: f64 = 100.0 * (voxels / mesh - 1.0);
+        if off.abs() > COARSE {
+            notes.push(format!(
+                "voxels of {:.2} mm are coarse for this stem: their volume is {off:+.1} % off the mesh's; a higher \
+                 --resolution brings it nearer",
+                1e3 * work.anatomy.grid.pixel
+            ));
+        }
+    }
     AnatomyReport {
         schema: "greenstick-anatomy",
         version: 1,
@@ -168,8 +183,8 @@ pub(super) fn report(
         species: work.request.species.clone(),
         length_m: axis.length(),
         radius_m: stem.radius,
-        mesh_volume_m3: closed_volume(&shell).1,
-        voxel_volume_m3: (!segments.is_empty()).then(|| segments.iter().map(|s| s.volume_m3).sum()),
+        mesh_volume_m3: mesh_volume,
+        voxel_volume_m3: voxel_volume,
         rings: work.anatomy.rings,
         rings_by: work.request.rings_by.name(),
         sectors: layers.layout.sectors.clone(),
