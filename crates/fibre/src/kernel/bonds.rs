@@ -29,13 +29,16 @@ pub(crate) struct BondTable {
     edge: Vec<u32>,
     /// One bit for each bond: whether the bond before is of the same edge. One byte for [`WIDTH`] bonds.
     same: Vec<u8>,
+    /// Where in its task a bond's force is written: forces on one vertex lie together, and on the next behind it, so
+    /// that both passes go through memory in few straight lines.
+    slot: Vec<u32>,
     t: Vec<f64>,
     inverse_distance: Vec<f64>,
     rest_cosine: Vec<f64>,
     transverse: Vec<f64>,
     /// 2 S.
     shear: Vec<f64>,
-    /// Where the bundle's bonds are here.
+    /// Where the forces of the bundle's bonds are.
     place: Vec<u32>,
     /// First bond and edge of every task, and the ends of the last.
     tasks: Vec<Task>,
@@ -83,6 +86,7 @@ impl BondTable {
             bond: made.edge.len(),
             edge: n as u32,
         });
+        made.lay_out();
         made
     }
 
@@ -111,6 +115,29 @@ impl BondTable {
         self.rest_cosine.push(rest_cosine);
         self.transverse.push(transverse);
         self.shear.push(shear);
+    }
+
+    /// Gives each task's bonds their slots, in order of vertex.
+    fn lay_out(&mut self) {
+        self.slot = vec![0; self.edge.len()];
+        for ends in self.tasks.windows(2) {
+            let start = ends[0].bond;
+            let mut order: Vec<u32> = (start as u32..ends[1].bond as u32).collect();
+            order.sort_by_key(|&b| self.vertex[b as usize]);
+            for (slot, &b) in order.iter().enumerate() {
+                self.slot[b as usize] = slot as u32;
+            }
+        }
+        let mut task = 0;
+        let mut ordered: Vec<u32> = (0..self.place.len() as u32).collect();
+        ordered.sort_by_key(|&b| self.place[b as usize]);
+        for b in ordered {
+            let place = &mut self.place[b as usize];
+            while self.tasks[task + 1].bond <= *place as usize {
+                task += 1;
+            }
+            *place = self.tasks[task].bond as u32 + self.slot[*place as usize];
+        }
     }
 
     /// Repeats the last bond without stiffness up to whole lanes.
@@ -199,6 +226,7 @@ impl BondTable {
             vertex: &self.vertex[range.clone()],
             edge: &self.edge[range.clone()],
             same: &self.same[start.bond / WIDTH..end.bond / WIDTH],
+            slot: &self.slot[range.clone()],
             t: &self.t[range.clone()],
             inverse_distance: &self.inverse_distance[range.clone()],
             rest_cosine: &self.rest_cosine[range.clone()],
@@ -206,7 +234,8 @@ impl BondTable {
             shear: &self.shear[range],
         };
         // Safety: the arrays are equally long and whole lanes; vertices, edges and the vertices behind edges are below
-        // the number of places, and edges of the task within its sums: the table was made so, and its fields are
+        // the number of places, edges of the task within its sums, and slots within its bonds, of which there are some: the
+        // table was made so, and its fields are
         // changed nowhere else.
         unsafe { bonds_at(level, &input, start.edge, force, sums) }
     }
@@ -232,6 +261,7 @@ struct BondInput<'a> {
     vertex: &'a [u32],
     edge: &'a [u32],
     same: &'a [u8],
+    slot: &'a [u32],
     t: &'a [f64],
     inverse_distance: &'a [f64],
     rest_cosine: &'a [f64],
@@ -239,37 +269,70 @@ struct BondInput<'a> {
     shear: &'a [f64],
 }
 
+/// Eight bonds' vectors e = y₁ − y₀ and d = x − c, their lengths, and one over the lengths' product.
+#[derive(Clone, Copy)]
+struct Vectors<L> {
+    e: [L; 3],
+    d: [L; 3],
+    t: L,
+    edge: L,
+    distance: L,
+    inverse: L,
+}
+
+#[inline(always)]
+unsafe fn vectors<L: Lanes>(input: &BondInput, i: usize) -> Vectors<L> {
+    unsafe {
+        let position = input.position.as_ptr();
+        let (vertex, edge) = (input.vertex.as_ptr().add(i), input.edge.as_ptr().add(i));
+        let t = L::load(input.t.as_ptr().add(i));
+        let (x, y0, y1) = (
+            L::rows(position, vertex),
+            L::rows(position, edge),
+            L::rows(position.add(1), edge),
+        );
+        let (e, s) = (difference(y1, y0), difference(x, y0));
+        let d = [
+            s[0].sub(e[0].mul(t)),
+            s[1].sub(e[1].mul(t)),
+            s[2].sub(e[2].mul(t)),
+        ];
+        let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
+        Vectors {
+            e,
+            d,
+            t,
+            edge: le,
+            distance: ld,
+            inverse: L::splat(1.0).div(le.mul(ld)),
+        }
+    }
+}
+
 /// Forces of bonds on their vertices into `out`, and their sums for each edge, with those on y₁, into `sums`, whose
 /// first entry is of edge `first`.
 #[inline(always)]
 unsafe fn bonds<L: Lanes>(input: &BondInput, first: u32, out: &mut [Row], sums: &mut [Pair]) {
     unsafe {
+        let n = out.len();
         let one = L::splat(1.0);
         let mut sum = L::splat(0.0);
-        let position = input.position.as_ptr();
+        // The next bonds' roots and divisions run while these bonds' forces are made of what is there.
+        let mut next = vectors::<L>(input, 0);
         let mut i = 0;
-        while i < out.len() {
-            let (vertex, edge) = (input.vertex.as_ptr().add(i), input.edge.as_ptr().add(i));
-            let t = L::load(input.t.as_ptr().add(i));
-            let (x, y0, y1) = (
-                L::rows(position, vertex),
-                L::rows(position, edge),
-                L::rows(position.add(1), edge),
-            );
-            let (e, s) = (difference(y1, y0), difference(x, y0));
-            let d = [
-                s[0].sub(e[0].mul(t)),
-                s[1].sub(e[1].mul(t)),
-                s[2].sub(e[2].mul(t)),
-            ];
-            let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
-            let inverse = one.div(le.mul(ld));
-            let (ie, id) = (inverse.mul(ld), inverse.mul(le));
+        while i < n {
+            let now = next;
+            next = vectors::<L>(input, if i + WIDTH < n { i + WIDTH } else { i });
+            let Vectors {
+                e, d, t, inverse, ..
+            } = now;
+            let (ie, id) = (inverse.mul(now.distance), inverse.mul(now.edge));
             let cosine = dot(e, d).mul(inverse);
             let shear = cosine
                 .sub(L::load(input.rest_cosine.as_ptr().add(i)))
                 .mul(L::load(input.shear.as_ptr().add(i)));
-            let pull = ld
+            let pull = now
+                .distance
                 .mul(L::load(input.inverse_distance.as_ptr().add(i)))
                 .sub(one)
                 .mul(L::load(input.transverse.as_ptr().add(i)));
@@ -288,9 +351,10 @@ unsafe fn bonds<L: Lanes>(input: &BondInput, first: u32, out: &mut [Row], sums: 
             let same = *input.same.get_unchecked(i / WIDTH);
             for (k, pair) in pairs.into_iter().enumerate() {
                 sum = sum.kept((same >> k) & 1).add(pair);
-                let place = (*edge.add(k) - first) as usize;
+                let place = (*input.edge.get_unchecked(i + k) - first) as usize;
                 sum.store(sums.as_mut_ptr().add(place).cast());
-                pair.store_low(out.as_mut_ptr().add(i + k).cast());
+                let slot = *input.slot.get_unchecked(i + k) as usize;
+                pair.store_low(out.as_mut_ptr().add(slot).cast());
             }
             i += WIDTH;
         }
