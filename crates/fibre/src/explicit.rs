@@ -41,6 +41,8 @@ pub struct Explicit {
     inverse_mass: Vec<f64>,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
+    /// Energy of a strain of rounding, J.
+    rounding: f64,
     queue: Vec<failure::Break>,
 }
 
@@ -57,6 +59,7 @@ impl Explicit {
             inverse_mass: Vec::new(),
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
+            rounding: 0.0,
             queue: Vec::new(),
         }
     }
@@ -106,6 +109,7 @@ impl Explicit {
             };
             self.inverse_inertia = (0..n).map(inverse).collect();
             self.sums = vec![0.0; Evaluator::blocks(n)];
+            self.rounding = rounding(bundle);
         }
     }
 
@@ -185,7 +189,7 @@ impl Explicit {
         report.damped += 2.0 * kinetic * (1.0 / keep - 1.0);
         report.work += held.0 + loaded;
         *budget += held.0 + loaded;
-        if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(rounding(&world.bundle)) {
+        if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(self.rounding) {
             return Err(self.blow_up(world, dt));
         }
         self.finish_step(world, contacts, dt, budget)

@@ -212,9 +212,9 @@ impl Evaluator {
         );
         self.bonds = BondTable::new(bundle);
         let bonded = if self.bonds.is_empty() { 0 } else { n };
-        self.position = vec![[0.0; 4]; bonded];
-        self.edge_force = vec![[0.0; 8]; bonded];
-        self.bond_force = vec![[0.0; 4]; self.bonds.len()];
+        self.position = vec![Row([0.0; 4]); bonded];
+        self.edge_force = vec![Pair([0.0; 8]); bonded];
+        self.bond_force = vec![Row([0.0; 4]); self.bonds.len()];
         self.framed = vec![NO_GRADIENT; if bundle.twisting { n } else { 0 }];
     }
 
@@ -331,7 +331,7 @@ impl Evaluator {
                 .zip(&p.y[range.clone()])
                 .zip(&p.z[range]);
             for (row, ((x, y), z)) in rows.iter_mut().zip(places) {
-                *row = [*x, *y, *z, 0.0];
+                row.0 = [*x, *y, *z, 0.0];
             }
         };
         if rayon::current_num_threads() > 1 {

@@ -44,6 +44,7 @@ pub(crate) struct Passes {
 }
 
 /// What a task keeps.
+#[repr(align(64))]
 pub(crate) struct Scratch {
     pub passes: Passes,
     /// Copies of positions and permanent strains near the ends of the arrays.
@@ -61,7 +62,7 @@ impl Scratch {
             behind: [[0.0; ROOM]; 3],
         },
         copies: [[0.0; ROOM]; 4],
-        rows: [[0.0; 4]; ROOM],
+        rows: [Row([0.0; 4]); ROOM],
         force: [[0.0; ROOM]; 3],
     };
 }
