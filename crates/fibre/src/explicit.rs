@@ -38,7 +38,6 @@ pub struct Explicit {
     outside: Forces,
     /// Loads alone.
     loads: Forces,
-    inverse_mass: Vec<f64>,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
     /// Energy of a strain of rounding, J.
@@ -56,7 +55,6 @@ impl Explicit {
             place: Vectors::default(),
             outside: Forces::default(),
             loads: Forces::default(),
-            inverse_mass: Vec::new(),
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
             rounding: 0.0,
@@ -99,7 +97,6 @@ impl Explicit {
             self.place = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
             self.loads = Forces::zeros(n);
-            self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
             let inverse = |j: usize| {
                 if bundle.is_edge(j) {
                     1.0 / bundle.inertia[j]
@@ -162,7 +159,6 @@ impl Explicit {
         let keep = 1.0 / (1.0 + loads.damping * dt);
         let step = Step {
             outside: outside.then_some(&self.outside.linear),
-            inverse_mass: &self.inverse_mass,
             step: dt,
             keep,
         };
