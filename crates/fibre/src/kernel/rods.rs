@@ -94,49 +94,101 @@ impl Scratch {
     };
 }
 
+/// Eight vertices' edges, their products, D and what the roots and divisions of them give.
+#[derive(Clone, Copy)]
+struct Edges<L> {
+    a: [L; 3],
+    b: [L; 3],
+    aa: L,
+    bb: L,
+    ab: L,
+    /// |a|.
+    length: L,
+    /// D; 1 where nothing bends.
+    denominator: L,
+    /// 1/(|a| D).
+    inverse: L,
+}
+
+#[inline(always)]
+unsafe fn edges<L: Lanes>(position: [*const f64; 3], stiffness: &Stiffness, k: usize) -> Edges<L> {
+    unsafe {
+        let one = L::splat(1.0);
+        let (p, q, r) = (
+            load3::<L>(position, k - 1),
+            load3::<L>(position, k),
+            load3::<L>(position, k + 1),
+        );
+        let (a, b) = (difference(q, p), difference(r, q));
+        let (aa, bb, ab) = (
+            dot(a, a).add(L::splat(f64::MIN_POSITIVE)),
+            dot(b, b),
+            dot(a, b),
+        );
+        let denominator = L::load(stiffness.rest_product.as_ptr())
+            .add(ab)
+            .where_positive(L::load(stiffness.bend.as_ptr()), one);
+        let length = aa.sqrt();
+        Edges {
+            a,
+            b,
+            aa,
+            bb,
+            ab,
+            length,
+            denominator,
+            inverse: one.div(length.mul(denominator)),
+        }
+    }
+}
+
+/// Vertices from one before the first to one behind the last, each with the edge before it.
 #[inline(always)]
 unsafe fn stresses<L: Lanes>(input: &RodInput, count: usize, passes: &mut Passes) {
     unsafe {
         let one = L::splat(1.0);
-        let tiny = L::splat(f64::MIN_POSITIVE);
         let position = input.position.map(<[f64]>::as_ptr);
-        let mut k = 1;
-        // Vertices from one before the first to one behind the last, each with the edge before it.
-        while k < count + BEFORE + 1 {
-            let (p, q, r) = (
-                load3::<L>(position, k - 1),
-                load3::<L>(position, k),
-                load3::<L>(position, k + 1),
+        let groups = (count + 2).div_ceil(WIDTH);
+        // The next vertices' roots and divisions run while these vertices' stresses are made of what is there.
+        let mut next = edges::<L>(position, input.stiffness.get_unchecked(0), 1);
+        for group in 0..groups {
+            let Edges {
+                a,
+                b,
+                aa,
+                bb,
+                ab,
+                length,
+                denominator,
+                inverse,
+            } = next;
+            let following = (group + 1).min(groups - 1);
+            next = edges::<L>(
+                position,
+                input.stiffness.get_unchecked(following),
+                1 + following * WIDTH,
             );
-            let (a, b) = (difference(q, p), difference(r, q));
-            let stiffness = input.stiffness.get_unchecked(k / WIDTH);
-            let c = L::load(stiffness.bend.as_ptr());
-            let (aa, bb, ab) = (dot(a, a).add(tiny), dot(b, b), dot(a, b));
-            let d = L::load(stiffness.rest_product.as_ptr()).add(ab);
-            let d = d.where_positive(c, one);
-            let length = aa.sqrt();
-            let inverse = one.div(length.mul(d));
+            let stiffness = input.stiffness.get_unchecked(group);
+            let k = group * WIDTH;
             let tau = inverse.add(inverse).mul(length);
-            let plastic = L::load(input.plastic_strain.as_ptr().add(k - 1));
-            let inverse_rest = L::load(stiffness.inverse_rest.as_ptr());
-            let pull = inverse_rest
-                .sub(one.add(plastic).mul(inverse.mul(d)))
+            let plastic = one.add(L::load(input.plastic_strain.as_ptr().add(k)));
+            let pull = L::load(stiffness.inverse_rest.as_ptr())
+                .sub(plastic.mul(inverse.mul(denominator)))
                 .mul(L::load(stiffness.stretch.as_ptr()));
-            let m = c.mul(tau).mul(tau);
+            let m = L::load(stiffness.bend.as_ptr()).mul(tau).mul(tau);
             let g = m.add(m);
             let square = aa.mul(bb).sub(ab.mul(ab));
-            let (x, z) = (g.mul(bb), g.mul(aa));
+            let x = g.mul(bb).add(pull);
             let y = g.mul(ab).add(m.mul(tau).mul(square));
-            let x = x.add(pull);
+            let z = g.mul(aa);
             for i in 0..3 {
                 x.mul(a[i])
                     .sub(y.mul(b[i]))
-                    .store(passes.before[i].as_mut_ptr().add(k - 1));
+                    .store(passes.before[i].as_mut_ptr().add(k));
                 y.mul(a[i])
                     .sub(z.mul(b[i]))
-                    .store(passes.behind[i].as_mut_ptr().add(k - 1));
+                    .store(passes.behind[i].as_mut_ptr().add(k));
             }
-            k += WIDTH;
         }
     }
 }
