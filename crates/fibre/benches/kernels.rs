@@ -181,7 +181,7 @@ fn main() {
         "", "rods", "1 thread", "2 threads"
     );
     for (bonded, what) in [(false, "vertex-steps"), (true, "bond-steps")] {
-        for side in [10, 32, 100] {
+        for side in [5, 10, 32, 100] {
             let made = bundle(side, bonded);
             let units = if bonded {
                 made.bonds.len()

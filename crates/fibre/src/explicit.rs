@@ -38,9 +38,10 @@ pub struct Explicit {
     outside: Forces,
     /// Loads alone.
     loads: Forces,
-    inverse_mass: Vec<f64>,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
+    /// Energy of a strain of rounding, J.
+    rounding: f64,
     queue: Vec<failure::Break>,
 }
 
@@ -54,9 +55,9 @@ impl Explicit {
             place: Vectors::default(),
             outside: Forces::default(),
             loads: Forces::default(),
-            inverse_mass: Vec::new(),
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
+            rounding: 0.0,
             queue: Vec::new(),
         }
     }
@@ -96,7 +97,6 @@ impl Explicit {
             self.place = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
             self.loads = Forces::zeros(n);
-            self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
             let inverse = |j: usize| {
                 if bundle.is_edge(j) {
                     1.0 / bundle.inertia[j]
@@ -106,6 +106,7 @@ impl Explicit {
             };
             self.inverse_inertia = (0..n).map(inverse).collect();
             self.sums = vec![0.0; Evaluator::blocks(n)];
+            self.rounding = rounding(bundle);
         }
     }
 
@@ -158,7 +159,6 @@ impl Explicit {
         let keep = 1.0 / (1.0 + loads.damping * dt);
         let step = Step {
             outside: outside.then_some(&self.outside.linear),
-            inverse_mass: &self.inverse_mass,
             step: dt,
             keep,
         };
@@ -185,7 +185,7 @@ impl Explicit {
         report.damped += 2.0 * kinetic * (1.0 / keep - 1.0);
         report.work += held.0 + loaded;
         *budget += held.0 + loaded;
-        if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(rounding(&world.bundle)) {
+        if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(self.rounding) {
             return Err(self.blow_up(world, dt));
         }
         self.finish_step(world, contacts, dt, budget)

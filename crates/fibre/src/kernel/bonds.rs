@@ -18,24 +18,50 @@ struct Task {
     edge: u32,
 }
 
+/// Eight bonds: all that is read of them in one line through memory.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Eight {
+    t: [f64; WIDTH],
+    inverse_distance: [f64; WIDTH],
+    rest_cosine: [f64; WIDTH],
+    transverse: [f64; WIDTH],
+    /// 2 S.
+    shear: [f64; WIDTH],
+    vertex: [u32; WIDTH],
+    /// Ascending.
+    edge: [u32; WIDTH],
+    /// Where in its task a bond's force is written: forces on one vertex lie together, and on the next behind it, so
+    /// that both passes go through memory in few straight lines.
+    slot: [u32; WIDTH],
+    /// One bit for each bond: whether the bond before is of the same edge.
+    same: u8,
+}
+
+impl Eight {
+    const NONE: Eight = Eight {
+        t: [0.0; WIDTH],
+        inverse_distance: [0.0; WIDTH],
+        rest_cosine: [0.0; WIDTH],
+        transverse: [0.0; WIDTH],
+        shear: [0.0; WIDTH],
+        vertex: [0; WIDTH],
+        edge: [0; WIDTH],
+        slot: [0; WIDTH],
+        same: 0,
+    };
+}
+
 /// A bundle's bonds sorted by edge, in tasks of whole edges. Each task is filled up to whole lanes with bonds without
 /// stiffness that nobody gathers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct BondTable {
     /// Vertices that there are; every index below is checked against it where the table is made.
     vertices: usize,
-    vertex: Vec<u32>,
-    /// Ascending.
-    edge: Vec<u32>,
-    /// One bit for each bond: whether the bond before is of the same edge. One byte for [`WIDTH`] bonds.
-    same: Vec<u8>,
-    t: Vec<f64>,
-    inverse_distance: Vec<f64>,
-    rest_cosine: Vec<f64>,
-    transverse: Vec<f64>,
-    /// 2 S.
-    shear: Vec<f64>,
-    /// Where the bundle's bonds are here.
+    /// How many bonds there are, with what fills up tasks.
+    count: usize,
+    eights: Vec<Eight>,
+    /// Where the forces of the bundle's bonds are.
     place: Vec<u32>,
     /// First bond and edge of every task, and the ends of the last.
     tasks: Vec<Task>,
@@ -51,92 +77,88 @@ impl BondTable {
             place: vec![0; b.len()],
             ..BondTable::default()
         };
-        let held = &b.incidence.held;
-        for (k, &bond) in held.iter().enumerate() {
+        let mut before = None;
+        for &bond in &b.incidence.held {
             let i = bond as usize;
             let (vertex, edge) = (b.vertex[i], b.edge[i]);
             assert!((vertex as usize) < n && (edge as usize) + 1 < n);
-            let before = made.edge.last().copied();
             assert!(before.is_none_or(|e| e <= edge), "sorted by edge");
-            let begun = made.tasks.last().map_or(0, |t| t.bond);
-            if k == 0 || (before != Some(edge) && made.edge.len() - begun >= GRAIN) {
+            let begun = made.tasks.last().map(|t| t.bond);
+            if begun.is_none_or(|at| before != Some(edge) && made.count - at >= GRAIN) {
                 made.fill_up();
                 made.tasks.push(Task {
-                    bond: made.edge.len(),
+                    bond: made.count,
                     edge,
                 });
             }
-            made.place[i] = made.edge.len() as u32;
-            let stiffness = [b.transverse[i], 2.0 * b.shear[i]];
-            made.push(
-                vertex,
-                edge,
-                before == Some(edge),
-                b.t[i],
-                b.distance[i],
-                b.rest_cosine[i],
-                stiffness,
-            );
+            made.place[i] = made.count as u32;
+            let l = made.count % WIDTH;
+            if l == 0 {
+                made.eights.push(Eight::NONE);
+            }
+            made.count += 1;
+            if let Some(eight) = made.eights.last_mut() {
+                eight.t[l] = b.t[i];
+                eight.inverse_distance[l] = 1.0 / b.distance[i];
+                eight.rest_cosine[l] = b.rest_cosine[i];
+                eight.transverse[l] = b.transverse[i];
+                eight.shear[l] = 2.0 * b.shear[i];
+                (eight.vertex[l], eight.edge[l]) = (vertex, edge);
+                eight.same |= u8::from(before == Some(edge)) << l;
+            }
+            before = Some(edge);
         }
         made.fill_up();
         made.tasks.push(Task {
-            bond: made.edge.len(),
+            bond: made.count,
             edge: n as u32,
         });
+        made.lay_out();
         made
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn push(
-        &mut self,
-        vertex: u32,
-        edge: u32,
-        same: bool,
-        t: f64,
-        distance: f64,
-        rest_cosine: f64,
-        [transverse, shear]: [f64; 2],
-    ) {
-        let bit = self.edge.len() % WIDTH;
-        if bit == 0 {
-            self.same.push(0);
+    /// Gives each task's bonds their slots, in order of vertex.
+    fn lay_out(&mut self) {
+        let mut slots = vec![0; self.count];
+        for ends in self.tasks.windows(2) {
+            let start = ends[0].bond;
+            let mut order: Vec<usize> = (start..ends[1].bond).collect();
+            order.sort_by_key(|&b| self.eights[b / WIDTH].vertex[b % WIDTH]);
+            for (slot, &b) in order.iter().enumerate() {
+                slots[b] = slot as u32;
+            }
         }
-        if let Some(byte) = self.same.last_mut() {
-            *byte |= u8::from(same) << bit;
+        for (eight, slots) in self.eights.iter_mut().zip(slots.chunks_exact(WIDTH)) {
+            eight.slot.copy_from_slice(slots);
         }
-        self.vertex.push(vertex);
-        self.edge.push(edge);
-        self.t.push(t);
-        self.inverse_distance.push(1.0 / distance);
-        self.rest_cosine.push(rest_cosine);
-        self.transverse.push(transverse);
-        self.shear.push(shear);
+        for place in &mut self.place {
+            let task = self.tasks.partition_point(|t| t.bond <= *place as usize) - 1;
+            *place = self.tasks[task].bond as u32 + slots[*place as usize];
+        }
     }
 
     /// Repeats the last bond without stiffness up to whole lanes.
     fn fill_up(&mut self) {
-        while !self.edge.len().is_multiple_of(WIDTH) {
-            let i = self.edge.len() - 1;
-            self.push(
-                self.vertex[i],
-                self.edge[i],
-                true,
-                self.t[i],
-                1.0,
-                0.0,
-                [0.0; 2],
-            );
+        let Some(eight) = self.eights.last_mut() else {
+            return;
+        };
+        while !self.count.is_multiple_of(WIDTH) {
+            let l = self.count % WIDTH;
+            (eight.vertex[l], eight.edge[l]) = (eight.vertex[l - 1], eight.edge[l - 1]);
+            eight.t[l] = eight.t[l - 1];
+            eight.same |= 1 << l;
+            self.count += 1;
         }
     }
 
     /// How many there are, with what fills up tasks.
     pub(crate) fn len(&self) -> usize {
-        self.edge.len()
+        self.count
     }
 
     /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
-        self.edge.is_empty()
+        self.count == 0
     }
 
     /// Computes all forces: those on bonds' vertices into `force`, of [`BondTable::len`] entries, and for each edge
@@ -192,23 +214,12 @@ impl BondTable {
         sums: &mut [Pair],
     ) {
         let (start, end) = (self.tasks[task], self.tasks[task + 1]);
-        let range = start.bond..end.bond;
-        assert!(force.len() == range.len() && sums.len() == (end.edge - start.edge) as usize);
-        let input = BondInput {
-            position,
-            vertex: &self.vertex[range.clone()],
-            edge: &self.edge[range.clone()],
-            same: &self.same[start.bond / WIDTH..end.bond / WIDTH],
-            t: &self.t[range.clone()],
-            inverse_distance: &self.inverse_distance[range.clone()],
-            rest_cosine: &self.rest_cosine[range.clone()],
-            transverse: &self.transverse[range.clone()],
-            shear: &self.shear[range],
-        };
-        // Safety: the arrays are equally long and whole lanes; vertices, edges and the vertices behind edges are below
-        // the number of places, and edges of the task within its sums: the table was made so, and its fields are
-        // changed nowhere else.
-        unsafe { bonds_at(level, &input, start.edge, force, sums) }
+        let eights = &self.eights[start.bond / WIDTH..end.bond / WIDTH];
+        assert!(!eights.is_empty() && force.len() == eights.len() * WIDTH);
+        assert!(sums.len() == (end.edge - start.edge) as usize);
+        // Safety: vertices, edges and the vertices behind edges are below the number of places, edges of the task within
+        // its sums, and slots within its bonds: the table was made so, and its fields are changed nowhere else.
+        unsafe { bonds_at(level, position, eights, start.edge, force, sums) }
     }
 
     /// What bonds do to the vertices from `first` on, into `out`.
@@ -226,53 +237,78 @@ impl BondTable {
     }
 }
 
-/// What the bond kernel reads. All arrays of bonds are equally long, and their length is a multiple of [`WIDTH`].
-struct BondInput<'a> {
-    position: &'a [Row],
-    vertex: &'a [u32],
-    edge: &'a [u32],
-    same: &'a [u8],
-    t: &'a [f64],
-    inverse_distance: &'a [f64],
-    rest_cosine: &'a [f64],
-    transverse: &'a [f64],
-    shear: &'a [f64],
+/// Eight bonds' vectors e = y₁ − y₀ and d = x − c, their lengths, and one over the lengths' product.
+#[derive(Clone, Copy)]
+struct Vectors<L> {
+    e: [L; 3],
+    d: [L; 3],
+    t: L,
+    edge: L,
+    distance: L,
+    inverse: L,
+}
+
+#[inline(always)]
+unsafe fn vectors<L: Lanes>(position: *const Row, eight: &Eight) -> Vectors<L> {
+    unsafe {
+        let (vertex, edge) = (eight.vertex.as_ptr(), eight.edge.as_ptr());
+        let t = L::load(eight.t.as_ptr());
+        let (x, y0, y1) = (
+            L::rows(position, vertex),
+            L::rows(position, edge),
+            L::rows(position.add(1), edge),
+        );
+        let (e, s) = (difference(y1, y0), difference(x, y0));
+        let d = [
+            s[0].sub(e[0].mul(t)),
+            s[1].sub(e[1].mul(t)),
+            s[2].sub(e[2].mul(t)),
+        ];
+        let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
+        Vectors {
+            e,
+            d,
+            t,
+            edge: le,
+            distance: ld,
+            inverse: L::splat(1.0).div(le.mul(ld)),
+        }
+    }
 }
 
 /// Forces of bonds on their vertices into `out`, and their sums for each edge, with those on y₁, into `sums`, whose
 /// first entry is of edge `first`.
 #[inline(always)]
-unsafe fn bonds<L: Lanes>(input: &BondInput, first: u32, out: &mut [Row], sums: &mut [Pair]) {
+unsafe fn bonds<L: Lanes>(
+    position: &[Row],
+    eights: &[Eight],
+    first: u32,
+    out: &mut [Row],
+    sums: &mut [Pair],
+) {
     unsafe {
         let one = L::splat(1.0);
         let mut sum = L::splat(0.0);
-        let position = input.position.as_ptr();
-        let mut i = 0;
-        while i < out.len() {
-            let (vertex, edge) = (input.vertex.as_ptr().add(i), input.edge.as_ptr().add(i));
-            let t = L::load(input.t.as_ptr().add(i));
-            let (x, y0, y1) = (
-                L::rows(position, vertex),
-                L::rows(position, edge),
-                L::rows(position.add(1), edge),
-            );
-            let (e, s) = (difference(y1, y0), difference(x, y0));
-            let d = [
-                s[0].sub(e[0].mul(t)),
-                s[1].sub(e[1].mul(t)),
-                s[2].sub(e[2].mul(t)),
-            ];
-            let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
-            let inverse = one.div(le.mul(ld));
-            let (ie, id) = (inverse.mul(ld), inverse.mul(le));
+        let position = position.as_ptr();
+        // The next bonds' roots and divisions run while these bonds' forces are made of what is there.
+        let mut next = vectors::<L>(position, eights.get_unchecked(0));
+        for (i, eight) in eights.iter().enumerate() {
+            let now = next;
+            let following = (i + 1).min(eights.len() - 1);
+            next = vectors::<L>(position, eights.get_unchecked(following));
+            let Vectors {
+                e, d, t, inverse, ..
+            } = now;
+            let (ie, id) = (inverse.mul(now.distance), inverse.mul(now.edge));
             let cosine = dot(e, d).mul(inverse);
             let shear = cosine
-                .sub(L::load(input.rest_cosine.as_ptr().add(i)))
-                .mul(L::load(input.shear.as_ptr().add(i)));
-            let pull = ld
-                .mul(L::load(input.inverse_distance.as_ptr().add(i)))
+                .sub(L::load(eight.rest_cosine.as_ptr()))
+                .mul(L::load(eight.shear.as_ptr()));
+            let pull = now
+                .distance
+                .mul(L::load(eight.inverse_distance.as_ptr()))
                 .sub(one)
-                .mul(L::load(input.transverse.as_ptr().add(i)));
+                .mul(L::load(eight.transverse.as_ptr()));
             // F = B d − A e on x; turn = C e − A d; the force on y₁ is turn − t F.
             let a = shear.mul(inverse);
             let swing = shear.mul(cosine);
@@ -285,21 +321,19 @@ unsafe fn bonds<L: Lanes>(input: &BondInput, first: u32, out: &mut [Row], sums: 
                 on_end[k] = turn.sub(on_vertex[k].mul(t));
             }
             let pairs = L::pairs(on_vertex, on_end);
-            let same = *input.same.get_unchecked(i / WIDTH);
             for (k, pair) in pairs.into_iter().enumerate() {
-                sum = sum.kept((same >> k) & 1).add(pair);
-                let place = (*edge.add(k) - first) as usize;
+                sum = sum.kept((eight.same >> k) & 1).add(pair);
+                let place = (eight.edge[k] - first) as usize;
                 sum.store(sums.as_mut_ptr().add(place).cast());
-                pair.store_low(out.as_mut_ptr().add(i + k).cast());
+                pair.store_low(out.as_mut_ptr().add(eight.slot[k] as usize).cast());
             }
-            i += WIDTH;
         }
     }
 }
 
 for_each_level! {
     /// [`bonds`] at a level.
-    bonds_at = bonds(input: &BondInput, first: u32, out: &mut [Row], sums: &mut [Pair])
+    bonds_at = bonds(position: &[Row], eights: &[Eight], first: u32, out: &mut [Row], sums: &mut [Pair])
 }
 
 /// What bonds do to the vertices from `first` on into `out`: `own` has the first entry of each vertex in `place`, and
@@ -320,7 +354,7 @@ fn gathered(
     for (i, out) in out.iter_mut().enumerate() {
         let v = first + i;
         let pair = &sums[v];
-        let [a, b, c, d, ..] = *pair;
+        let [a, b, c, d, ..] = pair.0;
         let next = last(pair);
         let on_edge = [a, b, c, d];
         let mut sum = end;
@@ -331,16 +365,16 @@ fn gathered(
         for &p in &place[own[v] as usize..own[v + 1] as usize] {
             let f = &force[p as usize];
             for k in 0..4 {
-                sum[k] += f[k];
+                sum[k] += f.0[k];
             }
         }
-        *out = sum;
+        out.0 = sum;
     }
 }
 
 #[inline(always)]
-fn last(pair: &Pair) -> Row {
-    let [.., a, b, c, d] = *pair;
+fn last(pair: &Pair) -> [f64; 4] {
+    let [.., a, b, c, d] = pair.0;
     [a, b, c, d]
 }
 

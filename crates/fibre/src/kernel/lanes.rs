@@ -5,9 +5,13 @@
 /// Numbers in one [`Lanes`].
 pub(crate) const WIDTH: usize = 8;
 /// A vector in space with an unused fourth number: half a line of cache.
-pub(crate) type Row = [f64; 4];
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(crate) struct Row(pub [f64; 4]);
 /// Two vectors, each with an unused fourth number: a line of cache.
-pub(crate) type Pair = [f64; 8];
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Pair(pub [f64; 8]);
 
 /// Eight numbers.
 ///
@@ -66,7 +70,7 @@ impl Lanes for Plain {
     #[inline(always)]
     unsafe fn store_low(self, to: *mut f64) {
         let [a, b, c, d, ..] = self.0;
-        unsafe { to.cast::<Row>().write_unaligned([a, b, c, d]) }
+        unsafe { to.cast::<[f64; 4]>().write_unaligned([a, b, c, d]) }
     }
     #[inline(always)]
     unsafe fn add(self, b: Self) -> Self {
@@ -108,7 +112,7 @@ impl Lanes for Plain {
         let mut made = [[0.0; WIDTH]; 3];
         for k in 0..WIDTH {
             let row = unsafe { &*from.add(*indices.add(k) as usize) };
-            for (made, v) in made.iter_mut().zip(row) {
+            for (made, v) in made.iter_mut().zip(&row.0) {
                 made[k] = *v;
             }
         }

@@ -20,9 +20,9 @@ use crate::state::State;
 use crate::vectors::Vectors;
 use bonds::BondTable;
 use glam::DVec3;
-use lanes::{Pair, Row};
+use lanes::{Pair, Row, WIDTH};
 use rayon::prelude::*;
-use rods::{BEFORE, BEHIND, BLOCK, RodInput, Scratch, StepInput};
+use rods::{BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
 use std::ops::Range;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
@@ -109,8 +109,6 @@ fn part<'a>(of: &'a Vectors, range: &Range<usize>) -> [&'a [f64]; 3] {
 pub(crate) struct Step<'a> {
     /// Forces from outside, N.
     pub outside: Option<&'a Vectors>,
-    /// One over each vertex's mass, 1/kg.
-    pub inverse_mass: &'a [f64],
     /// Δt, s.
     pub step: f64,
     /// Part k of the velocity that damping keeps.
@@ -122,11 +120,9 @@ pub(crate) struct Step<'a> {
 pub struct Evaluator {
     generation: u64,
     level: Level,
-    // Per vertex or edge, with BEFORE entries of padding in front and more behind.
-    inverse_rest: Vec<f64>,
-    stretch: Vec<f64>,
-    rest_product: Vec<f64>,
-    bend: Vec<f64>,
+    /// From the vertex before the first on.
+    stiffness: Vec<Stiffness>,
+    masses: Vec<Masses>,
     bonds: BondTable,
     /// Places of vertices in rows, for bonds.
     position: Vec<Row>,
@@ -137,6 +133,10 @@ pub struct Evaluator {
     framed: Vec<FramedGradient>,
 }
 
+const NO_MASS: Masses = Masses {
+    mass: [0.0; WIDTH],
+    inverse: [0.0; WIDTH],
+};
 const NO_GRADIENT: FramedGradient = FramedGradient {
     before: DVec3::ZERO,
     after: DVec3::ZERO,
@@ -155,10 +155,8 @@ impl Evaluator {
         let mut made = Evaluator {
             generation: 0,
             level,
-            inverse_rest: Vec::new(),
-            stretch: Vec::new(),
-            rest_product: Vec::new(),
-            bend: Vec::new(),
+            stiffness: Vec::new(),
+            masses: Vec::new(),
             bonds: BondTable::default(),
             position: Vec::new(),
             bond_force: Vec::new(),
@@ -172,7 +170,7 @@ impl Evaluator {
     /// Derives everything again where the bundle has changed; returns whether it had.
     pub fn refresh(&mut self, bundle: &Bundle) -> bool {
         let changed = self.generation != bundle.generation
-            || self.inverse_rest.len() != bundle.vertices() + BEFORE + BEHIND;
+            || self.masses.len() != bundle.vertices().div_ceil(WIDTH);
         if changed {
             self.derive(bundle);
         }
@@ -182,39 +180,29 @@ impl Evaluator {
     fn derive(&mut self, bundle: &Bundle) {
         let n = bundle.vertices();
         self.generation = bundle.generation;
-        let padded = |value: &dyn Fn(usize) -> f64, padding: f64| {
-            let mut made = vec![padding; n + BEFORE + BEHIND];
-            for i in 0..n {
-                made[BEFORE + i] = value(i);
-            }
-            made
-        };
-        self.inverse_rest = padded(&|j| 1.0 / bundle.rest_length[j], 1.0);
-        self.stretch = padded(&|j| bundle.stretch[j], 0.0);
-        let before = |i: usize| {
+        self.masses = vec![NO_MASS; n.div_ceil(WIDTH)];
+        self.stiffness = vec![Stiffness::NONE; (n + BEHIND).div_ceil(WIDTH) + 1];
+        for i in 0..n {
+            let at = &mut self.masses[i / WIDTH];
+            at.mass[i % WIDTH] = bundle.mass[i];
+            at.inverse[i % WIDTH] = 1.0 / bundle.mass[i];
+            let (k, l) = ((i + 1) / WIDTH, (i + 1) % WIDTH);
+            let at = &mut self.stiffness[k];
             if i > 0 {
-                bundle.rest_length[i - 1]
-            } else {
-                1.0
-            }
-        };
-        self.rest_product = padded(&|i| before(i) * bundle.rest_length[i], 1.0);
-        let straight = |i: usize| bundle.bend[i] > 0.0 && !bundle.twisting;
-        self.bend = padded(
-            &|i| {
-                if straight(i) {
-                    bundle.bend[i] / (before(i) + bundle.rest_length[i])
-                } else {
-                    0.0
+                let (before, behind) = (bundle.rest_length[i - 1], bundle.rest_length[i]);
+                at.inverse_rest[l] = 1.0 / before;
+                at.stretch[l] = bundle.stretch[i - 1];
+                at.rest_product[l] = before * behind;
+                if bundle.bend[i] > 0.0 && !bundle.twisting {
+                    at.bend[l] = bundle.bend[i] / (before + behind);
                 }
-            },
-            0.0,
-        );
+            }
+        }
         self.bonds = BondTable::new(bundle);
         let bonded = if self.bonds.is_empty() { 0 } else { n };
-        self.position = vec![[0.0; 4]; bonded];
-        self.edge_force = vec![[0.0; 8]; bonded];
-        self.bond_force = vec![[0.0; 4]; self.bonds.len()];
+        self.position = vec![Row([0.0; 4]); bonded];
+        self.edge_force = vec![Pair([0.0; 8]); bonded];
+        self.bond_force = vec![Row([0.0; 4]); self.bonds.len()];
         self.framed = vec![NO_GRADIENT; if bundle.twisting { n } else { 0 }];
     }
 
@@ -277,8 +265,7 @@ impl Evaluator {
                     velocity: part(&state.velocity, &range),
                     position: part(&state.position, &range),
                     outside: step.outside.map_or([&[][..]; 3], |v| part(v, &range)),
-                    mass: &bundle.mass[range.clone()],
-                    inverse_mass: &step.inverse_mass[range.clone()],
+                    masses: &this.masses[first / WIDTH..range.end.div_ceil(WIDTH)],
                     step: step.step,
                     keep: step.keep,
                 };
@@ -331,7 +318,7 @@ impl Evaluator {
                 .zip(&p.y[range.clone()])
                 .zip(&p.z[range]);
             for (row, ((x, y), z)) in rows.iter_mut().zip(places) {
-                *row = [*x, *y, *z, 0.0];
+                row.0 = [*x, *y, *z, 0.0];
             }
         };
         if rayon::current_num_threads() > 1 {
@@ -391,14 +378,10 @@ impl Evaluator {
             }
             [0, 1, 2, 3].map(|a| &copies[a][..need])
         };
-        let part = first..first + need;
         let input = RodInput {
             position: [view[0], view[1], view[2]],
             plastic_strain: view[3],
-            inverse_rest: &self.inverse_rest[part.clone()],
-            stretch: &self.stretch[part.clone()],
-            rest_product: &self.rest_product[part.clone()],
-            bend: &self.bend[part],
+            stiffness: &self.stiffness[first / WIDTH..(first + need) / WIDTH],
         };
         rods::rod_forces(
             self.level,

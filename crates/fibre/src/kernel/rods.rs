@@ -23,12 +23,39 @@ pub(crate) const ROOM: usize = (BLOCK + BEFORE + BEHIND).next_multiple_of(WIDTH)
 pub(crate) struct RodInput<'a> {
     pub position: [&'a [f64]; 3],
     pub plastic_strain: &'a [f64],
-    pub inverse_rest: &'a [f64],
-    pub stretch: &'a [f64],
-    /// |ē₋||ē₊| of each vertex.
-    pub rest_product: &'a [f64],
-    /// α/l of each vertex; 0 at ends.
-    pub bend: &'a [f64],
+    /// Stiffness from that of the vertex before the first on.
+    pub stiffness: &'a [Stiffness],
+}
+
+/// Eight vertices' stiffness, in one line through memory.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Stiffness {
+    /// 1/|ē₋|.
+    pub inverse_rest: [f64; WIDTH],
+    /// k of the edge before; 0 at gaps.
+    pub stretch: [f64; WIDTH],
+    /// |ē₋||ē₊|.
+    pub rest_product: [f64; WIDTH],
+    /// α/l; 0 at ends.
+    pub bend: [f64; WIDTH],
+}
+
+impl Stiffness {
+    pub(crate) const NONE: Stiffness = Stiffness {
+        inverse_rest: [1.0; WIDTH],
+        stretch: [0.0; WIDTH],
+        rest_product: [1.0; WIDTH],
+        bend: [0.0; WIDTH],
+    };
+}
+
+/// Eight vertices' masses and one over them.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Masses {
+    pub mass: [f64; WIDTH],
+    pub inverse: [f64; WIDTH],
 }
 
 /// Numbers of the vertices of a block, and behind them what rounding up to whole lanes makes.
@@ -44,6 +71,7 @@ pub(crate) struct Passes {
 }
 
 /// What a task keeps.
+#[repr(align(64))]
 pub(crate) struct Scratch {
     pub passes: Passes,
     /// Copies of positions and permanent strains near the ends of the arrays.
@@ -61,53 +89,106 @@ impl Scratch {
             behind: [[0.0; ROOM]; 3],
         },
         copies: [[0.0; ROOM]; 4],
-        rows: [[0.0; 4]; ROOM],
+        rows: [Row([0.0; 4]); ROOM],
         force: [[0.0; ROOM]; 3],
     };
 }
 
+/// Eight vertices' edges, their products, D and what the roots and divisions of them give.
+#[derive(Clone, Copy)]
+struct Edges<L> {
+    a: [L; 3],
+    b: [L; 3],
+    aa: L,
+    bb: L,
+    ab: L,
+    /// |a|.
+    length: L,
+    /// D; 1 where nothing bends.
+    denominator: L,
+    /// 1/(|a| D).
+    inverse: L,
+}
+
+#[inline(always)]
+unsafe fn edges<L: Lanes>(position: [*const f64; 3], stiffness: &Stiffness, k: usize) -> Edges<L> {
+    unsafe {
+        let one = L::splat(1.0);
+        let (p, q, r) = (
+            load3::<L>(position, k - 1),
+            load3::<L>(position, k),
+            load3::<L>(position, k + 1),
+        );
+        let (a, b) = (difference(q, p), difference(r, q));
+        let (aa, bb, ab) = (
+            dot(a, a).add(L::splat(f64::MIN_POSITIVE)),
+            dot(b, b),
+            dot(a, b),
+        );
+        let denominator = L::load(stiffness.rest_product.as_ptr())
+            .add(ab)
+            .where_positive(L::load(stiffness.bend.as_ptr()), one);
+        let length = aa.sqrt();
+        Edges {
+            a,
+            b,
+            aa,
+            bb,
+            ab,
+            length,
+            denominator,
+            inverse: one.div(length.mul(denominator)),
+        }
+    }
+}
+
+/// Vertices from one before the first to one behind the last, each with the edge before it.
 #[inline(always)]
 unsafe fn stresses<L: Lanes>(input: &RodInput, count: usize, passes: &mut Passes) {
     unsafe {
         let one = L::splat(1.0);
-        let tiny = L::splat(f64::MIN_POSITIVE);
         let position = input.position.map(<[f64]>::as_ptr);
-        let mut k = 1;
-        // Vertices from one before the first to one behind the last, each with the edge before it.
-        while k < count + BEFORE + 1 {
-            let (p, q, r) = (
-                load3::<L>(position, k - 1),
-                load3::<L>(position, k),
-                load3::<L>(position, k + 1),
+        let groups = (count + 2).div_ceil(WIDTH);
+        // The next vertices' roots and divisions run while these vertices' stresses are made of what is there.
+        let mut next = edges::<L>(position, input.stiffness.get_unchecked(0), 1);
+        for group in 0..groups {
+            let Edges {
+                a,
+                b,
+                aa,
+                bb,
+                ab,
+                length,
+                denominator,
+                inverse,
+            } = next;
+            let following = (group + 1).min(groups - 1);
+            next = edges::<L>(
+                position,
+                input.stiffness.get_unchecked(following),
+                1 + following * WIDTH,
             );
-            let (a, b) = (difference(q, p), difference(r, q));
-            let c = L::load(input.bend.as_ptr().add(k));
-            let (aa, bb, ab) = (dot(a, a).add(tiny), dot(b, b), dot(a, b));
-            let d = L::load(input.rest_product.as_ptr().add(k)).add(ab);
-            let d = d.where_positive(c, one);
-            let length = aa.sqrt();
-            let inverse = one.div(length.mul(d));
+            let stiffness = input.stiffness.get_unchecked(group);
+            let k = group * WIDTH;
             let tau = inverse.add(inverse).mul(length);
-            let plastic = L::load(input.plastic_strain.as_ptr().add(k - 1));
-            let inverse_rest = L::load(input.inverse_rest.as_ptr().add(k - 1));
-            let pull = inverse_rest
-                .sub(one.add(plastic).mul(inverse.mul(d)))
-                .mul(L::load(input.stretch.as_ptr().add(k - 1)));
-            let m = c.mul(tau).mul(tau);
+            let plastic = one.add(L::load(input.plastic_strain.as_ptr().add(k)));
+            let pull = L::load(stiffness.inverse_rest.as_ptr())
+                .sub(plastic.mul(inverse.mul(denominator)))
+                .mul(L::load(stiffness.stretch.as_ptr()));
+            let m = L::load(stiffness.bend.as_ptr()).mul(tau).mul(tau);
             let g = m.add(m);
             let square = aa.mul(bb).sub(ab.mul(ab));
-            let (x, z) = (g.mul(bb), g.mul(aa));
+            let x = g.mul(bb).add(pull);
             let y = g.mul(ab).add(m.mul(tau).mul(square));
-            let x = x.add(pull);
+            let z = g.mul(aa);
             for i in 0..3 {
                 x.mul(a[i])
                     .sub(y.mul(b[i]))
-                    .store(passes.before[i].as_mut_ptr().add(k - 1));
+                    .store(passes.before[i].as_mut_ptr().add(k));
                 y.mul(a[i])
                     .sub(z.mul(b[i]))
-                    .store(passes.behind[i].as_mut_ptr().add(k - 1));
+                    .store(passes.behind[i].as_mut_ptr().add(k));
             }
-            k += WIDTH;
         }
     }
 }
@@ -176,14 +257,9 @@ pub(crate) fn rod_forces(
     force: &mut Block,
 ) {
     let need = count + BEFORE + BEHIND;
-    let arrays = input.position.into_iter().chain([
-        input.plastic_strain,
-        input.inverse_rest,
-        input.stretch,
-        input.rest_product,
-        input.bend,
-    ]);
-    assert!(count <= BLOCK && arrays.into_iter().all(|a| a.len() >= need));
+    let mut arrays = input.position.into_iter().chain([input.plastic_strain]);
+    assert!(count <= BLOCK && arrays.all(|a| a.len() >= need));
+    assert!(input.stiffness.len() * WIDTH >= count + 2);
     assert!(rows.is_empty() || rows.len() >= count.next_multiple_of(WIDTH));
     // Safety: every array holds all that is read.
     unsafe { block_forces_at(level, input, rows, count, passes, force) }
@@ -195,15 +271,14 @@ pub(crate) struct StepInput<'a> {
     pub position: [&'a [f64]; 3],
     /// Forces from outside; empty for none.
     pub outside: [&'a [f64]; 3],
-    pub mass: &'a [f64],
-    pub inverse_mass: &'a [f64],
+    pub masses: &'a [Masses],
     pub step: f64,
     pub keep: f64,
 }
 
 /// Takes the step of whole lanes, from entry `from` of `force`; returns eight sums of m v².
 #[inline(always)]
-unsafe fn steps<L: Lanes>(
+unsafe fn steps_of<L: Lanes, const OUTSIDE: bool>(
     input: &StepInput,
     force: &Block,
     from: usize,
@@ -214,27 +289,54 @@ unsafe fn steps<L: Lanes>(
     unsafe {
         let (step, keep) = (L::splat(input.step), L::splat(input.keep));
         let mut sum = L::load(sums.as_ptr());
+        let (before, place) = (
+            input.velocity.map(<[f64]>::as_ptr),
+            input.position.map(<[f64]>::as_ptr),
+        );
+        let outside = input.outside.map(<[f64]>::as_ptr);
+        let pushed = [force[0].as_ptr(), force[1].as_ptr(), force[2].as_ptr()];
         let mut k = 0;
         while k + WIDTH <= velocity[0].len() {
-            let push = step.mul(L::load(input.inverse_mass.as_ptr().add(k)));
-            let mut v = [step; 3];
-            for i in 0..3 {
-                let mut f = L::load(force[i].as_ptr().add(from + k));
-                if !input.outside[i].is_empty() {
-                    f = f.add(L::load(input.outside[i].as_ptr().add(k)));
-                }
-                v[i] = L::load(input.velocity[i].as_ptr().add(k))
-                    .add(push.mul(f))
-                    .mul(keep);
-                v[i].store(velocity[i].as_mut_ptr().add(k));
-                L::load(input.position[i].as_ptr().add(k))
-                    .add(step.mul(v[i]))
-                    .store(position[i].as_mut_ptr().add(k));
+            let masses = input.masses.get_unchecked(k / WIDTH);
+            let push = step.mul(L::load(masses.inverse.as_ptr()));
+            let (mut v, mut p) = (load3::<L>(before, k), load3::<L>(place, k));
+            let mut f = load3::<L>(pushed, from + k);
+            if OUTSIDE {
+                let more = load3::<L>(outside, k);
+                f = [f[0].add(more[0]), f[1].add(more[1]), f[2].add(more[2])];
             }
-            sum = sum.add(dot(v, v).mul(L::load(input.mass.as_ptr().add(k))));
+            for i in 0..3 {
+                v[i] = v[i].add(push.mul(f[i])).mul(keep);
+                p[i] = p[i].add(step.mul(v[i]));
+            }
+            sum = sum.add(dot(v, v).mul(L::load(masses.mass.as_ptr())));
+            // Written after all is read: the arrays lie a multiple of pages apart, where a processor takes what is read
+            // for what has just been written.
+            for i in 0..3 {
+                v[i].store(velocity[i].as_mut_ptr().add(k));
+                p[i].store(position[i].as_mut_ptr().add(k));
+            }
             k += WIDTH;
         }
         sum.store(sums.as_mut_ptr());
+    }
+}
+
+#[inline(always)]
+unsafe fn steps<L: Lanes>(
+    input: &StepInput,
+    force: &Block,
+    from: usize,
+    velocity: &mut [&mut [f64]; 3],
+    position: &mut [&mut [f64]; 3],
+    sums: &mut [f64; WIDTH],
+) {
+    unsafe {
+        if input.outside[0].is_empty() {
+            steps_of::<L, false>(input, force, from, velocity, position, sums)
+        } else {
+            steps_of::<L, true>(input, force, from, velocity, position, sums)
+        }
     }
 }
 
@@ -254,10 +356,11 @@ pub(crate) fn step(
     mut velocity: [&mut [f64]; 3],
     mut position: [&mut [f64]; 3],
 ) -> f64 {
-    let n = input.mass.len();
+    let n = velocity[0].len();
     let read = [&input.velocity, &input.position].into_iter().flatten();
-    let more = input.outside.iter().filter(|a| !a.is_empty());
-    assert!(n <= BLOCK && input.inverse_mass.len() == n);
+    let none = input.outside.iter().all(|a| a.is_empty());
+    let more = input.outside.iter().filter(|_| !none);
+    assert!(n <= BLOCK && input.masses.len() * WIDTH >= n);
     assert!(read.chain(more).all(|a| a.len() == n));
     assert!(velocity.iter().chain(&position).all(|a| a.len() == n));
     let mut sums = [0.0; WIDTH];
@@ -285,7 +388,6 @@ pub(crate) fn step(
         };
         let (v, p) = (input.velocity.map(filled), input.position.map(filled));
         let outside = input.outside.map(filled);
-        let (mass, inverse_mass) = (filled(input.mass), filled(input.inverse_mass));
         let mut made = [[0.0; WIDTH]; 6];
         let [a, b, c, d, e, f] = &mut made;
         let input = StepInput {
@@ -295,8 +397,7 @@ pub(crate) fn step(
                 [] => &[][..],
                 _ => &outside[i],
             }),
-            mass: &mass,
-            inverse_mass: &inverse_mass,
+            masses: &input.masses[whole / WIDTH..],
             ..*input
         };
         let (mut new, mut place): ([&mut [f64]; 3], [&mut [f64]; 3]) = ([a, b, c], [d, e, f]);
