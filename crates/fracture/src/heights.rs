@@ -4,8 +4,8 @@
 
 use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
-use crate::limit::place;
-use crate::parameters::{BreakParameters, Sector, ZoneParameters};
+use crate::limit::{place, place_nodes};
+use crate::parameters::{BreakParameters, Sector, Surface as Kind, ZoneParameters};
 use crate::surface::{NONE, Surface};
 use crate::torn::{Level, Torn};
 use glam::DVec2;
@@ -57,8 +57,6 @@ pub struct Heights {
     pub wanted: (f64, f64),
     /// Lowest and highest height as it is, m from the place of the break.
     pub range: (f64, f64),
-    /// Height between the 5th and the 95th hundredth of the corners, m: the relief of the face before limiting.
-    pub relief_range: f64,
     /// Thorns on the face.
     pub thorns: Vec<Thorn>,
 }
@@ -88,14 +86,50 @@ pub(crate) struct Maker<'a> {
 
 /// Heights of the published smooth surface: one per node, shared by all facets there.
 pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
+    let heights = smooth_nodes(bundles, &Maker::new(p, setting));
+    place_nodes(bundles, heights, setting)
+}
+
+/// Heights of the fibrous surface: the end of each bundle, torn.
+pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
+    let (corners, thorns) = fibrous_corners(bundles, &Maker::new(p, setting));
+    place(bundles, corners, setting, thorns)
+}
+
+/// Height between the 5th and the 95th hundredth of the corners, m: the relief of a face before limiting.
+pub fn relief_range(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> f64 {
     let maker = Maker::new(p, setting);
+    let mut heights: Vec<f64> = if p.surface == Kind::Smooth {
+        let heights = smooth_nodes(bundles, &maker);
+        let corners = bundles.layout.facets.iter().flatten();
+        corners.map(|&n| heights[n as usize]).collect()
+    } else {
+        fibrous_corners(bundles, &maker)
+            .0
+            .into_iter()
+            .flatten()
+            .collect()
+    };
+    if heights.is_empty() {
+        return 0.0;
+    }
+    let mut hundredth = |part: f64| {
+        let i = (part * (heights.len() - 1) as f64) as usize;
+        *heights.select_nth_unstable_by(i, f64::total_cmp).1
+    };
+    let low = hundredth(0.05);
+    (hundredth(0.95) - low) * setting.radius
+}
+
+/// The height of every node of the published surface, in radii.
+fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
+    let (p, setting) = (maker.p, maker.setting);
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
     let proportions = p.proportions();
-    let heights: Vec<f64> = bundles
-        .layout
-        .nodes
-        .iter()
+    let mut walks = Walks::new(maker);
+    let nodes = bundles.layout.nodes.iter();
+    nodes
         .zip(bundles.addresses.iter().zip(&bundles.directions))
         .enumerate()
         .map(|(n, (&at, (&(rho, phi), &direction)))| {
@@ -111,51 +145,73 @@ pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heig
             };
             let thorn =
                 |purpose, length, probability| maker.drawn_thorn(key, purpose, length, probability);
-            maker.published(across, unit, rho, phi, zone, key) + maker.thorn(rho, phi, zone, thorn)
+            maker.stepped(across, rho, phi)
+                + maker.noise(&mut walks, unit, p.zone(zone), key)
+                + maker.thorn(rho, phi, zone, thorn)
         })
-        .collect();
-    let corners = bundles
-        .layout
-        .facets
-        .iter()
-        .map(|f| f.map(|n| heights[n as usize]))
-        .collect();
-    place(bundles, corners, setting, Vec::new())
+        .collect()
 }
 
-/// Heights of the fibrous surface: the end of each bundle, torn.
-pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
-    let maker = Maker::new(p, setting);
-    let torn = Torn::new(&maker, bundles);
-    let levels: Vec<Level> = (0..bundles.bundles.len()).map(|i| torn.level(i)).collect();
+/// The height of every corner of the torn surface, in radii, and its thorns.
+fn fibrous_corners(bundles: &Bundles, maker: &Maker) -> (Vec<[f64; 3]>, Vec<Thorn>) {
+    let torn = Torn::new(maker, bundles);
+    let mut walks = Walks::new(maker);
+    let levels: Vec<Level> = (0..bundles.bundles.len())
+        .map(|i| torn.level(&mut walks, i))
+        .collect();
     let thorns = levels
         .iter()
         .enumerate()
         .filter(|(_, l)| l.thorn > 0.0)
         .map(|(i, l)| Thorn {
             bundle: i as u32,
-            length: l.thorn * setting.radius,
+            length: l.thorn * maker.setting.radius,
         })
         .collect();
+    let rays = torn.wandering(&mut walks);
     // Facets of a bundle follow each other, so the last height made at a node is most often the one asked for.
     let mut last = vec![(NONE, 0.0); bundles.layout.nodes.len()];
-    let corners = bundles
-        .layout
-        .facets
-        .iter()
+    let facets = bundles.layout.facets.iter();
+    let corners = facets
         .zip(&bundles.layout.cells)
         .map(|(facet, &cell)| {
             let level = &levels[cell as usize];
             facet.map(|n| {
                 let known = &mut last[n as usize];
                 if known.0 != cell {
-                    *known = (cell, torn.at(level, cell, n));
+                    *known = (cell, torn.at(level, (cell, n), rays[n as usize]));
                 }
                 known.1
             })
         })
         .collect();
-    place(bundles, corners, setting, thorns)
+    (corners, thorns)
+}
+
+/// Noise of a surface at one place after another.
+pub(crate) struct Walks {
+    /// Perlin noise, by octave.
+    octaves: Vec<noise::Plane>,
+    /// What rays wander by.
+    pub wander: noise::Plane,
+    /// How ragged the edge of the compression shelf is.
+    pub shelf: noise::Plane,
+}
+
+impl Walks {
+    pub fn new(maker: &Maker) -> Self {
+        let p = maker.p;
+        let zones = [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark];
+        let most = zones.iter().map(|z| z.perlin_octaves).max().unwrap_or(0);
+        let seed = maker.seed(purpose::PERLIN);
+        Walks {
+            octaves: (0..most)
+                .map(|octave| noise::Plane::new(seed + u64::from(octave)))
+                .collect(),
+            wander: noise::Plane::new(maker.seed(purpose::WANDER)),
+            shelf: noise::Plane::new(maker.seed(purpose::SHELF)),
+        }
+    }
 }
 
 pub(crate) fn unit(rho: f64, phi: f64) -> DVec2 {
@@ -187,6 +243,7 @@ impl<'a> Maker<'a> {
     /// Inclination, layers, Perlin and white noise: Eqs. 1 to 5. `across` is in radii, `unit` in ring coordinates.
     pub fn published(
         &self,
+        walks: &mut Walks,
         across: DVec2,
         unit: DVec2,
         rho: f64,
@@ -194,7 +251,7 @@ impl<'a> Maker<'a> {
         zone: Zone,
         key: i64,
     ) -> f64 {
-        across.dot(self.tilt) + self.layers(rho, phi) + self.noise(unit, self.p.zone(zone), key)
+        self.stepped(across, rho, phi) + self.noise(walks, unit, self.p.zone(zone), key)
     }
 
     /// The same without noise.
@@ -214,13 +271,12 @@ impl<'a> Maker<'a> {
         height
     }
 
-    pub fn noise(&self, unit: DVec2, zone: &ZoneParameters, key: i64) -> f64 {
+    pub fn noise(&self, walks: &mut Walks, unit: DVec2, zone: &ZoneParameters, key: i64) -> f64 {
         let (mut amplitude, mut frequency) = (zone.perlin_amplitude, zone.perlin_frequency);
         let mut height = 0.0;
         if amplitude > 0.0 {
-            for octave in 0..zone.perlin_octaves {
-                let at = unit * (self.noise_radius * frequency);
-                let n = noise::plane(self.seed(purpose::PERLIN) + u64::from(octave), at);
+            for octave in walks.octaves.iter_mut().take(zone.perlin_octaves as usize) {
+                let n = octave.at(unit * (self.noise_radius * frequency));
                 height += amplitude * (0.5 + 0.5 * n).clamp(0.0, 1.0);
                 (amplitude, frequency) = (amplitude / 2.0, frequency * 2.0);
             }

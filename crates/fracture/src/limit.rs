@@ -62,6 +62,74 @@ fn bent(h: f64, below: f64, above: f64) -> f64 {
     }
 }
 
+/// What placing heights finds out.
+struct Placed<'a> {
+    setting: &'a Setting,
+    /// Lengths free below and above the place, m.
+    free: (f64, f64),
+    /// Greatest heights below and above zero, m; only of use in a wedge.
+    greatest: (f64, f64),
+    wanted: (f64, f64),
+    range: (f64, f64),
+}
+
+impl<'a> Placed<'a> {
+    fn new(setting: &'a Setting, heights: impl Iterator<Item = f64>) -> Self {
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut lowest, mut highest) = (0.0f64, 0.0f64);
+        if setting.wedge.is_some() {
+            for h in heights {
+                (lowest, highest) = (lowest.min(h), highest.max(h));
+            }
+        }
+        Placed {
+            setting,
+            free: (
+                setting.place - setting.usable.0,
+                setting.usable.1 - setting.place,
+            ),
+            greatest: (-lowest * setting.radius, highest * setting.radius),
+            wanted: none,
+            range: none,
+        }
+    }
+
+    /// Places a height (in radii) over a place of the section; whether it had to be limited.
+    #[inline]
+    fn place(&mut self, height: &mut f64, at: DVec2) -> bool {
+        let setting = self.setting;
+        let mut h = *height * setting.radius;
+        if let Some(w) = &setting.wedge {
+            let far = (at.dot(w.toward) - w.from).max(0.0);
+            h = w.within(h, far, self.greatest, setting.radius);
+        }
+        self.wanted = (self.wanted.0.min(h), self.wanted.1.max(h));
+        let kept = bent(h, self.free.0, self.free.1);
+        self.range = (self.range.0.min(kept), self.range.1.max(kept));
+        *height = setting.place + kept;
+        kept != h
+    }
+
+    fn finish(
+        self,
+        bundles: &Bundles,
+        corners: Vec<[f64; 3]>,
+        limited: usize,
+        thorns: Vec<Thorn>,
+    ) -> Heights {
+        Heights {
+            surface: Surface {
+                layout: bundles.layout.clone(),
+                heights: corners,
+            },
+            limited,
+            wanted: self.wanted,
+            range: self.range,
+            thorns,
+        }
+    }
+}
+
 /// Places heights (in radii) along the axis and bends those that would leave the stem back into it, keeping their order.
 pub(crate) fn place(
     bundles: &Bundles,
@@ -69,65 +137,44 @@ pub(crate) fn place(
     setting: &Setting,
     thorns: Vec<Thorn>,
 ) -> Heights {
-    let relief_range = relief_range(&corners) * setting.radius;
-    let (below, above) = (
-        setting.place - setting.usable.0,
-        setting.usable.1 - setting.place,
-    );
-    let (mut wanted, mut range) = (
-        [f64::INFINITY, f64::NEG_INFINITY],
-        [f64::INFINITY, f64::NEG_INFINITY],
-    );
+    let mut placed = Placed::new(setting, corners.iter().flatten().copied());
     let mut limited = 0;
-    let (lowest, highest) = extremes(&corners);
-    let greatest = (lowest * setting.radius, highest * setting.radius);
     for (facet, heights) in bundles.layout.facets.iter().zip(&mut corners) {
         for (&node, height) in facet.iter().zip(heights) {
-            let mut h = *height * setting.radius;
-            if let Some(w) = &setting.wedge {
-                let at = bundles.layout.nodes[node as usize];
-                let far = (at.dot(w.toward) - w.from).max(0.0);
-                h = w.within(h, far, greatest, setting.radius);
-            }
-            wanted = [wanted[0].min(h), wanted[1].max(h)];
-            let kept = bent(h, below, above);
-            limited += usize::from(kept != h);
-            range = [range[0].min(kept), range[1].max(kept)];
-            *height = setting.place + kept;
+            limited += usize::from(placed.place(height, bundles.layout.nodes[node as usize]));
         }
     }
-    Heights {
-        surface: Surface {
-            layout: bundles.layout.clone(),
-            heights: corners,
-        },
-        limited,
-        wanted: (wanted[0], wanted[1]),
-        range: (range[0], range[1]),
-        relief_range,
-        thorns,
-    }
+    placed.finish(bundles, corners, limited, thorns)
 }
 
-/// Greatest height below zero and above it.
-fn extremes(corners: &[[f64; 3]]) -> (f64, f64) {
-    let all = || corners.iter().flatten().copied();
-    (-all().fold(0.0, f64::min), all().fold(0.0, f64::max))
-}
-
-/// Height between the 5th and the 95th hundredth of the corners.
-fn relief_range(corners: &[[f64; 3]]) -> f64 {
-    let mut sorted: Vec<f64> = corners.iter().flatten().copied().collect();
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    let mut hundredth = |part: f64| {
-        let i = (part * (sorted.len() - 1) as f64) as usize;
-        sorted.select_nth_unstable_by(i, f64::total_cmp);
-        sorted[i]
+/// [`place`] with one height for every node.
+pub(crate) fn place_nodes(bundles: &Bundles, mut nodes: Vec<f64>, setting: &Setting) -> Heights {
+    let mut placed = Placed::new(setting, nodes.iter().copied());
+    let mut any = false;
+    let bent: Vec<bool> = nodes
+        .iter_mut()
+        .zip(&bundles.layout.nodes)
+        .map(|(height, &at)| {
+            let bent = placed.place(height, at);
+            any |= bent;
+            bent
+        })
+        .collect();
+    let facets = &bundles.layout.facets;
+    let limited = if any {
+        facets
+            .iter()
+            .flatten()
+            .filter(|&&n| bent[n as usize])
+            .count()
+    } else {
+        0
     };
-    let low = hundredth(0.05);
-    hundredth(0.95) - low
+    let corners = facets
+        .iter()
+        .map(|f| f.map(|n| nodes[n as usize]))
+        .collect();
+    placed.finish(bundles, corners, limited, Vec::new())
 }
 
 #[cfg(test)]

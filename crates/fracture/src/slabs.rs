@@ -137,7 +137,10 @@ impl Parts {
             return phi;
         }
         let place = (phi - self.turn) / TAU;
-        (place - place.floor()) * TAU
+        // The floor, without the call that it is on older machines.
+        let whole = place as i64;
+        let whole = whole - i64::from(place < whole as f64);
+        (place - whole as f64) * TAU
     }
 
     /// Number of the region at a ring coordinate and angle (rad).
@@ -183,7 +186,12 @@ impl Parts {
         let half = ((r.phi.1 - r.phi.0) / 2.0).max(1e-9);
         let mut off = self.turned(phi) - (r.phi.0 + r.phi.1) / 2.0;
         if self.around {
-            off -= TAU * (off / TAU).round();
+            // Both angles are within a turn.
+            off -= match off / TAU {
+                turns if turns >= 0.5 => TAU,
+                turns if turns <= -0.5 => -TAU,
+                _ => 0.0,
+            };
         }
         let thick = ((r.rho.1 - r.rho.0) / 2.0).max(1e-9);
         let across = (rho - (r.rho.0 + r.rho.1) / 2.0) / thick;

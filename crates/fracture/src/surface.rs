@@ -87,12 +87,7 @@ impl Layout {
 impl Surface {
     /// Lowest and highest length along the axis (m).
     pub fn range(&self) -> (f64, f64) {
-        self.heights
-            .iter()
-            .flatten()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| {
-                (low.min(h), high.max(h))
-            })
+        range(self.heights.iter())
     }
 
     /// Height of `facet` at the ends of its side `side`, in the order of the edge's nodes.
@@ -106,4 +101,20 @@ impl Surface {
             [b, a]
         }
     }
+}
+
+/// Lowest and highest of the heights of some facets.
+pub(crate) fn range<'a>(heights: impl Iterator<Item = &'a [f64; 3]>) -> (f64, f64) {
+    // Three of each, so that no comparison waits for the one before.
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for h in heights {
+        for k in 0..3 {
+            low[k] = if h[k] < low[k] { h[k] } else { low[k] };
+            high[k] = if h[k] > high[k] { h[k] } else { high[k] };
+        }
+    }
+    (
+        low[0].min(low[1]).min(low[2]),
+        high[0].max(high[1]).max(high[2]),
+    )
 }

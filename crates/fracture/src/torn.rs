@@ -5,7 +5,7 @@
 //! so that splinters are flat, wide along the ring, and only their tips are ragged. All heights are ratios to the
 //! stem's radius.
 
-use crate::heights::{Maker, purpose, unit};
+use crate::heights::{Maker, Walks, purpose, unit};
 use crate::layout::{Bundle, Bundles};
 use crate::slabs::{Parts, Slabs, Span};
 use crate::strips::{Strips, outline};
@@ -100,11 +100,11 @@ impl<'a> Torn<'a> {
     }
 
     /// How far a place is from the edge of the compression shelf, in radii: below 0 on the shelf.
-    fn off_shelf(&self, unit: DVec2, at: DVec2) -> f64 {
+    fn off_shelf(&self, walks: &mut Walks, unit: DVec2, at: DVec2) -> f64 {
         let place = self
             .board
             .map_or(unit, |(middle, half)| (at - middle) / half);
-        let ragged = 0.16 * noise::plane(self.maker.seed(purpose::SHELF), place * 3.0);
+        let ragged = 0.16 * walks.shelf.at(place * 3.0);
         place.dot(self.maker.tension) + 1.0 - 2.0 * self.maker.p.compression_shelf + ragged
     }
 
@@ -119,15 +119,25 @@ impl<'a> Torn<'a> {
     }
 
     /// Relief of slabs at a place. Rays wander, so that slabs do not end on straight lines to the pith.
-    fn slab(&self, rho: f64, phi: f64) -> (&crate::slabs::Slab, f64) {
-        self.slabs.at(rho, phi + self.wander(rho, phi))
+    fn slab(&self, rho: f64, wandered: f64) -> (&crate::slabs::Slab, f64) {
+        self.slabs.at(rho, wandered)
     }
 
-    fn wander(&self, rho: f64, phi: f64) -> f64 {
-        0.16 * noise::plane(self.maker.seed(purpose::WANDER), unit(rho, phi) * 3.5)
+    /// The angle of a place, `at` in ring coordinates, on rays that wander.
+    fn wandered(&self, walks: &mut Walks, phi: f64, at: DVec2) -> f64 {
+        phi + 0.16 * walks.wander.at(at * 3.5)
     }
 
-    pub fn level(&self, index: usize) -> Level {
+    /// The same of every node.
+    pub fn wandering(&self, walks: &mut Walks) -> Vec<f64> {
+        let bundles = self.bundles;
+        let nodes = bundles.addresses.iter().zip(&bundles.directions);
+        nodes
+            .map(|(&(rho, phi), &direction)| self.wandered(walks, phi, direction * rho))
+            .collect()
+    }
+
+    pub fn level(&self, walks: &mut Walks, index: usize) -> Level {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
         let unit = unit(rho, bundle.phi);
@@ -136,29 +146,34 @@ impl<'a> Torn<'a> {
             tip => self.bundles.layout.nodes[tip as usize],
         };
         if bundle.bark {
-            self.bark_level(bundle, middle)
+            self.bark_level(walks, bundle, middle)
         } else {
-            self.wood_level(index, bundle, rho, middle)
+            self.wood_level(walks, index, unit, middle)
         }
     }
 
     /// Height of the wood under a strip of bark, as far as the bark follows it.
-    fn under_bark(&self, strip: usize) -> f64 {
+    fn under_bark(&self, walks: &mut Walks, strip: usize) -> f64 {
         let p = self.maker.p;
         let phi = self.strips.middle(strip);
         let at = unit(1.0, phi);
-        let torn = self.torn(self.off_shelf(at, self.pith + at * self.maker.setting.radius));
-        let wood = 0.7 * p.slab_height * self.maker.setting.relief * torn * self.slab(0.95, phi).1;
+        let place = self.pith + at * self.maker.setting.radius;
+        let torn = self.torn(self.off_shelf(walks, at, place));
+        let wandered = self.wandered(walks, phi, at * 0.95);
+        let slab = self.slab(0.95, wandered).1;
+        let wood = 0.7 * p.slab_height * self.maker.setting.relief * torn * slab;
         self.maker.stepped(at, 0.99, phi) + wood + p.bark_offset
     }
 
-    fn bark_level(&self, bundle: &Bundle, middle: DVec2) -> Level {
+    fn bark_level(&self, walks: &mut Walks, bundle: &Bundle, middle: DVec2) -> Level {
         let p = self.maker.p;
         let strip = self.strips.find(bundle.phi);
         let at = unit(1.0, bundle.phi);
-        let noise = self.maker.noise(at, p.zone(Zone::Bark), bundle_key(bundle));
+        let noise = self
+            .maker
+            .noise(walks, at, p.zone(Zone::Bark), bundle_key(bundle));
         Level {
-            base: self.under_bark(strip) + 0.3 * noise,
+            base: self.under_bark(walks, strip) + 0.3 * noise,
             thorn: 0.0,
             fibre: 0.0,
             middle,
@@ -167,21 +182,21 @@ impl<'a> Torn<'a> {
         }
     }
 
-    fn wood_level(&self, index: usize, bundle: &Bundle, rho: f64, middle: DVec2) -> Level {
+    fn wood_level(&self, walks: &mut Walks, index: usize, at: DVec2, middle: DVec2) -> Level {
+        let bundle = &self.bundles.bundles[index];
+        let rho = bundle.rho.min(1.0);
         let (maker, p, relief) = (self.maker, self.maker.p, self.maker.setting.relief);
         let key = index as i64;
-        let at = unit(rho, bundle.phi);
         let zone = p.proportions().zone_at(rho, 0.0);
         let across = (middle - self.pith) / maker.setting.radius;
-        let published = maker.published(across, at, rho, bundle.phi, zone, key);
-        let shelf = self.off_shelf(at, middle);
+        let published = maker.published(walks, across, at, rho, bundle.phi, zone, key);
+        let shelf = self.off_shelf(walks, at, middle);
         let torn = self.torn(shelf);
-        let number = self
-            .slivers
-            .find(rho, bundle.phi + self.wander(rho, bundle.phi));
+        let wandered = self.wandered(walks, bundle.phi, at);
+        let number = self.slivers.find(rho, wandered);
         let (ring, ray) = self.slivers.middle(number);
         // Slivers run up a slab like the treads of a stair.
-        let (slab, own_height) = self.slab(rho, bundle.phi);
+        let (slab, own_height) = self.slab(rho, wandered);
         let shared = self.slabs.at(ring, ray).1;
         let slab_height = 0.35 * own_height + 0.65 * shared;
         let short = self.random(purpose::GROUP, number as i64, 9);
@@ -212,7 +227,7 @@ impl<'a> Torn<'a> {
             + fibre * (self.random(purpose::FIBRE, key, 3) - 0.5);
         let mut base = published + torn * torn_height + (1.0 - torn) * crushed + slant.dot(at);
         base -= self.split(shelf, key);
-        base = self.with_bark(base, bundle, rho);
+        base = self.with_bark(walks, base, bundle, rho);
         let width = 2.0 * bundle.half_width * rho;
         Level {
             base,
@@ -231,7 +246,7 @@ impl<'a> Torn<'a> {
     }
 
     /// Inner bark tears in strings, of which some come off with the bark.
-    fn with_bark(&self, base: f64, bundle: &Bundle, rho: f64) -> f64 {
+    fn with_bark(&self, walks: &mut Walks, base: f64, bundle: &Bundle, rho: f64) -> f64 {
         if rho <= self.inner_bark {
             return base;
         }
@@ -240,7 +255,7 @@ impl<'a> Torn<'a> {
         let goes = self.random(purpose::BARK, pair, i64::from(bundle.ring));
         let depth = ((rho - self.inner_bark) / self.maker.p.phloem_proportion.max(1e-6)).min(1.0);
         let with = noise::smoothstep(0.35, 0.75, goes * (0.55 + 0.75 * depth));
-        let bark = self.under_bark(strip)
+        let bark = self.under_bark(walks, strip)
             + self.maker.p.bark_height
                 * (self.strips.edge(strip, bundle.phi)
                     + 0.5 * (self.random(purpose::BARK, pair, 1) - 0.6));
@@ -272,8 +287,8 @@ impl<'a> Torn<'a> {
         self.maker.p.split * near * (0.4 + 0.6 * self.random(purpose::SHELF, key, 7))
     }
 
-    /// Height of a bundle's end at a node of it.
-    pub fn at(&self, level: &Level, cell: u32, node: u32) -> f64 {
+    /// Height of a bundle's end at a node of it, whose angle on rays that wander is `wandered`.
+    pub fn at(&self, level: &Level, (cell, node): (u32, u32), wandered: f64) -> f64 {
         let bundles = self.bundles;
         let at = bundles.layout.nodes[node as usize];
         let (rho, phi) = bundles.addresses[node as usize];
@@ -300,7 +315,6 @@ impl<'a> Torn<'a> {
                 );
                 let off = crate::layout::wrap(phi - middle);
                 let own = outline(kinds.1, (off / half.max(1e-9)).clamp(-1.0, 1.0));
-                let wandered = phi + self.wander(rho, phi);
                 let over = outline(kinds.0, self.slivers.within(number, rho, wandered).x);
                 let slope = level.slant.dot(at - level.middle) / radius;
                 let height = level.base + slope + sliver * over;

@@ -355,10 +355,7 @@ fn relief(
         }
     };
     let relief = match height.rule {
-        HeightRule::Eq9 => {
-            let plain = prepared.model(&recipe.face, 1.0, 0)?;
-            height.ratio * radius / plain.heights.relief_range.max(1e-9)
-        }
+        HeightRule::Eq9 => height.ratio * radius / prepared.relief_range(&recipe.face).max(1e-9),
         HeightRule::ShearLag => {
             height.ratio * radius / DEFAULT_BUNDLE_DIAMETER / TYPICAL_SLENDERNESS
         }

@@ -77,17 +77,9 @@ impl Prepared {
     /// # Errors
     /// [`Error::Cut`] where the mesh is open or not a manifold at the break.
     pub fn drawn(&self, p: &BreakParameters, relief: f64, material: u32) -> Result<Drawn, Error> {
-        let stem = &self.found.stem;
         let smooth = p.surface == Surface::Smooth;
         let laid = self.kept.laid(self, &self.layout_options(p), smooth);
-        let setting = Setting {
-            radius: stem.radius,
-            place: stem.place,
-            usable: stem.usable,
-            pith: stem.rings.pith(),
-            wedge: self.wedge(p),
-            relief,
-        };
+        let setting = self.setting(p, relief);
         let heights = if smooth {
             heights::smooth(&laid.bundles, p, &setting)
         } else {
@@ -122,6 +114,26 @@ impl Prepared {
         });
         (broken.face, broken.patch) = (face, patch);
         Ok(broken)
+    }
+
+    /// Height between the 5th and the 95th hundredth of the face that [`Prepared::drawn`] makes with no more relief than
+    /// the parameters say, before limiting, m.
+    pub fn relief_range(&self, p: &BreakParameters) -> f64 {
+        let smooth = p.surface == Surface::Smooth;
+        let laid = self.kept.laid(self, &self.layout_options(p), smooth);
+        heights::relief_range(&laid.bundles, p, &self.setting(p, 1.0))
+    }
+
+    fn setting(&self, p: &BreakParameters, relief: f64) -> Setting {
+        let stem = &self.found.stem;
+        Setting {
+            radius: stem.radius,
+            place: stem.place,
+            usable: stem.usable,
+            pith: stem.rings.pith(),
+            wedge: self.wedge(p),
+            relief,
+        }
     }
 
     /// One piece of a broken stem as a mesh of its own, in the coordinates of the node that was cut.

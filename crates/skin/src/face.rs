@@ -56,6 +56,7 @@ fn on_skin(source: &Source, host: Host) -> DVec3 {
 }
 
 /// Normals of one vertex of one bundle's top, and the mesh vertices made for it on side and on end grain.
+#[derive(Clone, Copy)]
 struct Slot {
     normal: DVec3,
     made: [u32; 2],
@@ -133,6 +134,55 @@ impl Maker<'_> {
 
     /// Makes the first `count` triangles, the tops of cells. Returns the number of the last run.
     fn tops(&mut self, count: usize) -> u32 {
+        let known = self.inner.bundles.bundles.len() as u32;
+        if self.inner.smooth && self.cut.faces[..count].iter().all(|f| f.cell < known) {
+            self.smooth_tops(count);
+            return 1;
+        }
+        self.parted_tops(count)
+    }
+
+    /// [`Maker::tops`] where all of them are one run, so that every vertex of the cut has one normal.
+    fn smooth_tops(&mut self, count: usize) {
+        let none = Slot {
+            normal: DVec3::ZERO,
+            made: [NONE; 2],
+        };
+        let mut slots = vec![none; self.face.places.len()];
+        let mut slot_of: Vec<u32> = Vec::with_capacity(slots.len());
+        for t in 0..count {
+            let ids = self.cut.cap[t];
+            let at = ids.map(|id| self.index(id));
+            let (normal, grain, end) = self.lie(at);
+            let cell = self.cut.faces[t].cell;
+            let corners = [0, 1, 2].map(|k| {
+                let slot = &mut slots[at[k]];
+                slot.normal += normal;
+                let made = &mut slot.made[usize::from(end)];
+                if *made == NONE {
+                    *made = self.face.ids.len() as u32;
+                    slot_of.push(at[k] as u32);
+                    self.push(ids[k], at[k], grain[k], cell, end);
+                }
+                *made
+            });
+            self.face.triangles.push(corners);
+        }
+        let normal = |&s: &u32| to_f32(slots[s as usize].normal.normalize_or_zero());
+        self.face.normals.extend(slot_of.iter().map(normal));
+    }
+
+    /// Normal of a top, as long as twice its area, the grain coordinates of its corners, and whether it shows end grain.
+    fn lie(&self, at: [usize; 3]) -> (DVec3, [DVec3; 3], bool) {
+        let [a, b, c] = at.map(|i| self.face.places[i]);
+        let grain = at.map(|i| self.grain(i));
+        let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
+        let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
+        ((b - a).cross(c - a), grain, end)
+    }
+
+    /// [`Maker::tops`] where cells part them into runs.
+    fn parted_tops(&mut self, count: usize) -> u32 {
         let mut slots: Vec<Slot> = Vec::with_capacity(self.runs.len());
         let mut slot_of: Vec<u32> = Vec::with_capacity(self.runs.len());
         let (mut run, mut cell) = (0, NONE);
@@ -147,11 +197,7 @@ impl Maker<'_> {
             cell = face.cell;
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let [a, b, c] = at.map(|i| self.face.places[i]);
-            let normal = (b - a).cross(c - a);
-            let grain = at.map(|i| self.grain(i));
-            let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
-            let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
+            let (normal, grain, end) = self.lie(at);
             let corners = [0, 1, 2].map(|k| {
                 let known = self.runs[at[k]];
                 let slot = if known.0 == run {

@@ -94,19 +94,65 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
 
 /// Noise in the plane: about −1 to 1, mean 0, features as wide as 1 (Perlin 2002).
 pub fn plane(seed: u64, p: glam::DVec2) -> f64 {
-    let ((x, u), (y, v)) = (split(p.x), split(p.y));
-    let f = glam::DVec2::new(u, v);
-    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    let corner = |i: i64, j: i64| {
-        let h = hash(seed, x + i, y + j, 0);
-        let part = |shift: u32| ((h >> shift) & 0xffff_ffff) as f64 * (2.0 / 4_294_967_295.0) - 1.0;
-        part(0) * (f.x - i as f64) + part(32) * (f.y - j as f64)
-    };
-    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    let low = mix(corner(0, 0), corner(1, 0), s.x);
-    let high = mix(corner(0, 1), corner(1, 1), s.x);
-    // Gradients fill a square, so values seldom exceed 0.7.
-    mix(low, high, s.y) * 1.4
+    Plane::new(seed).at(p)
+}
+
+/// [`plane`] at one place after another: places in one cell of the lattice share its gradients.
+#[derive(Debug, Clone)]
+pub struct Plane {
+    seed: u64,
+    cell: (i64, i64),
+    /// Gradients at the cell's corners, the lower row first.
+    gradients: [(f64, f64); 4],
+}
+
+impl Plane {
+    /// The noise of a seed.
+    #[inline]
+    pub fn new(seed: u64) -> Self {
+        // Gradients that are no numbers say that no cell has been entered.
+        Plane {
+            seed,
+            cell: (0, 0),
+            gradients: [(f64::NAN, f64::NAN); 4],
+        }
+    }
+
+    #[inline]
+    fn enter(&mut self, x: i64, y: i64) {
+        let gradient = |i: i64, j: i64| {
+            let h = hash(self.seed, x.wrapping_add(i), y.wrapping_add(j), 0);
+            let part =
+                |shift: u32| ((h >> shift) & 0xffff_ffff) as f64 * (2.0 / 4_294_967_295.0) - 1.0;
+            (part(0), part(32))
+        };
+        self.gradients = [
+            gradient(0, 0),
+            gradient(1, 0),
+            gradient(0, 1),
+            gradient(1, 1),
+        ];
+        self.cell = (x, y);
+    }
+
+    /// Its value at a place.
+    #[inline]
+    pub fn at(&mut self, p: glam::DVec2) -> f64 {
+        let ((x, u), (y, v)) = (split(p.x), split(p.y));
+        if self.cell != (x, y) || self.gradients[0].0.is_nan() {
+            self.enter(x, y);
+        }
+        let f = glam::DVec2::new(u, v);
+        let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+        let corner = |n: usize, i: f64, j: f64| {
+            self.gradients[n].0 * (f.x - i) + self.gradients[n].1 * (f.y - j)
+        };
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        let low = mix(corner(0, 0.0, 0.0), corner(1, 1.0, 0.0), s.x);
+        let high = mix(corner(2, 0.0, 1.0), corner(3, 1.0, 1.0), s.x);
+        // Gradients fill a square, so values seldom exceed 0.7.
+        mix(low, high, s.y) * 1.4
+    }
 }
 
 #[cfg(test)]

@@ -35,11 +35,14 @@ pub(super) struct Builder<'a, 'b> {
     overlay: &'b Overlay<'a>,
     /// Number of the first vertex in [`Cap::inside`].
     first: u32,
-    /// Vertex at each corner of each facet.
+    /// Whether facets have different heights at a node. Where they have not, the node's vertex is that of all corners
+    /// there, numbered as the nodes are.
+    stepped: bool,
+    /// Vertex at each corner of each facet of a stepped surface.
     corners: Vec<[u32; 3]>,
     /// For each node where its list in `heights` starts.
     starts: Vec<u32>,
-    /// Distinct heights of the facets about each node, ascending, with their vertices.
+    /// Distinct heights of the facets about each node of a stepped surface, ascending, with their vertices.
     heights: Vec<(f64, u32)>,
     /// Outline on facets and on walls: (facet or edge, (from, to)), sorted.
     tops: Vec<(u32, (u32, u32))>,
@@ -100,6 +103,7 @@ pub(super) fn build<'a>(
         ground,
         first: (overlay.points() + overlay.vertices.len()) as u32,
         overlay,
+        stepped: false,
         corners: Vec::new(),
         starts: Vec::new(),
         heights: Vec::new(),
@@ -118,14 +122,13 @@ pub(super) fn build<'a>(
     builder.cap.triangles.reserve(layout.facets.len() * 3);
     builder.cap.faces.reserve(layout.facets.len() * 3);
     builder.place_corners();
-    let stepped = builder.heights.len() > layout.nodes.len();
-    if stepped {
+    if builder.stepped {
         builder.place_knots();
     }
     let loose = builder.fill_touched_tops()?;
     builder.spread_status()?;
     builder.fill_whole_tops(&loose)?;
-    if stepped {
+    if builder.stepped {
         builder.fill_walls()?;
     }
     Ok(builder.cap)
@@ -170,6 +173,15 @@ impl<'a> Builder<'a, '_> {
         self.first + self.cap.inside.len() as u32 - 1
     }
 
+    /// Vertices at the corners of a facet.
+    fn corners(&self, facet: u32) -> [u32; 3] {
+        if self.stepped {
+            self.corners[facet as usize]
+        } else {
+            self.layout().facets[facet as usize].map(|n| self.first + n)
+        }
+    }
+
     fn grain(&self, id: u32) -> DVec3 {
         match id.checked_sub(self.first) {
             Some(i) => self.cap.inside[i as usize],
@@ -184,12 +196,9 @@ impl<'a> Builder<'a, '_> {
             let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
             self.cap.inside.extend(nodes);
             self.cap.nodes.extend(0..layout.nodes.len() as u32);
-            let first = self.first;
-            self.corners = layout.facets.iter().map(|f| f.map(|n| first + n)).collect();
-            self.starts = (0..=layout.nodes.len() as u32).collect();
-            self.heights = heights.into_iter().zip(first..).collect();
             return;
         }
+        self.stepped = true;
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.heights = Vec::with_capacity(layout.nodes.len() * 3);
@@ -282,7 +291,7 @@ impl<'a> Builder<'a, '_> {
     fn border(&self, facet: u32) -> Vec<(u32, Option<u8>)> {
         let mut border = Vec::with_capacity(6);
         for k in 0..3u8 {
-            border.push((self.corners[facet as usize][usize::from(k)], Some(k)));
+            border.push((self.corners(facet)[usize::from(k)], Some(k)));
             border.extend(self.side(facet, k).into_iter().map(|(_, id)| (id, None)));
         }
         border
@@ -443,7 +452,7 @@ impl<'a> Builder<'a, '_> {
 
     /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.
     fn fill_whole_top(&mut self, facet: u32, face: CapFace) {
-        let c = self.corners[facet as usize];
+        let c = self.corners(facet);
         if self.knots.is_empty() {
             return self.push(c, face);
         }

@@ -21,18 +21,37 @@ impl Cut {
         if self.outlines <= 1 {
             return 0;
         }
-        let mut moved = 0;
-        for upper in [false, true] {
-            moved += self.absorb(solid, skin, upper);
+        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at the last.
+        let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
+        let mut parent = self.joined(count);
+        let lower = self.absorb(solid, skin, false, parent.clone());
+        if lower > 0 {
+            parent = self.joined(count);
         }
-        moved
+        lower + self.absorb(solid, skin, true, parent)
     }
 
-    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool) -> usize {
-        let side = if upper { Side::Upper } else { Side::Lower };
-        let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
-        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at `count`.
+    /// Vertices up to number `count` as the broken face joins them.
+    fn joined(&self, count: u32) -> Vec<u32> {
         let mut parent: Vec<u32> = (0..=count).collect();
+        for &[a, b, c] in &self.cap {
+            // Triangles of a cell and walls follow each other with vertices that are mostly joined already.
+            let mut first = parent[a as usize];
+            if parent[b as usize] == first && parent[c as usize] == first {
+                continue;
+            }
+            first = root(&mut parent, a);
+            for other in [b, c] {
+                let other = root(&mut parent, other) as usize;
+                parent[other] = first;
+            }
+        }
+        parent
+    }
+
+    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool, mut parent: Vec<u32>) -> usize {
+        let side = if upper { Side::Upper } else { Side::Lower };
+        let count = parent.len() as u32 - 1;
         let mut join = |t: [u32; 3]| {
             let a = root(&mut parent, t[0]);
             for other in [t[1], t[2]] {
@@ -64,7 +83,6 @@ impl Cut {
                 }
             }
         }
-        self.cap.iter().for_each(|t| join(*t));
         let mut sizes = vec![0u32; parent.len()];
         for &(_, t) in &whole {
             sizes[root(&mut parent, t[0]) as usize] += 1;

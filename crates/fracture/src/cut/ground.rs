@@ -3,7 +3,7 @@
 
 use super::overlay::clips::Clips;
 use super::{Side, Solid};
-use crate::surface::{Layout, NONE, Surface};
+use crate::surface::{Layout, NONE, Surface, range};
 use glam::DVec2;
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -430,13 +430,7 @@ impl<'a> Relief<'a> {
     }
 
     fn range(&self, facets: impl Iterator<Item = u32>) -> (f64, f64) {
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for f in facets {
-            let h = self.surface.heights[f as usize];
-            range.0 = range.0.min(h[0].min(h[1]).min(h[2]));
-            range.1 = range.1.max(h[0].max(h[1]).max(h[2]));
-        }
-        range
+        range(facets.map(|f| &self.surface.heights[f as usize]))
     }
 
     /// The side of a limb triangle, or [`Side::Split`] where the facets over it must be asked.

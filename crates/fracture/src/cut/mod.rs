@@ -8,11 +8,10 @@ mod layers;
 mod overlay;
 mod polygon;
 
-use crate::surface::Surface;
+use crate::surface::{NONE, Surface};
 use glam::DVec3;
 pub use ground::{Ground, Sides, Skin};
 use overlay::{Overlay, Place, clips::Clips};
-use rustc_hash::FxHashMap;
 
 /// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -264,18 +263,27 @@ fn lay(
 
 /// Number of closed lines that the outline of the break consists of.
 fn outlines(overlay: &Overlay) -> usize {
-    let edges = overlay
-        .tops
-        .iter()
-        .chain(&overlay.walls)
-        .map(|(_, edge)| *edge);
-    let mut next: FxHashMap<u32, u32> = edges.map(|[a, b]| (a, b)).collect();
-    let starts: Vec<u32> = overlay.tops.iter().map(|(_, edge)| edge[0]).collect();
+    let edges = overlay.tops.iter().chain(&overlay.walls);
+    // All of its vertices are the cut's own.
+    let points = overlay.points() as u32;
+    let mut next = vec![NONE; overlay.vertices.len()];
+    for &(_, [a, b]) in edges {
+        if let Some(next) = next.get_mut(a.wrapping_sub(points) as usize) {
+            *next = b;
+        }
+    }
+    let mut take = |at: u32| {
+        let next = next.get_mut(at.wrapping_sub(points) as usize)?;
+        let to = std::mem::replace(next, NONE);
+        (to != NONE).then_some(to)
+    };
     let mut count = 0;
-    for start in starts {
-        let mut at = start;
-        count += usize::from(next.contains_key(&start));
-        while let Some(to) = next.remove(&at) {
+    for (_, [start, _]) in &overlay.tops {
+        let Some(mut at) = take(*start) else {
+            continue;
+        };
+        count += 1;
+        while let Some(to) = take(at) {
             at = to;
         }
     }

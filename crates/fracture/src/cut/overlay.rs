@@ -11,8 +11,7 @@ mod join;
 use super::{CutError, CutVertex, Host, SkinTriangle};
 use crate::surface::{NONE, Surface};
 use clips::{Clips, Corner, Part, Slot, Support};
-use glam::{DVec2, DVec3};
-use greenstick_geometry::intersect::orient2d as orientation;
+use glam::DVec3;
 use greenstick_geometry::triangulate::Triangulator;
 use rustc_hash::FxHashMap;
 
@@ -51,6 +50,9 @@ struct Piece {
 #[derive(Debug, Default)]
 struct Scratch {
     pieces: Vec<Piece>,
+    /// Height above the surface of every corner of the triangle's parts, m, and where each part lies.
+    above: Vec<f64>,
+    places: Vec<Place>,
     placed: Vec<Placed>,
     ring: Vec<(u32, Option<bool>, Support)>,
     turns: Vec<u32>,
@@ -98,6 +100,15 @@ pub(super) enum Place {
     Split,
 }
 
+/// Height of a facet's plane where its corners have `weights`, the last of which is their sum.
+fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
+    let (h, w) = (heights, weights);
+    // Rounding must not lead past the corners, between which whole triangles are told from cut ones.
+    ((w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / w[3])
+        .max(h[0].min(h[1]).min(h[2]))
+        .min(h[0].max(h[1]).max(h[2]))
+}
+
 impl<'a> Overlay<'a> {
     pub fn new(surface: &'a Surface, points: &'a [DVec3]) -> Self {
         Overlay {
@@ -135,10 +146,6 @@ impl<'a> Overlay<'a> {
         (self.points.len() + self.vertices.len() - 1) as u32
     }
 
-    fn xy(&self, point: u32) -> DVec2 {
-        self.points[point as usize].truncate()
-    }
-
     /// Sorts what was found by where it lies; to be done before [`Overlay::rail`] and [`Overlay::upright`].
     pub fn sort(&mut self) {
         self.rails
@@ -172,56 +179,151 @@ impl<'a> Overlay<'a> {
     ) -> Result<Place, CutError> {
         self.made.resize(clips.vertices.len(), NONE);
         let mut scratch = std::mem::take(&mut self.scratch);
-        scratch.pieces.clear();
-        scratch.spans.clear();
-        let mut done = Ok(());
-        for part in &clips.parts[parts.0 as usize..parts.1 as usize] {
-            self.place(corners, part, clips, &mut scratch.placed);
-            done = self.divide(triangle, corners, part.facet, clips, &mut scratch);
-            if done.is_err() {
-                break;
-            }
-        }
-        let pieces = &scratch.pieces;
-        let place = match done {
-            Err(error) => Err(error),
-            Ok(()) if pieces.iter().all(|p| p.upper) => Ok(Place::Upper),
-            Ok(()) if pieces.iter().all(|p| !p.upper) => Ok(Place::Lower),
-            Ok(()) => {
-                self.expand(&scratch.spans, &mut scratch.pieces, &mut scratch.join);
-                self.join(triangle, corners, &mut scratch.pieces, &mut scratch.join)
-                    .map(|()| Place::Split)
-            }
+        let place = match self.measure(corners, clips, parts, &mut scratch) {
+            Place::Split => self.part(triangle, corners, clips, parts, &mut scratch),
+            whole => Ok(whole),
         };
         self.scratch = scratch;
         place
     }
 
-    /// Makes or finds the vertices of a clipped polygon and their heights above the facet.
-    fn place(&mut self, corners: [u32; 3], part: &Part, clips: &Clips, placed: &mut Vec<Placed>) {
-        placed.clear();
-        let facet = part.facet;
-        for &slot in &clips.slots[part.slots.0 as usize..part.slots.1 as usize] {
-            let (id, height) = match slot.corner {
-                Corner::Point(i) => {
-                    let p = corners[usize::from(i)];
-                    (p, self.height(facet, self.xy(p)))
+    /// Heights of a triangle's parts above the surface, and where each part and all of them lie.
+    fn measure(
+        &self,
+        corners: [u32; 3],
+        clips: &Clips,
+        parts: (u32, u32),
+        scratch: &mut Scratch,
+    ) -> Place {
+        scratch.above.clear();
+        scratch.places.clear();
+        let (mut below, mut above) = (false, false);
+        for part in &clips.parts[parts.0 as usize..parts.1 as usize] {
+            let heights = &self.surface.heights[part.facet as usize];
+            let (mut low, mut high) = (false, false);
+            for slot in &clips.slots[part.slots.0 as usize..part.slots.1 as usize] {
+                let (at, height) = match slot.corner {
+                    Corner::Point(i) => (
+                        self.points[corners[usize::from(i)] as usize].z,
+                        over(heights, &clips.weights[slot.vertex as usize]),
+                    ),
+                    Corner::Crossing(_, k) => {
+                        let [a, b] = self.surface.rail(part.facet, k);
+                        let fixed = &clips.vertices[slot.vertex as usize];
+                        (fixed.grain.z, a + (b - a) * fixed.fraction)
+                    }
+                    Corner::Node(k) => (
+                        clips.vertices[slot.vertex as usize].grain.z,
+                        heights[usize::from(k)],
+                    ),
+                };
+                let off = at - height;
+                if off > 0.0 {
+                    high = true;
+                } else {
+                    low = true;
                 }
-                Corner::Crossing(_, k) => {
-                    let [a, b] = self.surface.rail(facet, k);
-                    let fraction = clips.vertices[slot.vertex as usize].fraction;
-                    (self.fixed(slot.vertex, clips), a + (b - a) * fraction)
+                scratch.above.push(off);
+            }
+            (below, above) = (below | low, above | high);
+            scratch.places.push(match (low, high) {
+                (true, true) => Place::Split,
+                (false, _) => Place::Upper,
+                (true, false) => Place::Lower,
+            });
+        }
+        match (below, above) {
+            (true, true) => Place::Split,
+            (false, _) => Place::Upper,
+            (true, false) => Place::Lower,
+        }
+    }
+
+    /// Parts a triangle that [`Overlay::measure`] found on both sides.
+    fn part(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        clips: &Clips,
+        parts: (u32, u32),
+        scratch: &mut Scratch,
+    ) -> Result<Place, CutError> {
+        scratch.pieces.clear();
+        scratch.spans.clear();
+        let first = clips.parts[parts.0 as usize].slots.0;
+        for (i, part) in clips.parts[parts.0 as usize..parts.1 as usize]
+            .iter()
+            .enumerate()
+        {
+            match scratch.places[i] {
+                Place::Split => {
+                    scratch.placed.clear();
+                    for s in part.slots.0..part.slots.1 {
+                        let slot = clips.slots[s as usize];
+                        scratch.placed.push(Placed {
+                            id: self.corner(corners, slot, clips),
+                            above: scratch.above[(s - first) as usize],
+                            slot,
+                        });
+                    }
+                    self.divide(triangle, corners, part.facet, clips, scratch)?;
                 }
-                Corner::Node(k) => {
-                    let height = self.surface.heights[facet as usize][usize::from(k)];
-                    (self.fixed(slot.vertex, clips), height)
+                whole => self.outline(corners, part, clips, (parts.0, whole), scratch)?,
+            }
+        }
+        self.expand(&scratch.spans, &mut scratch.pieces, &mut scratch.join);
+        self.join(triangle, corners, &mut scratch.pieces, &mut scratch.join)?;
+        Ok(Place::Split)
+    }
+
+    /// Takes the edges of a part that lies all on one side, but for those to parts on the same side.
+    fn outline(
+        &mut self,
+        corners: [u32; 3],
+        part: &Part,
+        clips: &Clips,
+        (first, place): (u32, Place),
+        scratch: &mut Scratch,
+    ) -> Result<(), CutError> {
+        let layout = &self.surface.layout;
+        let slots = &clips.slots[part.slots.0 as usize..part.slots.1 as usize];
+        for (j, &slot) in slots.iter().enumerate() {
+            let (edge, side) = match slot.support {
+                Support::Skin(side) => (NONE, side),
+                Support::Facet(k) => {
+                    if slot.beyond != NONE
+                        && scratch.places[(slot.beyond - first) as usize] == place
+                    {
+                        continue;
+                    }
+                    let edge = layout.sides[part.facet as usize][usize::from(k)];
+                    if layout.edges[edge as usize].facets[1].0 == NONE
+                        || layout.edges[edge as usize].facets[0].0 == NONE
+                    {
+                        let id = self.corner(corners, slot, clips);
+                        return Err(CutError::OffLayout { at: self.grain(id) });
+                    }
+                    (edge, 3)
                 }
             };
-            placed.push(Placed {
-                id,
-                above: self.grain(id).z - height,
-                slot,
+            let from = self.corner(corners, slot, clips);
+            let to = self.corner(corners, slots[(j + 1) % slots.len()], clips);
+            scratch.pieces.push(Piece {
+                from,
+                to,
+                upper: place == Place::Upper,
+                edge,
+                side,
             });
+        }
+        Ok(())
+    }
+
+    /// The vertex at a corner of a part.
+    fn corner(&mut self, corners: [u32; 3], slot: Slot, clips: &Clips) -> u32 {
+        match slot.corner {
+            Corner::Point(i) => corners[usize::from(i)],
+            _ => self.fixed(slot.vertex, clips),
         }
     }
 
@@ -238,23 +340,6 @@ impl<'a> Overlay<'a> {
             self.uprights.push((fixed.node, fixed.grain.z, id));
         }
         id
-    }
-
-    /// Height of a facet's plane over `p`.
-    fn height(&self, facet: u32, p: DVec2) -> f64 {
-        let layout = &self.surface.layout;
-        let [a, b, c] = layout.facets[facet as usize].map(|n| layout.nodes[n as usize]);
-        let h = self.surface.heights[facet as usize];
-        let w = [
-            orientation(b, c, p),
-            orientation(c, a, p),
-            orientation(a, b, p),
-        ];
-        // Rounding must not lead past the corners, between which whole triangles are told from cut ones.
-        let height = (w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / (w[0] + w[1] + w[2]);
-        height
-            .max(h[0].min(h[1]).min(h[2]))
-            .min(h[0].max(h[1]).max(h[2]))
     }
 
     /// Fraction along side `k`'s edge of a corner that lies on that side.

@@ -117,7 +117,7 @@ impl Builder<'_, '_> {
     /// Vertices on a rim of a wall within `span`, from its start to its end, the ends included.
     fn rim(&self, e: u32, edge: &Edge, which: u8, span: (f64, f64)) -> Vec<u32> {
         let (facet, k) = edge.facets[usize::from(which)];
-        let corners = self.corners[facet as usize];
+        let corners = self.corners(facet);
         let ends = [corners[usize::from(k)], corners[(usize::from(k) + 1) % 3]];
         let [start, end] = if which == 0 { ends } else { [ends[1], ends[0]] };
         let knot = self.knot(e);

@@ -34,8 +34,10 @@ pub(super) struct Slot {
     pub corner: Corner,
     /// What the edge to the next corner lies on.
     pub support: Support,
-    /// Number of the vertex in [`Clips::vertices`]; [`NONE`] for a point of the skin.
+    /// Number of the vertex in [`Clips::vertices`], for a point of the skin in [`Clips::weights`].
     pub vertex: u32,
+    /// Number in [`Clips::parts`] of the part of the same triangle beyond the edge to the next corner, or [`NONE`].
+    pub beyond: u32,
 }
 
 /// The part of a triangle over a facet.
@@ -67,6 +69,8 @@ pub(in super::super) struct Clips {
     pub(super) parts: Vec<Part>,
     pub(super) slots: Vec<Slot>,
     pub(super) vertices: Vec<Fixed>,
+    /// Weights of a facet's corners at a point of the skin, and their sum.
+    pub(super) weights: Vec<[f64; 4]>,
     crossings: FxHashMap<(u32, u32, u32), u32>,
     nodes: FxHashMap<(u32, u32), u32>,
     /// For each facet the triangle that last asked for it.
@@ -129,7 +133,10 @@ impl Clips {
             for i in 0..self.polygon.len() {
                 let (corner, support) = self.polygon[i];
                 let vertex = match corner {
-                    Corner::Point(_) => NONE,
+                    Corner::Point(i) => {
+                        self.weights.push(over.weights(facet, i));
+                        self.weights.len() as u32 - 1
+                    }
                     Corner::Crossing(i, k) => self.crossing(solid, &over, facet, (i, k)),
                     Corner::Node(k) => self.node(solid, &over, triangle, facet, k),
                 };
@@ -137,6 +144,7 @@ impl Clips {
                     corner,
                     support,
                     vertex,
+                    beyond: NONE,
                 });
             }
             self.parts.push(Part {
@@ -145,10 +153,29 @@ impl Clips {
             });
         }
         self.found = found;
+        self.join(from as usize, &ground.layout);
         let list = (from, self.parts.len() as u32);
         self.lists.push(list);
         self.known[rank] = self.lists.len() as u32;
         list
+    }
+
+    /// Finds what lies beyond the edges of the parts from number `from` on, which are one triangle's.
+    fn join(&mut self, from: usize, layout: &Layout) {
+        let parts = &self.parts[from..];
+        for part in parts {
+            for slot in &mut self.slots[part.slots.0 as usize..part.slots.1 as usize] {
+                let Support::Facet(k) = slot.support else {
+                    continue;
+                };
+                let edge =
+                    &layout.edges[layout.sides[part.facet as usize][usize::from(k)] as usize];
+                let other = edge.facets[usize::from(edge.facets[0].0 == part.facet)].0;
+                if let Ok(i) = parts.binary_search_by_key(&other, |p| p.facet) {
+                    slot.beyond = (from + i) as u32;
+                }
+            }
+        }
     }
 
     /// Where side `i` of the triangle crosses side `k` of `facet`.
@@ -229,6 +256,18 @@ struct Over<'a> {
 }
 
 impl Over<'_> {
+    /// Weights of a facet's corners at corner `i`, and their sum.
+    fn weights(&self, facet: u32, i: u8) -> [f64; 4] {
+        let [a, b, c] = self.layout.facets[facet as usize].map(|n| self.layout.nodes[n as usize]);
+        let p = self.flat[usize::from(i)];
+        let (u, v, w) = (
+            orientation(b, c, p),
+            orientation(c, a, p),
+            orientation(a, b, p),
+        );
+        [u, v, w, u + v + w]
+    }
+
     /// For each corner whether it lies left of side `k` of `facet`. Ties go the same way for both facets of an edge.
     fn inside(&self, facet: u32, k: u8) -> [bool; 3] {
         let layout = self.layout;
