@@ -18,6 +18,7 @@
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
+pub mod bend_test;
 pub mod bonds;
 pub mod bundle;
 pub mod energy;
@@ -30,11 +31,13 @@ pub mod kernel;
 pub mod loads;
 pub mod placement;
 pub mod solver;
+pub mod solvers;
 pub mod stability;
 pub mod state;
 pub mod topology;
 pub mod vectors;
 
+pub use bend_test::{BendError, BendOutcome, BendPoint, BendSection, BendTest};
 pub use bonds::{Bond, Bonds, Incidence};
 pub use bundle::{Bundle, Rod, RodMaterial};
 pub use error::{BundleError, LoadError, SolverError};
@@ -45,5 +48,6 @@ pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
+pub use solvers::{Grip, QuasiStatic};
 pub use state::State;
 pub use vectors::Vectors;
