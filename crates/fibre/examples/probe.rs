@@ -12,6 +12,9 @@ fn main() {
     if a.len() > 3 {
         t.edge = a[3].parse().unwrap();
     }
+    if let Ok(e) = std::env::var("END") {
+        t.end = e.parse().unwrap();
+    }
     let begin = std::time::Instant::now();
     let o = t.run(&wood, &Context::quiet()).unwrap();
     if a.len() > 4 {

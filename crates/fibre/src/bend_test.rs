@@ -127,7 +127,9 @@ pub struct BendOutcome {
     pub stress_at_first_break: Option<f64>,
     /// What yielded and broke, in order. The time of an event is the ram's way in m.
     pub events: Vec<Event>,
-    /// Rods and edges of the bundle.
+    /// Whether the test ended because so much was broken that what was left had no equilibrium.
+    pub came_apart: bool,
+    /// Rods of the bundle.
     pub rods: usize,
     /// Length of its edges, m.
     pub edge: f64,
@@ -255,15 +257,25 @@ impl BendTest {
             load: 0.0,
             broken: 0,
         }];
-        let mut peak = 0.0f64;
+        let (mut peak, mut came_apart) = (0.0f64, false);
         loop {
             context.step(
                 "bending",
                 (rig.world.state.time / (LONGEST * linear)).min(1.0),
             )?;
             let aim = rig.world.state.time + step;
-            rig.solver
-                .next_equilibrium(&mut rig.world, &mut NoContacts, aim)?;
+            let next = rig
+                .solver
+                .next_equilibrium(&mut rig.world, &mut NoContacts, aim);
+            match next {
+                Ok(_) => {}
+                // Parts that nothing holds any more have no equilibrium.
+                Err(SolverError::NotConverged { .. }) if points.iter().any(|p| p.broken > 0) => {
+                    came_apart = true;
+                    break;
+                }
+                Err(other) => return Err(other.into()),
+            }
             let load = rig.solver.grip_forces(&rig.world)[0];
             let moved = rig.solver.grip_displacements(&rig.world);
             let deflection = moved[0] - 0.5 * (moved[1] + moved[2]);
@@ -283,7 +295,10 @@ impl BendTest {
                 break;
             }
         }
-        Ok(self.outcome(points, rig, inertia, strength))
+        Ok(BendOutcome {
+            came_apart,
+            ..self.outcome(points, rig, inertia, strength)
+        })
     }
 
     fn outcome(
@@ -328,6 +343,7 @@ impl BendTest {
             events: rig.world.events,
             edge: rig.edge,
             points,
+            came_apart: false,
         }
     }
 

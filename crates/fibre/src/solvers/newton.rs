@@ -207,11 +207,11 @@ impl Newton {
                 });
             }
             let step = self.direction(goal, base, &state, &prescribed);
-            let slope: f64 =
-                step.iter()
-                    .zip(&self.residual)
-                    .zip(&self.held)
-                    .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
+            let slope: f64 = step
+                .iter()
+                .zip(&self.residual)
+                .zip(&self.held)
+                .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
             let from = state.clone();
             let free = iterations > 0 || !moved;
             let mut length = if free {
@@ -222,11 +222,11 @@ impl Newton {
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
                 self.balance(goal, base, &mut state);
-                let now: f64 =
-                    step.iter()
-                        .zip(&self.residual)
-                        .zip(&self.held)
-                        .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
+                let now: f64 = step
+                    .iter()
+                    .zip(&self.residual)
+                    .zip(&self.held)
+                    .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
                 // The force along the step must not have turned round by much.
                 let ok = now.abs() <= SLOPE * slope.abs() || self.worst() <= TOLERANCE * self.scale;
                 if !free || ok || search + 1 == SEARCHES || !(slope > 0.0) || now > 0.0 {
