@@ -15,6 +15,12 @@ fn main() {
         .enumerate()
         .map(|(i, s)| {
             let d = &s.dry;
+            if std::env::var("MISSING").is_ok()
+                && d.tension_perpendicular.is_some()
+                && d.shear_parallel.is_some()
+            {
+                return;
+            }
             let wood = match WoodMaterial::of(s, 12.0, Fallback::TwelvePercent) {
                 Ok(w) => w,
                 Err(e) => {

@@ -48,6 +48,6 @@ pub use kernel::{Evaluator, Level};
 pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
-pub use solvers::{Grip, QuasiStatic};
+pub use solvers::{Grip, Implicit, QuasiStatic};
 pub use state::State;
 pub use vectors::Vectors;

@@ -267,13 +267,7 @@ impl Solver for QuasiStatic {
         contacts: &mut dyn Contacts,
         duration: f64,
     ) -> Result<Advance, SolverError> {
-        if !(duration >= 0.0 && duration.is_finite()) {
-            return Err(SolverError::Value {
-                what: "the time to advance by (s)",
-                value: duration,
-                right: "0 or more and finite",
-            });
-        }
+        super::implicit::check_duration(duration)?;
         world.check()?;
         let full = self.step(world)?.min(duration / STEPS);
         let full = self.given.unwrap_or(full);
