@@ -21,6 +21,7 @@
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
 
+pub mod bend_test;
 pub mod bodies;
 pub mod bonds;
 pub mod bundle;
@@ -35,12 +36,14 @@ pub mod loads;
 pub mod placement;
 pub mod scene;
 pub mod solver;
+pub mod solvers;
 pub mod stability;
 pub mod state;
 pub mod store;
 pub mod topology;
 pub mod vectors;
 
+pub use bend_test::{BendError, BendOutcome, BendPoint, BendSection, BendTest};
 pub use bodies::{
     Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
     Shape,
@@ -56,5 +59,6 @@ pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
 pub use scene::{Scene, SceneError};
 pub use solver::{Advance, Contacts, KnownLimit, NoContacts, Solver, World};
+pub use solvers::{Grip, Implicit, QuasiStatic};
 pub use state::State;
 pub use vectors::Vectors;

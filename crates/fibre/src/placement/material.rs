@@ -1,6 +1,6 @@
 //! What a species' table values are for rods and bonds (`model.md` §3).
 
-use greenstick_wood::moisture::Fallback;
+use greenstick_wood::moisture::{Fallback, MoistureError};
 use greenstick_wood::species::StrengthError;
 use greenstick_wood::species::{Group, Property, Species};
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,12 @@ const FRACTURE_SLOPE: f64 = 1.04;
 const FRACTURE_OFFSET: f64 = 146.0;
 /// The lightest woods are below where that line was measured, J/m².
 const LEAST_FRACTURE_ENERGY: f64 = 50.0;
+
+/// Tension across the grain (Pa) at 12 % as a G^b of specific gravity G, (a, b) of hardwoods and of softwoods: Wood
+/// Handbook, Table 5-11.
+const TENSION_ACROSS: [(f64, f64); 2] = [(10.1e6, 1.30), (6.0e6, 1.11)];
+/// The same of shear along the grain.
+const SHEAR: [(f64, f64); 2] = [(21.9e6, 1.13), (16.6e6, 0.85)];
 
 /// Elasticity and strength of wood, Pa but where said.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -46,6 +52,22 @@ pub struct WoodMaterial {
     pub fracture_energy: f64,
 }
 
+/// Strength across and along the grain from specific gravity, where a species' row has none.
+fn estimate(
+    species: &Species,
+    missing: MoistureError,
+    [hardwood, softwood]: [(f64, f64); 2],
+) -> Result<f64, MoistureError> {
+    let (factor, power) = match species.group {
+        Group::Hardwood => hardwood,
+        Group::Softwood => softwood,
+    };
+    match (&missing, species.dry.specific_gravity) {
+        (MoistureError::NoValue { .. }, Some(gravity)) => Ok(factor * libm::pow(gravity, power)),
+        _ => Err(missing),
+    }
+}
+
 impl WoodMaterial {
     /// The wood of a species at `moisture` percent.
     ///
@@ -71,10 +93,42 @@ impl WoodMaterial {
             shear_tangential: ratios[3] * longitudinal,
             tension: species.tensile_strength_at(moisture, fallback)?.value,
             compression: value(Property::CompressionParallel)?,
-            tension_across: value(Property::TensionPerpendicular)?,
-            shear: value(Property::ShearParallel)?,
+            tension_across: value(Property::TensionPerpendicular)
+                .or_else(|e| estimate(species, e, TENSION_ACROSS))?,
+            shear: value(Property::ShearParallel).or_else(|e| estimate(species, e, SHEAR))?,
             fracture_energy: (FRACTURE_SLOPE * density - FRACTURE_OFFSET)
                 .max(LEAST_FRACTURE_ENERGY),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimates_from_density_are_near_the_tables_of_species_that_have_both() {
+        for (property, by, name) in [
+            (Property::TensionPerpendicular, TENSION_ACROSS, "tension"),
+            (Property::ShearParallel, SHEAR, "shear"),
+        ] {
+            let mut ratios: Vec<f64> = Species::all()[..112]
+                .iter()
+                .filter_map(|s| {
+                    let missing = MoistureError::NoValue {
+                        species: s.name.clone(),
+                        property,
+                        source_table: s.source.clone(),
+                    };
+                    Some(estimate(s, missing, by).ok()? / s.dry.get(property)?)
+                })
+                .collect();
+            ratios.sort_by(f64::total_cmp);
+            let (count, median) = (ratios.len(), ratios[ratios.len() / 2]);
+            assert!(
+                count > 60 && (0.93..1.07).contains(&median),
+                "{name}: {count} {median}"
+            );
+        }
     }
 }
