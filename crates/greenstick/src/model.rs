@@ -1,5 +1,6 @@
 //! A break with given parameters: surface, cut, and both pieces as meshes.
 
+use crate::kept::Laid;
 use crate::{Error, Prepared};
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, CutError, cut_again};
@@ -9,6 +10,7 @@ use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_geometry::Mesh;
 use greenstick_skin::face::{Face, face};
 use greenstick_skin::pieces::{self, InnerWood, Patch, Source};
+use greenstick_skin::wind::{Wound, unwind};
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::Proportions;
 use std::sync::Arc;
@@ -28,6 +30,8 @@ pub struct Model {
     pub square: (DVec2, f64),
     /// Slivers that hung in the air on one side and were given to the other.
     pub chips: usize,
+    /// What was done to keep a face of winding grain from crossing itself.
+    pub wound: Option<Wound>,
 }
 
 /// A broken stem as it is drawn: what the break changes, with the rest of the skin by reference.
@@ -52,6 +56,7 @@ pub struct Drawn {
     material: u32,
     smooth: bool,
     chips: usize,
+    wound: Option<Wound>,
 }
 
 impl Prepared {
@@ -69,6 +74,7 @@ impl Prepared {
             heights: broken.heights,
             square: broken.square,
             chips: broken.chips,
+            wound: broken.wound,
         })
     }
 
@@ -77,6 +83,47 @@ impl Prepared {
     /// # Errors
     /// [`Error::Cut`] where the mesh is open or not a manifold at the break.
     pub fn drawn(&self, p: &BreakParameters, relief: f64, material: u32) -> Result<Drawn, Error> {
+        let smooth = p.surface == Surface::Smooth;
+        let (laid, heights) = self.heights(p, relief);
+        let mut cut = cut_again(
+            &self.solid(),
+            &self.kept.skin,
+            &laid.ground,
+            &heights.surface,
+        )
+        .map_err(|error| self.locate(error))?;
+        let chips = cut.absorb_chips_again(&self.solid(), &self.kept.skin);
+        cut.part_at(&self.grain, &self.kept.levels);
+        let wound = self.layers.winds().then(|| {
+            let transform = self.transform();
+            let to_grain = |p| self.layers.to_grain(transform.transform_point3(p));
+            unwind(&self.source(), &mut cut, &self.kept.skin, &to_grain)
+        });
+        let mut broken = Drawn {
+            face: Face::default(),
+            patch: Patch::default(),
+            bundles: laid.bundles.clone(),
+            heights,
+            square: self.kept.square,
+            cut,
+            proportions: p.proportions(),
+            material,
+            smooth,
+            chips,
+            wound,
+        };
+        let source = self.source();
+        let (face, patch) = self.with_inner(&broken, |inner| {
+            let face = face(&source, &broken.cut, inner);
+            let patch = pieces::patch(&source, &broken.cut, &self.kept.skin, &face.places);
+            (face, patch)
+        });
+        (broken.face, broken.patch) = (face, patch);
+        Ok(broken)
+    }
+
+    /// The layout of the section and the heights of its break.
+    pub(crate) fn heights(&self, p: &BreakParameters, relief: f64) -> (Arc<Laid>, Heights) {
         let stem = &self.found.stem;
         let smooth = p.surface == Surface::Smooth;
         let laid = self.kept.laid(self, &self.layout_options(p), smooth);
@@ -93,35 +140,7 @@ impl Prepared {
         } else {
             heights::fibrous(&laid.bundles, p, &setting)
         };
-        let mut cut = cut_again(
-            &self.solid(),
-            &self.kept.skin,
-            &laid.ground,
-            &heights.surface,
-        )
-        .map_err(|error| self.locate(error))?;
-        let chips = cut.absorb_chips_again(&self.solid(), &self.kept.skin);
-        cut.part_at(&self.grain, &self.kept.levels);
-        let mut broken = Drawn {
-            face: Face::default(),
-            patch: Patch::default(),
-            bundles: laid.bundles.clone(),
-            heights,
-            square: self.kept.square,
-            cut,
-            proportions: p.proportions(),
-            material,
-            smooth,
-            chips,
-        };
-        let source = self.source();
-        let (face, patch) = self.with_inner(&broken, |inner| {
-            let face = face(&source, &broken.cut, inner);
-            let patch = pieces::patch(&source, &broken.cut, &self.kept.skin, &face.places);
-            (face, patch)
-        });
-        (broken.face, broken.patch) = (face, patch);
-        Ok(broken)
+        (laid, heights)
     }
 
     /// One piece of a broken stem as a mesh of its own, in the coordinates of the node that was cut.

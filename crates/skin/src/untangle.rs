@@ -96,33 +96,42 @@ fn crossing(mesh: &Mesh, inner: u32) -> Vec<[u32; 2]> {
 }
 
 /// The mesh by points: vertices at one position are one.
-struct Net {
+pub(crate) struct Net {
     /// Point of every vertex.
     points: Vec<u32>,
     /// The point that each has been drawn to, itself at first.
     drawn_to: Vec<u32>,
     places: Vec<DVec3>,
     /// Points of every triangle; all the same where it is gone.
-    triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Triangles about every point.
-    around: Vec<Vec<u32>>,
+    pub(crate) around: Vec<Vec<u32>>,
 }
 
 impl Net {
     fn new(mesh: &Mesh) -> Self {
         let (points, count) = mesh.points();
+        let mut places = vec![DVec3::ZERO; count];
+        for (&point, &place) in points.iter().zip(&mesh.positions) {
+            places[point as usize] = place;
+        }
+        let triangles = mesh.triangles.iter();
+        let triangles = triangles.map(|t| t.map(|v| points[v as usize])).collect();
+        let mut net = Net::of(places, triangles);
+        net.points = points;
+        net
+    }
+
+    /// The net of triangles whose corners are points at `places`.
+    pub(crate) fn of(places: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let count = places.len();
         let mut net = Net {
             drawn_to: (0..count as u32).collect(),
-            places: vec![DVec3::ZERO; count],
-            triangles: (mesh.triangles.iter())
-                .map(|t| t.map(|v| points[v as usize]))
-                .collect(),
+            places,
+            triangles,
             around: vec![Vec::new(); count],
-            points,
+            points: Vec::new(),
         };
-        for (&point, &place) in net.points.iter().zip(&mesh.positions) {
-            net.places[point as usize] = place;
-        }
         for (t, corners) in net.triangles.iter().enumerate() {
             corners
                 .iter()
@@ -132,7 +141,7 @@ impl Net {
     }
 
     /// Edges of the triangles of `pairs` with their lengths, the shortest first.
-    fn edges_of(&self, pairs: &[[u32; 2]]) -> Vec<(f64, u32, u32)> {
+    pub(crate) fn edges_of(&self, pairs: &[[u32; 2]]) -> Vec<(f64, u32, u32)> {
         let mut edges: Vec<(f64, u32, u32)> = pairs
             .iter()
             .flatten()
@@ -150,7 +159,8 @@ impl Net {
         edges
     }
 
-    fn now(&self, mut point: u32) -> u32 {
+    /// The point that a point was drawn to, itself where it was not.
+    pub(crate) fn now(&self, mut point: u32) -> u32 {
         while self.drawn_to[point as usize] != point {
             point = self.drawn_to[point as usize];
         }
@@ -168,7 +178,7 @@ impl Net {
     }
 
     /// Draws the second of two joined points to the first; false where that would not leave a manifold.
-    fn draw_together(&mut self, a: u32, b: u32) -> bool {
+    pub(crate) fn draw_together(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.now(a), self.now(b));
         if a == b {
             return false;
@@ -203,6 +213,11 @@ impl Net {
         true
     }
 
+    /// Whether a triangle was drawn together.
+    pub(crate) fn is_gone(&self, t: usize) -> bool {
+        self.triangles[t][0] == self.triangles[t][1]
+    }
+
     /// Moves the mesh's vertices to their points' places, and takes out the triangles that are gone.
     fn write(&self, mesh: &mut Mesh) {
         for (position, &point) in mesh.positions.iter_mut().zip(&self.points) {
@@ -211,7 +226,7 @@ impl Net {
                 *position = self.places[now as usize];
             }
         }
-        let stays = |t: usize| self.triangles[t][0] != self.triangles[t][1];
+        let stays = |t: usize| !self.is_gone(t);
         if !mesh.materials.is_empty() {
             let mut t = 0;
             mesh.materials.retain(|_| {
