@@ -7,7 +7,7 @@
 
 use crate::halve::{Halver, crossing};
 use crate::pieces::Source;
-use crate::untangle::Net;
+use crate::untangle::{Net, Untangled};
 use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::NONE;
@@ -231,6 +231,7 @@ impl<'a> Face<'a> {
         let extent = (used().fold(DVec3::NEG_INFINITY, DVec3::max) - low).length();
         let count = self.cut.cap.len();
         let mut net = Net::of(self.places.clone(), std::mem::take(&mut self.cut.cap));
+        let mut drawn = Untangled::default();
         for round in 0..DRAWINGS {
             let most = extent * FINEST * f64::from(1 << round);
             let of_face: Vec<[u32; 2]> = (pairs.iter())
@@ -242,31 +243,13 @@ impl<'a> Face<'a> {
                     }
                 })
                 .collect();
-            let mut changed: Vec<u32> = Vec::new();
-            for (length, a, b) in net.edges_of(&of_face) {
-                // What lies on the skin stays there.
-                let (a, b) = (net.now(a), net.now(b));
-                let (a, b) = if b < rim { (b, a) } else { (a, b) };
-                if length > most || b < rim || !net.draw_together(a, b) {
-                    continue;
-                }
-                done.drawn += 1;
-                done.longest = done.longest.max(length);
-                changed.extend(&net.around[a as usize]);
-            }
+            // What lies on the skin stays there.
+            let changed = net.draw_edges(&of_face, most, &|v| v < rim, &mut drawn);
             if changed.is_empty() {
                 continue;
             }
-            changed.sort_unstable();
-            changed.dedup();
-            let gone = |t: u32| net.is_gone(t as usize);
-            changed.retain(|&t| !gone(t));
             let mut now = pairs.clone();
-            now.retain(|p| {
-                let stays = |t: u32| t as usize >= count || !gone(t);
-                p.iter()
-                    .all(|&t| stays(t) && changed.binary_search(&t).is_err())
-            });
+            net.leave(&mut now, &changed);
             now.extend(crossing(
                 &self.places,
                 &self.with_skin(&net.triangles),
@@ -279,6 +262,7 @@ impl<'a> Face<'a> {
                 break;
             }
         }
+        (done.drawn, done.longest) = (drawn.drawn, drawn.longest);
         let kept: Vec<bool> = (0..count).map(|t| !net.is_gone(t)).collect();
         let mut before = vec![0u32];
         for k in &kept {
