@@ -186,7 +186,7 @@ pub fn break_scene(
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
     // A plain break has nothing so fine that it could cross after rounding.
-    if cracks.is_some() || request.fray > 0.0 || model.wound.is_some() {
+    if cracks.is_some() || request.fray > 0.0 || model.wound.is_some() || p.hang > 0.0 {
         for node in &mut out.nodes[..ours] {
             notes.extend(untangled(node, material));
         }

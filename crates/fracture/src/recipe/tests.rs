@@ -84,7 +84,8 @@ fn layers_stand_over_each_other_in_order() {
     let recipe = Recipe::resolve(&[], Some(&with_preset), &["sliver_height=30 %"]).unwrap();
     // Default, preset, recipe, setting.
     let default = BreakParameters::default();
-    assert_eq!(recipe.face.bundle_aspect, default.bundle_aspect);
+    assert_eq!(recipe.face.bark_strips, default.bark_strips);
+    assert_ne!(recipe.face.bundle_aspect, default.bundle_aspect);
     assert_ne!(recipe.face.fibre_height, default.fibre_height);
     assert_eq!(recipe.face.fibre_height, 0.01);
     assert_eq!(recipe.face.slab_height, 1.25);

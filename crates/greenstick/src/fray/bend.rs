@@ -20,7 +20,7 @@ const WAY: f64 = 0.2;
 /// Steps of that way, each of which strains little.
 const STEPS: u32 = 8;
 /// How far fibres at the bark spread outwards, radii.
-const SPLAY: f64 = 0.16;
+const SPLAY: f64 = 0.08;
 /// Part of the face's corners that lie below the height from which on fibres bend.
 const FIRM: f64 = 0.2;
 
