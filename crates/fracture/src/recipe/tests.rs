@@ -87,7 +87,8 @@ fn layers_stand_over_each_other_in_order() {
     assert_eq!(recipe.face.bark_strips, default.bark_strips);
     assert_ne!(recipe.face.bundle_aspect, default.bundle_aspect);
     assert_ne!(recipe.face.fibre_height, default.fibre_height);
-    assert_eq!(recipe.face.fibre_height, 0.01);
+    let brash = Recipe::resolve(&["brash"], None, &[]).unwrap().face;
+    assert_eq!(recipe.face.fibre_height, brash.fibre_height);
     assert_eq!(recipe.face.slab_height, 1.25);
     assert_eq!(recipe.face.sliver_height, 0.3);
     assert_eq!(
