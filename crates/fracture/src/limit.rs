@@ -19,9 +19,9 @@ pub struct Wedge {
 
 /// Part of the greatest height from which on the wedge's planes leave heights as they are.
 const WHOLE: f64 = 0.5;
-/// Heights in a wedge that are less than this part of the radius are none: next to its edge all would differ by as good
-/// as nothing.
-const NOTHING: f64 = 5e-4;
+/// Heights in a narrow wedge are multiples of this part of the radius: next to its edge all would differ by as good as
+/// nothing, and steps finer than a file's precision would cross.
+const STEP: f64 = 5e-4;
 
 impl Wedge {
     /// A height (m) at a distance from the edge, brought between the planes. `greatest` are the greatest below and
@@ -35,8 +35,12 @@ impl Wedge {
             (above, greatest.1)
         };
         let part = (most / (WHOLE * greatest).max(f64::MIN_POSITIVE)).min(1.0);
-        let h = bent(h * part, below, above);
-        if h.abs() < NOTHING * radius { 0.0 } else { h }
+        let kept = bent(h * part, below, above);
+        if kept == h {
+            return h;
+        }
+        let step = STEP * radius;
+        (kept / step).trunc() * step
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::branch::bark_material;
 use crate::cracking::Cracks;
-use crate::fray::{FrayOptions, fray};
+use crate::fray::{Bent, FrayOptions, fray};
 use crate::looks::{Looks, looks};
 use crate::model::Model;
 use crate::report::{
@@ -20,6 +20,7 @@ use greenstick_skin::pieces::lacks_material;
 use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
 use greenstick_skin::untangle::untangle;
+use greenstick_skin::wind::Wound;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
 use greenstick_wood::stem::{Place, Stem, StemKind, StemOptions};
@@ -97,10 +98,10 @@ pub fn break_scene(
         .sum();
     context.step("stem", 0.0)?;
     let prepared = prepare(scene, &request.place, &request.stem, context)?;
-    let prepared = match winding(p) {
-        0.0 => prepared,
-        spiral => prepared.with_spiral(spiral.to_radians()),
-    };
+    let species = request.recipe.species()?;
+    let mut notes = Vec::new();
+    let (relief, species_report) = relief(&prepared, &request.recipe, species, &mut notes)?;
+    let prepared = prepared.wound(p, relief);
     repairs.extend(prepared.found.notes.iter().cloned());
     if prepared.parted > 0 {
         repairs.push(format!(
@@ -120,8 +121,6 @@ pub fn break_scene(
         repairs,
     };
     context.step("break", 0.0)?;
-    let mut notes = Vec::new();
-    let species = request.recipe.species()?;
     let material = prepared.scene.materials.len() as u32 + u32::from(lacks_material(&shell));
     let mut cracks = Cracks::plan(&request.recipe, &mut notes)?;
     let prepared = match &mut cracks {
@@ -129,7 +128,6 @@ pub fn break_scene(
         _ => prepared,
     };
     let stem = &prepared.found.stem;
-    let (relief, species_report) = relief(&prepared, &request.recipe, species, &mut notes)?;
     let model = prepared.model(p, relief, material)?;
     if model.heights.limited > 0 {
         notes.push(format!(
@@ -148,19 +146,20 @@ pub fn break_scene(
             model.chips
         ));
     }
+    notes.extend(model.wound.and_then(|w| wound_note(&w, &prepared)));
     let looks = looks(stem, p, species, prepared.extent.bark);
     let mut model = model;
     if let Some(cracks) = cracks.as_mut().filter(|c| !c.sawn) {
         cracks.open_break(&prepared, &mut model, p, material)?;
     }
-    let splinters = frayed(&prepared, &mut model, request, material)?;
+    let splinters = frayed(&prepared, &mut model, request, material, &mut notes)?;
     if request.fray > 0.0 && splinters.is_empty() {
         notes.push(
             "no splinter came loose: no fibre bundle away from the skin stands long enough alone"
                 .into(),
         );
     }
-    if p.spiral_angle != 0.0 && (winding(p) == 0.0 || stem.kind == StemKind::Board) {
+    if p.spiral_angle != 0.0 && (p.surface == Surface::Smooth || stem.kind == StemKind::Board) {
         notes.push(
             "the spiral angle was left out: grain winds in the fibrous face of a round stem only"
                 .into(),
@@ -187,7 +186,7 @@ pub fn break_scene(
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
     // A plain break has nothing so fine that it could cross after rounding.
-    if cracks.is_some() || request.fray > 0.0 {
+    if cracks.is_some() || request.fray > 0.0 || model.wound.is_some() || p.hang > 0.0 {
         for node in &mut out.nodes[..ours] {
             notes.extend(untangled(node, material));
         }
@@ -252,13 +251,45 @@ fn untangled(node: &mut Node, material: u32) -> Option<String> {
     })
 }
 
-/// Winding of the grain, degrees per radius: a fibrous face has it, the published smooth one has not.
-fn winding(p: &BreakParameters) -> f64 {
-    if p.surface == Surface::Fibrous {
-        p.spiral_angle
-    } else {
-        0.0
+/// What was done to a face of winding grain, where anything crossed.
+fn wound_note(wound: &Wound, prepared: &Prepared) -> Option<String> {
+    let node = &prepared.scene.nodes[prepared.found.node];
+    let longest = wound.longest * volume_scale(node).cbrt() * 1e6;
+    (wound.crossed > 0).then(|| {
+        let mut note = format!(
+            "{} pairs of triangles of the winding face crossed; {} edges were halved and {} of at most {longest:.0} µm \
+             drawn together",
+            wound.crossed, wound.halved, wound.drawn
+        );
+        if wound.left > 0 {
+            note += &format!(", {} pairs still cross", wound.left);
+        }
+        note
+    })
+}
+
+/// How a piece was bent.
+fn bend_note(name: &str, bent: &Bent, asked: f64) -> String {
+    let mut note = format!(
+        "{name}: bending changed the volume by {:+.3} %",
+        bent.change * 100.0
+    );
+    if bent.crossed > 0 {
+        note += &format!(
+            "; {} pairs of triangles crossed when bent, and {} edges were halved",
+            bent.crossed, bent.halved
+        );
     }
+    if bent.amount < asked {
+        note += &format!(
+            "; it was bent by {:.2} instead of {asked:.2}, as more would have made it cross itself",
+            bent.amount
+        );
+    }
+    if bent.left > 0 {
+        note += &format!("; {} pairs still cross", bent.left);
+    }
+    note
 }
 
 /// Frays the pieces of `model` where that is asked for; gives the splinters that came loose.
@@ -267,6 +298,7 @@ fn frayed(
     model: &mut Model,
     request: &BreakRequest,
     material: u32,
+    notes: &mut Vec<String>,
 ) -> Result<Vec<(Mesh, DAffine3)>, Error> {
     if request.fray <= 0.0 {
         return Ok(Vec::new());
@@ -278,6 +310,9 @@ fn frayed(
     };
     let made = fray(prepared, model, &request.recipe.face, &options)?;
     (model.lower, model.upper) = (made.lower, made.upper);
+    for (name, bent) in ["lower", "upper"].into_iter().zip(&made.bent) {
+        notes.push(bend_note(name, bent, options.amount));
+    }
     Ok(made.splinters)
 }
 

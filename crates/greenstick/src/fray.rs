@@ -6,6 +6,7 @@ mod part;
 use crate::model::Model;
 use crate::{Error, Prepared};
 use bend::Bend;
+pub(crate) use bend::Bent;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fracture::cut::{Ground, cut_again};
 use greenstick_fracture::parameters::{BreakParameters, Surface as SurfaceKind};
@@ -38,6 +39,8 @@ pub(crate) struct Frayed {
     pub upper: Mesh,
     /// The splinters where they stood in the wood, each with its motion in the world.
     pub splinters: Vec<(Mesh, DAffine3)>,
+    /// How the lower and the upper piece were bent.
+    pub bent: [Bent; 2],
 }
 
 /// Pieces and splinters at rest, with the cell of each splinter.
@@ -70,8 +73,14 @@ pub(crate) fn fray(
 ) -> Result<Frayed, Error> {
     let rest = at_rest(prepared, model, p, options)?;
     let seed = p.seed ^ purpose::BEND;
-    let bend =
-        |mesh: &Mesh, upper| Bend::new(prepared, model, options.amount, seed, upper).apply(mesh);
+    let bend = |mesh: &Mesh, upper| {
+        let bend = Bend::new(prepared, model, options.amount, seed, upper);
+        let (bent, mut done) = bend.apply(mesh);
+        done.change = bent.volume() / mesh.volume() - 1.0;
+        (bent, done)
+    };
+    let ((lower, of_lower), (upper, of_upper)) =
+        (bend(&rest.lower, false), bend(&rest.upper, true));
     // Around the stem in the order in which they stood, so that they do not fall on each other.
     let angle = |s: &(Mesh, u32)| model.bundles.bundles[s.1 as usize].phi.rem_euclid(TAU);
     let angles: Vec<f64> = rest.splinters.iter().map(angle).collect();
@@ -86,8 +95,9 @@ pub(crate) fn fray(
     });
     Ok(Frayed {
         splinters: splinters.collect(),
-        lower: bend(&rest.lower, false),
-        upper: bend(&rest.upper, true),
+        lower,
+        upper,
+        bent: [of_lower, of_upper],
     })
 }
 

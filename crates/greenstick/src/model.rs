@@ -1,5 +1,6 @@
 //! A break with given parameters: surface, cut, and both pieces as meshes.
 
+use crate::kept::Laid;
 use crate::{Error, Prepared};
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, CutError, cut_again};
@@ -9,6 +10,7 @@ use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_geometry::Mesh;
 use greenstick_skin::face::{Face, face};
 use greenstick_skin::pieces::{self, InnerWood, Patch, Source};
+use greenstick_skin::wind::{Wound, unwind};
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::Proportions;
 use std::sync::Arc;
@@ -28,6 +30,8 @@ pub struct Model {
     pub square: (DVec2, f64),
     /// Slivers that hung in the air on one side and were given to the other.
     pub chips: usize,
+    /// What was done to keep a face of winding grain from crossing itself.
+    pub wound: Option<Wound>,
 }
 
 /// A broken stem as it is drawn: what the break changes, with the rest of the skin by reference.
@@ -52,6 +56,7 @@ pub struct Drawn {
     material: u32,
     smooth: bool,
     chips: usize,
+    wound: Option<Wound>,
 }
 
 impl Prepared {
@@ -69,6 +74,7 @@ impl Prepared {
             heights: broken.heights,
             square: broken.square,
             chips: broken.chips,
+            wound: broken.wound,
         })
     }
 
@@ -78,13 +84,7 @@ impl Prepared {
     /// [`Error::Cut`] where the mesh is open or not a manifold at the break.
     pub fn drawn(&self, p: &BreakParameters, relief: f64, material: u32) -> Result<Drawn, Error> {
         let smooth = p.surface == Surface::Smooth;
-        let laid = self.kept.laid(self, &self.layout_options(p), smooth);
-        let setting = self.setting(p, relief);
-        let heights = if smooth {
-            heights::smooth(&laid.bundles, p, &setting)
-        } else {
-            heights::fibrous(&laid.bundles, p, &setting)
-        };
+        let (laid, heights) = self.heights(p, relief);
         let mut cut = cut_again(
             &self.solid(),
             &self.kept.skin,
@@ -94,6 +94,11 @@ impl Prepared {
         .map_err(|error| self.locate(error))?;
         let chips = cut.absorb_chips_again(&self.solid(), &self.kept.skin);
         cut.part_at(&self.grain, &self.kept.levels);
+        let wound = self.layers.winds().then(|| {
+            let transform = self.transform();
+            let to_grain = |p| self.layers.to_grain(transform.transform_point3(p));
+            unwind(&self.source(), &mut cut, &self.kept.skin, &to_grain)
+        });
         let mut broken = Drawn {
             face: Face::default(),
             patch: Patch::default(),
@@ -105,6 +110,7 @@ impl Prepared {
             material,
             smooth,
             chips,
+            wound,
         };
         let source = self.source();
         let (face, patch) = self.with_inner(&broken, |inner| {
@@ -114,6 +120,19 @@ impl Prepared {
         });
         (broken.face, broken.patch) = (face, patch);
         Ok(broken)
+    }
+
+    /// The layout of the section and the heights of its break.
+    pub(crate) fn heights(&self, p: &BreakParameters, relief: f64) -> (Arc<Laid>, Heights) {
+        let smooth = p.surface == Surface::Smooth;
+        let laid = self.kept.laid(self, &self.layout_options(p), smooth);
+        let setting = self.setting(p, relief);
+        let heights = if smooth {
+            heights::smooth(&laid.bundles, p, &setting)
+        } else {
+            heights::fibrous(&laid.bundles, p, &setting)
+        };
+        (laid, heights)
     }
 
     /// Height between the 5th and the 95th hundredth of the face that [`Prepared::drawn`] makes with no more relief than

@@ -5,6 +5,7 @@ use crate::kept::Kept;
 use crate::refine::Refined;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::Solid;
+use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_geometry::{Context, Mesh, Scene};
 use greenstick_wood::stem::{Found, LayeredGrain, Place, StemKind, StemOptions, find};
 use std::sync::Arc;
@@ -200,17 +201,27 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     }
 }
 
+/// How far beyond the break grain winds, radii.
+const BEYOND: f64 = 0.5;
+
 impl Prepared {
-    /// The same stem with grain that winds about the axis by `spiral` rad per radius of length. A board keeps its grain.
-    pub fn with_spiral(&self, spiral: f64) -> Prepared {
+    /// The same stem with the winding grain that the parameters ask for, about their break and no farther: a fibrous
+    /// face of a round stem has it. `relief` as for [`Prepared::model`].
+    pub fn wound(&self, p: &BreakParameters, relief: f64) -> Prepared {
         let stem = &self.found.stem;
-        if spiral == 0.0 || stem.kind == StemKind::Board {
+        let fibrous = p.surface == Surface::Fibrous;
+        if p.spiral_angle == 0.0 || !fibrous || stem.kind == StemKind::Board {
             return self.clone();
         }
-        let layers = self
-            .layers
-            .clone()
-            .with_spiral(spiral / stem.radius, stem.usable);
+        let (_, heights) = self.heights(p, relief);
+        let margin = BEYOND * stem.radius;
+        let (low, high) = heights.range;
+        let winds = (
+            (stem.place + low - margin).max(stem.usable.0),
+            (stem.place + high + margin).min(stem.usable.1),
+        );
+        let turn = p.spiral_angle.to_radians() / stem.radius;
+        let layers = self.layers.clone().with_spiral(turn, winds);
         laid(self.scene.clone(), self.found.clone(), layers)
     }
 

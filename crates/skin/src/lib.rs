@@ -2,7 +2,9 @@
 #![deny(missing_docs)]
 
 pub mod face;
+pub mod halve;
 pub mod pieces;
 pub mod settle;
 pub mod texture;
 pub mod untangle;
+pub mod wind;

@@ -6,6 +6,7 @@
 //! mesh closed and manifold where its ends have no neighbours in common but those beside it (Dey et al. 1999,
 //! Topology Preserving Edge Contraction).
 
+use crate::halve::crossing;
 use glam::DVec3;
 use greenstick_geometry::Mesh;
 use greenstick_geometry::intersect::{Contact, contact_tree, self_contacts};
@@ -39,32 +40,39 @@ pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
             (l.min(p), h.max(p))
         });
     let extent = (high - low).length();
-    let mut done = Untangled::default();
-    for round in 0..ROUNDS {
-        let crossing = crossing(mesh, inner);
-        done.left = crossing.len();
-        if round == 0 {
-            done.crossed = crossing.len();
-        }
-        if crossing.is_empty() || !extent.is_finite() {
-            return done;
-        }
-        let mut net = Net::new(mesh);
-        let most = extent * FINEST * f64::from(1 << round);
-        for (length, a, b) in net.edges_of(&crossing) {
-            if length <= most && net.draw_together(a, b) {
-                done.drawn += 1;
-                done.longest = done.longest.max(length);
-            }
-        }
-        net.write(mesh);
+    let (mut pairs, near) = crossing_near(mesh, inner);
+    let mut done = Untangled {
+        crossed: pairs.len(),
+        left: pairs.len(),
+        ..Untangled::default()
+    };
+    if pairs.is_empty() || !extent.is_finite() {
+        return done;
     }
-    done.left = crossing(mesh, inner).len();
+    let mut net = Net::new(mesh);
+    for round in 0..ROUNDS {
+        let most = extent * FINEST * f64::from(1 << round);
+        let changed = net.draw_edges(&pairs, most, &|_| false, &mut done);
+        if changed.is_empty() {
+            continue;
+        }
+        net.leave(&mut pairs, &changed);
+        pairs.extend(crossing(&net.places, &net.triangles, Some(&changed)));
+        pairs.retain(|p| p.iter().all(|&t| near[t as usize]));
+        pairs.sort_unstable();
+        pairs.dedup();
+        if pairs.is_empty() {
+            break;
+        }
+    }
+    net.write(mesh);
+    done.left = pairs.len();
     done
 }
 
-/// Pairs of triangles that cross, of those of material `inner` and those that share a point with them.
-fn crossing(mesh: &Mesh, inner: u32) -> Vec<[u32; 2]> {
+/// Pairs of triangles that cross, of those of material `inner` and those that share a point with them; and which these
+/// are.
+fn crossing_near(mesh: &Mesh, inner: u32) -> (Vec<[u32; 2]>, Vec<bool>) {
     let (points, count) = mesh.points();
     let mut inside = vec![false; count];
     let wood = |t: usize| mesh.material(t) == inner;
@@ -92,18 +100,20 @@ fn crossing(mesh: &Mesh, inner: u32) -> Vec<[u32; 2]> {
         }
     });
     pairs.sort_unstable();
-    pairs
+    let mut is_near = vec![false; mesh.triangles.len()];
+    chosen.iter().for_each(|&t| is_near[t] = true);
+    (pairs, is_near)
 }
 
 /// The mesh by points: vertices at one position are one.
-struct Net {
+pub(crate) struct Net {
     /// Point of every vertex.
     points: Vec<u32>,
     /// The point that each has been drawn to, itself at first.
     drawn_to: Vec<u32>,
     places: Vec<DVec3>,
     /// Points of every triangle; all the same where it is gone.
-    triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Triangles about every point.
     around: Vec<Vec<u32>>,
 }
@@ -111,24 +121,71 @@ struct Net {
 impl Net {
     fn new(mesh: &Mesh) -> Self {
         let (points, count) = mesh.points();
+        let mut places = vec![DVec3::ZERO; count];
+        for (&point, &place) in points.iter().zip(&mesh.positions) {
+            places[point as usize] = place;
+        }
+        let triangles = mesh.triangles.iter();
+        let triangles = triangles.map(|t| t.map(|v| points[v as usize])).collect();
+        let mut net = Net::of(places, triangles);
+        net.points = points;
+        net
+    }
+
+    /// The net of triangles whose corners are points at `places`.
+    pub(crate) fn of(places: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let count = places.len();
         let mut net = Net {
             drawn_to: (0..count as u32).collect(),
-            places: vec![DVec3::ZERO; count],
-            triangles: (mesh.triangles.iter())
-                .map(|t| t.map(|v| points[v as usize]))
-                .collect(),
+            places,
+            triangles,
             around: vec![Vec::new(); count],
-            points,
+            points: Vec::new(),
         };
-        for (&point, &place) in net.points.iter().zip(&mesh.positions) {
-            net.places[point as usize] = place;
-        }
         for (t, corners) in net.triangles.iter().enumerate() {
             corners
                 .iter()
                 .for_each(|&p| net.around[p as usize].push(t as u32));
         }
         net
+    }
+
+    /// Draws those edges of the triangles of `pairs` together that are no longer than `most`, the shortest first, towards
+    /// points that `stay` where one of the ends does. Gives the triangles that changed.
+    pub(crate) fn draw_edges(
+        &mut self,
+        pairs: &[[u32; 2]],
+        most: f64,
+        stay: &dyn Fn(u32) -> bool,
+        done: &mut Untangled,
+    ) -> Vec<u32> {
+        let mut changed: Vec<u32> = Vec::new();
+        for (length, a, b) in self.edges_of(pairs) {
+            if length > most {
+                break;
+            }
+            let (a, b) = (self.now(a), self.now(b));
+            let (a, b) = if stay(b) { (b, a) } else { (a, b) };
+            if stay(b) || !self.draw_together(a, b) {
+                continue;
+            }
+            done.drawn += 1;
+            done.longest = done.longest.max(length);
+            changed.extend(&self.around[a as usize]);
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        changed.retain(|&t| !self.is_gone(t as usize));
+        changed
+    }
+
+    /// Takes the pairs out of which a triangle is gone or has `changed`.
+    pub(crate) fn leave(&self, pairs: &mut Vec<[u32; 2]>, changed: &[u32]) {
+        let same = |t: u32| {
+            let gone = (t as usize) < self.triangles.len() && self.is_gone(t as usize);
+            !gone && changed.binary_search(&t).is_err()
+        };
+        pairs.retain(|p| p.iter().all(|&t| same(t)));
     }
 
     /// Edges of the triangles of `pairs` with their lengths, the shortest first.
@@ -150,6 +207,7 @@ impl Net {
         edges
     }
 
+    /// The point that a point was drawn to, itself where it was not.
     fn now(&self, mut point: u32) -> u32 {
         while self.drawn_to[point as usize] != point {
             point = self.drawn_to[point as usize];
@@ -203,6 +261,11 @@ impl Net {
         true
     }
 
+    /// Whether a triangle was drawn together.
+    pub(crate) fn is_gone(&self, t: usize) -> bool {
+        self.triangles[t][0] == self.triangles[t][1]
+    }
+
     /// Moves the mesh's vertices to their points' places, and takes out the triangles that are gone.
     fn write(&self, mesh: &mut Mesh) {
         for (position, &point) in mesh.positions.iter_mut().zip(&self.points) {
@@ -211,7 +274,7 @@ impl Net {
                 *position = self.places[now as usize];
             }
         }
-        let stays = |t: usize| self.triangles[t][0] != self.triangles[t][1];
+        let stays = |t: usize| !self.is_gone(t);
         if !mesh.materials.is_empty() {
             let mut t = 0;
             mesh.materials.retain(|_| {

@@ -83,8 +83,12 @@ fn layers_stand_over_each_other_in_order() {
     let with_preset = format!("preset = ['brash', 'fig21']\nmoisture = 9\n{text}");
     let recipe = Recipe::resolve(&[], Some(&with_preset), &["sliver_height=30 %"]).unwrap();
     // Default, preset, recipe, setting.
-    assert_eq!(recipe.face.bundle_aspect, 4.0);
-    assert_eq!(recipe.face.fibre_height, 0.01);
+    let default = BreakParameters::default();
+    assert_eq!(recipe.face.bark_strips, default.bark_strips);
+    assert_ne!(recipe.face.bundle_aspect, default.bundle_aspect);
+    assert_ne!(recipe.face.fibre_height, default.fibre_height);
+    let brash = Recipe::resolve(&["brash"], None, &[]).unwrap().face;
+    assert_eq!(recipe.face.fibre_height, brash.fibre_height);
     assert_eq!(recipe.face.slab_height, 1.25);
     assert_eq!(recipe.face.sliver_height, 0.3);
     assert_eq!(
@@ -238,7 +242,10 @@ fn documented_example() -> String {
 #[test]
 fn the_documented_example_means_what_it_says() {
     let recipe = Recipe::from_toml(&documented_example()).unwrap();
-    assert_eq!((recipe.face.slab_height, recipe.face.split), (1.5, 2.0));
+    let preset = Recipe::resolve(&["splintering-tension"], None, &[]).unwrap();
+    assert_eq!(recipe.face.slab_height, 1.5);
+    assert_eq!(recipe.face.split, preset.face.split);
+    assert_ne!(preset.face.split, BreakParameters::default().split);
     assert!((recipe.face.diameter - 1.2).abs() < 1e-12);
     assert_eq!(recipe.face.sapwood.perlin_amplitude, 0.1);
     assert_eq!(

@@ -1,30 +1,52 @@
 //! Bending of torn fibres: a smooth, one-to-one map of the space about the break.
 //!
-//! Above a reference height every plane across the grain is carried outwards and, in a few small steps, along a smooth
-//! random field. A step moves neighbouring places by less than half their distance against each other, so no two
-//! places ever fall together, and nothing tears: positions are moved, triangles stay.
+//! Above a reference height every plane across the grain is spread and lowered, and then carried, in a few small steps,
+//! along a smooth random field without sources. No two places ever fall together, nothing tears, and volumes stay but
+//! for what straight triangles are off the curved map; triangles that would cross for it are halved.
 
-use super::part::part;
+use super::part::{part, vertex_between};
 use crate::Prepared;
 use crate::model::Model;
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Aabb, Mesh};
+use greenstick_skin::halve::{Halver, crossing};
 use greenstick_wood::noise::{self, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
 
 /// Width of the random field's features, radii.
 const FEATURE: f64 = 0.7;
-/// Way along the random field where it is fastest, as part of its features' width.
-const WAY: f64 = 0.55;
-/// Steps of that way. The field's slope is below 4, so a step strains by less than 4 · WAY / STEPS < 1/2.
+/// Way along the random field per slope of its noise (about 2 at most), as part of its features' width.
+const WAY: f64 = 0.2;
+/// Steps of that way, each of which strains little.
 const STEPS: u32 = 8;
 /// How far fibres at the bark spread outwards, radii.
-const SPLAY: f64 = 0.25;
+const SPLAY: f64 = 0.08;
 /// Part of the face's corners that lie below the height from which on fibres bend.
 const FIRM: f64 = 0.2;
 
 /// Distance along the grain at which triangles are parted to follow the bend, radii.
 const SPACING: f64 = 0.5;
+
+/// Rounds in which triangles that cross are halved before the bend is made weaker.
+const HALVINGS: u32 = 8;
+/// How much weaker the bend is then, and how often.
+const LESS: f64 = 0.7;
+const WEAKER: u32 = 4;
+
+/// What was done lest a bent piece cross itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Bent {
+    /// Pairs of triangles that crossed at first.
+    pub crossed: usize,
+    /// Edges halved.
+    pub halved: usize,
+    /// Pairs that still cross.
+    pub left: usize,
+    /// How much the piece was bent, 0 to 1: what was asked for, or less.
+    pub amount: f64,
+    /// Change of the piece's volume, as part of it.
+    pub change: f64,
+}
 
 /// The bend of one piece.
 pub(super) struct Bend<'a> {
@@ -81,13 +103,15 @@ impl<'a> Bend<'a> {
         self.sign * (grain.z - self.firm) / self.radius
     }
 
-    /// The field at a place, radii per unit of way.
+    /// The field at a place, radii per unit of way: the curl of noise, which moves areas without changing them.
     fn field(&self, at: DVec2) -> DVec2 {
+        const H: f64 = 1e-4;
         let p = (at - self.middle) / (FEATURE * self.radius);
-        DVec2::new(
-            noise::plane(self.seed << 1, p),
-            noise::plane((self.seed << 1) + 1, p),
-        ) * (WAY * FEATURE)
+        let slope = |e: DVec2| {
+            let noise = |p| noise::plane(self.seed << 1, p);
+            (noise(p + e * H) - noise(p - e * H)) / (2.0 * H)
+        };
+        DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (WAY * FEATURE)
     }
 
     /// Where a place in grain space goes: first down, then aside within its plane.
@@ -100,27 +124,17 @@ impl<'a> Bend<'a> {
         if over <= 0.0 || strength <= 0.0 {
             return grain;
         }
-        let down = grain.z - self.sign * self.drop(at, strength, over) * self.radius;
-        let left = self.over(at.extend(down)).max(0.0);
+        let left = lowered(over, SPLAY * strength);
+        let down = self.firm + self.sign * left * self.radius;
         let way = strength * left * left / (1.0 + left * left);
         let mut to = at + (at - self.middle) * (SPLAY * way);
+        // By midpoints, so that areas stay to third order.
+        let step = way * self.radius / f64::from(STEPS);
         for _ in 0..STEPS {
-            to += self.field(to) * (way * self.radius / f64::from(STEPS));
+            let half = to + self.field(to) * (0.5 * step);
+            to += self.field(half) * step;
         }
         to.extend(down)
-    }
-
-    /// How far a fibre drops, radii: it keeps its length to first order, half the integral of its slope squared.
-    fn drop(&self, at: DVec2, strength: f64, over: f64) -> f64 {
-        const PARTS: u32 = 8;
-        let lean = (at - self.middle) * (SPLAY / self.radius) + self.field(at);
-        let part = over / f64::from(PARTS);
-        let slopes = (0..PARTS).map(|i| {
-            let t = part * (f64::from(i) + 0.5);
-            let slope = 2.0 * t / ((1.0 + t * t) * (1.0 + t * t));
-            slope * slope * part
-        });
-        0.5 * lean.length_squared() * strength * strength * slopes.sum::<f64>()
     }
 
     /// Where a place in the node's coordinates goes; `None` where it stays.
@@ -130,11 +144,93 @@ impl<'a> Bend<'a> {
         (to != grain).then(|| self.inverse.transform_point3(self.layers.to_world(to)))
     }
 
-    /// The mesh, bent.
-    pub fn apply(&self, mesh: &Mesh) -> Mesh {
+    /// The mesh, bent, with what was done lest it cross itself.
+    pub fn apply(mut self, mesh: &Mesh) -> (Mesh, Bent) {
+        let mut done = Bent::default();
+        for attempt in 0..=WEAKER {
+            let last = attempt == WEAKER;
+            let straight = self.straight(mesh, &mut done);
+            if done.left == 0 || last {
+                done.amount = self.amount;
+                return (self.bent(&straight), done);
+            }
+            self.amount *= LESS;
+        }
+        (mesh.clone(), done)
+    }
+
+    /// The mesh before it is bent, in triangles so fine that it can be: halved where they would cross when bent.
+    fn straight(&self, mesh: &Mesh, done: &mut Bent) -> Mesh {
         // Long triangles along the grain are parted, so that they bend instead of leaning.
         let over = |place: DVec3| self.over(self.grain(place));
-        let mesh = &part(mesh, &over, SPACING);
+        let mut mesh = part(mesh, &over, SPACING);
+        let map = |p: DVec3| self.map(p).unwrap_or(p);
+        let mut bent: Vec<DVec3> = mesh.positions.iter().map(|&p| map(p)).collect();
+        let moved: Vec<bool> = (mesh.triangles.iter())
+            .map(|t| {
+                t.iter()
+                    .any(|&v| bent[v as usize] != mesh.positions[v as usize])
+            })
+            .collect();
+        let around = |t: &[u32; 3]| Aabb::around(&t.map(|v| bent[v as usize]));
+        let all = mesh.triangles.iter().zip(&moved).filter(|(_, m)| **m);
+        let reach = all.fold(Aabb::EMPTY, |reach, (t, _)| reach.join(&around(t)));
+        let near: Vec<u32> = (0..mesh.triangles.len() as u32)
+            .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
+            .collect();
+        let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
+        let mut pairs = crossing(&bent, &triangles, None);
+        for t in pairs.iter_mut().flatten() {
+            *t = near[*t as usize];
+        }
+        // What crosses without being bent is the input's own.
+        pairs.retain(|p| p.iter().any(|&t| moved[t as usize]));
+        done.crossed = done.crossed.max(pairs.len());
+        (done.halved, done.left) = (0, pairs.len());
+        if pairs.is_empty() {
+            return mesh;
+        }
+        let (points, count) = mesh.points();
+        let mut halver = Halver::new(std::mem::take(&mut mesh.triangles), points, count as u32);
+        for _ in 0..HALVINGS {
+            let mut fresh = vec![false; halver.triangles.len()];
+            let mut changed = Vec::new();
+            for t in pairs.iter().flatten().copied() {
+                if fresh[t as usize] {
+                    continue;
+                }
+                let length = |a: u32, b: u32| bent[a as usize].distance(bent[b as usize]);
+                let mut make = |a: u32, b: u32| vertex_between(&mut mesh, a, b, 0.5);
+                if let Some(four) = halver.halve(t, &length, &mut make) {
+                    fresh.resize(halver.triangles.len(), true);
+                    four.iter().for_each(|&t| fresh[t as usize] = true);
+                    changed.extend(four);
+                    done.halved += 1;
+                }
+                let new = mesh.positions[bent.len()..].iter().map(|&p| map(p));
+                bent.extend(new.collect::<Vec<_>>());
+            }
+            changed.sort_unstable();
+            changed.dedup();
+            pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
+            pairs.extend(crossing(&bent, &halver.triangles, Some(&changed)));
+            pairs.sort_unstable();
+            pairs.dedup();
+            done.left = pairs.len();
+            if pairs.is_empty() || changed.is_empty() {
+                break;
+            }
+        }
+        if !mesh.materials.is_empty() {
+            let of = halver.origins.iter().map(|&t| mesh.materials[t as usize]);
+            mesh.materials = of.collect();
+        }
+        mesh.triangles = halver.triangles;
+        mesh
+    }
+
+    /// The mesh with its vertices moved and their normals turned.
+    fn bent(&self, mesh: &Mesh) -> Mesh {
         let mut bent = mesh.clone();
         let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
         let derivative = |place: DVec3, to: DVec3, direction: DVec3| {
@@ -169,6 +265,21 @@ impl<'a> Bend<'a> {
         }
         bent
     }
+}
+
+/// Height to which one of `over` comes down where planes at a height u are spread by the factor 1 + k u²/(1 + u²): as
+/// much as they gain in area they lose in distance, so that volumes stay. The root of
+/// ∫ (1 + k u²/(1 + u²))² du = `over` by Newton's method.
+fn lowered(over: f64, k: f64) -> f64 {
+    let mut u = over;
+    for _ in 0..8 {
+        let spread = 1.0 + k * u * u / (1.0 + u * u);
+        let (turn, near) = (libm::atan(u), u / (1.0 + u * u));
+        let sum =
+            (1.0 + k) * (1.0 + k) * u - 2.0 * k * (1.0 + k) * turn + 0.5 * k * k * (near + turn);
+        u = (u - (sum - over) / (spread * spread)).max(0.0);
+    }
+    u
 }
 
 #[cfg(test)]

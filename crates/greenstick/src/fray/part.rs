@@ -90,25 +90,29 @@ impl Parter {
         }
         let (from, to) = (self.levels[a as usize], self.levels[b as usize]);
         let t = (level - from) / (to - from);
-        let mesh = &mut self.mesh;
-        let [p, q] = [a, b].map(|v| mesh.positions[v as usize]);
-        mesh.positions.push(p.lerp(q, t));
-        for (name, attribute) in &mut mesh.attributes {
-            let mut values: Vec<f32> = (attribute.at(a as usize).iter())
-                .zip(attribute.at(b as usize))
-                .map(|(x, y)| x + (y - x) * t as f32)
-                .collect();
-            if name == "NORMAL" || name == "TANGENT" {
-                let length = values.iter().take(3).map(|x| x * x).sum::<f32>().sqrt();
-                if length > 0.0 {
-                    values.iter_mut().take(3).for_each(|x| *x /= length);
-                }
-            }
-            attribute.data.extend(values);
-        }
+        let made = vertex_between(&mut self.mesh, a, b, t);
         self.levels.push(level);
-        let made = mesh.positions.len() as u32 - 1;
         self.made.insert(key, made);
         made
     }
+}
+
+/// Makes a vertex at fraction `t` from one vertex to another, with their attributes.
+pub(super) fn vertex_between(mesh: &mut Mesh, a: u32, b: u32, t: f64) -> u32 {
+    let [p, q] = [a, b].map(|v| mesh.positions[v as usize]);
+    mesh.positions.push(p.lerp(q, t));
+    for (name, attribute) in &mut mesh.attributes {
+        let mut values: Vec<f32> = (attribute.at(a as usize).iter())
+            .zip(attribute.at(b as usize))
+            .map(|(x, y)| x + (y - x) * t as f32)
+            .collect();
+        if name == "NORMAL" || name == "TANGENT" {
+            let length = values.iter().take(3).map(|x| x * x).sum::<f32>().sqrt();
+            if length > 0.0 {
+                values.iter_mut().take(3).for_each(|x| *x /= length);
+            }
+        }
+        attribute.data.extend(values);
+    }
+    mesh.positions.len() as u32 - 1
 }

@@ -111,6 +111,11 @@ impl LayeredGrain {
         self
     }
 
+    /// Whether the grain winds about the axis, so that the map is not quite affine between levels.
+    pub fn winds(&self) -> bool {
+        self.spiral != 0.0
+    }
+
     /// Levels, m, ascending: no straight edge should cross one.
     pub fn levels(&self) -> impl Iterator<Item = f64> + '_ {
         self.levels.iter().map(|l| l.0)
