@@ -155,7 +155,7 @@ fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> Vec<Ring> {
     let mut found = Vec::new();
     let mut reach = 6.0 * cloud.spacing;
     while reach < largest {
-        let ball = cloud.tree.within(at, reach);
+        let ball = cloud.tree.around(at, reach);
         if ball.len() >= 24 {
             found.extend(ring_of(cloud, at, &ball, reach, seed));
         }
@@ -225,7 +225,7 @@ fn section(
     seed: u64,
 ) -> Option<(Circle, f64)> {
     let (x, y) = along.any_orthonormal_pair();
-    let near = cloud.tree.within(centre, 2.2 * radius);
+    let near = cloud.tree.around(centre, 2.2 * radius);
     for half in [0.25, 0.5, 1.0] {
         let slab: Vec<DVec3> = near
             .iter()
