@@ -4,11 +4,13 @@ use crate::arguments::{AnatomyOptions, RingsByWord, ScheduleWord};
 use crate::break_wood::{Written, doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
+use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::anatomy::{AnatomyReport, AnatomyRequest, RingsBy};
-use greenstick::files::{self, Source};
+use greenstick::files;
 use greenstick::formats::LengthUnit;
-use greenstick::wood::stem::StemOptions;
+use greenstick::scanning::ScannedReport;
+use greenstick::wood::stem::{Place, StemOptions};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -33,17 +35,19 @@ struct Told<'a> {
     voxel_volume_m3: Option<f64>,
     segments: &'a [greenstick::anatomy::SegmentReport],
     notes: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scan: Option<&'a ScannedReport>,
     outputs: &'a [Written],
     stages: &'a [Stage],
 }
 
 pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let unit = options.unit.map(LengthUnit::from);
-    let request = request(options, unit.unwrap_or_default())?;
+    let mut request = request(options, unit.unwrap_or_default())?;
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
-    progress.stage("read")?;
-    let source = load(options.input.as_deref(), unit)?;
+    let source = load(options, request.place, unit, &progress)?;
+    request.place = source.place;
     files::check_folder(&options.output, MAIN)?;
     let mut inside =
         progress.watch(|context| greenstick::anatomy::anatomy(&source.scene, &request, context))?;
@@ -73,17 +77,30 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
                 bytes: o.bytes.len(),
             })
             .collect();
-        print(&told(&inside.report, &written, &stages, options.json)?)?;
+        print(&told(
+            &inside.report,
+            source.scan.as_ref(),
+            &written,
+            &stages,
+            options.json,
+        )?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The scene of an input, or the branch that comes with the program.
-fn load(input: Option<&Path>, unit: Option<LengthUnit>) -> Result<Source, Failure> {
-    match input {
-        Some(path) => Ok(files::load(path, unit)?),
-        None => Ok(Source {
+/// The scene of an input, a cloud's as the bark of its stem, or the branch that comes with the program.
+fn load(
+    options: &AnatomyOptions,
+    place: Place,
+    unit: Option<LengthUnit>,
+    progress: &Progress,
+) -> Result<Loaded, Failure> {
+    match &options.input {
+        Some(path) => scan::load(path, place, unit, &options.scan, progress),
+        None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
+            place,
+            scan: None,
             files: Vec::new(),
         }),
     }
@@ -132,6 +149,7 @@ fn rings_by(options: &AnatomyOptions) -> Result<RingsBy, Failure> {
 
 fn told(
     report: &AnatomyReport,
+    scan: Option<&ScannedReport>,
     outputs: &[Written],
     stages: &[Stage],
     json: bool,
@@ -151,6 +169,7 @@ fn told(
             voxel_volume_m3: report.voxel_volume_m3,
             segments: &report.segments,
             notes: &report.notes,
+            scan,
             outputs,
             stages,
         };
@@ -158,7 +177,8 @@ fn told(
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         return Ok(text + "\n");
     }
-    let mut text = report.to_string();
+    let mut text = scan.map(ToString::to_string).unwrap_or_default();
+    text += &report.to_string();
     for file in outputs {
         let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
     }

@@ -256,7 +256,8 @@ pub struct BreakOptions {
 #[derive(Debug, Args)]
 #[command(after_help = ANATOMY_EXAMPLES)]
 pub struct AnatomyOptions {
-    /// Mesh of a stem (.glb, .gltf, .obj, .ply, .stl or .off); without it, a branch that comes with the program
+    /// Mesh of a stem (.glb, .gltf, .obj, .ply, .stl or .off) or point cloud (.ply, .xyz, .las or .laz); without it, a
+    /// branch that comes with the program
     pub input: Option<PathBuf>,
     /// Folder for the files; made where it is not there
     #[arg(short, long, value_name = "FOLDER")]
@@ -275,6 +276,8 @@ pub struct AnatomyOptions {
     /// Make only these
     #[arg(long, value_name = "PARTS", value_delimiter = ',', default_values_t = PartWord::ALL, hide_default_value = true)]
     pub only: Vec<PartWord>,
+    #[command(flatten)]
+    pub scan: ScanArguments,
 
     /// Voxels along each side of a segment, which is slightly longer than the stem is wide: 32 to 512
     #[arg(long, value_name = "NUMBER", default_value = "128", help_heading = "How finely",

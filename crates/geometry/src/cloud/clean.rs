@@ -153,9 +153,11 @@ pub fn clean(
             "another point is at the same place".to_owned()
         });
     }
-    context.step("clean", 0.2)?;
+    context.step("clean", 0.1)?;
+    let mut near = measured(&at.points, context)?;
     if let Some(deviations) = options.outliers {
-        let (kept, limit) = inliers(&at.points, deviations);
+        let (kept, limit) = inliers(&near.means, deviations);
+        near.leave(&kept);
         at = keep(at, kept, "outliers", &mut report, || {
             format!(
                 "the mean distance to {NEIGHBOURS} neighbours exceeds {limit:.6} m, the mean and {deviations} standard \
@@ -163,9 +165,10 @@ pub fn clean(
             )
         });
     }
-    context.step("clean", 0.6)?;
+    context.step("clean", 0.7)?;
     if let Some(times) = options.isolated {
-        let (kept, radius) = connected(&at.points, times);
+        let (kept, radius) = near.connected(times);
+        near.leave(&kept);
         at = keep(at, kept, "isolated", &mut report, || {
             format!("fewer than two other points within {radius:.6} m, {times} median spacings")
         });
@@ -185,7 +188,10 @@ pub fn clean(
             least: LEAST,
         });
     }
-    report.spacing_m = spacing(&at.points);
+    report.spacing_m = match options.spacing {
+        Some(_) => spacing(&at.points),
+        None => near.spacing(),
+    };
     context.step("clean", 1.0)?;
     Ok((at, report))
 }
@@ -228,15 +234,112 @@ fn distinct(points: &[DVec3]) -> Vec<u32> {
     kept
 }
 
-/// Points whose mean distance to their neighbours is not far above the mean of all, and the limit.
-fn inliers(points: &[DVec3], deviations: f64) -> (Vec<u32>, f64) {
+/// Points with their nearest neighbours, looked for once for all steps.
+struct Near {
+    points: Vec<DVec3>,
+    tree: Neighbours,
+    /// Mean distance to the neighbours that tell outliers, m.
+    means: Vec<f64>,
+    /// The two nearest others, as the square of the distance and the number.
+    nearest: Vec<[(f64, u32); 2]>,
+    /// Numbers of the points that are left, ascending, and whether each is.
+    left: Vec<u32>,
+    is_left: Vec<bool>,
+}
+
+/// Points of which the neighbours are looked for at once, so that the caller can stop between them.
+const AT_ONCE: usize = 1 << 16;
+
+fn measured(points: &[DVec3], context: &Context) -> Result<Near, Cancelled> {
     let tree = Neighbours::new(points);
-    let mean_distance = |p: &DVec3| {
+    let of = |p: &DVec3| {
         let near = tree.nearest(*p, NEIGHBOURS + 1);
         let sum: f64 = near.iter().skip(1).map(|n| n.0.sqrt()).sum();
-        sum / (near.len().max(2) - 1) as f64
+        let other = |k: usize| near.get(k).copied().unwrap_or((f64::INFINITY, u32::MAX));
+        let mean = sum / (near.len().max(2) - 1) as f64;
+        (mean, [other(1), other(2)])
     };
-    let distances: Vec<f64> = points.par_iter().map(mean_distance).collect();
+    let (mut means, mut nearest) = (Vec::new(), Vec::new());
+    for part in points.chunks(AT_ONCE) {
+        context.step(
+            "clean",
+            0.2 + 0.5 * means.len() as f64 / points.len() as f64,
+        )?;
+        let some: Vec<(f64, [(f64, u32); 2])> = part.par_iter().map(of).collect();
+        means.extend(some.iter().map(|s| s.0));
+        nearest.extend(some.iter().map(|s| s.1));
+    }
+    Ok(Near {
+        points: points.to_vec(),
+        tree,
+        means,
+        nearest,
+        left: (0..points.len() as u32).collect(),
+        is_left: vec![true; points.len()],
+    })
+}
+
+impl Near {
+    /// Leaves only these, by their places among those that are left.
+    fn leave(&mut self, kept: &[u32]) {
+        self.left = kept.iter().map(|&k| self.left[k as usize]).collect();
+        self.is_left.fill(false);
+        self.left
+            .iter()
+            .for_each(|&i| self.is_left[i as usize] = true);
+    }
+
+    /// Distances from a point to the two nearest others that are left, m.
+    fn others(&self, i: u32) -> (f64, f64) {
+        let known = self.nearest[i as usize];
+        if known
+            .iter()
+            .all(|n| self.is_left.get(n.1 as usize) == Some(&true))
+        {
+            return (known[0].0.sqrt(), known[1].0.sqrt());
+        }
+        let mut count = 4 * NEIGHBOURS;
+        loop {
+            let near = self.tree.nearest(self.points[i as usize], count);
+            let mut others = near
+                .iter()
+                .filter(|n| n.1 != i && self.is_left[n.1 as usize]);
+            let first = others.next().map(|n| n.0.sqrt());
+            let second = others.next().map(|n| n.0.sqrt());
+            if second.is_some() || near.len() < count {
+                let far = f64::INFINITY;
+                return (first.unwrap_or(far), second.unwrap_or(far));
+            }
+            count *= 4;
+        }
+    }
+
+    /// Points that have two others within so many median spacings, by their places among those left, and that radius.
+    fn connected(&self, times: f64) -> (Vec<u32>, f64) {
+        let second: Vec<(f64, f64)> = self.left.par_iter().map(|&i| self.others(i)).collect();
+        let radius = times * median(second.iter().map(|s| s.0).collect());
+        let kept = (0..second.len() as u32)
+            .filter(|&k| second[k as usize].1 <= radius)
+            .collect();
+        (kept, radius)
+    }
+
+    /// Median distance from a point to the nearest other, m.
+    fn spacing(&self) -> f64 {
+        median(self.left.par_iter().map(|&i| self.others(i).0).collect())
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Points whose mean distance to their neighbours is not far above the mean of all, and the limit.
+fn inliers(distances: &[f64], deviations: f64) -> (Vec<u32>, f64) {
     let count = distances.len().max(1) as f64;
     let mean = distances.iter().sum::<f64>() / count;
     let variance = distances
@@ -249,26 +352,6 @@ fn inliers(points: &[DVec3], deviations: f64) -> (Vec<u32>, f64) {
         .filter(|&i| distances[i as usize] <= limit)
         .collect();
     (kept, limit)
-}
-
-/// Points that have two others within so many median spacings, and that radius.
-fn connected(points: &[DVec3], times: f64) -> (Vec<u32>, f64) {
-    let tree = Neighbours::new(points);
-    let second: Vec<(f64, f64)> = points
-        .par_iter()
-        .map(|p| {
-            let near = tree.nearest(*p, 3);
-            let at = |k: usize| near.get(k).map_or(f64::INFINITY, |n| n.0.sqrt());
-            (at(1), at(2))
-        })
-        .collect();
-    let mut nearest: Vec<f64> = second.iter().map(|s| s.0).collect();
-    nearest.sort_unstable_by(f64::total_cmp);
-    let radius = times * nearest.get(nearest.len() / 2).copied().unwrap_or(0.0);
-    let kept = (0..second.len() as u32)
-        .filter(|&i| second[i as usize].1 <= radius)
-        .collect();
-    (kept, radius)
 }
 
 /// Of the points in each cube of a lattice the one nearest to their mean.

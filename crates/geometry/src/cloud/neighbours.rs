@@ -75,9 +75,15 @@ impl Neighbours {
 
     /// The points within `radius` of `at`, in ascending order of their numbers.
     pub fn within(&self, at: DVec3, radius: f64) -> Vec<u32> {
+        let mut found = self.around(at, radius);
+        found.sort_unstable();
+        found
+    }
+
+    /// [`Neighbours::within`] in the tree's own order, which is the same on every machine.
+    pub fn around(&self, at: DVec3, radius: f64) -> Vec<u32> {
         let mut found = Vec::new();
         self.within_in(0, self.points.len(), at, radius, &mut found);
-        found.sort_unstable();
         found
     }
 

@@ -88,6 +88,10 @@ pub fn scanned_bark(
     let mut addressed = Addressed::new(cloud, &followed, options.bark_only);
     addressed.drop_strangers(&followed);
     context.step("bark", 0.4)?;
+    // Bark is most of what there is about a stem; of a crown any tube is the smaller part.
+    if addressed.strangers > addressed.points.len() {
+        return Err(none());
+    }
     let mut bark = surface::bark(&addressed, &followed, at, options)?;
     if bark.report.noise_m > CROWN * bark.report.radius_m {
         return Err(none());

@@ -9,6 +9,7 @@ use crate::stem::Place;
 use glam::{DMat3, DVec2, DVec3};
 use greenstick_geometry::cloud::{Neighbours, eigen, normals};
 use greenstick_geometry::{Cancelled, Context};
+use rayon::prelude::*;
 
 /// A section of a limb as a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +18,8 @@ pub(super) struct Ring {
     /// Along the limb (unit).
     pub along: DVec3,
     pub radius: f64,
-    /// How well the points lie on it, and how much of it they cover.
-    merit: f64,
+    /// The evidence that it is one, of the points of one step.
+    evidence: f64,
 }
 
 /// Points with what is asked of them.
@@ -29,11 +30,11 @@ pub(super) struct Searched<'a> {
 }
 
 /// Points at which a first section is tried where no point was asked for.
-const STARTS: i64 = 96;
+const STARTS: i64 = 128;
 /// Neighbourhoods' radii grow by this factor.
 const GROWTH: f64 = 1.6;
 /// Starts that are followed.
-const FOLLOWED: usize = 10;
+const FOLLOWED: usize = 24;
 /// Points of a neighbourhood that are looked at.
 const LOOKED_AT: usize = 240;
 /// Points inside a section for each one on it, at most: of a first section, and of those that follow.
@@ -41,6 +42,10 @@ const HOLLOW: (f64, f64) = (0.15, 0.3);
 /// Root of the mean square of the points' distances from a section, in radii, at most: of a first section, and of those
 /// that follow. Points strewn evenly over the circle's tolerance have 0.087.
 const LOOSE: (f64, f64) = (0.06, 0.07);
+/// Evidence of a section, at least: one such circle in a thousand crowns is chance.
+const EVIDENT: f64 = 6.9;
+/// Points of a section that lie ahead of its plane and behind it, at least: a section is no farther than the cloud.
+const EITHER_SIDE: f64 = 0.1;
 /// Steps along a limb, in radii.
 const STEP: f64 = 0.5;
 /// Steps without a section before a limb ends: a hole in the scan, a whorl of branches.
@@ -48,87 +53,95 @@ const MISSES: usize = 6;
 /// No limb is longer in steps.
 const LONGEST: usize = 4000;
 
-/// The limb at a place as rings in order, and why it ends where it does.
+/// A limb as rings in order, and why it ends where it does at either end.
+pub(super) type Limb = (Vec<Ring>, Vec<String>);
+
+/// The limb at a place.
 pub(super) fn limb(
     cloud: &Searched,
     place: &Place,
     context: &Context,
-) -> Result<Option<(Vec<Ring>, Vec<String>)>, Cancelled> {
-    let mut starts: Vec<Ring> = Vec::new();
-    match place {
-        Place::Point(p) => starts.extend(rings_at(cloud, *p, 0)),
-        _ => {
-            let all: Vec<u32> = (0..cloud.points.len() as u32).collect();
-            let low = lowest(cloud.points);
-            for k in 0..STARTS {
-                context.step("find stem", 0.5 * k as f64 / STARTS as f64)?;
-                // Every other start lies low, where a standing tree has its stem and nothing else.
-                let among = if k % 2 == 0 { &all } else { &low };
-                let i = (noise::unit(11, k, 0, 0) * among.len() as f64) as usize;
-                let at = cloud.points[among[i.min(among.len() - 1)] as usize];
-                starts.extend(rings_at(cloud, at, k as u64).map(|mut ring| {
-                    ring.merit *= ring.merit * ring.radius;
-                    ring
-                }));
+) -> Result<Option<Limb>, Cancelled> {
+    let mut starts: Vec<Ring> = match place {
+        Place::Point(p) => rings_at(cloud, *p, 0),
+        _ => starts(cloud, context)?,
+    };
+    starts.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    let mut chosen: Vec<Ring> = Vec::new();
+    for start in starts {
+        let same = |t: &Ring| t.centre.distance(start.centre) < 0.5 * (t.radius + start.radius);
+        if chosen.len() < FOLLOWED && !chosen.iter().any(same) {
+            chosen.push(start);
+        }
+    }
+    let mut best: Option<(f64, Limb)> = None;
+    // A few at once, so that the caller can stop between them.
+    const AT_ONCE: usize = 4;
+    for (k, few) in chosen.chunks(AT_ONCE).enumerate() {
+        let done = (k * AT_ONCE) as f64 / chosen.len() as f64;
+        context.step("find stem", 0.5 + 0.5 * done)?;
+        let limbs: Vec<Limb> = few.par_iter().map(|s| followed(cloud, *s)).collect();
+        for limb in limbs {
+            let score = score(&limb.0);
+            if limb.0.len() >= 4 && best.as_ref().is_none_or(|b| score > b.0) {
+                best = Some((score, limb));
             }
         }
     }
-    starts.sort_by(|a, b| b.merit.total_cmp(&a.merit));
-    let mut best: Option<(f64, Vec<Ring>, Vec<String>)> = None;
-    let mut tried: Vec<Ring> = Vec::new();
-    for start in starts {
-        let same = |t: &Ring| t.centre.distance(start.centre) < 0.5 * (t.radius + start.radius);
-        if tried.iter().any(same) {
-            continue;
-        }
-        context.step(
-            "find stem",
-            0.5 + 0.5 * tried.len() as f64 / FOLLOWED as f64,
-        )?;
-        tried.push(start);
-        let (rings, ends) = followed(cloud, start);
-        let score = score(&rings);
-        if rings.len() >= 4 && best.as_ref().is_none_or(|b| score > b.0) {
-            best = Some((score, rings, ends));
-        }
-        if tried.len() == FOLLOWED {
-            break;
-        }
-    }
-    Ok(best.map(|(_, rings, ends)| (rings, ends)))
+    Ok(best.map(|(_, limb)| limb))
 }
 
-/// Numbers of the points in the lowest part of the cloud's height.
-fn lowest(points: &[DVec3]) -> Vec<u32> {
-    const PART: f64 = 0.25;
+/// First sections all over the cloud. Every other one is looked for in the lower half, layer by layer: a standing tree
+/// has its stem there and little else, however many points its crown has.
+fn starts(cloud: &Searched, context: &Context) -> Result<Vec<Ring>, Cancelled> {
+    const LAYERS: usize = 32;
+    let layers = lower_layers(cloud.points, LAYERS);
+    let mut found = Vec::new();
+    const AT_ONCE: i64 = 16;
+    for first in (0..STARTS).step_by(AT_ONCE as usize) {
+        context.step("find stem", 0.5 * first as f64 / STARTS as f64)?;
+        let some: Vec<Vec<Ring>> = (first..first + AT_ONCE)
+            .into_par_iter()
+            .map(|k| {
+                let layer = &layers[(k / 2) as usize % layers.len().max(1)];
+                let chance = noise::unit(11, k, 0, 0);
+                let at = |count: usize| ((chance * count as f64) as usize).min(count - 1);
+                let i = if k % 2 == 0 || layer.is_empty() {
+                    at(cloud.points.len())
+                } else {
+                    layer[at(layer.len())] as usize
+                };
+                rings_at(cloud, cloud.points[i], k as u64)
+            })
+            .collect();
+        found.extend(some.into_iter().flatten());
+    }
+    Ok(found)
+}
+
+/// Numbers of the points in layers of equal height of the cloud's lower half.
+fn lower_layers(points: &[DVec3], count: usize) -> Vec<Vec<u32>> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in points {
         (low, high) = (low.min(p.z), high.max(p.z));
     }
-    let limit = low + PART * (high - low);
-    (0..points.len() as u32)
-        .filter(|&i| points[i as usize].z <= limit)
-        .collect()
+    let mut layers = vec![Vec::new(); count];
+    let thickness = 0.5 * (high - low) / count as f64;
+    for (p, i) in points.iter().zip(0..) {
+        if let Some(layer) = layers.get_mut(((p.z - low) / thickness) as usize) {
+            layer.push(i);
+        }
+    }
+    layers
 }
 
-/// Slenderness (length over radius) from which on nobody doubts a stem.
-const SLENDER: f64 = 8.0;
-
-/// How good a stem rings make: their volume, each weighed by how well the points lie on it, and less where they are no
-/// longer than wide, as what is fitted to a crown.
+/// How good a stem rings make: the evidence that their points are of a tube and not strewn.
 fn score(rings: &[Ring]) -> f64 {
-    let (mut volume, mut slenderness) = (0.0, 0.0);
-    for pair in rings.windows(2) {
-        let step = pair[0].centre.distance(pair[1].centre);
-        let [r, merit] = [pair[0].radius, pair[0].merit];
-        volume += step * r * r * merit.powi(4);
-        slenderness += step / r;
-    }
-    volume * (slenderness / SLENDER).min(1.0).powi(2)
+    rings.iter().map(|r| r.evidence).sum()
 }
 
 /// The best sections of neighbourhoods of a point, of every size.
-fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> impl Iterator<Item = Ring> + use<> {
+fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> Vec<Ring> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in cloud.points {
         (low, high) = (low.min(*p), high.max(*p));
@@ -142,24 +155,19 @@ fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> impl Iterator<Item = Ring
     let mut found = Vec::new();
     let mut reach = 6.0 * cloud.spacing;
     while reach < largest {
-        let ball = cloud.tree.within(at, reach);
+        let ball = cloud.tree.around(at, reach);
         if ball.len() >= 24 {
             found.extend(ring_of(cloud, at, &ball, reach, seed));
         }
         reach *= GROWTH;
     }
-    found.into_iter()
+    found
 }
 
 fn spread(vectors: impl Iterator<Item = DVec3>) -> DMat3 {
     vectors.fold(DMat3::ZERO, |sum, v| {
         sum + DMat3::from_cols(v * v.x, v * v.y, v * v.z)
     })
-}
-
-/// 1 for points on a line, nearly 0 for points strewn evenly over the circle's tolerance.
-fn tightness(c: &Circle) -> f64 {
-    (1.0 - c.rms / (0.087 * c.radius)).max(0.02)
 }
 
 /// The best section of a neighbourhood.
@@ -188,56 +196,65 @@ fn ring_of(cloud: &Searched, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> 
         let Some(c) = fit(&flat, &expected, seed) else {
             continue;
         };
-        let merit = c.share * (1.6 * c.cover).min(1.0) * tightness(&c);
+        // Of equal evidence those go first of which more was seen: short arcs lie on many circles.
+        let evidence = c.evidence * (1.6 * c.cover).min(1.0);
         if c.share > 0.5
             && c.cover > 0.2
             && c.inside < HOLLOW.0
             && c.rms < LOOSE.0 * c.radius
-            && best.is_none_or(|b| merit > b.merit)
+            && evidence > EVIDENT
+            && best.is_none_or(|b| evidence > b.evidence)
         {
             best = Some(Ring {
                 centre: at + x * c.centre.x + y * c.centre.y,
                 along,
                 radius: c.radius,
-                merit,
+                evidence,
             });
         }
     }
     best
 }
 
-/// A section near where one is expected, the points of a slab across it taken.
+/// A section near where one is expected, the points of a slab across it taken, and the slab's thickness in radii.
 fn section(
     cloud: &Searched,
     centre: DVec3,
     along: DVec3,
     radius: f64,
     seed: u64,
-) -> Option<Circle> {
+) -> Option<(Circle, f64)> {
     let (x, y) = along.any_orthonormal_pair();
-    let near = cloud.tree.within(centre, 2.2 * radius);
+    let near = cloud.tree.around(centre, 2.2 * radius);
     for half in [0.25, 0.5, 1.0] {
-        let flat: Vec<DVec2> = near
+        let slab: Vec<DVec3> = near
             .iter()
             .map(|&i| cloud.points[i as usize] - centre)
             .filter(|d| d.dot(along).abs() <= half * radius)
-            .map(|d| DVec2::new(d.dot(x), d.dot(y)))
-            .filter(|d| d.length() < 2.0 * radius)
+            .map(|d| DVec3::new(d.dot(x), d.dot(y), d.dot(along)))
+            .filter(|d| d.truncate().length() < 2.0 * radius)
             .collect();
-        if flat.len() < 20 && half < 1.0 {
+        if slab.len() < 20 && half < 1.0 {
             continue;
         }
+        let ahead = slab.iter().filter(|d| d.z > 0.0).count() as f64;
+        let least = EITHER_SIDE * slab.len() as f64;
+        if slab.len() < 8 || ahead < least || slab.len() as f64 - ahead < least {
+            return None;
+        }
+        let flat: Vec<DVec2> = slab.iter().map(|d| d.truncate()).collect();
         let expected = Expected {
-            radius: (0.6 * radius, 1.5 * radius),
-            near: Some((DVec2::ZERO, 0.6 * radius, radius)),
+            radius: (0.7 * radius, 1.4 * radius),
+            near: Some((DVec2::ZERO, 0.5 * radius, radius)),
         };
-        return fit(&flat, &expected, seed).filter(|c| {
+        let circle = fit(&flat, &expected, seed).filter(|c| {
             c.cover >= 0.2
                 && c.share >= 0.35
                 && c.inside < HOLLOW.1
                 && c.rms < LOOSE.1 * c.radius
-                && flat.len() >= 8
+                && c.evidence > EVIDENT
         });
+        return circle.map(|c| (c, 2.0 * half));
     }
     None
 }
@@ -248,7 +265,11 @@ fn followed(cloud: &Searched, start: Ring) -> (Vec<Ring>, Vec<String>) {
     let (ahead, last) = march(cloud, start, 1.0);
     back.reverse();
     let mut rings = back;
-    rings.push(start);
+    // What a first section says is said by its neighbours, too.
+    rings.push(Ring {
+        evidence: 0.0,
+        ..start
+    });
     rings.extend(ahead);
     (rings, vec![first, last])
 }
@@ -263,7 +284,7 @@ fn march(cloud: &Searched, start: Ring, sign: f64) -> (Vec<Ring>, String) {
         let step = STEP * at.radius.max(2.0 * cloud.spacing);
         at.centre += along * step;
         let found = section(cloud, at.centre, along, at.radius, k as u64 + 100);
-        let Some(c) = found else {
+        let Some((c, thickness)) = found else {
             misses += 1;
             if misses > MISSES {
                 return (rings, format!("the points thin out near {:.3}", at.centre));
@@ -289,7 +310,7 @@ fn march(cloud: &Searched, start: Ring, sign: f64) -> (Vec<Ring>, String) {
             centre,
             along: along * sign,
             radius: 0.5 * (at.radius + c.radius),
-            merit: c.share * c.cover * tightness(&c),
+            evidence: c.evidence * STEP / thickness,
         };
         rings.push(Ring {
             radius: c.radius,

@@ -1,5 +1,7 @@
 //! Cylinders with known noise, whole and seen in part.
 
+mod trees;
+
 use super::*;
 use crate::noise;
 
