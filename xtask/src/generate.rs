@@ -4,8 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The program's commands that print a page, which is named after them.
-const PAGES: [&str; 3] = ["parameters", "presets", "species"];
+/// Pages, and the program's commands that print them.
+const PAGES: [(&str, &str); 4] = [
+    ("parameters", "parameters"),
+    ("presets", "presets"),
+    ("scenes", "simulate"),
+    ("species", "species"),
+];
 
 /// Who writes the pages, for whoever wants to change one.
 const MARK: &str =
@@ -16,9 +21,9 @@ pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     let folder = root.join("docs/reference");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut faults = Vec::new();
-    for page in PAGES {
+    for (page, command) in PAGES {
         let path = folder.join(format!("{page}.md"));
-        let text = format!("{MARK}{}", printed(root, page)?);
+        let text = format!("{MARK}{}", printed(root, command)?);
         if !check {
             fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
         } else if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
@@ -30,20 +35,20 @@ pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     Ok(faults)
 }
 
-/// What `greenstick PAGE --markdown` prints.
-fn printed(root: &Path, page: &str) -> Result<String, String> {
+/// What `greenstick COMMAND --markdown` prints.
+fn printed(root: &Path, command: &str) -> Result<String, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let arguments = ["run", "--quiet", "--package", "greenstick-cli", "--"];
     let output = Command::new(cargo)
         .args(arguments)
-        .args([page, "--markdown"])
+        .args([command, "--markdown"])
         .current_dir(root)
         .output()
         .map_err(|e| format!("cargo run did not start: {e}"))?;
     let told = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        return Err(format!("greenstick {page} --markdown failed: {told}"));
+        return Err(format!("greenstick {command} --markdown failed: {told}"));
     }
     String::from_utf8(output.stdout)
-        .map_err(|e| format!("greenstick {page} --markdown did not print UTF-8: {e}"))
+        .map_err(|e| format!("greenstick {command} --markdown did not print UTF-8: {e}"))
 }

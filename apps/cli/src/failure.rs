@@ -15,6 +15,9 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+/// Code of work that the user stopped.
+const STOPPED: u8 = 130;
+
 /// Why the program ends without having done its work.
 #[derive(Debug)]
 pub struct Failure {
@@ -44,8 +47,17 @@ impl Failure {
     /// The user stopped the work.
     pub fn stopped(message: impl ToString) -> Self {
         Failure {
-            code: 130,
+            code: STOPPED,
             ..Failure::request(message)
+        }
+    }
+
+    /// Where the user stopped the work, says so in other words.
+    pub fn or_stopped(self, message: impl ToString) -> Self {
+        if self.code == STOPPED {
+            Failure::stopped(message)
+        } else {
+            self
         }
     }
 
@@ -62,7 +74,7 @@ impl Failure {
         let mut errors = std::io::stderr().lock();
         let colored = errors.is_terminal() && std::env::var_os("NO_COLOR").is_none();
         let head = match (self.code, colored) {
-            (130, _) => "",
+            (STOPPED, _) => "",
             (_, true) => "\x1b[1;31merror:\x1b[0m ",
             (_, false) => "error: ",
         };
@@ -78,7 +90,7 @@ impl Failure {
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
         Failure {
-            code: 130,
+            code: STOPPED,
             message: "stopped; nothing was written".to_owned(),
             hint: None,
         }

@@ -4,12 +4,14 @@ use crate::arguments::SimulateOptions;
 use crate::break_wood::{picture_options, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
-use greenstick::fibre::bodies::Shape;
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
 use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureOptions;
-use greenstick::simulate::{SimulateError, SimulateReport, SimulateRequest, frames, simulate};
+use greenstick::simulate::{
+    SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames, load_chart,
+    simulate,
+};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -33,6 +35,10 @@ struct Listed {
 pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.list {
         return list(options.json);
+    }
+    if options.markdown {
+        print(&Scene::reference_markdown())?;
+        return Ok(ExitCode::SUCCESS);
     }
     let Some(name) = &options.scene else {
         return Err(Failure::request("no scene is named")
@@ -73,7 +79,12 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let report = progress
         .watch(|context| simulate(input.as_ref(), &request, context))
         .map_err(|e| failure(e, folder))?;
-    let pictures = pictures(&request, options, &progress)?;
+    let pictures = pictures(&request, options, &progress).map_err(|e| {
+        e.or_stopped(format!(
+            "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
+            folder.display()
+        ))
+    })?;
     let stages = progress.finish();
     let text = if options.json {
         let full = FullReport {
@@ -188,7 +199,7 @@ fn pictures(
     progress.stage("pictures")?;
     let folder = &request.folder;
     let all = frames(folder).map_err(|e| failure(e, folder))?;
-    let shapes: Vec<Shape> = request.scene.body.iter().map(|b| b.plain_shape()).collect();
+    let shapes = body_shapes(request).map_err(|e| failure(e, folder))?;
     let mut numbers = vec![0, all.len() / 2, all.len().saturating_sub(1)];
     numbers.dedup();
     let mut outputs = Vec::new();
@@ -208,11 +219,17 @@ fn pictures(
             bytes: picture.png(),
         });
     }
-    let chart = greenstick::simulate::energy_chart(folder).map_err(|e| failure(e, folder))?;
+    let chart = energy_chart(folder).map_err(|e| failure(e, folder))?;
     outputs.push(Output {
         path: folder.join("energy.png"),
         bytes: chart.png(),
     });
+    if let Some(chart) = load_chart(folder).map_err(|e| failure(e, folder))? {
+        outputs.push(Output {
+            path: folder.join("load-deflection.png"),
+            bytes: chart.png(),
+        });
+    }
     files::write_all(&outputs)?;
     Ok(outputs
         .iter()

@@ -8,9 +8,12 @@ use greenstick_wood::primitive;
 
 /// Sides of a tube.
 const SIDES: usize = 7;
+/// Thickness and width of the plate that is shown of a half-space, in diagonals of the box around the rods.
+const PLATE: f64 = 0.01;
+const OVER: f64 = 1.1;
 
-/// A frame as a scene: one mesh of tubes, and one for each body but half-spaces. `shapes` are the bodies' shapes, in
-/// their order; those of which the centre of mass is not the origin are shown about it.
+/// A frame as a scene: one mesh of tubes, and one for each body; of a half-space a plate. `shapes` are the bodies' shapes
+/// about the centres that frames hold, in their order ([`crate::simulate::body_shapes`]).
 pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
     let mut scene = Scene {
         materials: vec![
@@ -23,12 +26,17 @@ pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
         .nodes
         .push(node("rods", tubes(frame), DAffine3::IDENTITY));
     for (shape, &(centre, turn)) in shapes.iter().zip(&frame.bodies) {
-        let mut mesh = solid(shape);
+        let place = DAffine3::from_rotation_translation(turn, centre);
+        let (mut mesh, place) = match shape {
+            Shape::HalfSpace { normal } => {
+                (ground(frame, centre, turn * *normal), DAffine3::IDENTITY)
+            }
+            _ => (solid(shape), place),
+        };
         if mesh.triangles.is_empty() {
             continue;
         }
         mesh.materials = vec![1; mesh.triangles.len()];
-        let place = DAffine3::from_rotation_translation(turn, centre);
         scene.nodes.push(node("body", mesh, place));
     }
     scene
@@ -92,14 +100,13 @@ fn tubes(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// A body about its centre; empty for a half-space, which has no end.
+/// A body about its centre.
 fn solid(shape: &Shape) -> Mesh {
     let centred = |radius: f64, half: f64| {
         let map = DAffine3::from_translation(DVec3::new(0.0, -half, 0.0));
         primitive::cylinder(radius, 2.0 * half, 48).transformed(&map)
     };
     match shape {
-        Shape::HalfSpace { .. } => Mesh::default(),
         // Length along z, width along x, thickness along y.
         Shape::Box { half } => primitive::board(2.0 * half.z, 2.0 * half.x, 2.0 * half.y),
         Shape::Sphere { radius } => ball(*radius, 0.0),
@@ -111,21 +118,37 @@ fn solid(shape: &Shape) -> Mesh {
             half_length,
             radius,
         } => centred(*radius, *half_length),
-        Shape::Hull { points } => points.iter().fold(Mesh::default(), |mut all, &p| {
-            // Corners only: a hull is known by them.
-            let corner = ball(0.02 * p.length(), 0.0).transformed(&DAffine3::from_translation(p));
-            let first = all.positions.len() as u32;
-            all.positions.extend(corner.positions);
-            all.triangles
-                .extend(corner.triangles.iter().map(|t| t.map(|v| v + first)));
-            all
-        }),
-        Shape::Mesh { points, triangles } => Mesh {
-            positions: points.clone(),
-            triangles: triangles.clone(),
-            ..Mesh::default()
+        // A hull or mesh that is no solid has been refused long before.
+        _ => match shape.surface(0, false) {
+            Ok(Some((positions, triangles))) => Mesh {
+                positions,
+                triangles,
+                ..Mesh::default()
+            },
+            _ => Mesh::default(),
         },
     }
+}
+
+/// A plate on top of a half-space of some normal (in the world) through `place`, under all of the rods.
+fn ground(frame: &Frame, place: DVec3, normal: DVec3) -> Mesh {
+    let points = || {
+        let each = frame.position.iter();
+        each.map(|p| DVec3::from_array(p.map(f64::from)))
+    };
+    let low = points().fold(DVec3::INFINITY, DVec3::min);
+    let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let side = (high - low).length();
+    let up = normal.normalize_or(DVec3::Z);
+    if !(side > 0.0 && side.is_finite()) {
+        return Mesh::default();
+    }
+    let thick = PLATE * side;
+    let middle = 0.5 * (low + high);
+    let top = middle - up * (middle - place).dot(up);
+    let turn = DQuat::from_rotation_arc(DVec3::Z, up);
+    let map = DAffine3::from_rotation_translation(turn, top - up * (0.5 * thick));
+    primitive::board(thick, OVER * side, OVER * side).transformed(&map)
 }
 
 /// A ball whose halves are `half` (m) off the middle along ±y.

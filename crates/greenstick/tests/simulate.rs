@@ -29,7 +29,13 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-const FILES: [&str; 4] = ["energy.csv", "events.csv", "frames.gsf", "checkpoint.bin"];
+const FILES: [&str; 5] = [
+    "energy.csv",
+    "events.csv",
+    "frames.gsf",
+    "forces.csv",
+    "checkpoint.bin",
+];
 
 fn bytes(folder: &Path) -> Vec<Vec<u8>> {
     FILES.map(|f| fs::read(folder.join(f)).unwrap()).to_vec()
@@ -62,7 +68,7 @@ fn a_run_that_was_stopped_or_killed_ends_in_the_same_bytes() {
             "{stopped:?}"
         );
         // A kill leaves rows and half a frame behind the checkpoint.
-        for name in &FILES[..3] {
+        for name in &FILES[..4] {
             let mut all = fs::read(parts.join(name)).unwrap();
             all.extend(b"0.5,1,2,3");
             fs::write(parts.join(name), all).unwrap();
@@ -129,4 +135,105 @@ fn a_step_that_is_not_stable_is_refused_with_the_limit() {
         .to_string();
     assert!(told.contains("is not stable: the limit is"), "{told}");
     let _ = fs::remove_dir_all(&place);
+}
+
+/// The column of a table, by name.
+fn column(folder: &Path, table: &str, name: &str) -> Vec<f64> {
+    let text = fs::read_to_string(folder.join(table)).unwrap();
+    let mut lines = text.lines();
+    let at = lines.next().unwrap().split(',').position(|n| n == name);
+    let at = at.unwrap_or_else(|| panic!("no column {name}"));
+    lines
+        .map(|l| l.split(',').nth(at).unwrap().parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn one_thread_and_two_write_the_same_bytes() {
+    let [one, two] = [1, 2].map(|threads| {
+        let place = folder(&format!("threads-{threads}"));
+        let mut asked = request(&place, false);
+        // Enough that the work is shared.
+        asked.scene.rods.number = 120;
+        asked.scene.duration = 0.004;
+        asked.scene.wood.stiffness = 0.0005;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| simulate(None, &asked, &Context::quiet()))
+            .unwrap();
+        let all = bytes(&place);
+        let _ = fs::remove_dir_all(&place);
+        all
+    });
+    assert!(one == two);
+}
+
+#[test]
+fn energy_is_kept_from_the_first_row_of_a_bent_start_to_the_last() {
+    let place = folder("energy");
+    let mut asked = request(&place, false);
+    let text = "duration = 0.25\n[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+        [wood]\nstiffness = 0.002\n[rods]\nnumber = 12\nedge = [\"5 mm\", \"5 mm\"]\ntwist = \"off\"\n\
+        [start]\nbend = 20.0\n[failure]\nrods = false\nyielding = false\nbonds = \"never\"\n\
+        [contact]\nrods = false\n[loads]\ngravity = [0, 0, -9.81]\n";
+    asked.scene = Scene::read(text).unwrap();
+    let report = simulate(None, &asked, &Context::quiet()).unwrap();
+    // It starts at rest, so its energy at the start is that of bending, and swings into motion and back.
+    let kinetic = column(&place, "energy.csv", "kinetic_J");
+    assert_eq!(kinetic[0], 0.0);
+    assert!(
+        report.energy.drift_j.abs() < 1e-3 * report.energy.most_j,
+        "{report}"
+    );
+    // Falling freely, the work of the weight is what its energy loses.
+    let (weight, work) = (
+        column(&place, "energy.csv", "gravity_J"),
+        column(&place, "energy.csv", "work_J"),
+    );
+    let fallen = weight[0] - weight.last().unwrap();
+    assert!(fallen > 1e-3 && (work.last().unwrap() / fallen - 1.0).abs() < 1e-9);
+    let _ = fs::remove_dir_all(&place);
+}
+
+#[test]
+fn what_holds_the_wood_bears_its_weight_and_what_presses_it_is_borne() {
+    // Held at both ends, let sink in strong damping: the clamps bear the weight, and the body on top pushes as much as
+    // they bear more.
+    let place = folder("forces");
+    let mut asked = request(&place, false);
+    let text = "duration = 0.3\nrows_per_second = 100.0\n[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+        [wood]\nstiffness = 0.002\n[rods]\nnumber = 12\nedge = [\"5 mm\", \"5 mm\"]\ntwist = \"off\"\n\
+        [failure]\nrods = false\nyielding = false\nbonds = \"never\"\n[contact]\nrods = false\n\
+        [loads]\ngravity = [0, 0, -9.81]\ndamping = 400.0\n[[clamp]]\nto = 0.1\n[[clamp]]\nfrom = 0.9\nto = 1.0\n\
+        [[body]]\nname = \"press\"\nat = 0.5\ntouch = [0, 0, 1]\ngap = \"0.5 mm\"\n\
+        [[body.key]]\ntime = 0.0\n[[body.key]]\ntime = 0.1\nmove_by = \"0, 0, -1.5 mm\"\n";
+    asked.scene = Scene::read(text).unwrap();
+    simulate(None, &asked, &Context::quiet()).unwrap();
+    let force = column(&place, "forces.csv", "force_z_N");
+    let rows: Vec<&[f64]> = force.chunks(3).collect();
+    let weight = 9.81 * mass(&place);
+    // Before it is pressed, and at rest under the press.
+    let free = rows[1];
+    assert!(
+        (free[0] + free[1]).abs() < 2.0 * weight && free[2] == 0.0,
+        "{free:?} {weight}"
+    );
+    let last = rows[rows.len() - 1];
+    let sum: f64 = last.iter().sum();
+    assert!(last[2] < -10.0 * weight, "{last:?} {weight}");
+    assert!(
+        (sum - weight).abs() < 0.02 * last[2].abs(),
+        "{last:?} {weight}"
+    );
+    assert!((last[0] / last[1] - 1.0).abs() < 0.2, "{last:?}");
+    let _ = fs::remove_dir_all(&place);
+}
+
+/// Mass of a run's rods, kg.
+fn mass(folder: &Path) -> f64 {
+    let point = fs::read(folder.join("checkpoint.bin")).unwrap();
+    let (point, _) = greenstick::fibre::store::Checkpoint::from_bytes(&point).unwrap();
+    point.world.bundle.mass.iter().sum()
 }

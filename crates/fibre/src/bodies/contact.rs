@@ -158,14 +158,23 @@ impl Bodies {
         }
     }
 
+    /// Pushes a body, and keeps count of it.
+    fn push_body(&mut self, body: usize, place: DVec3, impulse: DVec3) {
+        self.bodies[body].push(place, impulse);
+        let arm = place - self.bodies[body].state.centre;
+        let given = &mut self.given[body];
+        given.impulse += impulse;
+        given.angular += arm.cross(impulse);
+    }
+
     fn push(&mut self, c: &Contact, impulse: DVec3, state: &mut State) {
         if c.edge == NO_EDGE {
-            self.bodies[c.t as usize].push(c.place, impulse);
+            self.push_body(c.t as usize, c.place, impulse);
         } else {
             self.push_edge(c.edge, c.t, impulse, state);
         }
         match c.other {
-            Other::Body(b) => self.bodies[b as usize].push(c.place, -impulse),
+            Other::Body(b) => self.push_body(b as usize, c.place, -impulse),
             Other::Edge(j, t) => self.push_edge(j, t, -impulse, state),
         }
     }

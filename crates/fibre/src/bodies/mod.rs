@@ -16,7 +16,7 @@ mod rods;
 mod shape;
 
 pub use body::{Body, BodyMotion, BodyState};
-pub use shape::{Inertia, Shape};
+pub use shape::{Inertia, Shape, Surface};
 
 use crate::bundle::Bundle;
 use crate::error::SolverError;
@@ -153,6 +153,17 @@ pub struct Bodies {
     near: Near,
     rods: rods::RodPairs,
     contacts: Vec<Contact>,
+    /// Per body: what it has been given since this was last taken.
+    given: Vec<Given>,
+}
+
+/// What contacts have given a body over some time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Given {
+    /// Impulse, N s.
+    pub impulse: DVec3,
+    /// Angular impulse about the body's centre, N m s.
+    pub angular: DVec3,
 }
 
 /// Edges near bodies, with where everything was when they were looked for.
@@ -196,7 +207,9 @@ impl Bodies {
             near: Near::default(),
             rods: rods::RodPairs::default(),
             contacts: Vec::new(),
+            given: Vec::new(),
         };
+        made.given = vec![Given::default(); made.bodies.len()];
         made.take(bundle);
         made.hold(loads);
         made.check_overlaps(bundle, state)?;
@@ -221,6 +234,12 @@ impl Bodies {
     /// The energy that contacts took and gave.
     pub fn ledger(&self) -> ContactLedger {
         self.ledger
+    }
+
+    /// What contacts have given each body since this was last asked, or since the start.
+    pub fn take_given(&mut self) -> Vec<Given> {
+        let none = vec![Given::default(); self.bodies.len()];
+        std::mem::replace(&mut self.given, none)
     }
 
     /// What a checkpoint holds.
@@ -251,6 +270,7 @@ impl Bodies {
             body.state = *state;
         }
         self.ledger = saved.ledger;
+        self.given.fill(Given::default());
         self.take(bundle);
         self.hold(loads);
         Ok(())

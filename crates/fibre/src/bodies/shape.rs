@@ -55,6 +55,9 @@ pub enum Shape {
     },
 }
 
+/// Vertices (m) and triangles.
+pub type Surface = (Vec<DVec3>, Vec<[u32; 3]>);
+
 /// Mass, centre and inertia of a shape of some density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertia {
@@ -129,6 +132,35 @@ impl Shape {
             } => vec![("half length (m)", *half_length), ("radius (m)", *radius)],
             Shape::Hull { .. } | Shape::Mesh { .. } => Vec::new(),
         }
+    }
+
+    /// Its surface for pictures, of a shape that is made of points: vertices (m) and triangles, about the centre of mass
+    /// where `free`, else about its origin; nothing of other shapes.
+    ///
+    /// # Errors
+    /// [`BodyError`] where the shape is no solid; it is then that of body `body`.
+    pub fn surface(&self, body: usize, free: bool) -> Result<Option<Surface>, BodyError> {
+        let (points, triangles) = match self {
+            Shape::Mesh { points, triangles } => (points.clone(), triangles.clone()),
+            Shape::Hull { points } => {
+                let points: Vec<Vector> = points.iter().copied().map(to_parry).collect();
+                let hull = parry3d_f64::transformation::try_convex_hull(&points);
+                let (points, triangles) = hull.map_err(|e| BodyError::Shape {
+                    body,
+                    shape: self.name(),
+                    problem: e.to_string(),
+                })?;
+                (points.into_iter().map(from_parry).collect(), triangles)
+            }
+            _ => return Ok(None),
+        };
+        let centre = if free {
+            self.build(body)?.inertia(1.0).centre
+        } else {
+            DVec3::ZERO
+        };
+        let points = points.into_iter().map(|p| p - centre).collect();
+        Ok(Some((points, triangles)))
     }
 
     pub(super) fn build(&self, body: usize) -> Result<Solid, BodyError> {

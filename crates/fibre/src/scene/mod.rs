@@ -116,6 +116,15 @@ impl SolverWord {
         }
     }
 
+    /// How far behind positions its velocities are, in steps: those of symplectic Euler are of the middle of the last step.
+    pub fn lag(self) -> f64 {
+        if self == SolverWord::Explicit {
+            0.5
+        } else {
+            0.0
+        }
+    }
+
     /// The solver, with a step (s) where one is given. The one place that knows all solvers.
     pub fn make(self, step: Option<f64>) -> Box<dyn Solver> {
         match self {

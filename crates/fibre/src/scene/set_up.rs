@@ -315,9 +315,12 @@ fn shape(number: usize, keys: &BodyKeys, mesh: Option<&Shape>) -> Result<Shape, 
 }
 
 impl BodyKeys {
-    /// Its shape for a picture: a hull or mesh, which needs its file, as a small ball.
-    pub fn plain_shape(&self) -> Shape {
-        shape(0, self, None).unwrap_or(Shape::Sphere { radius: 0.005 })
+    /// Its shape, as body `number` of a scene; a hull or mesh is that of its `file`.
+    ///
+    /// # Errors
+    /// [`SceneError::NoMesh`] where it needs a file and has none.
+    pub fn plain_shape(&self, number: usize, file: Option<&Shape>) -> Result<Shape, SceneError> {
+        shape(number, self, file)
     }
 }
 

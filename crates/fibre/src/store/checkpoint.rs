@@ -19,8 +19,8 @@ pub struct Progress {
     pub frames: u64,
     /// Events written.
     pub events: u64,
-    /// Bytes of the energy table, the events and the frames.
-    pub bytes: [u64; 3],
+    /// Bytes of the energy table, the events, the frames and the forces.
+    pub bytes: [u64; 4],
     /// Energy taken and given so far.
     pub ledger: Ledger,
 }

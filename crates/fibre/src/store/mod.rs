@@ -12,12 +12,14 @@
 //! - K × 7 `f64`: centre (m) and orientation (x, y, z, w) of each body.
 
 mod checkpoint;
+mod forces;
 mod frames;
 mod tables;
 
 pub use checkpoint::{Checkpoint, Progress};
+pub use forces::{FORCE_HEADER, ForceRow};
 pub use frames::{Frame, FrameReader, write_header};
-pub use tables::{ENERGY_HEADER, EVENT_HEADER, EnergyRow, Ledger, event_row};
+pub use tables::{ENERGY_HEADER, EVENT_HEADER, EnergyRow, Ledger, event_row, set_back};
 
 use std::io;
 

@@ -1,16 +1,16 @@
 //! Rows of `energy.csv` and `events.csv`. Numbers are the shortest decimals that give the same double back.
 
 use crate::bodies::Bodies;
-use crate::energy::{Energies, energies};
+use crate::energy::{Energies, Forces, add_forces, energies};
 use crate::event::{Cause, Event, EventKind};
 use crate::solver::{Advance, Contacts, World};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// First line of the energy table.
-pub const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,\
+pub const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,gravity_J,\
 momentum_x_Ns,momentum_y_Ns,momentum_z_Ns,angular_x_Nms,angular_y_Nms,angular_z_Nms,fracture_loss_J,damped_J,\
-dissipated_J,work_J,contact_loss_J,contact_work_J\n";
+dissipated_J,work_J,contact_loss_J,contact_work_J,balance_J\n";
 
 /// First line of the events.
 pub const EVENT_HEADER: &str =
@@ -43,8 +43,10 @@ pub struct EnergyRow {
     pub time: f64,
     /// Energies of the rods.
     pub rods: Energies,
-    /// Energy of free bodies, J.
+    /// Energy of free bodies, with that of their weight, J.
     pub bodies: f64,
+    /// Energy of the rods' weight, J; none at the origin. Its change is in the work of loads too.
+    pub gravity: f64,
     /// Momentum of rods and free bodies, N s.
     pub momentum: DVec3,
     /// Angular momentum about the origin, N m s.
@@ -60,13 +62,20 @@ pub struct EnergyRow {
 }
 
 impl EnergyRow {
-    /// The row of a world now.
-    pub fn of(world: &World, bodies: &Bodies, ledger: &Ledger) -> EnergyRow {
+    /// The row of a world now, whose velocities are those of `lag` seconds before its positions.
+    pub fn of(world: &World, bodies: &Bodies, ledger: &Ledger, lag: f64) -> EnergyRow {
         let (momentum, angular) = bodies.momenta(DVec3::ZERO);
         EnergyRow {
             time: world.state.time,
-            rods: energies(&world.bundle, &world.state),
+            rods: Energies {
+                kinetic: kinetic_energy(world, lag),
+                ..energies(&world.bundle, &world.state)
+            },
             bodies: bodies.energy(),
+            gravity: -(0..world.bundle.vertices()).fold(0.0, |sum, i| {
+                let place = world.state.position.get(i);
+                sum + world.bundle.mass[i] * world.loads.gravity.dot(place)
+            }),
             momentum: momentum + world.state.momentum(&world.bundle),
             angular: angular + world.state.angular_momentum(&world.bundle, DVec3::ZERO),
             fracture_loss: world.fracture_loss,
@@ -76,8 +85,16 @@ impl EnergyRow {
         }
     }
 
+    /// Energy of rods and bodies with what was taken, less what was given, J: the same at all times but for the error of
+    /// the method.
+    pub fn balance(&self) -> f64 {
+        let taken = self.fracture_loss + self.ledger.damped + self.ledger.dissipated;
+        let given = self.ledger.work + self.contact_work;
+        self.rods.total() + self.bodies + taken + self.contact_loss - given
+    }
+
     /// Its numbers in the order of [`ENERGY_HEADER`].
-    pub fn numbers(&self) -> [f64; 20] {
+    pub fn numbers(&self) -> [f64; 22] {
         let (e, p, l) = (&self.rods, self.momentum, self.angular);
         [
             self.time,
@@ -88,6 +105,7 @@ impl EnergyRow {
             e.bond_transverse,
             e.bond_shear,
             self.bodies,
+            self.gravity,
             p.x,
             p.y,
             p.z,
@@ -100,12 +118,87 @@ impl EnergyRow {
             self.ledger.work,
             self.contact_loss,
             self.contact_work,
+            self.balance(),
         ]
     }
 
     /// The line, with its end.
     pub fn line(&self) -> String {
         self.numbers().map(|n| n.to_string()).join(",") + "\n"
+    }
+}
+
+/// Kinetic energy (J) at the time of the positions, of velocities that are those of `lag` s before: the mean of that
+/// before and after the forces of now have acted for twice the lag. For every small oscillation of a leapfrog its sum with
+/// the potential energy stays, on average over a period, that of the start.
+fn kinetic_energy(world: &World, lag: f64) -> f64 {
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = world;
+    let before = state.kinetic_energy(bundle);
+    if lag == 0.0 {
+        return before;
+    }
+    let mut next = state.clone();
+    let step = 2.0 * lag;
+    let keep = 1.0 / (1.0 + loads.damping * step);
+    let forces = forces_on(world);
+    for i in 0..bundle.vertices() {
+        let push = forces.linear.get(i) * (step / bundle.mass[i]);
+        next.velocity.set(i, (state.velocity.get(i) + push) * keep);
+        if bundle.is_edge(i) {
+            next.spin[i] = (state.spin[i] + step * forces.moment[i] / bundle.inertia[i]) * keep;
+        }
+    }
+    for clamp in &loads.clamps {
+        for &v in &clamp.vertices {
+            let (now, mut new) = (
+                state.velocity.get(v as usize),
+                next.velocity.get(v as usize),
+            );
+            for a in (0..3).filter(|&a| clamp.axes[a]) {
+                new[a] = now[a];
+            }
+            next.velocity.set(v as usize, new);
+        }
+        for &j in &clamp.edges {
+            next.spin[j as usize] = state.spin[j as usize];
+        }
+    }
+    0.5 * (before + next.kinetic_energy(bundle))
+}
+
+/// Forces of all energies and loads, without clamps and contacts.
+pub(super) fn forces_on(world: &World) -> Forces {
+    let (bundle, state) = (&world.bundle, &world.state);
+    let mut forces = Forces::zeros(bundle.vertices());
+    add_forces(bundle, state, &mut forces);
+    let Forces { linear, moment } = &mut forces;
+    world.loads.add_forces(
+        bundle,
+        state.time,
+        &state.position,
+        &state.velocity,
+        linear,
+        moment,
+    );
+    forces
+}
+
+/// Turns velocities of now into those of `lag` seconds before, of which a leapfrog starts: without that it would start
+/// with more energy than the world has.
+pub fn set_back(world: &mut World, lag: f64) {
+    let forces = forces_on(world);
+    let World { bundle, state, .. } = world;
+    for i in 0..bundle.vertices() {
+        let push = forces.linear.get(i) * (lag / bundle.mass[i]);
+        state.velocity.add(i, -push);
+        if bundle.is_edge(i) {
+            state.spin[i] -= lag * forces.moment[i] / bundle.inertia[i];
+        }
     }
 }
 

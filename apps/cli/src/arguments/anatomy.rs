@@ -1,0 +1,223 @@
+//! Options of `greenstick anatomy`.
+
+use super::{KindWord, UnitWord};
+use crate::scan::ScanArguments;
+use crate::values;
+use clap::{Args, ValueEnum};
+use greenstick::anatomy::{ErosionSchedule, Part, RingColours};
+use greenstick::wood::anatomy::Bundles;
+use std::path::PathBuf;
+
+const ANATOMY_EXAMPLES: &str = "\
+What is written (--only takes a list of the first words; all by default)
+  sections      section_LENGTH_contour.png, ..._rings.png and ..._zones.png
+  longitudinal  longitudinal.png, the stem cut in half along its pith, laid straight
+  volume        volume.vti, or volume.vtm with a volume_NNN.vti for each segment: ring, zone, colour of every voxel
+  particles     particles.ply, .vtp, .csv and .parquet: place, ring, sector, layer, zone, colour, bundle area
+  surface       surface_rings.glb and surface_sectors.glb, rebuilt from the particles
+  and always    anatomy.json: centreline, pith, girth and rings of every layer
+
+Examples
+  greenstick anatomy -o inside
+  greenstick anatomy pole.ply --unit mm -o inside --resolution 512 --rings 30
+  greenstick anatomy tree.glb --at 0.3,2.1,-0.4 -o limb --only particles,surface --bundles equal-area";
+
+#[derive(Debug, Args)]
+#[command(after_help = ANATOMY_EXAMPLES)]
+pub struct AnatomyOptions {
+    /// Mesh of a stem (.glb, .gltf, .obj, .ply, .stl or .off) or point cloud (.ply, .xyz, .las or .laz); without it, a
+    /// branch that comes with the program
+    pub input: Option<PathBuf>,
+    /// Folder for the files; made where it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Which stem, and where the first pictured section lies: a fraction, a length, or a point
+    #[arg(
+        long,
+        value_name = "PLACE",
+        default_value = "0.5",
+        allow_hyphen_values = true
+    )]
+    pub at: String,
+    /// Unit of length in the input, where its format has none
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+    /// Make only these
+    #[arg(long, value_name = "PARTS", value_delimiter = ',', default_values_t = PartWord::ALL, hide_default_value = true)]
+    pub only: Vec<PartWord>,
+    #[command(flatten)]
+    pub scan: ScanArguments,
+
+    /// Voxels along each side of a segment, which is slightly longer than the stem is wide: 32 to 512
+    #[arg(long, value_name = "NUMBER", default_value = "128", help_heading = "How finely",
+        value_parser = values::resolution)]
+    pub resolution: usize,
+    /// Where rings come from
+    #[arg(long, default_value = "field", help_heading = "How finely")]
+    pub rings_by: RingsByWord,
+    /// Kernels of the erosion [default: alternating]
+    #[arg(long, help_heading = "How finely")]
+    pub schedule: Option<ScheduleWord>,
+    /// Annual rings; as many as make rings of the usual width where absent. An erosion makes its own number
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = "How finely")]
+    pub rings: Option<u16>,
+    /// Sectors of every ring; with equal-area bundles, of the outermost
+    #[arg(long, value_name = "NUMBER", default_value = "40", value_parser = clap::value_parser!(u32).range(3..=10_000),
+        help_heading = "How finely")]
+    pub sectors: u32,
+    /// Layers of particles along the stem; as far apart as the outermost sectors are wide where absent
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(2..=1_000_000), help_heading = "How finely")]
+    pub layers: Option<u32>,
+    /// How rings are parted into sectors
+    #[arg(long, default_value = "fixed", help_heading = "How finely")]
+    pub bundles: BundlesWord,
+    /// Sections that are pictured: one at the place, the others at equal distances
+    #[arg(long, value_name = "NUMBER", default_value = "3", value_parser = clap::value_parser!(u32).range(1..=1000),
+        help_heading = "How finely")]
+    pub sections: u32,
+    /// Ring whose surface is rebuilt, from 1 at the pith; the outermost where absent
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = "How finely")]
+    pub surface_ring: Option<u16>,
+
+    /// Species, by common or scientific name
+    #[arg(long, value_name = "NAME", help_heading = "What it is")]
+    pub species: Option<String>,
+    /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
+    #[arg(
+        long,
+        value_name = "POINT",
+        allow_hyphen_values = true,
+        help_heading = "What it is"
+    )]
+    pub pith: Option<String>,
+    /// What the stem is; else judged by its section
+    #[arg(long, help_heading = "What it is")]
+    pub kind: Option<KindWord>,
+    /// Colours of rings
+    #[arg(
+        long,
+        alias = "colors",
+        default_value = "wood",
+        help_heading = "What it is"
+    )]
+    pub colours: ColoursWord,
+
+    /// Print the report as JSON; the lists by layer are in anatomy.json
+    #[arg(long, help_heading = "How it is told")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "How it is told")]
+    pub quiet: bool,
+    /// Threads to use [default: as many as the machine offers]; the output is the same
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "How it is told")]
+    pub threads: Option<u16>,
+}
+
+/// Parts of a stem's inside.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum PartWord {
+    Sections,
+    Longitudinal,
+    Volume,
+    Particles,
+    Surface,
+}
+
+impl PartWord {
+    const ALL: [PartWord; 5] = [
+        PartWord::Sections,
+        PartWord::Longitudinal,
+        PartWord::Volume,
+        PartWord::Particles,
+        PartWord::Surface,
+    ];
+}
+
+impl std::fmt::Display for PartWord {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let value = self.to_possible_value();
+        f.write_str(value.as_ref().map_or("", |v| v.get_name()))
+    }
+}
+
+impl From<PartWord> for Part {
+    fn from(word: PartWord) -> Self {
+        match word {
+            PartWord::Sections => Part::Sections,
+            PartWord::Longitudinal => Part::Longitudinal,
+            PartWord::Volume => Part::Volume,
+            PartWord::Particles => Part::Particles,
+            PartWord::Surface => Part::Surface,
+        }
+    }
+}
+
+/// How rings are parted.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum BundlesWord {
+    #[value(help = "the same number of sectors in every ring, as published")]
+    Fixed,
+    #[value(help = "as many sectors as make bundles of equal area")]
+    EqualArea,
+}
+
+impl From<BundlesWord> for Bundles {
+    fn from(word: BundlesWord) -> Self {
+        match word {
+            BundlesWord::Fixed => Bundles::Fixed,
+            BundlesWord::EqualArea => Bundles::EqualArea,
+        }
+    }
+}
+
+/// Where rings come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RingsByWord {
+    #[value(help = "a continuous field, round at the pith and like the outline outside")]
+    Field,
+    #[value(help = "erosion of the voxels, as published")]
+    Erosion,
+}
+
+/// Schedules of an erosion.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ScheduleWord {
+    #[value(help = "every pass takes a voxel, as in the publication's Fig. 5 and Table 1")]
+    Alternating,
+    #[value(
+        name = "figure-6",
+        help = "rings of different widths, as in its Fig. 6"
+    )]
+    Figure6,
+    #[value(help = "twice as wide along one direction, as in its Fig. 8")]
+    Eccentric,
+}
+
+impl From<ScheduleWord> for ErosionSchedule {
+    fn from(word: ScheduleWord) -> Self {
+        match word {
+            ScheduleWord::Alternating => ErosionSchedule::Alternating,
+            ScheduleWord::Figure6 => ErosionSchedule::Figure6,
+            ScheduleWord::Eccentric => ErosionSchedule::Eccentric,
+        }
+    }
+}
+
+/// Colours of rings.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ColoursWord {
+    #[value(help = "those of the species' wood, tissue by tissue")]
+    Wood,
+    #[value(help = "the two browns of the publication")]
+    Published,
+}
+
+impl From<ColoursWord> for RingColours {
+    fn from(word: ColoursWord) -> Self {
+        match word {
+            ColoursWord::Wood => RingColours::Wood,
+            ColoursWord::Published => RingColours::Published,
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Rows of `forces.csv`: what clamps and moved bodies do to the wood, and how far they have moved.
+
+use super::tables::forces_on;
+use crate::bodies::{Bodies, BodyMotion};
+use crate::loads::{Pose, rotation_of};
+use crate::solver::World;
+use glam::DVec3;
+
+/// First line of the forces.
+pub const FORCE_HEADER: &str = "time_s,holder,moved_x_m,moved_y_m,moved_z_m,turned_x_deg,turned_y_deg,turned_z_deg,\
+force_x_N,force_y_N,force_z_N,moment_x_Nm,moment_y_Nm,moment_z_Nm\n";
+
+/// What a clamp or body does to the wood at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceRow {
+    /// Time, s.
+    pub time: f64,
+    /// `clamp 0`, or a body's name, or `body 0`.
+    pub holder: String,
+    /// How far it has moved, m.
+    pub moved: DVec3,
+    /// How far it has turned: along its axis, as long as its angle, rad.
+    pub turned: DVec3,
+    /// Force on the wood, N.
+    pub force: DVec3,
+    /// Moment on the wood about the holder's centre now, N m.
+    pub moment: DVec3,
+}
+
+impl ForceRow {
+    /// The rows of a world now: those of clamps, then those of bodies that do not move freely. A clamp's is its force now,
+    /// against what the wood pulls and its loads, without the inertia of what it holds; a body's is the mean since this was
+    /// last called, `interval` seconds ago.
+    pub fn all(world: &World, bodies: &mut Bodies, interval: f64) -> Vec<ForceRow> {
+        let time = world.state.time;
+        let mut rows = clamp_rows(world);
+        let given = bodies.take_given();
+        for (number, (body, _)) in bodies.iter().enumerate() {
+            let BodyMotion::Given(motion) = &body.motion else {
+                continue;
+            };
+            let name = if body.name.is_empty() {
+                format!("body {number}")
+            } else {
+                body.name.clone()
+            };
+            let per = if interval > 0.0 { -1.0 / interval } else { 0.0 };
+            let given = given.get(number).copied().unwrap_or_default();
+            let (force, moment) = (given.impulse * per, given.angular * per);
+            rows.push(row(time, name, motion.pose(time), [force, moment]));
+        }
+        rows
+    }
+
+    /// The line, with its end.
+    pub fn line(&self) -> String {
+        // What would end a cell early stays out of names.
+        let holder: String = (self.holder.chars())
+            .map(|c| if ",\"\n\r".contains(c) { ' ' } else { c })
+            .collect();
+        let turned = self.turned.to_array().map(f64::to_degrees);
+        let numbers = [
+            self.moved.to_array(),
+            turned,
+            self.force.into(),
+            self.moment.into(),
+        ];
+        let cells = numbers
+            .concat()
+            .iter()
+            .fold(String::new(), |text, n| text + &format!(",{n}"));
+        format!("{},{holder}{cells}\n", self.time)
+    }
+}
+
+fn row(time: f64, holder: String, pose: Pose, [force, moment]: [DVec3; 2]) -> ForceRow {
+    ForceRow {
+        time,
+        holder,
+        moved: pose.translation,
+        turned: rotation_of(pose.rotation),
+        force,
+        moment,
+    }
+}
+
+fn clamp_rows(world: &World) -> Vec<ForceRow> {
+    let (state, clamps) = (&world.state, &world.loads.clamps);
+    if clamps.is_empty() {
+        return Vec::new();
+    }
+    let forces = forces_on(world);
+    let rows = clamps.iter().enumerate().map(|(number, clamp)| {
+        let pose = clamp.motion.pose(state.time);
+        let centre = clamp.centre + pose.translation;
+        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for &v in &clamp.vertices {
+            let mut against = -forces.linear.get(v as usize);
+            for a in (0..3).filter(|&a| !clamp.axes[a]) {
+                against[a] = 0.0;
+            }
+            force += against;
+            moment += (state.position.get(v as usize) - centre).cross(against);
+        }
+        if world.bundle.twisting {
+            for &j in &clamp.edges {
+                let along = state.edge(j as usize).normalize_or_zero();
+                moment -= along * forces.moment[j as usize];
+            }
+        }
+        row(state.time, format!("clamp {number}"), pose, [force, moment])
+    });
+    rows.collect()
+}

@@ -1,0 +1,167 @@
+//! From a scene and a mesh to a world with bodies.
+
+use super::{SimulateError, SimulateRequest};
+use crate::files;
+use glam::DVec3;
+use greenstick_fibre::bodies::Shape;
+use greenstick_fibre::placement::{Arrangement, HowMany, Placement, WoodMaterial, place};
+use greenstick_fibre::scene::{
+    ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
+};
+use greenstick_fibre::store::checksum;
+use greenstick_geometry::{Context, Mesh, Scene};
+use greenstick_wood::moisture::Fallback;
+use greenstick_wood::primitive::{self, BranchOptions};
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{Place, StemOptions, find};
+
+/// The mesh of the scene's stem in the world, m, and where on it.
+fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Vec<Mesh>, Place), SimulateError> {
+    let stem = &setting.stem;
+    let mesh = match stem.kind {
+        StemWord::Branch => primitive::branch(&BranchOptions {
+            length: stem.length.0,
+            diameter: stem.diameter.0,
+            ..BranchOptions::default()
+        }),
+        StemWord::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
+        StemWord::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
+        StemWord::Input => {
+            let scene = input.ok_or(SimulateError::NoInput)?;
+            let world = scene.nodes.iter().map(|n| Mesh {
+                positions: (n.mesh.positions.iter())
+                    .map(|&p| n.transform.transform_point3(p))
+                    .collect(),
+                triangles: n.mesh.triangles.clone(),
+                ..Mesh::default()
+            });
+            return Ok((world.collect(), Place::parse(&stem.at, 1.0)?));
+        }
+    };
+    Ok((vec![mesh], Place::parse("0.5", 1.0)?))
+}
+
+/// The scene as a world with bodies, and the hash of what it depends on.
+pub(super) fn prepare(
+    request: &SimulateRequest,
+    input: Option<&Scene>,
+    context: &Context,
+) -> Result<(SetUp, u64), SimulateError> {
+    let setting = &request.scene;
+    setting.check()?;
+    let species = Species::find(&setting.wood.species)?;
+    let mut wood = WoodMaterial::of(species, setting.wood.moisture, Fallback::TwelvePercent)?;
+    let softer = setting.wood.stiffness;
+    for modulus in [
+        &mut wood.longitudinal,
+        &mut wood.radial,
+        &mut wood.tangential,
+        &mut wood.shear_radial,
+        &mut wood.shear_tangential,
+        // Strains at failure stay as they are.
+        &mut wood.tension,
+        &mut wood.compression,
+    ] {
+        *modulus *= softer;
+    }
+    context.step("stem", 0.0)?;
+    let (meshes, at) = meshes(setting, input)?;
+    let found = find(&meshes, &at, &StemOptions::default(), context)?;
+    let (from, to) = found.stem.usable;
+    let part = setting.stem.part.map(|p| from + p * (to - from));
+    context.step("rods", 0.0)?;
+    let keys = &setting.rods;
+    let placed = place(
+        &found.stem,
+        &wood,
+        &Placement {
+            seed: setting.seed,
+            arrangement: match keys.arrangement {
+                ArrangementWord::PoissonDisk => Arrangement::PoissonDisk,
+                ArrangementWord::Anatomy => Arrangement::Anatomy,
+            },
+            rods: match keys.spacing {
+                Some(spacing) => HowMany::Spacing(spacing.0),
+                None => HowMany::Number(keys.number),
+            },
+            edges: (keys.edge[0].0, keys.edge[1].0),
+            range: Some((part[0], part[1])),
+            reach: keys.reach,
+            twisting: match keys.twist {
+                TwistWord::Auto => None,
+                TwistWord::On => Some(true),
+                TwistWord::Off => Some(false),
+            },
+            weibull: keys.weibull.unwrap_or(f64::INFINITY),
+            rings: keys.rings,
+            rays: keys.rays,
+            ring_strength: keys.ring_strength,
+            ray_strength: keys.ray_strength,
+        },
+    )?;
+    let shapes = body_files(request)?;
+    let made = set_up(setting, placed.bundle, &placed.along, &shapes)?;
+    // The duration may grow when a run is resumed; everything else must be as it was.
+    let lasting = Setting {
+        duration: 0.0,
+        ..setting.clone()
+    };
+    let mut all = lasting.to_toml().into_bytes();
+    let position = &made.world.state.position;
+    for part in [&position.x, &position.y, &position.z] {
+        part.iter()
+            .for_each(|v| all.extend(v.to_bits().to_le_bytes()));
+    }
+    Ok((made, checksum(&all)))
+}
+
+/// The meshes that bodies name.
+pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>, SimulateError> {
+    let mut shapes = Vec::new();
+    for body in &request.scene.body {
+        if body.file.is_empty() {
+            shapes.push(None);
+            continue;
+        }
+        let scene = files::read(&request.beside.join(&body.file), None)?;
+        let mut numbers = std::collections::BTreeMap::new();
+        let (mut points, mut triangles): (Vec<DVec3>, Vec<[u32; 3]>) = Default::default();
+        for node in &scene.nodes {
+            for t in 0..node.mesh.triangles.len() {
+                triangles.push(node.mesh.corners(t).map(|p| {
+                    let p = node.transform.transform_point3(p) + DVec3::ZERO;
+                    *numbers
+                        .entry(p.to_array().map(f64::to_bits))
+                        .or_insert_with(|| {
+                            points.push(p);
+                            points.len() as u32 - 1
+                        })
+                }));
+            }
+        }
+        shapes.push(Some(match body.shape {
+            ShapeWord::Hull => Shape::Hull { points },
+            _ => Shape::Mesh { points, triangles },
+        }));
+    }
+    Ok(shapes)
+}
+
+/// The shapes of the scene's bodies as they are to be drawn about the centres that frames hold: those of mesh files as
+/// meshes, hulls with their faces.
+///
+/// # Errors
+/// [`SimulateError`] for mesh files that cannot be used.
+pub fn body_shapes(request: &SimulateRequest) -> Result<Vec<Shape>, SimulateError> {
+    let files = body_files(request)?;
+    let mut shapes = Vec::new();
+    for (number, (body, file)) in request.scene.body.iter().zip(files).enumerate() {
+        let shape = body.plain_shape(number, file.as_ref())?;
+        let free = body.motion == MotionWord::Free;
+        shapes.push(match shape.surface(number, free)? {
+            Some((points, triangles)) => Shape::Mesh { points, triangles },
+            None => shape,
+        });
+    }
+    Ok(shapes)
+}
