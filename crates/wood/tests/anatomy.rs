@@ -21,18 +21,13 @@ const TISSUE: Proportions = Proportions {
 };
 
 fn found(mesh: &Mesh) -> Found {
-    found_at(mesh, "0.5")
+    found_at(mesh, "0.5", StemOptions::default())
 }
 
-fn found_at(mesh: &Mesh, place: &str) -> Found {
+fn found_at(mesh: &Mesh, place: &str, options: StemOptions) -> Found {
     let place = place.parse().unwrap();
-    find(
-        std::slice::from_ref(mesh),
-        &place,
-        &StemOptions::default(),
-        &Context::quiet(),
-    )
-    .unwrap()
+    let meshes = std::slice::from_ref(mesh);
+    find(meshes, &place, &options, &Context::quiet()).unwrap()
 }
 
 fn options(resolution: usize) -> AnatomyOptions {
@@ -178,8 +173,15 @@ fn both_sides_of_a_slot_are_wood() {
     assert!(
         (mesh.volume() / (0.025 * (0.27 - 0.08)) - 1.0).abs() < 1e-12 && mesh.check().is_solid()
     );
-    let found = found_at(&mesh, "0.9");
-    assert_eq!(found.stem.kind, StemKind::Board);
+    let kind = Some(StemKind::Board);
+    let found = found_at(
+        &mesh,
+        "0.9",
+        StemOptions {
+            kind,
+            ..StemOptions::default()
+        },
+    );
     let anatomy = Anatomy::new(&found, &mesh, &options(512)).unwrap();
     let section = anatomy.section(0.4).unwrap();
     assert_eq!(section.outline.parts, 2);
