@@ -358,14 +358,14 @@ fn gathered(
         let next = last(pair);
         let on_edge = [a, b, c, d];
         let mut sum = end;
-        for k in 0..4 {
-            sum[k] -= on_edge[k] + next[k];
+        for ((sum, start), end) in sum.iter_mut().zip(on_edge).zip(next) {
+            *sum -= start + end;
         }
         end = next;
         for &p in &place[own[v] as usize..own[v + 1] as usize] {
             let f = &force[p as usize];
-            for k in 0..4 {
-                sum[k] += f.0[k];
+            for (sum, f) in sum.iter_mut().zip(f.0) {
+                *sum += f;
             }
         }
         out.0 = sum;
