@@ -1,0 +1,205 @@
+//! One suite for all solvers, and one bending scene on which they are compared.
+
+mod support;
+
+use glam::DVec3;
+use greenstick_fibre::energy::{self, Forces};
+use greenstick_fibre::placement::place;
+use greenstick_fibre::{
+    BondCriterion, Bundle, Clamp, EventKind, Explicit, Failure, HowMany, Implicit, Motion,
+    NoContacts, Placement, PointForce, QuasiStatic, Ramp, Solver, SolverError, WoodMaterial, World,
+};
+use greenstick_geometry::Context;
+use greenstick_wood::moisture::Fallback;
+use greenstick_wood::primitive::board;
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
+use support::{four_rods, soft, straight};
+
+/// All solvers, with steps of `step` where they take any.
+fn solvers(step: Option<f64>) -> Vec<Box<dyn Solver>> {
+    vec![
+        Box::new(Explicit::new(None)),
+        Box::new(Implicit::new(step)),
+        Box::new(QuasiStatic::new(step)),
+    ]
+}
+
+#[test]
+fn a_bundle_at_rest_stays_where_it_is() {
+    for twisting in [false, true] {
+        for mut solver in solvers(None) {
+            let mut world = World::new(four_rods(twisting));
+            world.loads.clamps = vec![Clamp::of(&world.bundle, vec![0, 1], Motion::Fixed)];
+            solver.advance(&mut world, &mut NoContacts, 0.01).unwrap();
+            for i in 0..world.bundle.vertices() {
+                let moved = world.state.position.get(i) - world.bundle.rest.get(i);
+                assert!(moved.length() < 1e-11, "{}: {moved}", solver.name());
+            }
+            assert_eq!((world.state.time, world.events.len()), (0.01, 0));
+        }
+    }
+}
+
+#[test]
+fn a_cantilever_bends_as_beams_do_and_clamps_are_where_they_should_be() {
+    for twisting in [false, true] {
+        for mut solver in solvers(Some(0.02)) {
+            let (edges, length) = (20, 0.2);
+            let rod = straight(DVec3::ZERO, length, edges, soft());
+            let mut world = World::new(Bundle::new(&[rod], twisting).unwrap());
+            let lift = Motion::Keys(vec![
+                (0.0, greenstick_fibre::Pose::REST),
+                (
+                    0.5,
+                    greenstick_fibre::Pose {
+                        translation: DVec3::Y * 0.03,
+                        ..greenstick_fibre::Pose::REST
+                    },
+                ),
+            ]);
+            world.loads.clamps = vec![Clamp::of(&world.bundle, vec![0, 1], lift)];
+            let force = 1e-4;
+            world.loads.forces = vec![PointForce {
+                vertex: edges as u32,
+                force: DVec3::X * force,
+                ramp: Ramp::Rise(0.5),
+            }];
+            world.loads.damping = 12.0;
+            solver.advance(&mut world, &mut NoContacts, 2.0).unwrap();
+            // Free from the middle of the clamped edge.
+            let free = length - 0.5 * length / edges as f64;
+            let expected = force * free.powi(3) / (3.0 * soft().bend);
+            let tip = world.state.position.get(edges);
+            assert!(
+                (tip.x / expected - 1.0).abs() < 0.01,
+                "{} {twisting}: {} for {expected}",
+                solver.name(),
+                tip.x
+            );
+            let held = world.state.position.get(0);
+            assert!((held - DVec3::Y * 0.03).length() < 1e-12, "{held}");
+        }
+    }
+}
+
+#[test]
+fn the_same_run_twice_gives_the_same_bits() {
+    for k in 0..3 {
+        let run = || {
+            let mut world = scene();
+            solvers(Some(2e-3))[k]
+                .advance(&mut world, &mut NoContacts, 5e-3)
+                .unwrap();
+            world.state
+        };
+        assert_eq!(run(), run());
+    }
+}
+
+#[test]
+fn durations_and_steps_out_of_range_are_refused() {
+    for mut solver in solvers(None) {
+        let mut world = World::new(four_rods(false));
+        for bad in [-1.0, f64::NAN, f64::INFINITY] {
+            let refused = solver.advance(&mut world, &mut NoContacts, bad);
+            assert!(matches!(refused, Err(SolverError::Value { .. })));
+        }
+    }
+    for mut solver in solvers(Some(-1.0)).into_iter().skip(1) {
+        let world = World::new(four_rods(false));
+        assert!(matches!(
+            solver.step(&world),
+            Err(SolverError::Value { .. })
+        ));
+    }
+}
+
+#[test]
+fn a_loose_bundle_has_no_equilibrium_under_a_force() {
+    let mut world = World::new(four_rods(false));
+    world.loads.gravity = DVec3::NEG_Z * 9.8;
+    let before = world.state.clone();
+    let told = QuasiStatic::new(None).advance(&mut world, &mut NoContacts, 1.0);
+    assert!(matches!(told, Err(SolverError::NotConverged { .. })));
+    assert_eq!(world.state, before);
+}
+
+/// How far the free end is when the board below breaks, m, about.
+const WAY: f64 = 6e-3;
+
+/// A small oak board, clamped at one end.
+fn scene() -> World {
+    let oak = Species::find("white oak").unwrap();
+    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
+    let options = StemOptions {
+        kind: Some(StemKind::Board),
+        ..StemOptions::default()
+    };
+    let mesh = board(0.13, 0.01, 0.01);
+    let stem = find(&[mesh], &Place::Fraction(0.5), &options, &Context::quiet())
+        .unwrap()
+        .stem;
+    let placement = Placement {
+        rods: HowMany::Number(9),
+        edges: (5e-3, 5e-3),
+        range: Some((0.005, 0.125)),
+        ..Placement::default()
+    };
+    let bundle = place(&stem, &wood, &placement).unwrap().bundle;
+    let held: Vec<u32> = (0..bundle.rods())
+        .flat_map(|r| [bundle.rod(r).start as u32, bundle.rod(r).start as u32 + 1])
+        .collect();
+    let mut world = World::new(bundle);
+    world.loads.clamps = vec![Clamp::of(&world.bundle, held, Motion::Fixed)];
+    world.failure = Failure {
+        rods_break: true,
+        rods_yield: true,
+        bonds: BondCriterion::Stress,
+        ..Failure::default()
+    };
+    world
+}
+
+/// Bends the scene over `time` seconds until something breaks: the force then, N, found at every hundredth of the way.
+fn force_at_first_break(solver: &mut dyn Solver, time: f64) -> f64 {
+    let mut world = scene();
+    let ends: Vec<u32> = (0..world.bundle.rods())
+        .map(|r| world.bundle.rod(r).end as u32 - 1)
+        .collect();
+    let motion = Motion::Steady {
+        velocity: DVec3::Y * (WAY / time),
+        angular: DVec3::ZERO,
+    };
+    world.loads.clamps.push(Clamp {
+        axes: [false, true, false],
+        ..Clamp::of(&world.bundle, ends.clone(), motion)
+    });
+    let mut forces = Forces::zeros(world.bundle.vertices());
+    let mut last = 0.0;
+    for _ in 0..300 {
+        solver
+            .advance(&mut world, &mut NoContacts, time / 100.0)
+            .unwrap();
+        if world.events.iter().any(|e| e.kind != EventKind::RodYielded) {
+            return last;
+        }
+        forces.clear();
+        energy::add_forces(&world.bundle, &world.state, &mut forces);
+        last = -ends
+            .iter()
+            .map(|&v| forces.linear.get(v as usize).y)
+            .sum::<f64>();
+    }
+    panic!("{}: nothing broke at {last} N", solver.name());
+}
+
+#[test]
+fn solvers_agree_on_the_force_at_first_break() {
+    let reference = force_at_first_break(&mut QuasiStatic::new(None), 0.012);
+    let explicit = force_at_first_break(&mut Explicit::new(None), 0.012);
+    let implicit = force_at_first_break(&mut Implicit::new(Some(1.0 / 240.0)), 0.5);
+    println!("quasi-static {reference} N, explicit {explicit} N, implicit {implicit} N");
+    assert!((explicit / reference - 1.0).abs() < 0.1);
+    assert!((implicit / reference - 1.0).abs() < 0.1);
+}
