@@ -22,6 +22,8 @@ struct Placed {
     /// Height above the surface, m.
     above: f64,
     slot: Slot,
+    /// Whether the facets of the edge to the next corner agree on it, so that no outline runs along it.
+    agreed: bool,
 }
 
 /// A point where the surface cuts an edge of a clipped polygon.
@@ -54,7 +56,7 @@ struct Scratch {
     above: Vec<f64>,
     places: Vec<Place>,
     placed: Vec<Placed>,
-    ring: Vec<(u32, Option<bool>, Support)>,
+    ring: Vec<(u32, Option<bool>, Support, bool)>,
     turns: Vec<u32>,
     /// Edges of polygons along the layout's: (ends, edge).
     spans: Vec<(u32, u32, u32)>,
@@ -264,6 +266,7 @@ impl<'a> Overlay<'a> {
                             id: self.corner(corners, slot, clips),
                             above: scratch.above[(s - first) as usize],
                             slot,
+                            agreed: self.agreed(part.facet, slot),
                         });
                     }
                     self.divide(triangle, corners, part.facet, clips, scratch)?;
@@ -291,8 +294,9 @@ impl<'a> Overlay<'a> {
             let (edge, side) = match slot.support {
                 Support::Skin(side) => (NONE, side),
                 Support::Facet(k) => {
-                    if slot.beyond != NONE
-                        && scratch.places[(slot.beyond - first) as usize] == place
+                    if self.agreed(part.facet, slot)
+                        || slot.beyond != NONE
+                            && scratch.places[(slot.beyond - first) as usize] == place
                     {
                         continue;
                     }
@@ -317,6 +321,18 @@ impl<'a> Overlay<'a> {
             });
         }
         Ok(())
+    }
+
+    /// Whether the facets on both sides of the edge from a corner have the same heights there, and the triangle has
+    /// parts over both: what each of them has on the edge, the other has the other way round.
+    fn agreed(&self, facet: u32, slot: Slot) -> bool {
+        let Support::Facet(k) = slot.support else {
+            return false;
+        };
+        let layout = &self.surface.layout;
+        let edge = &layout.edges[layout.sides[facet as usize][usize::from(k)] as usize];
+        let (other, side) = edge.facets[usize::from(edge.facets[0] == (facet, k))];
+        slot.beyond != NONE && self.surface.rail(facet, k) == self.surface.rail(other, side)
     }
 
     /// The vertex at a corner of a part.
@@ -381,11 +397,11 @@ impl<'a> Overlay<'a> {
         turns.clear();
         for j in 0..count {
             let (a, b) = (polygon[j], polygon[(j + 1) % count]);
-            ring.push((a.id, Some(a.above > 0.0), a.slot.support));
+            ring.push((a.id, Some(a.above > 0.0), a.slot.support, a.agreed));
             if (a.above > 0.0) != (b.above > 0.0) {
                 turns.push(ring.len() as u32);
                 let id = self.cut((triangle, corners), facet, a, b, clips);
-                ring.push((id, None, a.slot.support));
+                ring.push((id, None, a.slot.support, a.agreed));
             }
         }
         let is_upper = |i: usize| {
@@ -395,7 +411,10 @@ impl<'a> Overlay<'a> {
                 .unwrap_or_else(|| ring[(i + 1) % ring.len()].1.unwrap_or(false))
         };
         for i in 0..ring.len() {
-            let (from, _, support) = ring[i];
+            let (from, _, support, agreed) = ring[i];
+            if agreed {
+                continue;
+            }
             let to = ring[(i + 1) % ring.len()].0;
             let (edge, side) = match support {
                 Support::Skin(side) => (NONE, side),
@@ -415,6 +434,9 @@ impl<'a> Overlay<'a> {
             .map(|(j, a)| (a, &polygon[(j + 1) % count]))
         {
             if let Support::Facet(k) = a.0.slot.support {
+                if a.0.agreed {
+                    continue;
+                }
                 let edge = layout.sides[facet as usize][usize::from(k)];
                 spans.push((a.0.id.min(a.1.id), a.0.id.max(a.1.id), edge));
                 if layout.edges[edge as usize]
