@@ -23,7 +23,7 @@ use greenstick_fibre::store::{
     event_row, set_back, write_header,
 };
 use greenstick_geometry::{Context, Scene};
-use growing::{ENERGIES, EVENTS, FORCES, FRAMES, GROWING, Growing};
+use growing::{ENERGIES, EVENTS, FORCES, FRAMES, Growing};
 use prepare::prepare;
 use report::{begin_report, finish_report};
 use std::fs;
