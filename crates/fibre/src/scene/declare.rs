@@ -202,7 +202,7 @@ macro_rules! declared {
             fn out_of_range(&self, table: &str) -> Option<($crate::scene::declare::KeyInfo, f64)> {
                 use $crate::scene::declare::Numbers;
                 $(for value in self.$field.numbers() {
-                    if !(value >= $least && value <= $greatest) {
+                    if !($least..=$greatest).contains(&value) {
                         let key = Self::keys(table).into_iter().find(|k| k.key == stringify!($field))?;
                         return Some((key, value));
                     }
