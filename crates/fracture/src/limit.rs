@@ -23,6 +23,10 @@ const WHOLE: f64 = 0.5;
 /// nothing, and steps finer than a file's precision would cross.
 const STEP: f64 = 5e-4;
 
+/// How far above the place of the break, in radii, the edge of a wedge lies: at the place itself the skin has a level of
+/// the grain, and a face in that plane would meet it in edges instead of crossing it.
+const OFF_LEVEL: f64 = 2.3e-4;
+
 impl Wedge {
     /// A height (m) at a distance from the edge, brought between the planes. `greatest` are the greatest below and
     /// above zero: where the wedge is too narrow for those, all are less in proportion, so that they do not end on a
@@ -105,7 +109,7 @@ impl<'a> Placed<'a> {
         let mut h = *height * setting.radius;
         if let Some(w) = &setting.wedge {
             let far = (at.dot(w.toward) - w.from).max(0.0);
-            h = w.within(h, far, self.greatest, setting.radius);
+            h = w.within(h, far, self.greatest, setting.radius) + OFF_LEVEL * setting.radius;
         }
         self.wanted = (self.wanted.0.min(h), self.wanted.1.max(h));
         let kept = bent(h, self.free.0, self.free.1);

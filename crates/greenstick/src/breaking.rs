@@ -185,11 +185,8 @@ pub fn break_scene(
     out.nodes[..ours]
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
-    // A plain break has nothing so fine that it could cross after rounding.
-    if cracks.is_some() || request.fray > 0.0 || model.wound.is_some() || p.hang > 0.0 {
-        for node in &mut out.nodes[..ours] {
-            notes.extend(untangled(node, material));
-        }
+    for node in &mut out.nodes[..ours] {
+        notes.extend(untangled(node, material));
     }
     context.step("textures", 0.0)?;
     add_inner_material(
@@ -240,7 +237,7 @@ fn untangled(node: &mut Node, material: u32) -> Option<String> {
     let longest = done.longest * volume_scale(node).cbrt() * 1e6;
     (done.crossed > 0).then(|| {
         let mut note = format!(
-            "{}: {} pairs of triangles crossed where cracks or splinters are too fine for a file's precision; {} \
+            "{}: {} pairs of triangles crossed where the face is too fine for a file's precision; {} \
              edges of at most {longest:.2} µm were drawn together",
             node.name, done.crossed, done.drawn
         );

@@ -13,11 +13,11 @@ use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::NONE;
 
 /// Rounds of halving: from one to the next triangles are half as long.
-const HALVINGS: u32 = 9;
+const HALVINGS: u32 = 3;
 /// Rounds of drawing together, and the longest edge of the first as part of the face's extent. From one to the next
 /// edges may be twice as long.
-const DRAWINGS: i32 = 10;
-const FINEST: f64 = 5e-6;
+const DRAWINGS: i32 = 5;
+const FINEST: f64 = 8e-5;
 
 /// What was done to a face of winding grain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
