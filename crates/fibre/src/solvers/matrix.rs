@@ -5,6 +5,9 @@
 //! dense from their first entry to the diagonal. Every sum runs in one order, in eight lanes without fused operations,
 //! whatever instructions the processor has: the same bits on every machine, which no linear algebra library offers.
 
+// Rows, columns and vertices index several arrays alike.
+#![allow(clippy::needless_range_loop)]
+
 use std::collections::VecDeque;
 
 /// Lanes of sums.

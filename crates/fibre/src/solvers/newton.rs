@@ -6,6 +6,9 @@
 //! ([`super::matrix`]), which is made anew where it has become too old: a factor costs as much as some fifty
 //! iterations, and between two load steps little of the matrix changes.
 
+// Rows, columns and vertices index several arrays alike.
+#![allow(clippy::needless_range_loop)]
+
 use super::matrix::{Envelope, conjugate_gradients, order};
 use crate::bundle::Bundle;
 use crate::energy::{Curvature, ElementHessian, Forces, bond, framed, rod};
@@ -229,7 +232,13 @@ impl Newton {
                     .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
                 // The force along the step must not have turned round by much.
                 let ok = now.abs() <= SLOPE * slope.abs() || self.worst() <= TOLERANCE * self.scale;
-                if !free || ok || search + 1 == SEARCHES || !(slope > 0.0) || now > 0.0 {
+                if !free
+                    || ok
+                    || search + 1 == SEARCHES
+                    || slope.is_nan()
+                    || slope <= 0.0
+                    || now > 0.0
+                {
                     break;
                 }
                 let part = if now.is_finite() {
