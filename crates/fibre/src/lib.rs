@@ -20,6 +20,8 @@
 //! | [`store`] | frames, tables and checkpoints as bytes |
 //! | [`error`] | what can go wrong |
 #![deny(missing_docs)]
+// Loops over vertices and edges index several arrays alike.
+#![allow(clippy::needless_range_loop)]
 
 pub mod bend_test;
 pub mod bodies;

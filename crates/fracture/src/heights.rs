@@ -244,10 +244,8 @@ impl<'a> Maker<'a> {
     pub fn published(
         &self,
         walks: &mut Walks,
-        across: DVec2,
-        unit: DVec2,
-        rho: f64,
-        phi: f64,
+        (across, unit): (DVec2, DVec2),
+        (rho, phi): (f64, f64),
         zone: Zone,
         key: i64,
     ) -> f64 {

@@ -189,7 +189,7 @@ impl<'a> Torn<'a> {
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
         let across = (middle - self.pith) / maker.setting.radius;
-        let published = maker.published(walks, across, at, rho, bundle.phi, zone, key);
+        let published = maker.published(walks, (across, at), (rho, bundle.phi), zone, key);
         let shelf = self.off_shelf(walks, at, middle);
         let torn = self.torn(shelf);
         let wandered = self.wandered(walks, bundle.phi, at);

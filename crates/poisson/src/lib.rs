@@ -42,7 +42,7 @@ pub enum PoissonError {
 /// [`PoissonError`] where there are no normals or no surface.
 pub fn surface(cloud: &PointCloud, spacing: f64, context: &Context) -> Result<Mesh, PoissonError> {
     let (points, normals) = (&cloud.points, &cloud.normals);
-    if points.is_empty() || normals.len() != points.len() || !(spacing > 0.0) {
+    if points.is_empty() || normals.len() != points.len() || spacing.is_nan() || spacing <= 0.0 {
         return Err(PoissonError::Normals {
             points: points.len(),
             normals: normals.len(),
