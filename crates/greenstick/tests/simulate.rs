@@ -46,7 +46,7 @@ fn a_run_that_was_stopped_or_killed_ends_in_the_same_bytes() {
     let whole = folder("whole");
     let report = simulate(None, &request(&whole, false), &Context::quiet()).unwrap();
     assert!(
-        report.broke[2] > 0,
+        report.broke[0] > 0,
         "the scene must break something: {report}"
     );
     assert_eq!((report.frames, frames(&whole).unwrap().len()), (4, 4));
@@ -174,7 +174,7 @@ fn one_thread_and_two_write_the_same_bytes() {
 fn energy_is_kept_from_the_first_row_of_a_bent_start_to_the_last() {
     let place = folder("energy");
     let mut asked = request(&place, false);
-    let text = "duration = 0.25\n[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+    let text = "duration = 0.1\nstep = 3e-6\n[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
         [wood]\nstiffness = 0.002\n[rods]\nnumber = 12\nedge = [\"5 mm\", \"5 mm\"]\ntwist = \"off\"\n\
         [start]\nbend = 20.0\n[failure]\nrods = false\nyielding = false\nbonds = \"never\"\n\
         [contact]\nrods = false\n[loads]\ngravity = [0, 0, -9.81]\n";
@@ -184,7 +184,7 @@ fn energy_is_kept_from_the_first_row_of_a_bent_start_to_the_last() {
     let kinetic = column(&place, "energy.csv", "kinetic_J");
     assert_eq!(kinetic[0], 0.0);
     assert!(
-        report.energy.drift_j.abs() < 1e-3 * report.energy.most_j,
+        report.energy.largest_j < 1e-3 * report.energy.most_j,
         "{report}"
     );
     // Falling freely, the work of the weight is what its energy loses.
