@@ -70,7 +70,11 @@ fn a_run_that_was_stopped_or_killed_ends_in_the_same_bytes() {
         // A kill leaves rows and half a frame behind the checkpoint.
         for name in &FILES[..4] {
             let mut all = fs::read(parts.join(name)).unwrap();
-            all.extend(b"0.5,1,2,3");
+            let torn = match name {
+                &"frames.gsf" => all[16..46].to_vec(),
+                _ => b"0.5,1,2,3".to_vec(),
+            };
+            all.extend(torn);
             fs::write(parts.join(name), all).unwrap();
         }
         frames(&parts).unwrap();
@@ -193,7 +197,7 @@ fn energy_is_kept_from_the_first_row_of_a_bent_start_to_the_last() {
         column(&place, "energy.csv", "work_J"),
     );
     let fallen = weight[0] - weight.last().unwrap();
-    assert!(fallen > 1e-3 && (work.last().unwrap() / fallen - 1.0).abs() < 1e-9);
+    assert!(fallen > 1e-4 && (work.last().unwrap() / fallen - 1.0).abs() < 1e-6);
     let _ = fs::remove_dir_all(&place);
 }
 
