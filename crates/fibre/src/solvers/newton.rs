@@ -555,11 +555,8 @@ impl Newton {
                     for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
                         let (i, j) = (row(3 * a + r as u32), row(3 * b + c as u32));
                         if j <= i {
-                            matrix.add(
-                                i,
-                                j,
-                                g.stiffness * wa * wb * g.direction[r] * g.direction[c],
-                            );
+                            let along = g.direction[r] * g.direction[c];
+                            matrix.add(i, j, g.stiffness * wa * wb * along);
                         }
                     }
                 }
