@@ -163,6 +163,7 @@ fn read(
     unit: Option<LengthUnit>,
     progress: &Progress,
 ) -> Result<Loaded, Failure> {
+    progress.stage("read")?;
     match &options.input {
         Some(path) => scan::load(path, place, unit, &options.scan, progress),
         None => Ok(Loaded {

@@ -61,6 +61,14 @@ impl Failure {
         }
     }
 
+    /// Names the file that it is about.
+    pub fn about(self, file: &std::path::Path) -> Self {
+        Failure {
+            message: format!("{}: {}", file.display(), self.message),
+            ..self
+        }
+    }
+
     /// Adds what to do next.
     pub fn hint(self, hint: impl ToString) -> Self {
         Failure {
@@ -161,16 +169,15 @@ fn scan_failure(error: &ScanningError) -> Failure {
         Why::Scan(ScanError::LittleCover { .. }) => {
             Failure::work(error).hint("another --at may do, or a smaller --least-cover")
         }
-        Why::Scan(ScanError::NotStarShaped { .. }) => {
-            Failure::work(error).hint("--surface poisson makes a surface of any form")
+        Why::Scan(ScanError::NotStarShaped { .. }) => Failure::work(error)
+            .hint("another --at, where every ray from the pith meets the bark once"),
+        Why::Scan(ScanError::NoStem { .. }) => {
+            Failure::work(error).hint("--at x,y,z in the file's coordinates names the stem")
         }
-        Why::Scan(ScanError::NoStem { .. }) => Failure::work(error)
-            .hint("--at x,y,z in the file's coordinates, or --surface poisson for what is no stem"),
         Why::Scan(_) => Failure::request(error),
         Why::Clean(_) => Failure::request(error).hint(
             "--no-outliers, --no-isolated and --no-duplicates leave steps of the cleaning out",
         ),
-        Why::Poisson(_) => Failure::work(error),
     }
 }
 

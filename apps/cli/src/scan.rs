@@ -3,12 +3,12 @@
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::values;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use greenstick::files;
 use greenstick::formats::{Content, LengthUnit};
 use greenstick::geometry::Scene;
 use greenstick::geometry::cloud::CleanOptions;
-use greenstick::scanning::{ScanRequest, ScannedReport, Surfacing, cloud_of, scan_to_scene};
+use greenstick::scanning::{ScanRequest, ScannedReport, cloud_of, scan_to_scene};
 use greenstick::wood::scan::ScanOptions;
 use greenstick::wood::stem::Place;
 use std::path::{Path, PathBuf};
@@ -51,20 +51,6 @@ pub struct ScanArguments {
     /// [default: 0.3]
     #[arg(long, value_name = "SHARE", value_parser = values::amount)]
     pub least_cover: Option<f64>,
-    /// How the surface is made
-    #[arg(long, value_name = "HOW", default_value = "auto")]
-    pub surface: SurfaceWord,
-}
-
-/// Ways to a surface.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum SurfaceWord {
-    #[value(help = "by sections where they are no folds, else by Poisson's equation")]
-    Auto,
-    #[value(help = "over angle and length of the stem")]
-    Sections,
-    #[value(help = "by screened Poisson reconstruction of the whole cloud")]
-    Poisson,
 }
 
 impl ScanArguments {
@@ -87,11 +73,6 @@ impl ScanArguments {
                 bark_only: self.bark_only,
                 least_cover: self.least_cover.unwrap_or(scan.least_cover),
                 ..scan
-            },
-            surfacing: match self.surface {
-                SurfaceWord::Auto => Surfacing::Automatic,
-                SurfaceWord::Sections => Surfacing::Sections,
-                SurfaceWord::Poisson => Surfacing::Poisson,
             },
         }
     }
@@ -132,7 +113,9 @@ pub fn load(
         Content::Cloud(cloud) => cloud,
     };
     let request = arguments.request();
-    let scanned = progress.watch(|context| scan_to_scene(&cloud, &place, &request, context))?;
+    let scanned = progress
+        .watch(|context| scan_to_scene(&cloud, &place, &request, context))
+        .map_err(|failure| Failure::from(failure).about(path))?;
     Ok(Loaded {
         scene: scanned.scene,
         place: scanned.place,

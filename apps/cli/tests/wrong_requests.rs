@@ -69,7 +69,7 @@ fn broken_files_are_refused_with_their_name_and_fault() {
         (
             "points.ply",
             ply("3", "0", "0 0 0\n1 0 0\n2 0 0\n").into(),
-            &["faces"],
+            &["3 of 3 points", "at least 50"],
         ),
         ("no.stl", b"this is a letter to my aunt".to_vec(), &["STL"]),
         ("no.obj", b"hello\nworld\n".to_vec(), &[]),

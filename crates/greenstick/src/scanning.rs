@@ -3,27 +3,12 @@
 use crate::Error;
 use glam::{DAffine3, DVec3};
 use greenstick_formats::CloudFile;
-use greenstick_geometry::cloud::{
-    CleanError, CleanOptions, CleanReport, Neighbours, clean, normals, orient_along_tree, spacing,
-};
+use greenstick_geometry::cloud::{CleanError, CleanOptions, CleanReport, clean, spacing};
 use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene};
-use greenstick_poisson::PoissonError;
 use greenstick_wood::scan::{ScanError, ScanOptions, ScanReport, scanned_bark};
 use greenstick_wood::stem::Place;
 use serde::Serialize;
 use std::fmt;
-
-/// How the surface is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Surfacing {
-    /// Over angle and length; by Poisson's equation where sections are folded.
-    #[default]
-    Automatic,
-    /// Over angle and length.
-    Sections,
-    /// By screened Poisson reconstruction of the whole cloud.
-    Poisson,
-}
 
 /// What is asked of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -32,8 +17,6 @@ pub struct ScanRequest {
     pub clean: CleanOptions,
     /// How the bark is made.
     pub scan: ScanOptions,
-    /// By which way.
-    pub surfacing: Surfacing,
 }
 
 /// Everything that is worth knowing of a scan.
@@ -41,9 +24,7 @@ pub struct ScanRequest {
 pub struct ScannedReport {
     /// The cleaning.
     pub clean: CleanReport,
-    /// `sections` or `Poisson`.
-    pub surfaced_by: String,
-    /// The bark; none where it was made by Poisson's equation.
+    /// The bark.
     pub bark: Option<ScanReport>,
     /// Triangles of the surface.
     pub triangles: usize,
@@ -60,7 +41,7 @@ pub struct Scanned {
     pub scene: Scene,
     /// Where the place asked for lies on it.
     pub place: Place,
-    /// Points of the centreline from the base, m; empty where the surface was made by Poisson's equation.
+    /// Points of the centreline from the base, m.
     pub centreline: Vec<DVec3>,
     /// What was done.
     pub report: ScannedReport,
@@ -75,9 +56,6 @@ pub enum ScanningError {
     /// There is no bark.
     #[error(transparent)]
     Scan(#[from] ScanError),
-    /// There is no surface.
-    #[error(transparent)]
-    Poisson(#[from] PoissonError),
 }
 
 impl From<greenstick_geometry::Cancelled> for ScanningError {
@@ -132,50 +110,14 @@ fn surfaced(
     context: &Context,
 ) -> Result<Made, ScanningError> {
     let (cloud, cleaned) = clean(cloud, &request.clean, context)?;
-    let mut report = ScannedReport {
+    let bark = scanned_bark(&cloud, place, &request.scan, context)?;
+    let report = ScannedReport {
         clean: cleaned,
-        surfaced_by: "sections".to_owned(),
+        notes: bark.report.notes.clone(),
+        bark: Some(bark.report),
         ..ScannedReport::default()
     };
-    if request.surfacing != Surfacing::Poisson {
-        match scanned_bark(&cloud, place, &request.scan, context) {
-            Ok(bark) => {
-                report.notes.extend(bark.report.notes.iter().cloned());
-                report.bark = Some(bark.report);
-                return Ok((bark.mesh, bark.place, bark.centreline, report));
-            }
-            Err(ScanError::NotStarShaped { share, .. })
-                if request.surfacing == Surfacing::Automatic =>
-            {
-                report.notes.push(format!(
-                    "{:.0} % of the sections are folded: the surface was made by Poisson's equation",
-                    share * 100.0
-                ));
-            }
-            Err(error) => return Err(error.into()),
-        }
-    }
-    let mesh = by_poisson(cloud, report.clean.spacing_m, context)?;
-    report.surfaced_by = "Poisson".to_owned();
-    Ok((mesh, *place, Vec::new(), report))
-}
-
-/// Neighbours that a normal is estimated from, and along which normals are oriented.
-const NEIGHBOURS: usize = 12;
-
-fn by_poisson(
-    mut cloud: PointCloud,
-    spacing: f64,
-    context: &Context,
-) -> Result<Mesh, ScanningError> {
-    context.step("normals", 0.0)?;
-    if cloud.normals.is_empty() {
-        let tree = Neighbours::new(&cloud.points);
-        cloud.normals = normals(&cloud.points, &tree, NEIGHBOURS);
-        context.step("normals", 0.5)?;
-        orient_along_tree(&cloud.points, &mut cloud.normals, &tree, NEIGHBOURS);
-    }
-    Ok(greenstick_poisson::surface(&cloud, spacing, context)?)
+    Ok((bark.mesh, bark.place, bark.centreline, report))
 }
 
 /// Points of the meshes of a scene as a cloud: the vertices, and where triangles are wide also points on them, so that a
@@ -262,11 +204,7 @@ impl fmt::Display for ScannedReport {
                 b.noise_m * 1e3
             )?;
         }
-        writeln!(
-            f,
-            "surface  by {}, {} triangles",
-            self.surfaced_by, self.triangles
-        )?;
+        writeln!(f, "surface  {} triangles", self.triangles)?;
         for note in &self.notes {
             writeln!(f, "note     {note}")?;
         }

@@ -136,12 +136,15 @@ impl Chart {
 
     /// Least and greatest value on an axis, never the same.
     fn range(&self, axis: usize) -> [f64; 2] {
-        let values = self.lines.iter().flat_map(|l| &l.points).map(|p| p[axis]);
-        let [low, high] = values
-            .filter(|v| v.is_finite())
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {
-                [l.min(v), h.max(v)]
-            });
+        let values = self
+            .lines
+            .iter()
+            .flat_map(|l| &l.points)
+            .filter(|p| p.iter().all(|v| v.is_finite()))
+            .map(|p| p[axis]);
+        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {
+            [l.min(v), h.max(v)]
+        });
         if !(low.is_finite() && high.is_finite() && (high - low).is_finite()) {
             return [0.0, 1.0];
         }
