@@ -131,9 +131,9 @@ fn scanned_pole() -> Option<Mesh> {
     Some(node.mesh.transformed(&node.transform))
 }
 
-/// Sets of cracks, in turn in bent branch, board and scanned pole, in breaks and in the branch's ends.
+/// Sets of cracks in breaks, in turn of bent branch, board and scanned pole.
 #[test]
-fn cracks_in_breaks_and_ends_are_sound_as_made_and_as_written() {
+fn cracks_in_breaks_are_sound_as_made_and_as_written() {
     let coarse = primitive::BranchOptions {
         around: 32,
         ..Default::default()
@@ -146,24 +146,14 @@ fn cracks_in_breaks_and_ends_are_sound_as_made_and_as_written() {
         Some(mesh) => bodies.push(("pole", prepared(mesh, 0.6))),
         None => println!("without the pole: tests/data/pole.ply is not there"),
     }
-    (0..60u64).into_par_iter().for_each(|seed| {
-        let end = seed % 2 == 0;
-        let (name, body) = &bodies[if end {
-            0
-        } else {
-            seed as usize / 2 % bodies.len()
-        }];
+    (0..30u64).into_par_iter().for_each(|seed| {
+        let (name, body) = &bodies[seed as usize % bodies.len()];
         let what = format!("{name}, seed {seed}");
         let cracks = plan(&random(1000 + seed), (0.06, 0.03), seed);
         let mut p = BreakParameters {
             seed,
             ..Default::default()
         };
-        if end {
-            let end = body.crack_end(&p, &cracks, seed % 4 == 0, 1);
-            let end = end.unwrap_or_else(|e| panic!("{what}: {e}"));
-            return assert_sound(&end.stem, &what);
-        }
         p.set_text("rings", "8").unwrap();
         p.set_text("sectors", "16").unwrap();
         let model = body.model(&p, 1.0, 1).unwrap();
