@@ -3,7 +3,7 @@
 //! may fall: the solver passes the peak.
 //!
 //! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
-//! [`OVERSHOOT`] is done again, shorter, so that the load at a break does not depend on the steps.
+//! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
 use super::newton::{Found, Goal, Grip, Newton};
 use crate::energy::{energies, rod};

@@ -1,7 +1,7 @@
 //! From a cleaned point cloud and a place to the bark of the stem there, as a mesh (model §1 of Forests 2023, from the
 //! raw cloud on).
 //!
-//! The stem is found and followed by circles ([`trace`]); its points get an address (angle, length, radius), and where a
+//! The stem is found and followed by circles (`trace`); its points get an address (angle, length, radius), and where a
 //! ray from the pith meets the bark once, the bark is a surface over (angle, length) at the scan's own resolution, which
 //! closes holes and completes a girth that was seen in part.
 
