@@ -4,7 +4,7 @@ use crate::breaking::volume_scale;
 use crate::model::Model;
 use crate::{Error, Prepared, prepare};
 use glam::DVec3;
-use greenstick_fracture::cracks::{CrackPlan, Grooved, plan};
+use greenstick_fracture::cracks::{CrackError, CrackPlan, Grooved, plan};
 use greenstick_fracture::parameters::{BreakParameters, CrackEnd};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::Context;
@@ -19,6 +19,8 @@ pub(crate) struct Cracks {
     pub volume: f64,
     /// Middle of the sawn end (m) and the direction it looks to.
     pub end: Option<(DVec3, DVec3)>,
+    /// Whether the end was sawn straight first.
+    sawn_off: bool,
     faces: Vec<(&'static str, Grooved)>,
 }
 
@@ -45,6 +47,7 @@ impl Cracks {
             sawn: recipe.cracks.settings.end == CrackEnd::Sawn,
             volume: 0.0,
             end: None,
+            sawn_off: false,
             faces: Vec::new(),
         }))
     }
@@ -76,7 +79,13 @@ impl Cracks {
         material: u32,
         context: &Context,
     ) -> Result<Prepared, Error> {
-        let made = prepared.crack_end(p, &self.plan, true, material)?;
+        let made = match prepared.crack_end(p, &self.plan, true, material) {
+            Err(Error::Cut { .. } | Error::Crack(CrackError::NoEnd { .. })) => {
+                self.sawn_off = true;
+                prepared.saw_and_crack(p, &self.plan, material)?
+            }
+            made => made?,
+        };
         let node = prepared.found.node;
         self.volume = made.void * volume_scale(&prepared.scene.nodes[node]);
         let stem = &prepared.found.stem;
@@ -110,6 +119,12 @@ impl Cracks {
     /// What was made of the plan, a sentence each.
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
+        if self.sawn_off {
+            notes.push(
+                "the end is no face that cracks can be cut into: it was sawn off straight first, and what was sawn off is left out"
+                    .to_owned(),
+            );
+        }
         for (name, face) in &self.faces {
             notes.push(format!(
                 "{name}: {} cracks, the widest {:.2} mm, the deepest {:.1} mm",

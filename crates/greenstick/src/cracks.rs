@@ -70,12 +70,13 @@ impl Prepared {
     ) -> Result<CrackedBreak, Error> {
         let stem = &self.found.stem;
         let setting = self.crack_setting();
+        let plan = self.fitted(plan);
         let smooth = p.surface == SurfaceKind::Smooth;
         let proportions = p.proportions();
         let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
         let face = |direction| -> Result<(Grooved, (Mesh, Mesh)), Error> {
             let surface = &model.heights.surface;
-            let made = grooves(plan, &stem.rings, surface, direction, &setting)?;
+            let made = grooves(&plan, &stem.rings, surface, direction, &setting)?;
             let meshes = self.cut_along(&made, &model.bundles, &zone, material, (smooth, true))?;
             Ok((made, meshes))
         };
@@ -111,16 +112,7 @@ impl Prepared {
             far,
             stem.radius,
         )?;
-        let options = LayoutOptions {
-            rings: END_RINGS,
-            sectors: END_SECTORS,
-            reach: self.extent.reach,
-            radius: self.extent.radius,
-            arc: self.extent.arc,
-            bark: None,
-            seed: p.seed,
-        };
-        let bundles = layout::smooth(&stem.rings, &options);
+        let bundles = layout::smooth(&stem.rings, &self.end_layout(p));
         let mut setting = self.crack_setting();
         // The wood of the end itself may be cracked, though not broken.
         let beyond = end.at(stem.rings.pith());
@@ -130,7 +122,8 @@ impl Prepared {
         } else {
             (low.min(beyond - end.clearance), high)
         };
-        let face = end_grooves(plan, &stem.rings, &bundles.layout, &end, &setting)?;
+        let plan = self.fitted(plan);
+        let face = end_grooves(&plan, &stem.rings, &bundles.layout, &end, &setting)?;
         let proportions = p.proportions();
         let zone = |rho: f64| proportions.zone_at(rho, 0.0).code();
         let whole = self.shell_volume();
@@ -145,6 +138,18 @@ impl Prepared {
         })
     }
 
+    pub(crate) fn end_layout(&self, p: &BreakParameters) -> LayoutOptions {
+        LayoutOptions {
+            rings: END_RINGS,
+            sectors: END_SECTORS,
+            reach: self.extent.reach,
+            radius: self.extent.radius,
+            arc: self.extent.arc,
+            bark: None,
+            seed: p.seed,
+        }
+    }
+
     fn shell_volume(&self) -> f64 {
         let mesh = &self.scene.nodes[self.found.node].mesh;
         self.found
@@ -157,7 +162,7 @@ impl Prepared {
             .sum()
     }
 
-    fn cut_along(
+    pub(crate) fn cut_along(
         &self,
         made: &Grooved,
         bundles: &Bundles,

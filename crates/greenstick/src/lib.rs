@@ -49,6 +49,7 @@ mod refine;
 mod report;
 pub mod rings;
 mod rods;
+mod saw;
 pub mod scanning;
 pub mod simulate;
 

@@ -108,6 +108,16 @@ const END_ZONE: f64 = 1.5;
 const CLEAR: f64 = 0.01;
 
 impl EndFace {
+    /// A far end sawn straight at a length along the axis, m.
+    pub fn level(height: f64) -> Self {
+        EndFace {
+            far: true,
+            height,
+            slope: DVec2::ZERO,
+            clearance: 0.0,
+        }
+    }
+
     /// The plane nearest to the skin's triangles that face the end (`corners` are point numbers of the triangles in
     /// `limb`, `points` grain coordinates, `radius` the stem's, m).
     ///
