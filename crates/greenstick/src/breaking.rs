@@ -1,7 +1,7 @@
 //! The whole way from a scene and a request to broken pieces with materials, and a report.
 
 use crate::branch::bark_material;
-use crate::cracking::Cracks;
+use crate::cracking::{Cracks, SawnEnd};
 use crate::fray::{Bent, FrayOptions, fray};
 use crate::looks::{Looks, looks};
 use crate::model::Model;
@@ -19,7 +19,7 @@ use greenstick_geometry::{
 use greenstick_skin::pieces::lacks_material;
 use greenstick_skin::settle::settle;
 use greenstick_skin::texture;
-use greenstick_skin::untangle::untangle;
+use greenstick_skin::untangle::{Places, untangle};
 use greenstick_skin::wind::Wound;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
@@ -74,8 +74,8 @@ pub struct Broken {
     pub apart: bool,
     /// Direction of the hinge that the upper piece hangs on, where it does.
     pub hinge: Option<DVec3>,
-    /// Middle (m) of the sawn end that was cracked, and the direction it looks to.
-    pub end: Option<(DVec3, DVec3)>,
+    /// The sawn end that was cracked.
+    pub end: Option<SawnEnd>,
 }
 
 /// Breaks a stem in a scene.
@@ -110,6 +110,7 @@ pub fn break_scene(
         ));
     }
     let node = &prepared.scene.nodes[prepared.found.node];
+    let known = Places::of(&node.mesh);
     let shell = part_of(&node.mesh, prepared.found.shell.iter().map(|&t| t as usize));
     let (closed, volume) = closed_volume(&shell);
     let input = InputReport {
@@ -186,7 +187,7 @@ pub fn break_scene(
         .iter_mut()
         .for_each(|n| settle(&mut n.mesh, material));
     for node in &mut out.nodes[..ours] {
-        notes.extend(untangled(node, material));
+        notes.extend(untangled(node, &known));
     }
     context.step("textures", 0.0)?;
     add_inner_material(
@@ -232,17 +233,17 @@ pub fn break_scene(
 }
 
 /// Takes out what crosses itself in a piece at the precision of files; what was done, where there was anything.
-fn untangled(node: &mut Node, material: u32) -> Option<String> {
-    let done = untangle(&mut node.mesh, material);
+fn untangled(node: &mut Node, known: &Places) -> Option<String> {
+    let done = untangle(&mut node.mesh, known);
     let longest = done.longest * volume_scale(node).cbrt() * 1e6;
     (done.crossed > 0).then(|| {
         let mut note = format!(
-            "{}: {} pairs of triangles crossed where the face is too fine for a file's precision; {} \
+            "{}: {} pairs of triangles crossed or met where the wood is too thin for a file's precision; {} \
              edges of at most {longest:.2} µm were drawn together",
             node.name, done.crossed, done.drawn
         );
         if done.left > 0 {
-            note += &format!(", {} pairs still cross", done.left);
+            note += &format!(", {} pairs are left", done.left);
         }
         note
     })

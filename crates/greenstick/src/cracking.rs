@@ -1,14 +1,16 @@
 //! The cracks of a recipe: planned by species and moisture, opened at the break or at a sawn end, reported.
 
-use crate::breaking::volume_scale;
+use crate::breaking::{part_of, volume_scale};
 use crate::model::Model;
-use crate::{Error, Prepared, prepare};
-use glam::DVec3;
+use crate::prepare::{in_world, laid};
+use crate::{Error, Prepared};
+use glam::{DVec2, DVec3};
 use greenstick_fracture::cracks::{CrackError, CrackPlan, Grooved, plan};
 use greenstick_fracture::parameters::{BreakParameters, CrackEnd};
 use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::Context;
-use greenstick_wood::stem::{Place, StemOptions};
+use greenstick_geometry::mesh::NO_MATERIAL;
+use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::stem::{Place, Section, StemError, StemOptions, find};
 
 /// Cracks on their way into a stem.
 pub(crate) struct Cracks {
@@ -17,10 +19,12 @@ pub(crate) struct Cracks {
     pub sawn: bool,
     /// What they take away, m³.
     pub volume: f64,
-    /// Middle of the sawn end (m) and the direction it looks to.
-    pub end: Option<(DVec3, DVec3)>,
+    /// The sawn end that was cracked.
+    pub end: Option<SawnEnd>,
     /// Whether the end was sawn straight first.
     sawn_off: bool,
+    /// Triangles of other shells that fell with what was sawn off.
+    fallen: usize,
     faces: Vec<(&'static str, Grooved)>,
 }
 
@@ -48,6 +52,7 @@ impl Cracks {
             volume: 0.0,
             end: None,
             sawn_off: false,
+            fallen: 0,
             faces: Vec::new(),
         }))
     }
@@ -71,7 +76,7 @@ impl Cracks {
         Ok(())
     }
 
-    /// Opens the cracks in the far end of the stem; gives the cracked stem, found again at the same place.
+    /// Opens the cracks in the far end of the stem; gives the cracked stem, to be broken at the same place.
     pub(crate) fn open_end(
         &mut self,
         prepared: Prepared,
@@ -89,41 +94,49 @@ impl Cracks {
         let node = prepared.found.node;
         self.volume = made.void * volume_scale(&prepared.scene.nodes[node]);
         let stem = &prepared.found.stem;
-        let middle = stem.rings.pith();
+        // A board's pith may lie outside it.
+        let height = made.end.at(stem.rings.pith());
+        let off = |s: &&Section| (s.length - height).abs();
+        let nearest = (stem.sections.iter()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let middle = nearest.map_or(stem.rings.pith(), |s| s.centroid);
         let point = prepared.layers.to_world(middle.extend(made.end.at(middle)));
-        self.end = Some((point, stem.grain.axis().frame(stem.length).tangent));
+        let outward = stem.grain.axis().frame(stem.length).tangent;
+        let reach = nearest.map_or(stem.radius, |s| {
+            let far = |p: &DVec2| p.distance(s.centroid);
+            s.contour.iter().map(far).fold(0.0, f64::max)
+        });
+        let (middle, radius) = (point, reach);
+        self.end = Some(SawnEnd {
+            middle,
+            outward,
+            radius,
+        });
+        // The break stays clear of the cracks, beside which the wood is thin.
+        let clear = height - made.face.deepest - CLEAR * stem.radius;
         self.faces = vec![("sawn end", made.face)];
-        let place = Place::Point(stem.grain.axis().frame(stem.place).origin);
-        let options = StemOptions {
-            kind: Some(stem.kind),
-            ..StemOptions::default()
+        let fallen = if self.sawn_off {
+            fallen(&prepared, height, context)?
+        } else {
+            Vec::new()
         };
-        let mut scene = prepared.scene;
-        let mut cracked = made.stem;
-        // What else the node holds stays beside the cracked stem.
-        let mut ours = vec![false; scene.nodes[node].mesh.triangles.len()];
-        prepared
-            .found
-            .shell
-            .iter()
-            .for_each(|&t| ours[t as usize] = true);
-        let rest = crate::breaking::part_of(
-            &scene.nodes[node].mesh,
-            (0..ours.len()).filter(|&t| !ours[t]),
-        );
-        append(&mut cracked, &rest);
-        scene.nodes[node].mesh = cracked;
-        prepare(scene, &place, &options, context)
+        self.fallen = fallen.iter().map(|(_, shell)| shell.len()).sum();
+        let mut prepared = cracked(prepared, made.stem, &fallen);
+        let stem = &mut prepared.found.stem;
+        stem.usable.1 = stem.usable.1.min(clear);
+        Ok(prepared)
     }
 
     /// What was made of the plan, a sentence each.
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         if self.sawn_off {
-            notes.push(
-                "the end is no face that cracks can be cut into: it was sawn off straight first, and what was sawn off is left out"
-                    .to_owned(),
-            );
+            let mut note = "the end is no face that cracks can be cut into: it was sawn off straight first, and what was \
+                            sawn off is left out"
+                .to_owned();
+            if self.fallen > 0 {
+                note += &format!(", with {} triangles of what hangs on it", self.fallen);
+            }
+            notes.push(note);
         }
         for (name, face) in &self.faces {
             notes.push(format!(
@@ -153,8 +166,100 @@ impl Cracks {
     }
 }
 
+/// A cracked end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SawnEnd {
+    /// Its middle, m.
+    pub middle: DVec3,
+    /// The direction it looks to.
+    pub outward: DVec3,
+    /// Greatest distance of the section's outline from the middle, m.
+    pub radius: f64,
+}
+
+/// Wood between the ground of the deepest crack of an end and the highest point of a break, in radii.
+const CLEAR: f64 = 0.05;
+
+/// What was prepared with `stem` in place of the stem's shell, and without the shells that have `fallen`.
+fn cracked(prepared: Prepared, mut stem: Mesh, fallen: &[(usize, Vec<u32>)]) -> Prepared {
+    let (mut scene, mut found) = (prepared.scene, prepared.found);
+    let node = found.node;
+    let count = stem.triangles.len() as u32;
+    let mut gone: Vec<Vec<bool>> = (scene.nodes.iter())
+        .map(|n| vec![false; n.mesh.triangles.len()])
+        .collect();
+    let ours = (node, std::mem::take(&mut found.shell));
+    for (i, triangles) in fallen.iter().chain([&ours]) {
+        triangles.iter().for_each(|&t| gone[*i][t as usize] = true);
+    }
+    found.carried.retain(|shell| !fallen.contains(shell));
+    for (i, triangles) in &mut found.carried {
+        // Numbers of the triangles that stay, behind those of the stem.
+        let mut next = if *i == node { count } else { 0 };
+        let number = |gone: &bool| {
+            next += u32::from(!gone);
+            next.wrapping_sub(1)
+        };
+        let numbers: Vec<u32> = gone[*i].iter().map(number).collect();
+        triangles.iter_mut().for_each(|t| *t = numbers[*t as usize]);
+    }
+    let on_limb = |t: &[u32; 3]| {
+        let grain = stem.attributes.get("_GRAIN");
+        grain.is_some_and(|g| {
+            t.iter()
+                .all(|&v| g.at(v as usize).iter().any(|x| *x != 0.0))
+        })
+    };
+    found.limb = (0..count)
+        .filter(|&t| on_limb(&stem.triangles[t as usize]))
+        .collect();
+    found.shell = (0..count).collect();
+    for (i, gone) in gone.iter().enumerate() {
+        let rest = (0..gone.len()).filter(|&t| !gone[t]);
+        let mesh = &mut scene.nodes[i].mesh;
+        if i == node {
+            append(&mut stem, &part_of(mesh, rest));
+        } else if gone.contains(&true) {
+            *mesh = part_of(mesh, rest);
+        }
+    }
+    scene.nodes[node].mesh = stem;
+    laid(scene, found, prepared.layers)
+}
+
+/// Shells that hang on the stem beyond a saw that cuts at a length along it, m: (node, its triangles).
+fn fallen(
+    prepared: &Prepared,
+    level: f64,
+    context: &Context,
+) -> Result<Vec<(usize, Vec<u32>)>, Error> {
+    let meshes = in_world(&prepared.scene);
+    let ours = &prepared.found;
+    let stem = &ours.stem;
+    let options = StemOptions {
+        kind: Some(stem.kind),
+        ..StemOptions::default()
+    };
+    // Too near to the end or to other wood no stem is found; nothing hangs on the free wood before the saw.
+    let mut back = 0.0;
+    while level - back > stem.place {
+        let point = stem.grain.axis().frame(level - back).origin;
+        match find(&meshes, &Place::Point(point), &options, context) {
+            Ok(found) if found.node == ours.node && found.shell.first() == ours.shell.first() => {
+                return Ok(found.carried);
+            }
+            Err(error @ StemError::Cancelled(_)) => return Err(error.into()),
+            _ => back += STEP_BACK * stem.radius,
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Step in which the stem is looked for back from the saw, in radii.
+const STEP_BACK: f64 = 0.25;
+
 /// Adds the triangles of `other` to `mesh`; attributes that only one has are filled with zeros.
-fn append(mesh: &mut greenstick_geometry::Mesh, other: &greenstick_geometry::Mesh) {
+fn append(mesh: &mut Mesh, other: &Mesh) {
     if other.triangles.is_empty() {
         return;
     }
@@ -163,13 +268,10 @@ fn append(mesh: &mut greenstick_geometry::Mesh, other: &greenstick_geometry::Mes
     mesh.triangles
         .extend(other.triangles.iter().map(|t| t.map(|v| v + first as u32)));
     let triangles = mesh.triangles.len();
-    mesh.materials.resize(
-        triangles - other.triangles.len(),
-        greenstick_geometry::mesh::NO_MATERIAL,
-    );
-    mesh.materials.extend(&other.materials);
     mesh.materials
-        .resize(triangles, greenstick_geometry::mesh::NO_MATERIAL);
+        .resize(triangles - other.triangles.len(), NO_MATERIAL);
+    mesh.materials.extend(&other.materials);
+    mesh.materials.resize(triangles, NO_MATERIAL);
     for (name, attribute) in &mut mesh.attributes {
         match other
             .attributes

@@ -46,6 +46,10 @@ pub struct CrackedEnd {
 const END_SECTORS: usize = 48;
 const END_RINGS: usize = 4;
 
+/// How near the cracks of an end come to the break's place, as part of the way from there to the end: a break through
+/// cracked wood would cross the cracks' walls.
+pub(crate) const OF_THE_WAY: f64 = 0.5;
+
 impl Prepared {
     fn crack_setting(&self) -> Setting {
         let stem = &self.found.stem;
@@ -117,10 +121,13 @@ impl Prepared {
         // The wood of the end itself may be cracked, though not broken.
         let beyond = end.at(stem.rings.pith());
         let (low, high) = setting.usable;
+        let place = stem.place;
         setting.usable = if far {
-            (low, high.max(beyond + end.clearance))
+            let half = place + OF_THE_WAY * (beyond - place);
+            (low.max(half), high.max(beyond + end.clearance))
         } else {
-            (low.min(beyond - end.clearance), high)
+            let half = place - OF_THE_WAY * (place - beyond);
+            (low.min(beyond - end.clearance), high.min(half))
         };
         let plan = self.fitted(plan);
         let face = end_grooves(&plan, &stem.rings, &bundles.layout, &end, &setting)?;

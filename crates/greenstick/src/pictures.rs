@@ -132,10 +132,13 @@ pub fn picture_of_break(
         &opened
     };
     let mut options = options.clone();
-    if let (Some((point, outward)), None) = (broken.end, options.zoom) {
+    if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
-        options.zoom = Some((point - outward * (0.1 * broken.width), 0.8 * broken.width));
-        (options.up, options.floor) = (outward, false);
+        options.zoom = Some((
+            end.middle - end.outward * (0.2 * end.radius),
+            1.5 * end.radius,
+        ));
+        (options.up, options.floor) = (end.outward, false);
         if options.view == View::Automatic {
             options.view = View::Direction {
                 azimuth: 0.6,

@@ -6,7 +6,7 @@ use crate::refine::Refined;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::Solid;
 use greenstick_fracture::parameters::{BreakParameters, Surface};
-use greenstick_geometry::{Context, Mesh, Scene};
+use greenstick_geometry::{Context, Mesh, Node, Scene};
 use greenstick_wood::stem::{Found, LayeredGrain, Place, StemKind, StemOptions, find};
 use std::sync::Arc;
 
@@ -43,29 +43,26 @@ pub fn prepare(
     options: &StemOptions,
     context: &Context,
 ) -> Result<Prepared, Error> {
-    let world: Vec<Mesh> = scene
-        .nodes
-        .iter()
-        .map(|n| Mesh {
-            positions: n
-                .mesh
-                .positions
-                .iter()
-                .map(|&p| n.transform.transform_point3(p))
-                .collect(),
-            triangles: n.mesh.triangles.clone(),
-            ..Mesh::default()
-        })
-        .collect();
-    let mut found = find(&world, place, options, context)?;
-    drop(world);
+    let mut found = find(&in_world(&scene), place, options, context)?;
     let (layers, free) = LayeredGrain::of(&found.stem);
     found.stem.usable = free;
     Ok(laid(scene, found, layers))
 }
 
+/// The meshes of a scene in world metres, one per node, without attributes.
+pub(crate) fn in_world(scene: &Scene) -> Vec<Mesh> {
+    let world = |n: &Node| Mesh {
+        positions: (n.mesh.positions.iter())
+            .map(|&p| n.transform.transform_point3(p))
+            .collect(),
+        triangles: n.mesh.triangles.clone(),
+        ..Mesh::default()
+    };
+    scene.nodes.iter().map(world).collect()
+}
+
 /// Takes a found stem to grain space.
-fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
+pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
     let transform = scene.nodes[found.node].transform;
     let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
     let (points, count) = mesh.points();

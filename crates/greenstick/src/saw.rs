@@ -1,9 +1,11 @@
 //! Sawing an end off straight and cracking what is left: for ends that are no sawn faces themselves (Yang 2019 §4 cracks
 //! cut faces; a scan ends in a torn or slanted one, a limb in a tip).
 
-use crate::cracks::CrackedEnd;
+use crate::cracks::{CrackedEnd, OF_THE_WAY};
 use crate::{Error, Prepared};
-use greenstick_fracture::cracks::{CrackPlan, Direction, EndFace, PlannedCrack, Setting, grooves};
+use greenstick_fracture::cracks::{
+    CrackError, CrackPlan, Direction, EndFace, PlannedCrack, Setting, Way, grooves,
+};
 use greenstick_fracture::layout;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::surface::Surface;
@@ -31,8 +33,11 @@ impl Prepared {
         let (low, high) = stem.usable;
         let level = high - FROM_END * stem.radius;
         if level - stem.place < LEAST_LEFT * stem.radius {
-            let (radius, low) = (stem.radius, stem.place);
-            return Err(greenstick_fracture::cracks::CrackError::Stem { radius, low, high }.into());
+            return Err(CrackError::TooShort {
+                left: high - stem.place,
+                needed: (FROM_END + LEAST_LEFT) * stem.radius,
+            }
+            .into());
         }
         let bundles = layout::smooth(&stem.rings, &self.end_layout(p));
         let flat = Surface {
@@ -41,7 +46,10 @@ impl Prepared {
         };
         let setting = Setting {
             radius: stem.radius,
-            usable: (low, high),
+            usable: (
+                low.max(stem.place + OF_THE_WAY * (level - stem.place)),
+                high,
+            ),
             level: f64::INFINITY,
         };
         let plan = self.fitted(plan);
@@ -82,8 +90,8 @@ impl Prepared {
                 *phi = start + (*phi - first) * turn;
             }
             crack.range *= match crack.way {
-                greenstick_fracture::cracks::Way::Radial => turn,
-                greenstick_fracture::cracks::Way::Tangential => 1.0 - inner,
+                Way::Radial => turn,
+                Way::Tangential => 1.0 - inner,
             };
             crack
         };

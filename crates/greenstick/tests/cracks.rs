@@ -7,6 +7,7 @@ use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::wood::{noise, primitive, stem};
 use greenstick::{Prepared, prepare};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn prepared(mesh: Mesh, at: f64) -> Prepared {
     let node = Node {
@@ -109,7 +110,7 @@ fn assert_sound(mesh: &Mesh, what: &str) {
     assert_eq!(crossings(mesh), 0, "{what}");
     let mut written = mesh.clone();
     greenstick::skin::settle::settle(&mut written, 1);
-    let done = greenstick::skin::untangle::untangle(&mut written, 1);
+    let done = greenstick::skin::untangle::untangle(&mut written, &Default::default());
     assert_closed(&written, &format!("{what}, as written"));
     assert_eq!(crossings(&written), 0, "{what}, as written: {done:?}");
     let change = written.volume() / mesh.volume() - 1.0;
@@ -191,6 +192,70 @@ fn the_papers_figures_crack_a_sawn_end() {
         assert_closed(&end.stem, name);
         assert_eq!(crossings(&end.stem), 0, "{name}");
     }
+}
+
+/// Random cracks in the sawn ends of a bent branch, a board and a scanned pole, which is no flat face, broken whole.
+#[test]
+fn cracked_ends_of_any_stem_are_sound_in_the_file() {
+    let coarse = primitive::BranchOptions {
+        around: 32,
+        ..Default::default()
+    };
+    let mut bodies = vec![
+        ("branch", primitive::branch(&coarse), false),
+        ("board", primitive::board(0.6, 0.09, 0.03), false),
+    ];
+    match scanned_pole() {
+        Some(mesh) => bodies.push(("pole", mesh, true)),
+        None => println!("without the pole: tests/data/pole.ply is not there"),
+    }
+    let faulty = AtomicUsize::new(0);
+    (0..18u64).into_par_iter().for_each(|seed| {
+        let (name, mesh, torn) = &bodies[seed as usize % bodies.len()];
+        let what = format!("{name}, seed {seed}");
+        let mut request = greenstick::BreakRequest {
+            place: stem::Place::Fraction(0.4),
+            texture_width: 64,
+            ..Default::default()
+        };
+        request.recipe.cracks = random(2000 + seed);
+        let settings = &mut request.recipe.cracks.settings;
+        settings.set_text("end", "sawn").unwrap();
+        request.recipe.face.seed = seed;
+        request.recipe.face.set_text("rings", "8").unwrap();
+        request.recipe.face.set_text("sectors", "16").unwrap();
+        let scene = Scene {
+            nodes: vec![Node {
+                name: (*name).into(),
+                transform: glam::DAffine3::IDENTITY,
+                mesh: mesh.clone(),
+                parent: None,
+            }],
+            ..Scene::default()
+        };
+        let broken = greenstick::break_scene(scene, &request, &Context::quiet());
+        let broken = broken.unwrap_or_else(|e| panic!("{what}: {e}"));
+        let report = &broken.report;
+        let sawn = |note: &String| note.contains("sawn off straight");
+        assert_eq!(report.notes.iter().any(sawn), *torn, "{what}");
+        assert!(report.crack_volume_m3.unwrap() > 0.0, "{what}");
+        for piece in &broken.scene.nodes[..2] {
+            let found = piece.mesh.check();
+            let told = |n: &String| n.starts_with(&piece.name) && n.ends_with("are left");
+            let told = report.notes.iter().any(told);
+            assert_eq!(found.is_solid(), !told, "{what}, {}: {found:?}", piece.name);
+            faulty.fetch_add(usize::from(told), Ordering::Relaxed);
+        }
+        // What the cracks took, and no more, is missing where nothing was sawn off.
+        let pieces: f64 = report.pieces.iter().filter_map(|p| p.volume_m3).sum();
+        let whole = report.input.volume_m3.unwrap() - report.crack_volume_m3.unwrap();
+        assert!(
+            *torn || (pieces / whole - 1.0).abs() < 1e-6,
+            "{what}: {pieces} of {whole}"
+        );
+    });
+    // One pole's crack ends in a wall thinner than neighbouring numbers of f32.
+    assert!(faulty.into_inner() <= 1);
 }
 
 /// One radial crack from 0.2 to 0.9, distorted by nothing: ∫ ½ · width · depth along the radius.

@@ -4,12 +4,14 @@
 //! There the crack ends instead: the shortest edges of triangles that cross are drawn together, the shortest of all
 //! first, with longer ones allowed from round to round, until nothing crosses. Drawing an edge together leaves a closed
 //! mesh closed and manifold where its ends have no neighbours in common but those beside it (Dey et al. 1999,
-//! Topology Preserving Edge Contraction).
+//! Topology Preserving Edge Contraction). Triangles whose corners have come to lie on one line, and edges
+//! that have come to lie on each other, go the same way.
 
 use crate::halve::crossing;
 use glam::DVec3;
 use greenstick_geometry::Mesh;
-use greenstick_geometry::intersect::{Contact, contact_tree, self_contacts};
+use greenstick_geometry::intersect::{Contact, collinear, contact_tree, self_contacts};
+use rustc_hash::FxHashSet;
 
 /// Length of the longest edge drawn together in the first round, in parts of the mesh's extent: about the spacing of
 /// `f32` there.
@@ -20,19 +22,40 @@ const ROUNDS: i32 = 11;
 /// What [`untangle`] did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Untangled {
-    /// Pairs of triangles that crossed.
+    /// Pairs of triangles that crossed, and triangles without area or at an edge of more than two.
     pub crossed: usize,
     /// Edges drawn together.
     pub drawn: usize,
     /// Length of the longest of these, in the mesh's unit.
     pub longest: f64,
-    /// Pairs that still cross.
+    /// What is left of these.
     pub left: usize,
 }
 
-/// Draws short edges together until no triangle of material `inner`, or beside one, crosses another. Positions should
-/// be those of files already ([`crate::settle::settle`]).
-pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
+/// Places of points as files hold them.
+#[derive(Debug, Clone, Default)]
+pub struct Places(FxHashSet<[u32; 3]>);
+
+impl Places {
+    /// The points of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        Places(mesh.positions.iter().map(|&p| key(p)).collect())
+    }
+
+    fn holds(&self, p: DVec3) -> bool {
+        self.0.contains(&key(p))
+    }
+}
+
+/// The bits of a position, with one zero.
+fn key(p: DVec3) -> [u32; 3] {
+    (p.as_vec3() + 0.0).to_array().map(f32::to_bits)
+}
+
+/// Draws short edges together until no triangle that has a corner at none of the places `known` crosses another such
+/// triangle, has no area or shares an edge with more than one other. Positions should be those of files already
+/// ([`crate::settle::settle`]).
+pub fn untangle(mesh: &mut Mesh, known: &Places) -> Untangled {
     let (low, high) = mesh
         .positions
         .iter()
@@ -40,7 +63,14 @@ pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
             (l.min(p), h.max(p))
         });
     let extent = (high - low).length();
-    let (mut pairs, near) = crossing_near(mesh, inner);
+    let near: Vec<bool> = (0..mesh.triangles.len())
+        .map(|t| !mesh.corners(t).iter().all(|&p| known.holds(p)))
+        .collect();
+    let mut net = Net::new(mesh);
+    let mut pairs = crossing_of(mesh, &near);
+    let faults = |net: &Net, t: u32| near[t as usize] && (net.is_flat(t) || net.is_pinched(t));
+    let all = 0..near.len() as u32;
+    pairs.extend(all.filter(|&t| faults(&net, t)).map(|t| [t, t]));
     let mut done = Untangled {
         crossed: pairs.len(),
         left: pairs.len(),
@@ -49,7 +79,6 @@ pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
     if pairs.is_empty() || !extent.is_finite() {
         return done;
     }
-    let mut net = Net::new(mesh);
     for round in 0..ROUNDS {
         let most = extent * FINEST * f64::from(1 << round);
         let changed = net.draw_edges(&pairs, most, &|_| false, &mut done);
@@ -58,7 +87,15 @@ pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
         }
         net.leave(&mut pairs, &changed);
         pairs.extend(crossing(&net.places, &net.triangles, Some(&changed)));
-        pairs.retain(|p| p.iter().all(|&t| near[t as usize]));
+        pairs.retain(|p| {
+            p.iter().all(|&t| near[t as usize]) && (p[0] != p[1] || faults(&net, p[0]))
+        });
+        pairs.extend(
+            changed
+                .iter()
+                .filter(|&&t| faults(&net, t))
+                .map(|&t| [t, t]),
+        );
         pairs.sort_unstable();
         pairs.dedup();
         if pairs.is_empty() {
@@ -70,24 +107,9 @@ pub fn untangle(mesh: &mut Mesh, inner: u32) -> Untangled {
     done
 }
 
-/// Pairs of triangles that cross, of those of material `inner` and those that share a point with them; and which these
-/// are.
-fn crossing_near(mesh: &Mesh, inner: u32) -> (Vec<[u32; 2]>, Vec<bool>) {
-    let (points, count) = mesh.points();
-    let mut inside = vec![false; count];
-    let wood = |t: usize| mesh.material(t) == inner;
-    for (t, corners) in mesh.triangles.iter().enumerate() {
-        if wood(t) {
-            corners
-                .iter()
-                .for_each(|&v| inside[points[v as usize] as usize] = true);
-        }
-    }
-    let near = |t: &usize| {
-        let touches = |v: &u32| inside[points[*v as usize] as usize];
-        wood(*t) || mesh.triangles[*t].iter().any(touches)
-    };
-    let chosen: Vec<usize> = (0..mesh.triangles.len()).filter(near).collect();
+/// Pairs of triangles that cross, of those that are `near`.
+fn crossing_of(mesh: &Mesh, near: &[bool]) -> Vec<[u32; 2]> {
+    let chosen: Vec<usize> = (0..near.len()).filter(|&t| near[t]).collect();
     let part = Mesh {
         positions: mesh.positions.clone(),
         triangles: chosen.iter().map(|&t| mesh.triangles[t]).collect(),
@@ -100,9 +122,7 @@ fn crossing_near(mesh: &Mesh, inner: u32) -> (Vec<[u32; 2]>, Vec<bool>) {
         }
     });
     pairs.sort_unstable();
-    let mut is_near = vec![false; mesh.triangles.len()];
-    chosen.iter().for_each(|&t| is_near[t] = true);
-    (pairs, is_near)
+    pairs
 }
 
 /// The mesh by points: vertices at one position are one.
@@ -259,6 +279,23 @@ impl Net {
         self.around[a as usize].extend(moved);
         self.drawn_to[b as usize] = a;
         true
+    }
+
+    /// Whether the corners of a triangle lie on one line.
+    fn is_flat(&self, t: u32) -> bool {
+        let [a, b, c] = self.triangles[t as usize].map(|p| self.places[p as usize]);
+        collinear(a, b, c)
+    }
+
+    /// Whether an edge of a triangle is that of more than two.
+    fn is_pinched(&self, t: u32) -> bool {
+        let corners = self.triangles[t as usize];
+        (0..3).any(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let around = self.around[a as usize].iter();
+            let holds = |t: &&u32| self.triangles[**t as usize].contains(&b);
+            !self.is_gone(t as usize) && around.filter(holds).count() > 2
+        })
     }
 
     /// Whether a triangle was drawn together.

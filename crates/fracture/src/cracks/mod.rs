@@ -42,6 +42,16 @@ pub enum CrackError {
         /// Greatest usable length, m.
         high: f64,
     },
+    /// Too little wood beyond the break to saw its end off straight.
+    #[error(
+        "the far end is no face that cracks can be cut into, and {left:.3} m of wood that can be cut beyond the break are too little to saw it off straight: {needed:.3} m are needed; break nearer to the base (--at), or crack the break itself (--set crack_groups.end=break)"
+    )]
+    TooShort {
+        /// Length beyond the break that can be cut, m.
+        left: f64,
+        /// The least length that is needed, m.
+        needed: f64,
+    },
     /// The end of the stem was not found.
     #[error(
         "the {which} end of the stem has no end face: {found} points of the skin lie there, at least 3 are needed"
