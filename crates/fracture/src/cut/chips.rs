@@ -4,6 +4,7 @@
 //! joined to the other piece by the face between them; that face is taken out and the chip changes sides.
 
 use super::{Cut, Side, Skin, Solid, root};
+use crate::surface::NONE;
 
 impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. Returns how many.
@@ -21,14 +22,52 @@ impl Cut {
         if self.outlines <= 1 {
             return 0;
         }
-        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at the last.
         let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
+        if let Some(parent) = self.joined_near(count)
+            && !self.hangs(solid, skin, false, parent.clone())
+            && !self.hangs(solid, skin, true, parent)
+        {
+            return 0;
+        }
+        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at the last.
         let mut parent = self.joined(count);
         let lower = self.absorb(solid, skin, false, parent.clone());
         if lower > 0 {
             parent = self.joined(count);
         }
         lower + self.absorb(solid, skin, true, parent)
+    }
+
+    /// Vertices up to number `count` as the broken face joins those of the skin; vertices that cannot matter to these
+    /// are left out. `None` where the face has been changed since the cut.
+    fn joined_near(&self, count: u32) -> Option<Vec<u32>> {
+        let (joints, whole) = &self.joints;
+        if *whole != self.cap.len() {
+            return None;
+        }
+        let mut parent: Vec<u32> = (0..=count).collect();
+        // A vertex of each region met so far.
+        let mut regions: Vec<u32> = Vec::new();
+        for &(t, region) in joints {
+            let [a, b, c] = self.cap[t as usize];
+            let mut also = a;
+            if region != NONE {
+                if regions.len() <= region as usize {
+                    regions.resize(region as usize + 1, NONE);
+                }
+                let known = &mut regions[region as usize];
+                if *known == NONE {
+                    *known = a;
+                }
+                also = *known;
+            }
+            let first = root(&mut parent, a);
+            for other in [b, c, also] {
+                let other = root(&mut parent, other) as usize;
+                parent[other] = first;
+            }
+        }
+        Some(parent)
     }
 
     /// Vertices up to number `count` as the broken face joins them.
@@ -49,13 +88,44 @@ impl Cut {
         parent
     }
 
-    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool, mut parent: Vec<u32>) -> usize {
+    /// Whether part of a piece may be joined to the rest of it nowhere, given how the broken face joins vertices.
+    fn hangs(&self, solid: &Solid, skin: &Skin, upper: bool, mut parent: Vec<u32>) -> bool {
+        if !self.reaches(skin, upper) {
+            return true;
+        }
+        let count = parent.len() as u32 - 1;
+        let whole = self.join_skin(solid, skin, upper, &mut parent);
+        let main = root(&mut parent, count);
+        let parts = self.skin.iter().filter(|s| s.upper == upper);
+        (whole.iter().map(|w| w.1[0]))
+            .chain(parts.map(|s| s.corners[0]))
+            .any(|v| root(&mut parent, v) != main)
+    }
+
+    /// Whether a piece reaches beyond all that the break touches.
+    fn reaches(&self, skin: &Skin, upper: bool) -> bool {
+        if upper {
+            self.sides.above < skin.order.len()
+        } else {
+            self.sides.below > 0
+        }
+    }
+
+    /// Joins the vertices of a piece's skin; gives the whole triangles of the limb about the break in it, as place in
+    /// [`super::Sides::between`] and points.
+    fn join_skin(
+        &self,
+        solid: &Solid,
+        skin: &Skin,
+        upper: bool,
+        parent: &mut [u32],
+    ) -> Vec<(usize, [u32; 3])> {
         let side = if upper { Side::Upper } else { Side::Lower };
         let count = parent.len() as u32 - 1;
         let mut join = |t: [u32; 3]| {
-            let a = root(&mut parent, t[0]);
+            let a = root(parent, t[0]);
             for other in [t[1], t[2]] {
-                let b = root(&mut parent, other) as usize;
+                let b = root(parent, other) as usize;
                 parent[b] = a;
             }
         };
@@ -83,6 +153,12 @@ impl Cut {
                 }
             }
         }
+        whole
+    }
+
+    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool, mut parent: Vec<u32>) -> usize {
+        let count = parent.len() as u32 - 1;
+        let whole = self.join_skin(solid, skin, upper, &mut parent);
         let mut sizes = vec![0u32; parent.len()];
         for &(_, t) in &whole {
             sizes[root(&mut parent, t[0]) as usize] += 1;
@@ -90,12 +166,7 @@ impl Cut {
         for s in self.skin.iter().filter(|s| s.upper == upper) {
             sizes[root(&mut parent, s.corners[0]) as usize] += 1;
         }
-        let reaches = if upper {
-            above < skin.order.len()
-        } else {
-            below > 0
-        };
-        let main = if reaches {
+        let main = if self.reaches(skin, upper) {
             root(&mut parent, count) as usize
         } else {
             let largest = (0..sizes.len()).max_by_key(|&i| (sizes[i], std::cmp::Reverse(i)));

@@ -115,6 +115,9 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
+    /// Where there are several: the triangles of `cap` that decide how the vertices of the skin are joined by it, each
+    /// with the region of the layout whose triangles are all joined ([`NONE`] beside the skin), and of how many.
+    pub(crate) joints: (Vec<(u32, u32)>, usize),
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -191,7 +194,7 @@ pub fn cut_again(
     }
     let sides = sides?;
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay)?;
+    let cap = cap::build(surface, ground, &mut overlay, outlines > 1)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -199,6 +202,7 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
+        joints: (cap.joints, cap.triangles.len()),
         cap: cap.triangles,
         faces: cap.faces,
         walls: cap.walls,
