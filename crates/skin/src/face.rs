@@ -62,11 +62,24 @@ struct Slot {
     made: [u32; 2],
 }
 
+/// What is known of a vertex of the cut.
+#[derive(Clone, Copy)]
+struct Known {
+    place: DVec3,
+    grain: DVec3,
+    /// Angle about the pith, rad; no number where it has not been asked for.
+    phi: f64,
+    /// Distance from the pith, m.
+    r: f64,
+}
+
 struct Maker<'a> {
     cut: &'a Cut,
-    source: &'a Source<'a>,
     inner: &'a InnerWood<'a>,
     face: Face,
+    known: Vec<Known>,
+    /// Whether each vertex of the face made so far shows end grain; walls do not and are left out.
+    ends: Vec<bool>,
     /// Low corner of the texture's square.
     corner: DVec2,
     pith: DVec2,
@@ -93,24 +106,47 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     };
     let mut maker = Maker {
         cut,
-        source,
         inner,
-        runs: vec![(0, 0); places.len()],
+        runs: Vec::new(),
+        known: known(source, cut, inner, &places),
+        ends: Vec::with_capacity(room.min(3 * tops)),
         face: Face {
-            positions: Vec::with_capacity(room),
             normals: Vec::with_capacity(room),
-            coordinates: Vec::with_capacity(room),
             triangles: Vec::with_capacity(corners),
             ids: Vec::with_capacity(room),
             cells: Vec::with_capacity(room),
             places,
+            ..Face::default()
         },
         corner: inner.square.0 - inner.square.1 / 2.0,
         pith: inner.stem.rings.pith(),
     };
     let run = maker.tops(tops);
     maker.walls(tops, run);
+    maker.place();
     maker.face
+}
+
+/// What is known of the vertices of a cut at `places`.
+fn known(source: &Source, cut: &Cut, inner: &InnerWood, places: &[DVec3]) -> Vec<Known> {
+    let pith = inner.stem.rings.pith();
+    let know = |(grain, &place): (DVec3, &DVec3), phi: f64| Known {
+        place,
+        grain,
+        phi,
+        r: grain.truncate().distance(pith),
+    };
+    let mut known = Vec::with_capacity(places.len());
+    let made = cut.vertices.iter().map(|v| v.grain);
+    known.extend(made.zip(places).map(|vertex| know(vertex, f64::NAN)));
+    let inside = cut.inside.iter().copied().zip(&places[known.len()..]);
+    known.extend(inside.zip(&cut.nodes).map(|(vertex, &node)| {
+        let address = inner.bundles.addresses.get(node as usize);
+        know(vertex, address.map_or(f64::NAN, |a| a.1))
+    }));
+    let own = source.grain.iter().copied().zip(&places[known.len()..]);
+    known.extend(own.map(|vertex| know(vertex, f64::NAN)));
+    known
 }
 
 impl Maker<'_> {
@@ -118,17 +154,6 @@ impl Maker<'_> {
         match (id as usize).checked_sub(self.cut.points) {
             Some(i) => i,
             None => self.cut.vertices.len() + self.cut.inside.len() + id as usize,
-        }
-    }
-
-    fn grain(&self, index: usize) -> DVec3 {
-        let skin = self.cut.vertices.len();
-        match index.checked_sub(skin) {
-            None => self.cut.vertices[index].grain,
-            Some(i) => match self.cut.inside.get(i) {
-                Some(&g) => g,
-                None => self.source.grain[i - self.cut.inside.len()],
-            },
         }
     }
 
@@ -153,16 +178,16 @@ impl Maker<'_> {
         for t in 0..count {
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, grain, end) = self.lie(at);
+            let (normal, end) = self.lie(at);
             let cell = self.cut.faces[t].cell;
             let corners = [0, 1, 2].map(|k| {
                 let slot = &mut slots[at[k]];
                 slot.normal += normal;
                 let made = &mut slot.made[usize::from(end)];
                 if *made == NONE {
-                    *made = self.face.ids.len() as u32;
                     slot_of.push(at[k] as u32);
-                    self.push(ids[k], at[k], grain[k], cell, end);
+                    self.ends.push(end);
+                    *made = self.push(ids[k], cell);
                 }
                 *made
             });
@@ -172,19 +197,20 @@ impl Maker<'_> {
         self.face.normals.extend(slot_of.iter().map(normal));
     }
 
-    /// Normal of a top, as long as twice its area, the grain coordinates of its corners, and whether it shows end grain.
-    fn lie(&self, at: [usize; 3]) -> (DVec3, [DVec3; 3], bool) {
-        let [a, b, c] = at.map(|i| self.face.places[i]);
-        let grain = at.map(|i| self.grain(i));
-        let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
+    /// Normal of a top, as long as twice its area, and whether it shows end grain.
+    #[inline]
+    fn lie(&self, at: [usize; 3]) -> (DVec3, bool) {
+        let [a, b, c] = at.map(|i| &self.known[i]);
+        let across = (b.grain - a.grain).cross(c.grain - a.grain);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-        ((b - a).cross(c - a), grain, end)
+        ((b.place - a.place).cross(c.place - a.place), end)
     }
 
     /// [`Maker::tops`] where cells part them into runs.
     fn parted_tops(&mut self, count: usize) -> u32 {
-        let mut slots: Vec<Slot> = Vec::with_capacity(self.runs.len());
-        let mut slot_of: Vec<u32> = Vec::with_capacity(self.runs.len());
+        self.runs = vec![(0, 0); self.known.len()];
+        let mut slots: Vec<Slot> = Vec::with_capacity(self.known.len());
+        let mut slot_of: Vec<u32> = Vec::with_capacity(self.known.len());
         let (mut run, mut cell) = (0, NONE);
         for t in 0..count {
             let face = self.cut.faces[t];
@@ -197,7 +223,7 @@ impl Maker<'_> {
             cell = face.cell;
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, grain, end) = self.lie(at);
+            let (normal, end) = self.lie(at);
             let corners = [0, 1, 2].map(|k| {
                 let known = self.runs[at[k]];
                 let slot = if known.0 == run {
@@ -216,9 +242,11 @@ impl Maker<'_> {
                 if made != NONE {
                     return made;
                 }
-                entry.made[usize::from(end)] = self.face.ids.len() as u32;
                 slot_of.push(slot);
-                self.push(ids[k], at[k], grain[k], face.cell, end)
+                self.ends.push(end);
+                let made = self.push(ids[k], face.cell);
+                entry.made[usize::from(end)] = made;
+                made
             });
             self.face.triangles.push(corners);
         }
@@ -237,23 +265,32 @@ impl Maker<'_> {
         let mut from = first;
         for to in ends {
             run += 1;
+            let flat = to - from <= FLAT;
+            let start = self.face.ids.len();
             let mut normal = DVec3::ZERO;
             for t in from..to {
                 let ids = self.cut.cap[t];
-                let at = ids.map(|id| self.index(id));
-                if normal == DVec3::ZERO || to - from > FLAT {
-                    let [a, b, c] = at.map(|i| self.face.places[i]);
+                let cell = self.cut.faces[t].cell;
+                if normal == DVec3::ZERO || !flat {
+                    let [a, b, c] = ids.map(|id| self.known[self.index(id)].place);
                     normal = (b - a).cross(c - a).normalize_or_zero();
                 }
-                let corners = [0, 1, 2].map(|k| {
-                    let known = self.runs[at[k]];
-                    if known.0 == run {
-                        return known.1;
+                let corners = ids.map(|id| {
+                    if flat {
+                        let made = &self.face.ids[start..];
+                        if let Some(i) = made.iter().position(|&m| m == id) {
+                            return (start + i) as u32;
+                        }
+                    } else {
+                        let at = self.index(id);
+                        self.runs.resize(self.known.len(), (0, 0));
+                        if self.runs[at].0 == run {
+                            return self.runs[at].1;
+                        }
+                        self.runs[at] = (run, self.face.ids.len() as u32);
                     }
-                    self.runs[at[k]] = (run, self.face.ids.len() as u32);
                     self.face.normals.push(to_f32(normal));
-                    let grain = self.grain(at[k]);
-                    self.push(ids[k], at[k], grain, self.cut.faces[t].cell, false)
+                    self.push(id, cell)
                 });
                 self.face.triangles.push(corners);
             }
@@ -261,34 +298,46 @@ impl Maker<'_> {
         }
     }
 
-    /// Makes a vertex, without its normal.
-    fn push(&mut self, id: u32, index: usize, grain: DVec3, cell: u32, end: bool) -> u32 {
-        let across = grain.truncate();
-        let coordinates = if end {
-            across - self.corner
-        } else {
-            let phi = self.angle(index, across);
-            let middle = self.inner.bundles.bundles.get(cell as usize);
-            let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
-            let r = across.distance(self.pith);
-            DVec2::new(self.inner.square.1 + r * (1.0 + DRIFT * phi), grain.z)
-        };
+    /// Makes a vertex, without its normal and place.
+    #[inline]
+    fn push(&mut self, id: u32, cell: u32) -> u32 {
         let face = &mut self.face;
-        face.positions.push(to_f32(face.places[index]));
-        face.coordinates.push(coordinates.as_vec2().to_array());
         face.ids.push(id);
         face.cells.push(cell);
         face.ids.len() as u32 - 1
     }
 
-    /// Angle about the pith, rad.
-    fn angle(&self, index: usize, across: DVec2) -> f64 {
-        let inside = index.checked_sub(self.cut.vertices.len());
-        let node = inside.and_then(|i| self.cut.nodes.get(i));
-        match node.and_then(|&n| self.inner.bundles.addresses.get(n as usize)) {
-            Some(address) => address.1,
-            None => libm::atan2(across.y - self.pith.y, across.x - self.pith.x),
-        }
+    /// Gives all vertices their positions and texture coordinates.
+    fn place(&mut self) {
+        let (points, own) = (
+            self.cut.points,
+            self.cut.vertices.len() + self.cut.inside.len(),
+        );
+        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.1);
+        let (pith, corner) = (self.pith, self.corner);
+        let known = &mut self.known;
+        let ends = self.ends.iter().copied().chain(std::iter::repeat(false));
+        let vertices = self.face.ids.iter().zip(&self.face.cells).zip(ends);
+        let made = vertices.map(|((&id, &cell), end)| {
+            let index = (id as usize)
+                .checked_sub(points)
+                .unwrap_or(own + id as usize);
+            let known = &mut known[index];
+            let across = known.grain.truncate();
+            let coordinates = if end {
+                across - corner
+            } else {
+                if known.phi.is_nan() {
+                    known.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
+                }
+                let phi = known.phi;
+                let middle = bundles.get(cell as usize);
+                let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
+                DVec2::new(width + known.r * (1.0 + DRIFT * phi), known.grain.z)
+            };
+            (to_f32(known.place), coordinates.as_vec2().to_array())
+        });
+        (self.face.positions, self.face.coordinates) = made.unzip();
     }
 }
 
