@@ -2,15 +2,17 @@
 //!
 //! All heights are ratios to the stem's radius until they are placed along the axis at the end.
 
+use crate::ends::Ends;
 use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
-use crate::limit::{place, place_nodes};
+use crate::limit::place;
 use crate::parameters::{BreakParameters, Sector, Surface as Kind, ZoneParameters};
-use crate::surface::{NONE, Surface};
+use crate::surface::Surface;
 use crate::torn::{Level, Torn};
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::tissue::Zone;
+use std::sync::Arc;
 
 /// Seeds of independent random numbers.
 pub(crate) mod purpose {
@@ -87,13 +89,18 @@ pub(crate) struct Maker<'a> {
 /// Heights of the published smooth surface: one per node, shared by all facets there.
 pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
     let heights = smooth_nodes(bundles, &Maker::new(p, setting));
-    place_nodes(bundles, heights, setting)
+    let at = bundles.layout.nodes.iter().copied();
+    place(bundles, heights, at, &bundles.layout.facets, setting)
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
 pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
-    let (corners, thorns) = fibrous_corners(bundles, &Maker::new(p, setting));
-    place(bundles, corners, setting, thorns)
+    let (heights, ends, thorns) = fibrous_rims(bundles, &Maker::new(p, setting));
+    let nodes = &bundles.layout.nodes;
+    let at = ends.rims.iter().map(|r| nodes[r.node as usize]);
+    let mut placed = place(bundles, heights, at, &ends.corners, setting);
+    placed.thorns = thorns;
+    placed
 }
 
 /// Height between the 5th and the 95th hundredth of the corners, m: the relief of a face before limiting.
@@ -104,11 +111,9 @@ pub fn relief_range(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -
         let corners = bundles.layout.facets.iter().flatten();
         corners.map(|&n| heights[n as usize]).collect()
     } else {
-        fibrous_corners(bundles, &maker)
-            .0
-            .into_iter()
-            .flatten()
-            .collect()
+        let (heights, ends, _) = fibrous_rims(bundles, &maker);
+        let corners = ends.corners.iter().flatten();
+        corners.map(|&r| heights[r as usize]).collect()
     };
     if heights.is_empty() {
         return 0.0;
@@ -152,10 +157,10 @@ fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
         .collect()
 }
 
-/// The height of every corner of the torn surface, in radii, and its thorns.
-fn fibrous_corners(bundles: &Bundles, maker: &Maker) -> (Vec<[f64; 3]>, Vec<Thorn>) {
-    let torn = Torn::new(maker, bundles);
+/// The height of every node of every bundle of the torn surface, in radii, the ends they are of, and the thorns.
+fn fibrous_rims(bundles: &Bundles, maker: &Maker) -> (Vec<f64>, Arc<Ends>, Vec<Thorn>) {
     let mut walks = Walks::new(maker);
+    let torn = Torn::new(maker, bundles, &mut walks);
     let levels: Vec<Level> = (0..bundles.bundles.len())
         .map(|i| torn.level(&mut walks, i))
         .collect();
@@ -168,24 +173,11 @@ fn fibrous_corners(bundles: &Bundles, maker: &Maker) -> (Vec<[f64; 3]>, Vec<Thor
             length: l.thorn * maker.setting.radius,
         })
         .collect();
-    let rays = torn.wandering(&mut walks);
-    // Facets of a bundle follow each other, so the last height made at a node is most often the one asked for.
-    let mut last = vec![(NONE, 0.0); bundles.layout.nodes.len()];
-    let facets = bundles.layout.facets.iter();
-    let corners = facets
-        .zip(&bundles.layout.cells)
-        .map(|(facet, &cell)| {
-            let level = &levels[cell as usize];
-            facet.map(|n| {
-                let known = &mut last[n as usize];
-                if known.0 != cell {
-                    *known = (cell, torn.at(level, (cell, n), rays[n as usize]));
-                }
-                known.1
-            })
-        })
+    let rims = torn.ends.rims.iter();
+    let heights = rims
+        .map(|rim| torn.at(&levels[rim.cell as usize], rim))
         .collect();
-    (corners, thorns)
+    (heights, torn.ends, thorns)
 }
 
 /// Noise of a surface at one place after another.

@@ -8,12 +8,13 @@ mod smooth;
 
 pub use smooth::smooth;
 
+use crate::ends::Ends;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::stem::RingField;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Seeds of independent random numbers.
 mod purpose {
@@ -73,6 +74,8 @@ pub struct Bundles {
     pub directions: Vec<DVec2>,
     /// For each bundle the node within it that carries its tip, or [`crate::surface::NONE`].
     pub tips: Vec<u32>,
+    /// The torn ends that were made last.
+    pub(crate) ends: Arc<Mutex<Option<Arc<Ends>>>>,
 }
 
 /// Nodes as they are made.
@@ -179,6 +182,7 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> B
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips: build.tips,
+        ends: Arc::default(),
     }
 }
 

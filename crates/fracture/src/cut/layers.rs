@@ -4,7 +4,6 @@ use super::Cut;
 use crate::surface::NONE;
 use glam::DVec3;
 
-
 /// Part of the levels' span within which a vertex counts as lying on a level.
 const NEAR: f64 = 1e-10;
 
