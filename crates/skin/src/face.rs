@@ -62,22 +62,22 @@ struct Slot {
     made: [u32; 2],
 }
 
-/// What is known of a vertex of the cut.
+/// Where a vertex of the cut lies about the pith.
 #[derive(Clone, Copy)]
-struct Known {
-    place: DVec3,
-    grain: DVec3,
-    /// Angle about the pith, rad; no number where it has not been asked for.
+struct Polar {
+    /// Angle, rad; no number where it has not been asked for.
     phi: f64,
-    /// Distance from the pith, m.
+    /// Distance, m.
     r: f64,
 }
 
 struct Maker<'a> {
     cut: &'a Cut,
+    source: &'a Source<'a>,
     inner: &'a InnerWood<'a>,
     face: Face,
-    known: Vec<Known>,
+    /// For each vertex of the cut.
+    polar: Vec<Polar>,
     /// Whether each vertex of the face made so far shows end grain; walls do not and are left out.
     ends: Vec<bool>,
     /// Low corner of the texture's square.
@@ -106,9 +106,10 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     };
     let mut maker = Maker {
         cut,
+        source,
         inner,
         runs: Vec::new(),
-        known: known(source, cut, inner, &places),
+        polar: polar(source, cut, inner, places.len()),
         ends: Vec::with_capacity(room.min(3 * tops)),
         face: Face {
             normals: Vec::with_capacity(room),
@@ -127,26 +128,34 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     maker.face
 }
 
-/// What is known of the vertices of a cut at `places`.
-fn known(source: &Source, cut: &Cut, inner: &InnerWood, places: &[DVec3]) -> Vec<Known> {
+/// Where the first `count` vertices of a cut lie about the pith.
+fn polar(source: &Source, cut: &Cut, inner: &InnerWood, count: usize) -> Vec<Polar> {
     let pith = inner.stem.rings.pith();
-    let know = |(grain, &place): (DVec3, &DVec3), phi: f64| Known {
-        place,
-        grain,
+    let lie = |grain: DVec3, phi: f64| Polar {
         phi,
         r: grain.truncate().distance(pith),
     };
-    let mut known = Vec::with_capacity(places.len());
-    let made = cut.vertices.iter().map(|v| v.grain);
-    known.extend(made.zip(places).map(|vertex| know(vertex, f64::NAN)));
-    let inside = cut.inside.iter().copied().zip(&places[known.len()..]);
-    known.extend(inside.zip(&cut.nodes).map(|(vertex, &node)| {
+    let mut polar = Vec::with_capacity(count);
+    polar.extend(cut.vertices.iter().map(|v| lie(v.grain, f64::NAN)));
+    polar.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
-        know(vertex, address.map_or(f64::NAN, |a| a.1))
+        lie(grain, address.map_or(f64::NAN, |a| a.1))
     }));
-    let own = source.grain.iter().copied().zip(&places[known.len()..]);
-    known.extend(own.map(|vertex| know(vertex, f64::NAN)));
-    known
+    let own = source.grain.iter().take(count - polar.len());
+    polar.extend(own.map(|&grain| lie(grain, f64::NAN)));
+    polar
+}
+
+/// Grain coordinates of a vertex of a cut; those of the mesh come last.
+#[inline]
+fn grain(source: &Source, cut: &Cut, index: usize) -> DVec3 {
+    match index.checked_sub(cut.vertices.len()) {
+        None => cut.vertices[index].grain,
+        Some(i) => match cut.inside.get(i) {
+            Some(&g) => g,
+            None => source.grain[i - cut.inside.len()],
+        },
+    }
 }
 
 impl Maker<'_> {
@@ -200,17 +209,20 @@ impl Maker<'_> {
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
     #[inline]
     fn lie(&self, at: [usize; 3]) -> (DVec3, bool) {
-        let [a, b, c] = at.map(|i| &self.known[i]);
-        let across = (b.grain - a.grain).cross(c.grain - a.grain);
+        let [a, b, c] = at.map(|i| grain(self.source, self.cut, i));
+        let across = (b - a).cross(c - a);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-        ((b.place - a.place).cross(c.place - a.place), end)
+        let [a, b, c] = at.map(|i| self.face.places[i]);
+        ((b - a).cross(c - a), end)
     }
 
     /// [`Maker::tops`] where cells part them into runs.
     fn parted_tops(&mut self, count: usize) -> u32 {
-        self.runs = vec![(0, 0); self.known.len()];
-        let mut slots: Vec<Slot> = Vec::with_capacity(self.known.len());
-        let mut slot_of: Vec<u32> = Vec::with_capacity(self.known.len());
+        self.runs = vec![(0, 0); self.polar.len()];
+        // Those of one run.
+        let mut slots: Vec<Slot> = Vec::new();
+        let mut slot_of: Vec<u32> = Vec::new();
+        let normal = |slots: &[Slot], s: u32| to_f32(slots[s as usize].normal.normalize_or_zero());
         let (mut run, mut cell) = (0, NONE);
         for t in 0..count {
             let face = self.cut.faces[t];
@@ -219,6 +231,9 @@ impl Maker<'_> {
             let smooth = self.inner.smooth && face.cell < known && cell < known;
             if run == 0 || (!smooth && face.cell != cell) {
                 run += 1;
+                let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+                self.face.normals.extend(normals);
+                slots.clear();
             }
             cell = face.cell;
             let ids = self.cut.cap[t];
@@ -250,11 +265,8 @@ impl Maker<'_> {
             });
             self.face.triangles.push(corners);
         }
-        self.face.normals.extend(
-            slot_of
-                .iter()
-                .map(|&s| to_f32(slots[s as usize].normal.normalize_or_zero())),
-        );
+        let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+        self.face.normals.extend(normals);
         run
     }
 
@@ -272,7 +284,7 @@ impl Maker<'_> {
                 let ids = self.cut.cap[t];
                 let cell = self.cut.faces[t].cell;
                 if normal == DVec3::ZERO || !flat {
-                    let [a, b, c] = ids.map(|id| self.known[self.index(id)].place);
+                    let [a, b, c] = ids.map(|id| self.face.places[self.index(id)]);
                     normal = (b - a).cross(c - a).normalize_or_zero();
                 }
                 let corners = ids.map(|id| {
@@ -283,7 +295,7 @@ impl Maker<'_> {
                         }
                     } else {
                         let at = self.index(id);
-                        self.runs.resize(self.known.len(), (0, 0));
+                        self.runs.resize(self.polar.len(), (0, 0));
                         if self.runs[at].0 == run {
                             return self.runs[at].1;
                         }
@@ -315,27 +327,29 @@ impl Maker<'_> {
         );
         let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.1);
         let (pith, corner) = (self.pith, self.corner);
-        let known = &mut self.known;
+        let (source, cut, places) = (self.source, self.cut, &self.face.places);
+        let polar = &mut self.polar;
         let ends = self.ends.iter().copied().chain(std::iter::repeat(false));
         let vertices = self.face.ids.iter().zip(&self.face.cells).zip(ends);
         let made = vertices.map(|((&id, &cell), end)| {
             let index = (id as usize)
                 .checked_sub(points)
                 .unwrap_or(own + id as usize);
-            let known = &mut known[index];
-            let across = known.grain.truncate();
+            let grain = grain(source, cut, index);
+            let across = grain.truncate();
             let coordinates = if end {
                 across - corner
             } else {
-                if known.phi.is_nan() {
-                    known.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
+                let polar = &mut polar[index];
+                if polar.phi.is_nan() {
+                    polar.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
                 }
-                let phi = known.phi;
+                let phi = polar.phi;
                 let middle = bundles.get(cell as usize);
                 let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
-                DVec2::new(width + known.r * (1.0 + DRIFT * phi), known.grain.z)
+                DVec2::new(width + polar.r * (1.0 + DRIFT * phi), grain.z)
             };
-            (to_f32(known.place), coordinates.as_vec2().to_array())
+            (to_f32(places[index]), coordinates.as_vec2().to_array())
         });
         (self.face.positions, self.face.coordinates) = made.unzip();
     }

@@ -52,6 +52,8 @@ pub(super) struct Builder<'a, 'b> {
     /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
     knots: Vec<(f64, u32)>,
     knot_of: Vec<u32>,
+    /// Edges that walls stand over, with the heights of their rims.
+    stepped_edges: Vec<(u32, [[f64; 2]; 2])>,
     /// Whether the outline touches the wall over an edge or its rims.
     touched: Vec<bool>,
     /// Whether the outline crosses the border of a facet.
@@ -116,6 +118,7 @@ pub(super) fn build<'a>(
         walls,
         knots: Vec::new(),
         knot_of: Vec::new(),
+        stepped_edges: Vec::new(),
         touched,
         crossed_border,
         pierced,
@@ -235,7 +238,7 @@ impl<'a> Builder<'a, '_> {
         self.starts.push(self.heights.len() as u32);
     }
 
-    /// Makes a vertex where the two rims of a wall cross.
+    /// Finds the walls, and makes a vertex where the two rims of one cross.
     fn place_knots(&mut self) {
         let layout = self.layout();
         self.knot_of = vec![NONE; layout.edges.len()];
@@ -243,6 +246,10 @@ impl<'a> Builder<'a, '_> {
             let Some([a, b]) = self.rims(edge) else {
                 continue;
             };
+            if a == b {
+                continue;
+            }
+            self.stepped_edges.push((e as u32, [a, b]));
             let (u, v) = (a[0] - b[0], a[1] - b[1]);
             if u * v < 0.0 {
                 let t = u / (u - v);
@@ -370,9 +377,8 @@ impl<'a> Builder<'a, '_> {
     fn spread_status(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
         let mut regions = vec![0u8; self.ground.rims.len()];
-        let mut queue: Vec<u32> = (0..layout.facets.len() as u32)
-            .filter(|&f| self.status[f as usize][0] != 0)
-            .collect();
+        let known = |f: &u32| self.status[*f as usize][0] != 0;
+        let mut queue: Vec<u32> = (0..layout.facets.len() as u32).filter(known).collect();
         while let Some(f) = queue.pop() {
             for k in 0..3usize {
                 let edge = &layout.edges[layout.sides[f as usize][k] as usize];

@@ -26,17 +26,30 @@ impl Cut {
         };
         // The skin ends at levels but for rounding; an edge of it must not be parted for that.
         let near = NEAR * (last - first);
+        let (least, most) = (self.inside.iter().map(|p| p.z))
+            .chain(self.vertices.iter().map(|v| v.grain.z))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
+                (l.min(s), h.max(s))
+            });
+        // Levels that lie below all of it, and those that may not.
+        let under = levels.partition_point(|&l| l < least - near);
+        let beside = under..levels.partition_point(|&l| l <= most + near).max(under);
+        let beside = &levels[beside];
         let rank = |s: f64| {
-            if levels.len() > FEW {
-                let at = levels.partition_point(|&l| l <= s + near) as u32;
-                return (at, levels.partition_point(|&l| l < s - near) as u32);
+            let at = if !(least..=most).contains(&s) || beside.len() > FEW {
+                levels.partition_point(|&l| l <= s + near)
+            } else {
+                under
+                    + beside
+                        .iter()
+                        .map(|&l| usize::from(l <= s + near))
+                        .sum::<usize>()
+            };
+            let mut below = at;
+            while below > 0 && levels[below - 1] >= s - near {
+                below -= 1;
             }
-            levels.iter().fold((0, 0), |(at, below), &l| {
-                (
-                    at + u32::from(l <= s + near),
-                    below + u32::from(l < s - near),
-                )
-            })
+            (at as u32, below as u32)
         };
         let made = self.vertices.iter().map(|v| v.grain.z);
         let ranks: Vec<Rank> = made

@@ -10,13 +10,9 @@ use glam::DVec2;
 impl Builder<'_, '_> {
     pub(super) fn fill_walls(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
-        for (e, edge) in layout.edges.iter().enumerate() {
-            let Some([a, b]) = self.rims(edge) else {
-                continue;
-            };
-            if a == b {
-                continue;
-            }
+        for (e, [a, b]) in std::mem::take(&mut self.stepped_edges) {
+            let e = e as usize;
+            let edge = &layout.edges[e];
             let knot = self.knot(e as u32);
             let first = self.cap.triangles.len();
             // Walls between facets of one region join nothing that its tops do not.
