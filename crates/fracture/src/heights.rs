@@ -7,11 +7,11 @@ use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
 use crate::limit::place;
 use crate::parameters::{BreakParameters, Sector, Surface as Kind, ZoneParameters};
-use crate::surface::Surface;
+use crate::surface::{Layout, Surface};
 use crate::torn::{Level, Torn};
 use glam::DVec2;
 use greenstick_wood::noise;
-use greenstick_wood::tissue::Zone;
+use greenstick_wood::tissue::{Proportions, Zone};
 use std::sync::Arc;
 
 /// Seeds of independent random numbers.
@@ -132,29 +132,93 @@ fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
     let proportions = p.proportions();
-    let mut walks = Walks::new(maker);
+    // Beyond the bark the heights of the outermost ring run on.
+    let key = |n: usize, (rho, phi): (f64, f64)| {
+        if rho >= 1.0 {
+            (1 << 40) + (wrap(phi) * 1e6) as i64
+        } else {
+            n as i64
+        }
+    };
+    let relief = NodeNoise::of(bundles, maker, |n, (rho, phi), direction, walks| {
+        let rho = rho.min(1.0);
+        let zone = proportions.zone_at(rho, 0.5 / rings);
+        let key = key(n, (rho, phi));
+        let noise = maker.noise(walks, direction * rho, p.zone(zone), key);
+        (noise, zone)
+    });
     let nodes = bundles.layout.nodes.iter();
     nodes
-        .zip(bundles.addresses.iter().zip(&bundles.directions))
+        .zip(bundles.addresses.iter().zip(&relief.nodes))
         .enumerate()
-        .map(|(n, (&at, (&(rho, phi), &direction)))| {
-            // Beyond the bark the heights of the outermost ring run on.
+        .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
             let rho = rho.min(1.0);
-            let zone = proportions.zone_at(rho, 0.5 / rings);
-            let unit = direction * rho;
             let across = (at - pith) / setting.radius;
-            let key = if rho >= 1.0 {
-                (1 << 40) + (wrap(phi) * 1e6) as i64
-            } else {
-                n as i64
+            let thorn = |purpose, length, probability| match probability {
+                never if never <= 0.0 => 0.0,
+                _ => maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability),
             };
-            let thorn =
-                |purpose, length, probability| maker.drawn_thorn(key, purpose, length, probability);
-            maker.stepped(across, rho, phi)
-                + maker.noise(&mut walks, unit, p.zone(zone), key)
-                + maker.thorn(rho, phi, zone, thorn)
+            maker.stepped(across, rho, phi) + noise + maker.thorn(rho, phi, zone, thorn)
         })
         .collect()
+}
+
+/// What the noise of nodes is made from beside the layout.
+#[derive(Debug, Clone, PartialEq)]
+struct NoiseKey {
+    seed: u64,
+    radius: f64,
+    rings: u32,
+    proportions: Proportions,
+    zones: [ZoneParameters; 5],
+}
+
+/// Noise at the nodes of a layout and the tissue they lie in; kept for the next break, as it stays the same while the
+/// shape of the face changes.
+#[derive(Debug)]
+pub(crate) struct NodeNoise {
+    layout: Arc<Layout>,
+    key: NoiseKey,
+    nodes: Vec<(f64, Zone)>,
+}
+
+impl NodeNoise {
+    /// The noise that was made last, or that which `make` gives for each node's number, address and direction.
+    fn of(
+        bundles: &Bundles,
+        maker: &Maker,
+        make: impl Fn(usize, (f64, f64), DVec2, &mut Walks) -> (f64, Zone),
+    ) -> Arc<NodeNoise> {
+        let p = maker.p;
+        let key = NoiseKey {
+            seed: p.seed,
+            radius: maker.noise_radius,
+            rings: p.rings,
+            proportions: p.proportions(),
+            zones: [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark].map(Clone::clone),
+        };
+        // Whatever a panic elsewhere has left there is whole.
+        let lock = || bundles.noise.lock().unwrap_or_else(|e| e.into_inner());
+        let last = lock().clone();
+        if let Some(last) = last
+            && last.key == key
+            && Arc::ptr_eq(&last.layout, &bundles.layout)
+        {
+            return last;
+        }
+        let mut walks = Walks::new(maker);
+        let nodes = bundles.addresses.iter().zip(&bundles.directions);
+        let made = Arc::new(NodeNoise {
+            layout: bundles.layout.clone(),
+            key,
+            nodes: nodes
+                .enumerate()
+                .map(|(n, (&address, &direction))| make(n, address, direction, &mut walks))
+                .collect(),
+        });
+        *lock() = Some(made.clone());
+        made
+    }
 }
 
 /// The height of every node of every bundle of the torn surface, in radii, the ends they are of, and the thorns.

@@ -9,6 +9,7 @@ mod smooth;
 pub use smooth::smooth;
 
 use crate::ends::Ends;
+use crate::heights::NodeNoise;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -76,6 +77,8 @@ pub struct Bundles {
     pub tips: Vec<u32>,
     /// The torn ends that were made last.
     pub(crate) ends: Arc<Mutex<Option<Arc<Ends>>>>,
+    /// The noise of nodes that was made last.
+    pub(crate) noise: Arc<Mutex<Option<Arc<NodeNoise>>>>,
 }
 
 /// Nodes as they are made.
@@ -183,6 +186,7 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> B
         addresses: maker.addresses,
         tips: build.tips,
         ends: Arc::default(),
+        noise: Arc::default(),
     }
 }
 

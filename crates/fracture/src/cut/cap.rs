@@ -377,40 +377,15 @@ impl<'a> Builder<'a, '_> {
     fn spread_status(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
         let mut regions = vec![0u8; self.ground.rims.len()];
-        let known = |f: &u32| self.status[*f as usize][0] != 0;
-        let mut queue: Vec<u32> = (0..layout.facets.len() as u32).filter(known).collect();
-        while let Some(f) = queue.pop() {
-            for k in 0..3usize {
-                let edge = &layout.edges[layout.sides[f as usize][k] as usize];
-                let other = edge.facets[usize::from(edge.facets[0].0 == f)];
-                let (g, side) = (other.0, usize::from(other.1));
-                if g == NONE || self.status[g as usize][0] != 0 {
-                    continue;
-                }
-                let region = self.ground.regions[g as usize];
-                if region != NEAR && regions[region as usize] != 0 {
-                    continue;
-                }
-                // Corner k of f is the end of g's side.
-                let node = layout.facets[f as usize][k];
-                let (a, b) = (
-                    self.surface.heights[f as usize][k],
-                    self.surface.heights[g as usize][(side + 1) % 3],
-                );
-                let flip = self.count_pierced(node, a, b) % 2 == 1;
-                let inside = (self.status[f as usize][k] == INSIDE) != flip;
-                let status = if inside { INSIDE } else { OUTSIDE };
-                if region == NEAR {
-                    self.status[g as usize] = [status; 3];
-                    queue.push(g);
-                } else {
-                    regions[region as usize] = status;
-                    for &f in &self.ground.rims[region as usize] {
-                        self.status[f as usize] = [status; 3];
-                        queue.push(f);
-                    }
-                }
+        // In the order of facets, most of which border on one before; what lies behind waits.
+        let mut queue = Vec::new();
+        for f in 0..layout.facets.len() as u32 {
+            if self.status[f as usize][0] != 0 {
+                self.carry_status(f, f, &mut regions, &mut queue);
             }
+        }
+        while let Some(f) = queue.pop() {
+            self.carry_status(f, NONE, &mut regions, &mut queue);
         }
         for (status, &region) in self.status.iter_mut().zip(&self.ground.regions) {
             if status[0] == 0 {
@@ -422,6 +397,44 @@ impl<'a> Builder<'a, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Carries the status of a facet to those beside it; up to number `passed` they go to the queue.
+    fn carry_status(&mut self, f: u32, passed: u32, regions: &mut [u8], queue: &mut Vec<u32>) {
+        let (layout, ground) = (self.layout(), self.ground);
+        for k in 0..3usize {
+            let edge = &layout.edges[layout.sides[f as usize][k] as usize];
+            let other = edge.facets[usize::from(edge.facets[0].0 == f)];
+            let (g, side) = (other.0, usize::from(other.1));
+            if g == NONE || self.status[g as usize][0] != 0 {
+                continue;
+            }
+            let region = ground.regions[g as usize];
+            if region != NEAR && regions[region as usize] != 0 {
+                continue;
+            }
+            // Corner k of f is the end of g's side.
+            let node = layout.facets[f as usize][k];
+            let (a, b) = (
+                self.surface.heights[f as usize][k],
+                self.surface.heights[g as usize][(side + 1) % 3],
+            );
+            let flip = self.count_pierced(node, a, b) % 2 == 1;
+            let inside = (self.status[f as usize][k] == INSIDE) != flip;
+            let status = if inside { INSIDE } else { OUTSIDE };
+            let mut set = |f: u32| {
+                self.status[f as usize] = [status; 3];
+                if f <= passed {
+                    queue.push(f);
+                }
+            };
+            if region == NEAR {
+                set(g);
+            } else {
+                regions[region as usize] = status;
+                ground.rims[region as usize].iter().for_each(|&f| set(f));
+            }
+        }
     }
 
     fn fill_whole_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {

@@ -184,11 +184,12 @@ pub fn cut_again(
     // Another break of the same ground at the same time works out anew what it needs.
     let mut clips = std::mem::take(&mut *ground.clips());
     clips.begin(skin.order.len(), surface.layout.facets.len());
-    let mut overlay = Overlay::new(surface, solid.points);
+    let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
     let sides = lay(solid, skin, ground, surface, &mut clips, &mut overlay);
+    clips.made = overlay.vertices.len();
     {
         let mut kept = ground.clips();
-        if kept.size() < clips.size() {
+        if kept.size() <= clips.size() {
             *kept = clips;
         }
     }

@@ -71,5 +71,6 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
         addresses: maker.addresses,
         tips,
         ends: Arc::default(),
+        noise: Arc::default(),
     }
 }
