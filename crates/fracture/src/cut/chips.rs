@@ -195,16 +195,21 @@ impl Cut {
 
     /// Takes triangles of the broken face out; their numbers ascend.
     fn drop_faces(&mut self, dropped: &[u32]) {
-        let before = |t: u32| dropped.partition_point(|&d| d < t) as u32;
         let Some(&first) = dropped.first() else {
             return;
         };
-        for wall in self.walls.iter_mut().filter(|w| **w > first) {
-            *wall -= before(*wall);
+        let mut passed = 0;
+        for wall in &mut self.walls {
+            passed += below(&dropped[passed..], *wall);
+            *wall -= passed as u32;
         }
-        let joints = &mut self.joints.0;
-        joints.retain(|j| dropped.binary_search(&j.0).is_err());
-        joints.iter_mut().for_each(|j| j.0 -= before(j.0));
+        passed = 0;
+        self.joints.0.retain_mut(|joint| {
+            passed += below(&dropped[passed..], joint.0);
+            let stays = dropped.get(passed) != Some(&joint.0);
+            joint.0 -= passed as u32;
+            stays
+        });
         let mut to = first as usize;
         let ends = dropped.iter().skip(1).map(|&d| d as usize);
         for (&from, end) in dropped.iter().zip(ends.chain([self.cap.len()])) {
@@ -217,4 +222,9 @@ impl Cut {
         self.faces.truncate(to);
         self.joints.1 = to;
     }
+}
+
+/// How many of ascending numbers lie below another, looked for from the first on.
+fn below(numbers: &[u32], number: u32) -> usize {
+    numbers.iter().take_while(|&&n| n < number).count()
 }
