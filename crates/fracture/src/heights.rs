@@ -154,9 +154,12 @@ fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
         .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
             let rho = rho.min(1.0);
             let across = (at - pith) / setting.radius;
-            let thorn = |purpose, length, probability| match probability {
-                never if never <= 0.0 => 0.0,
-                _ => maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability),
+            let thorn = |purpose, length, probability| {
+                if probability <= 0.0 {
+                    0.0
+                } else {
+                    maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability)
+                }
             };
             maker.stepped(across, rho, phi) + noise + maker.thorn(rho, phi, zone, thorn)
         })
