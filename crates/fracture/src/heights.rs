@@ -2,15 +2,17 @@
 //!
 //! All heights are ratios to the stem's radius until they are placed along the axis at the end.
 
+use crate::ends::Ends;
 use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
-use crate::limit::{place, place_nodes};
+use crate::limit::place;
 use crate::parameters::{BreakParameters, Sector, Surface as Kind, ZoneParameters};
-use crate::surface::{NONE, Surface};
+use crate::surface::{Layout, Surface};
 use crate::torn::{Level, Torn};
 use glam::DVec2;
 use greenstick_wood::noise;
-use greenstick_wood::tissue::Zone;
+use greenstick_wood::tissue::{Proportions, Zone};
+use std::sync::Arc;
 
 /// Seeds of independent random numbers.
 pub(crate) mod purpose {
@@ -87,13 +89,18 @@ pub(crate) struct Maker<'a> {
 /// Heights of the published smooth surface: one per node, shared by all facets there.
 pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
     let heights = smooth_nodes(bundles, &Maker::new(p, setting));
-    place_nodes(bundles, heights, setting)
+    let at = bundles.layout.nodes.iter().copied();
+    place(bundles, heights, at, &bundles.layout.facets, setting)
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
 pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
-    let (corners, thorns) = fibrous_corners(bundles, &Maker::new(p, setting));
-    place(bundles, corners, setting, thorns)
+    let (heights, ends, thorns) = fibrous_rims(bundles, &Maker::new(p, setting));
+    let nodes = &bundles.layout.nodes;
+    let at = ends.rims.iter().map(|r| nodes[r.node as usize]);
+    let mut placed = place(bundles, heights, at, &ends.corners, setting);
+    placed.thorns = thorns;
+    placed
 }
 
 /// Height between the 5th and the 95th hundredth of the corners, m: the relief of a face before limiting.
@@ -104,11 +111,9 @@ pub fn relief_range(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -
         let corners = bundles.layout.facets.iter().flatten();
         corners.map(|&n| heights[n as usize]).collect()
     } else {
-        fibrous_corners(bundles, &maker)
-            .0
-            .into_iter()
-            .flatten()
-            .collect()
+        let (heights, ends, _) = fibrous_rims(bundles, &maker);
+        let corners = ends.corners.iter().flatten();
+        corners.map(|&r| heights[r as usize]).collect()
     };
     if heights.is_empty() {
         return 0.0;
@@ -127,35 +132,102 @@ fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
     let proportions = p.proportions();
-    let mut walks = Walks::new(maker);
+    // Beyond the bark the heights of the outermost ring run on.
+    let key = |n: usize, (rho, phi): (f64, f64)| {
+        if rho >= 1.0 {
+            (1 << 40) + (wrap(phi) * 1e6) as i64
+        } else {
+            n as i64
+        }
+    };
+    let relief = NodeNoise::of(bundles, maker, |n, (rho, phi), direction, walks| {
+        let rho = rho.min(1.0);
+        let zone = proportions.zone_at(rho, 0.5 / rings);
+        let key = key(n, (rho, phi));
+        let noise = maker.noise(walks, direction * rho, p.zone(zone), key);
+        (noise, zone)
+    });
     let nodes = bundles.layout.nodes.iter();
     nodes
-        .zip(bundles.addresses.iter().zip(&bundles.directions))
+        .zip(bundles.addresses.iter().zip(&relief.nodes))
         .enumerate()
-        .map(|(n, (&at, (&(rho, phi), &direction)))| {
-            // Beyond the bark the heights of the outermost ring run on.
+        .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
             let rho = rho.min(1.0);
-            let zone = proportions.zone_at(rho, 0.5 / rings);
-            let unit = direction * rho;
             let across = (at - pith) / setting.radius;
-            let key = if rho >= 1.0 {
-                (1 << 40) + (wrap(phi) * 1e6) as i64
-            } else {
-                n as i64
+            let thorn = |purpose, length, probability| {
+                if probability <= 0.0 {
+                    0.0
+                } else {
+                    maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability)
+                }
             };
-            let thorn =
-                |purpose, length, probability| maker.drawn_thorn(key, purpose, length, probability);
-            maker.stepped(across, rho, phi)
-                + maker.noise(&mut walks, unit, p.zone(zone), key)
-                + maker.thorn(rho, phi, zone, thorn)
+            maker.stepped(across, rho, phi) + noise + maker.thorn(rho, phi, zone, thorn)
         })
         .collect()
 }
 
-/// The height of every corner of the torn surface, in radii, and its thorns.
-fn fibrous_corners(bundles: &Bundles, maker: &Maker) -> (Vec<[f64; 3]>, Vec<Thorn>) {
-    let torn = Torn::new(maker, bundles);
+/// What the noise of nodes is made from beside the layout.
+#[derive(Debug, Clone, PartialEq)]
+struct NoiseKey {
+    seed: u64,
+    radius: f64,
+    rings: u32,
+    proportions: Proportions,
+    zones: [ZoneParameters; 5],
+}
+
+/// Noise at the nodes of a layout and the tissue they lie in; kept for the next break, as it stays the same while the
+/// shape of the face changes.
+#[derive(Debug)]
+pub(crate) struct NodeNoise {
+    layout: Arc<Layout>,
+    key: NoiseKey,
+    nodes: Vec<(f64, Zone)>,
+}
+
+impl NodeNoise {
+    /// The noise that was made last, or that which `make` gives for each node's number, address and direction.
+    fn of(
+        bundles: &Bundles,
+        maker: &Maker,
+        make: impl Fn(usize, (f64, f64), DVec2, &mut Walks) -> (f64, Zone),
+    ) -> Arc<NodeNoise> {
+        let p = maker.p;
+        let key = NoiseKey {
+            seed: p.seed,
+            radius: maker.noise_radius,
+            rings: p.rings,
+            proportions: p.proportions(),
+            zones: [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark].map(Clone::clone),
+        };
+        // Whatever a panic elsewhere has left there is whole.
+        let lock = || bundles.noise.lock().unwrap_or_else(|e| e.into_inner());
+        let last = lock().clone();
+        if let Some(last) = last
+            && last.key == key
+            && Arc::ptr_eq(&last.layout, &bundles.layout)
+        {
+            return last;
+        }
+        let mut walks = Walks::new(maker);
+        let nodes = bundles.addresses.iter().zip(&bundles.directions);
+        let made = Arc::new(NodeNoise {
+            layout: bundles.layout.clone(),
+            key,
+            nodes: nodes
+                .enumerate()
+                .map(|(n, (&address, &direction))| make(n, address, direction, &mut walks))
+                .collect(),
+        });
+        *lock() = Some(made.clone());
+        made
+    }
+}
+
+/// The height of every node of every bundle of the torn surface, in radii, the ends they are of, and the thorns.
+fn fibrous_rims(bundles: &Bundles, maker: &Maker) -> (Vec<f64>, Arc<Ends>, Vec<Thorn>) {
     let mut walks = Walks::new(maker);
+    let torn = Torn::new(maker, bundles, &mut walks);
     let levels: Vec<Level> = (0..bundles.bundles.len())
         .map(|i| torn.level(&mut walks, i))
         .collect();
@@ -168,24 +240,11 @@ fn fibrous_corners(bundles: &Bundles, maker: &Maker) -> (Vec<[f64; 3]>, Vec<Thor
             length: l.thorn * maker.setting.radius,
         })
         .collect();
-    let rays = torn.wandering(&mut walks);
-    // Facets of a bundle follow each other, so the last height made at a node is most often the one asked for.
-    let mut last = vec![(NONE, 0.0); bundles.layout.nodes.len()];
-    let facets = bundles.layout.facets.iter();
-    let corners = facets
-        .zip(&bundles.layout.cells)
-        .map(|(facet, &cell)| {
-            let level = &levels[cell as usize];
-            facet.map(|n| {
-                let known = &mut last[n as usize];
-                if known.0 != cell {
-                    *known = (cell, torn.at(level, (cell, n), rays[n as usize]));
-                }
-                known.1
-            })
-        })
+    let rims = torn.ends.rims.iter();
+    let heights = rims
+        .map(|rim| torn.at(&levels[rim.cell as usize], rim))
         .collect();
-    (corners, thorns)
+    (heights, torn.ends, thorns)
 }
 
 /// Noise of a surface at one place after another.

@@ -8,12 +8,14 @@ mod smooth;
 
 pub use smooth::smooth;
 
+use crate::ends::Ends;
+use crate::heights::NodeNoise;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::stem::RingField;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Seeds of independent random numbers.
 mod purpose {
@@ -73,6 +75,10 @@ pub struct Bundles {
     pub directions: Vec<DVec2>,
     /// For each bundle the node within it that carries its tip, or [`crate::surface::NONE`].
     pub tips: Vec<u32>,
+    /// The torn ends that were made last.
+    pub(crate) ends: Arc<Mutex<Option<Arc<Ends>>>>,
+    /// The noise of nodes that was made last.
+    pub(crate) noise: Arc<Mutex<Option<Arc<NodeNoise>>>>,
 }
 
 /// Nodes as they are made.
@@ -179,6 +185,8 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> B
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips: build.tips,
+        ends: Arc::default(),
+        noise: Arc::default(),
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod cracks;
 pub mod cut;
+mod ends;
 pub mod heights;
 pub mod layout;
 mod limit;

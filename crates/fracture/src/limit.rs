@@ -1,6 +1,6 @@
 //! Placing heights along the stem, within what is free of it and within the wedge that a bend opens.
 
-use crate::heights::{Heights, Setting, Thorn};
+use crate::heights::{Heights, Setting};
 use crate::layout::Bundles;
 use crate::surface::Surface;
 use glam::DVec2;
@@ -117,72 +117,43 @@ impl<'a> Placed<'a> {
         *height = setting.place + kept;
         kept != h
     }
-
-    fn finish(
-        self,
-        bundles: &Bundles,
-        corners: Vec<[f64; 3]>,
-        limited: usize,
-        thorns: Vec<Thorn>,
-    ) -> Heights {
-        Heights {
-            surface: Surface {
-                layout: bundles.layout.clone(),
-                heights: corners,
-            },
-            limited,
-            wanted: self.wanted,
-            range: self.range,
-            thorns,
-        }
-    }
 }
 
-/// Places heights (in radii) along the axis and bends those that would leave the stem back into it, keeping their order.
+/// Places heights (in radii) over places of the section (`at`, m) along the axis and bends those that would leave the
+/// stem back into it, keeping their order. `corners` are the numbers of the heights at the corners of each facet.
 pub(crate) fn place(
     bundles: &Bundles,
-    mut corners: Vec<[f64; 3]>,
+    mut heights: Vec<f64>,
+    at: impl Iterator<Item = DVec2>,
+    corners: &[[u32; 3]],
     setting: &Setting,
-    thorns: Vec<Thorn>,
 ) -> Heights {
-    let mut placed = Placed::new(setting, corners.iter().flatten().copied());
-    let mut limited = 0;
-    for (facet, heights) in bundles.layout.facets.iter().zip(&mut corners) {
-        for (&node, height) in facet.iter().zip(heights) {
-            limited += usize::from(placed.place(height, bundles.layout.nodes[node as usize]));
+    let mut placed = Placed::new(setting, heights.iter().copied());
+    let mut bent = Vec::new();
+    for (i, (height, at)) in heights.iter_mut().zip(at).enumerate() {
+        if placed.place(height, at) {
+            bent.push(i as u32);
         }
     }
-    placed.finish(bundles, corners, limited, thorns)
-}
-
-/// [`place`] with one height for every node.
-pub(crate) fn place_nodes(bundles: &Bundles, mut nodes: Vec<f64>, setting: &Setting) -> Heights {
-    let mut placed = Placed::new(setting, nodes.iter().copied());
-    let mut any = false;
-    let bent: Vec<bool> = nodes
-        .iter_mut()
-        .zip(&bundles.layout.nodes)
-        .map(|(height, &at)| {
-            let bent = placed.place(height, at);
-            any |= bent;
-            bent
-        })
-        .collect();
-    let facets = &bundles.layout.facets;
-    let limited = if any {
-        facets
-            .iter()
-            .flatten()
-            .filter(|&&n| bent[n as usize])
-            .count()
-    } else {
+    let limited = if bent.is_empty() {
         0
+    } else {
+        let numbers = corners.iter().flatten();
+        numbers.filter(|&n| bent.binary_search(n).is_ok()).count()
     };
-    let corners = facets
-        .iter()
-        .map(|f| f.map(|n| nodes[n as usize]))
-        .collect();
-    placed.finish(bundles, corners, limited, Vec::new())
+    Heights {
+        surface: Surface {
+            layout: bundles.layout.clone(),
+            heights: corners
+                .iter()
+                .map(|f| f.map(|n| heights[n as usize]))
+                .collect(),
+        },
+        limited,
+        wanted: placed.wanted,
+        range: placed.range,
+        thorns: Vec::new(),
+    }
 }
 
 #[cfg(test)]

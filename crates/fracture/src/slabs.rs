@@ -251,9 +251,9 @@ impl Slabs {
         }
     }
 
-    /// The slab at a ring coordinate and angle (rad), with its height there: it falls from its ridge, so that slabs
+    /// The number of the slab at a ring coordinate and angle (rad), with its height there: it falls from its ridge, so that slabs
     /// are no towers with square shoulders.
-    pub fn at(&self, rho: f64, phi: f64) -> (&Slab, f64) {
+    pub fn at(&self, rho: f64, phi: f64) -> (usize, f64) {
         let number = self.parts.find(rho, phi);
         let slab = &self.slabs[number];
         let off = (self.parts.within(number, rho, phi) - slab.ridge).abs();
@@ -262,7 +262,12 @@ impl Slabs {
         let (width, thickness) = self.parts.region(number).size();
         let narrow = (4.0 * thickness / width.max(1e-9)).min(1.0);
         let down = slab.fall * (0.75 * far.x * far.x.sqrt() * narrow + 0.35 * far.y * far.y);
-        (slab, slab.height * (1.0 - down))
+        (number, slab.height * (1.0 - down))
+    }
+
+    /// A slab.
+    pub fn slab(&self, number: usize) -> &Slab {
+        &self.slabs[number]
     }
 }
 

@@ -47,6 +47,11 @@ impl Strips {
         }
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.heights.len()
+    }
+
     /// Number of the strip at an angle (rad).
     pub fn find(&self, phi: f64) -> usize {
         let place = (phi - self.walls[0]) / TAU;

@@ -62,11 +62,24 @@ struct Slot {
     made: [u32; 2],
 }
 
+/// Where a vertex of the cut lies about the pith.
+#[derive(Clone, Copy)]
+struct Polar {
+    /// Angle, rad; no number where it has not been asked for.
+    phi: f64,
+    /// Distance, m.
+    r: f64,
+}
+
 struct Maker<'a> {
     cut: &'a Cut,
     source: &'a Source<'a>,
     inner: &'a InnerWood<'a>,
     face: Face,
+    /// For each vertex of the cut.
+    polar: Vec<Polar>,
+    /// Whether each vertex of the face made so far shows end grain; walls do not and are left out.
+    ends: Vec<bool>,
     /// Low corner of the texture's square.
     corner: DVec2,
     pith: DVec2,
@@ -95,22 +108,54 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
         cut,
         source,
         inner,
-        runs: vec![(0, 0); places.len()],
+        runs: Vec::new(),
+        polar: polar(source, cut, inner, places.len()),
+        ends: Vec::with_capacity(room.min(3 * tops)),
         face: Face {
-            positions: Vec::with_capacity(room),
             normals: Vec::with_capacity(room),
-            coordinates: Vec::with_capacity(room),
             triangles: Vec::with_capacity(corners),
             ids: Vec::with_capacity(room),
             cells: Vec::with_capacity(room),
             places,
+            ..Face::default()
         },
         corner: inner.square.0 - inner.square.1 / 2.0,
         pith: inner.stem.rings.pith(),
     };
     let run = maker.tops(tops);
     maker.walls(tops, run);
+    maker.place();
     maker.face
+}
+
+/// Where the first `count` vertices of a cut lie about the pith.
+fn polar(source: &Source, cut: &Cut, inner: &InnerWood, count: usize) -> Vec<Polar> {
+    let pith = inner.stem.rings.pith();
+    let lie = |grain: DVec3, phi: f64| Polar {
+        phi,
+        r: grain.truncate().distance(pith),
+    };
+    let mut polar = Vec::with_capacity(count);
+    polar.extend(cut.vertices.iter().map(|v| lie(v.grain, f64::NAN)));
+    polar.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
+        let address = inner.bundles.addresses.get(node as usize);
+        lie(grain, address.map_or(f64::NAN, |a| a.1))
+    }));
+    let own = source.grain.iter().take(count - polar.len());
+    polar.extend(own.map(|&grain| lie(grain, f64::NAN)));
+    polar
+}
+
+/// Grain coordinates of a vertex of a cut; those of the mesh come last.
+#[inline]
+fn grain(source: &Source, cut: &Cut, index: usize) -> DVec3 {
+    match index.checked_sub(cut.vertices.len()) {
+        None => cut.vertices[index].grain,
+        Some(i) => match cut.inside.get(i) {
+            Some(&g) => g,
+            None => source.grain[i - cut.inside.len()],
+        },
+    }
 }
 
 impl Maker<'_> {
@@ -118,17 +163,6 @@ impl Maker<'_> {
         match (id as usize).checked_sub(self.cut.points) {
             Some(i) => i,
             None => self.cut.vertices.len() + self.cut.inside.len() + id as usize,
-        }
-    }
-
-    fn grain(&self, index: usize) -> DVec3 {
-        let skin = self.cut.vertices.len();
-        match index.checked_sub(skin) {
-            None => self.cut.vertices[index].grain,
-            Some(i) => match self.cut.inside.get(i) {
-                Some(&g) => g,
-                None => self.source.grain[i - self.cut.inside.len()],
-            },
         }
     }
 
@@ -153,16 +187,16 @@ impl Maker<'_> {
         for t in 0..count {
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, grain, end) = self.lie(at);
+            let (normal, end) = self.lie(at);
             let cell = self.cut.faces[t].cell;
             let corners = [0, 1, 2].map(|k| {
                 let slot = &mut slots[at[k]];
                 slot.normal += normal;
                 let made = &mut slot.made[usize::from(end)];
                 if *made == NONE {
-                    *made = self.face.ids.len() as u32;
                     slot_of.push(at[k] as u32);
-                    self.push(ids[k], at[k], grain[k], cell, end);
+                    self.ends.push(end);
+                    *made = self.push(ids[k], cell);
                 }
                 *made
             });
@@ -172,19 +206,23 @@ impl Maker<'_> {
         self.face.normals.extend(slot_of.iter().map(normal));
     }
 
-    /// Normal of a top, as long as twice its area, the grain coordinates of its corners, and whether it shows end grain.
-    fn lie(&self, at: [usize; 3]) -> (DVec3, [DVec3; 3], bool) {
-        let [a, b, c] = at.map(|i| self.face.places[i]);
-        let grain = at.map(|i| self.grain(i));
-        let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
+    /// Normal of a top, as long as twice its area, and whether it shows end grain.
+    #[inline]
+    fn lie(&self, at: [usize; 3]) -> (DVec3, bool) {
+        let [a, b, c] = at.map(|i| grain(self.source, self.cut, i));
+        let across = (b - a).cross(c - a);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-        ((b - a).cross(c - a), grain, end)
+        let [a, b, c] = at.map(|i| self.face.places[i]);
+        ((b - a).cross(c - a), end)
     }
 
     /// [`Maker::tops`] where cells part them into runs.
     fn parted_tops(&mut self, count: usize) -> u32 {
-        let mut slots: Vec<Slot> = Vec::with_capacity(self.runs.len());
-        let mut slot_of: Vec<u32> = Vec::with_capacity(self.runs.len());
+        self.runs = vec![(0, 0); self.polar.len()];
+        // Those of one run.
+        let mut slots: Vec<Slot> = Vec::new();
+        let mut slot_of: Vec<u32> = Vec::new();
+        let normal = |slots: &[Slot], s: u32| to_f32(slots[s as usize].normal.normalize_or_zero());
         let (mut run, mut cell) = (0, NONE);
         for t in 0..count {
             let face = self.cut.faces[t];
@@ -193,11 +231,14 @@ impl Maker<'_> {
             let smooth = self.inner.smooth && face.cell < known && cell < known;
             if run == 0 || (!smooth && face.cell != cell) {
                 run += 1;
+                let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+                self.face.normals.extend(normals);
+                slots.clear();
             }
             cell = face.cell;
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, grain, end) = self.lie(at);
+            let (normal, end) = self.lie(at);
             let corners = [0, 1, 2].map(|k| {
                 let known = self.runs[at[k]];
                 let slot = if known.0 == run {
@@ -216,17 +257,16 @@ impl Maker<'_> {
                 if made != NONE {
                     return made;
                 }
-                entry.made[usize::from(end)] = self.face.ids.len() as u32;
                 slot_of.push(slot);
-                self.push(ids[k], at[k], grain[k], face.cell, end)
+                self.ends.push(end);
+                let made = self.push(ids[k], face.cell);
+                entry.made[usize::from(end)] = made;
+                made
             });
             self.face.triangles.push(corners);
         }
-        self.face.normals.extend(
-            slot_of
-                .iter()
-                .map(|&s| to_f32(slots[s as usize].normal.normalize_or_zero())),
-        );
+        let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+        self.face.normals.extend(normals);
         run
     }
 
@@ -237,23 +277,32 @@ impl Maker<'_> {
         let mut from = first;
         for to in ends {
             run += 1;
+            let flat = to - from <= FLAT;
+            let start = self.face.ids.len();
             let mut normal = DVec3::ZERO;
             for t in from..to {
                 let ids = self.cut.cap[t];
-                let at = ids.map(|id| self.index(id));
-                if normal == DVec3::ZERO || to - from > FLAT {
-                    let [a, b, c] = at.map(|i| self.face.places[i]);
+                let cell = self.cut.faces[t].cell;
+                if normal == DVec3::ZERO || !flat {
+                    let [a, b, c] = ids.map(|id| self.face.places[self.index(id)]);
                     normal = (b - a).cross(c - a).normalize_or_zero();
                 }
-                let corners = [0, 1, 2].map(|k| {
-                    let known = self.runs[at[k]];
-                    if known.0 == run {
-                        return known.1;
+                let corners = ids.map(|id| {
+                    if flat {
+                        let made = &self.face.ids[start..];
+                        if let Some(i) = made.iter().position(|&m| m == id) {
+                            return (start + i) as u32;
+                        }
+                    } else {
+                        let at = self.index(id);
+                        self.runs.resize(self.polar.len(), (0, 0));
+                        if self.runs[at].0 == run {
+                            return self.runs[at].1;
+                        }
+                        self.runs[at] = (run, self.face.ids.len() as u32);
                     }
-                    self.runs[at[k]] = (run, self.face.ids.len() as u32);
                     self.face.normals.push(to_f32(normal));
-                    let grain = self.grain(at[k]);
-                    self.push(ids[k], at[k], grain, self.cut.faces[t].cell, false)
+                    self.push(id, cell)
                 });
                 self.face.triangles.push(corners);
             }
@@ -261,34 +310,48 @@ impl Maker<'_> {
         }
     }
 
-    /// Makes a vertex, without its normal.
-    fn push(&mut self, id: u32, index: usize, grain: DVec3, cell: u32, end: bool) -> u32 {
-        let across = grain.truncate();
-        let coordinates = if end {
-            across - self.corner
-        } else {
-            let phi = self.angle(index, across);
-            let middle = self.inner.bundles.bundles.get(cell as usize);
-            let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
-            let r = across.distance(self.pith);
-            DVec2::new(self.inner.square.1 + r * (1.0 + DRIFT * phi), grain.z)
-        };
+    /// Makes a vertex, without its normal and place.
+    #[inline]
+    fn push(&mut self, id: u32, cell: u32) -> u32 {
         let face = &mut self.face;
-        face.positions.push(to_f32(face.places[index]));
-        face.coordinates.push(coordinates.as_vec2().to_array());
         face.ids.push(id);
         face.cells.push(cell);
         face.ids.len() as u32 - 1
     }
 
-    /// Angle about the pith, rad.
-    fn angle(&self, index: usize, across: DVec2) -> f64 {
-        let inside = index.checked_sub(self.cut.vertices.len());
-        let node = inside.and_then(|i| self.cut.nodes.get(i));
-        match node.and_then(|&n| self.inner.bundles.addresses.get(n as usize)) {
-            Some(address) => address.1,
-            None => libm::atan2(across.y - self.pith.y, across.x - self.pith.x),
-        }
+    /// Gives all vertices their positions and texture coordinates.
+    fn place(&mut self) {
+        let (points, own) = (
+            self.cut.points,
+            self.cut.vertices.len() + self.cut.inside.len(),
+        );
+        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.1);
+        let (pith, corner) = (self.pith, self.corner);
+        let (source, cut, places) = (self.source, self.cut, &self.face.places);
+        let polar = &mut self.polar;
+        let ends = self.ends.iter().copied().chain(std::iter::repeat(false));
+        let vertices = self.face.ids.iter().zip(&self.face.cells).zip(ends);
+        let made = vertices.map(|((&id, &cell), end)| {
+            let index = (id as usize)
+                .checked_sub(points)
+                .unwrap_or(own + id as usize);
+            let grain = grain(source, cut, index);
+            let across = grain.truncate();
+            let coordinates = if end {
+                across - corner
+            } else {
+                let polar = &mut polar[index];
+                if polar.phi.is_nan() {
+                    polar.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
+                }
+                let phi = polar.phi;
+                let middle = bundles.get(cell as usize);
+                let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
+                DVec2::new(width + polar.r * (1.0 + DRIFT * phi), grain.z)
+            };
+            (to_f32(places[index]), coordinates.as_vec2().to_array())
+        });
+        (self.face.positions, self.face.coordinates) = made.unzip();
     }
 }
 

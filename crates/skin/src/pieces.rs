@@ -4,9 +4,9 @@ use crate::face::Face;
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::layout::Bundles;
+use greenstick_fracture::surface::NONE;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
 use greenstick_wood::stem::{LayeredGrain, Stem};
-use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 /// The mesh that was cut.
@@ -78,7 +78,10 @@ pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch
         first: source.mesh.positions.len() as u32,
         ..Patch::default()
     };
-    let mut known: FxHashMap<(u32, u32, u32), u32> = FxHashMap::default();
+    // The patch's vertices at each of the cut's on the skin: the latest, what each is made of, and the one before it.
+    let mut latest = vec![NONE; cut.vertices.len()];
+    let mut made: Vec<((u32, u32), u32)> = Vec::with_capacity(cut.vertices.len());
+    patch.vertices.reserve(cut.vertices.len());
     for part in &cut.skin {
         let t = part.source;
         let vertices = source.mesh.triangles[t as usize];
@@ -91,19 +94,31 @@ pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch
                 Host::Point(p) => return holds(p),
                 Host::Edge { ends, t } => {
                     let [a, b] = ends.map(holds);
-                    ((id, a, b), [a, b, a], [1.0 - t, t, 0.0])
+                    ((a, b), [a, b, a], [1.0 - t, t, 0.0])
                 }
-                Host::Face { weights, .. } => ((id, u32::MAX, t), vertices, weights),
-                Host::Inside => ((id, u32::MAX, t), vertices, [1.0, 0.0, 0.0]),
+                Host::Face { weights, .. } => ((NONE, t), vertices, weights),
+                Host::Inside => ((NONE, t), vertices, [1.0, 0.0, 0.0]),
             };
-            *known.entry(key).or_insert_with(|| {
-                patch.vertices.push(PatchVertex {
-                    position: places[id as usize - cut.points],
-                    vertices,
-                    weights: weights.map(|w| w as f32),
-                });
-                patch.first + patch.vertices.len() as u32 - 1
-            })
+            let place = id as usize - cut.points;
+            if latest.len() <= place {
+                latest.resize(place + 1, NONE);
+            }
+            let first = latest[place];
+            let mut at = first;
+            while let Some(&(of, before)) = made.get(at as usize) {
+                if of == key {
+                    return patch.first + at;
+                }
+                at = before;
+            }
+            latest[place] = made.len() as u32;
+            made.push((key, first));
+            patch.vertices.push(PatchVertex {
+                position: places[place],
+                vertices,
+                weights: weights.map(|w| w as f32),
+            });
+            patch.first + latest[place]
         });
         let side = usize::from(part.upper);
         patch.parts[side].push(corners);

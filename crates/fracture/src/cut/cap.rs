@@ -27,6 +27,8 @@ pub(super) struct Cap {
     pub faces: Vec<CapFace>,
     /// First triangle of every wall.
     pub walls: Vec<u32>,
+    /// See [`super::Cut::joints`].
+    pub joints: Vec<(u32, u32)>,
 }
 
 pub(super) struct Builder<'a, 'b> {
@@ -50,6 +52,8 @@ pub(super) struct Builder<'a, 'b> {
     /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
     knots: Vec<(f64, u32)>,
     knot_of: Vec<u32>,
+    /// Edges that walls stand over, with the heights of their rims.
+    stepped_edges: Vec<(u32, [[f64; 2]; 2])>,
     /// Whether the outline touches the wall over an edge or its rims.
     touched: Vec<bool>,
     /// Whether the outline crosses the border of a facet.
@@ -61,17 +65,20 @@ pub(super) struct Builder<'a, 'b> {
     /// Triangles of tops that the outline crosses: (facet, triangle).
     crossed: Vec<(u32, [u32; 3])>,
     triangulator: Triangulator,
+    /// Whether [`Cap::joints`] are wanted.
+    joints: bool,
     cap: Cap,
 }
 
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
-/// Builds the broken face from the outline found by `overlay`.
+/// Builds the broken face from the outline found by `overlay`; with its `joints` where they are asked for.
 pub(super) fn build<'a>(
     surface: &'a Surface,
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
+    joints: bool,
 ) -> Result<Cap, CutError> {
     overlay.sort();
     let sorted = |list: Vec<(u32, [u32; 2])>| {
@@ -111,12 +118,14 @@ pub(super) fn build<'a>(
         walls,
         knots: Vec::new(),
         knot_of: Vec::new(),
+        stepped_edges: Vec::new(),
         touched,
         crossed_border,
         pierced,
         status: vec![[0; 3]; layout.facets.len()],
         crossed: Vec::new(),
         triangulator: Triangulator::default(),
+        joints,
         cap: Cap::default(),
     };
     builder.cap.triangles.reserve(layout.facets.len() * 3);
@@ -229,7 +238,7 @@ impl<'a> Builder<'a, '_> {
         self.starts.push(self.heights.len() as u32);
     }
 
-    /// Makes a vertex where the two rims of a wall cross.
+    /// Finds the walls, and makes a vertex where the two rims of one cross.
     fn place_knots(&mut self) {
         let layout = self.layout();
         self.knot_of = vec![NONE; layout.edges.len()];
@@ -237,6 +246,10 @@ impl<'a> Builder<'a, '_> {
             let Some([a, b]) = self.rims(edge) else {
                 continue;
             };
+            if a == b {
+                continue;
+            }
+            self.stepped_edges.push((e as u32, [a, b]));
             let (u, v) = (a[0] - b[0], a[1] - b[1]);
             if u * v < 0.0 {
                 let t = u / (u - v);
@@ -364,41 +377,15 @@ impl<'a> Builder<'a, '_> {
     fn spread_status(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
         let mut regions = vec![0u8; self.ground.rims.len()];
-        let mut queue: Vec<u32> = (0..layout.facets.len() as u32)
-            .filter(|&f| self.status[f as usize][0] != 0)
-            .collect();
-        while let Some(f) = queue.pop() {
-            for k in 0..3usize {
-                let edge = &layout.edges[layout.sides[f as usize][k] as usize];
-                let other = edge.facets[usize::from(edge.facets[0].0 == f)];
-                let (g, side) = (other.0, usize::from(other.1));
-                if g == NONE || self.status[g as usize][0] != 0 {
-                    continue;
-                }
-                let region = self.ground.regions[g as usize];
-                if region != NEAR && regions[region as usize] != 0 {
-                    continue;
-                }
-                // Corner k of f is the end of g's side.
-                let node = layout.facets[f as usize][k];
-                let (a, b) = (
-                    self.surface.heights[f as usize][k],
-                    self.surface.heights[g as usize][(side + 1) % 3],
-                );
-                let flip = self.count_pierced(node, a, b) % 2 == 1;
-                let inside = (self.status[f as usize][k] == INSIDE) != flip;
-                let status = if inside { INSIDE } else { OUTSIDE };
-                if region == NEAR {
-                    self.status[g as usize] = [status; 3];
-                    queue.push(g);
-                } else {
-                    regions[region as usize] = status;
-                    for &f in &self.ground.rims[region as usize] {
-                        self.status[f as usize] = [status; 3];
-                        queue.push(f);
-                    }
-                }
+        // In the order of facets, most of which border on one before; what lies behind waits.
+        let mut queue = Vec::new();
+        for f in 0..layout.facets.len() as u32 {
+            if self.status[f as usize][0] != 0 {
+                self.carry_status(f, f, &mut regions, &mut queue);
             }
+        }
+        while let Some(f) = queue.pop() {
+            self.carry_status(f, NONE, &mut regions, &mut queue);
         }
         for (status, &region) in self.status.iter_mut().zip(&self.ground.regions) {
             if status[0] == 0 {
@@ -410,6 +397,44 @@ impl<'a> Builder<'a, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Carries the status of a facet to those beside it; up to number `passed` they go to the queue.
+    fn carry_status(&mut self, f: u32, passed: u32, regions: &mut [u8], queue: &mut Vec<u32>) {
+        let (layout, ground) = (self.layout(), self.ground);
+        for k in 0..3usize {
+            let edge = &layout.edges[layout.sides[f as usize][k] as usize];
+            let other = edge.facets[usize::from(edge.facets[0].0 == f)];
+            let (g, side) = (other.0, usize::from(other.1));
+            if g == NONE || self.status[g as usize][0] != 0 {
+                continue;
+            }
+            let region = ground.regions[g as usize];
+            if region != NEAR && regions[region as usize] != 0 {
+                continue;
+            }
+            // Corner k of f is the end of g's side.
+            let node = layout.facets[f as usize][k];
+            let (a, b) = (
+                self.surface.heights[f as usize][k],
+                self.surface.heights[g as usize][(side + 1) % 3],
+            );
+            let flip = self.count_pierced(node, a, b) % 2 == 1;
+            let inside = (self.status[f as usize][k] == INSIDE) != flip;
+            let status = if inside { INSIDE } else { OUTSIDE };
+            let mut set = |f: u32| {
+                self.status[f as usize] = [status; 3];
+                if f <= passed {
+                    queue.push(f);
+                }
+            };
+            if region == NEAR {
+                set(g);
+            } else {
+                regions[region as usize] = status;
+                ground.rims[region as usize].iter().for_each(|&f| set(f));
+            }
+        }
     }
 
     fn fill_whole_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {
@@ -436,6 +461,7 @@ impl<'a> Builder<'a, '_> {
                 cell: layout.cells[facet as usize],
                 top: true,
             };
+            let first = self.cap.triangles.len();
             while outlined.next_if(|&f| f < facet).is_some() {}
             if outlined.peek() == Some(&facet) {
                 while let Some((_, triangle)) = done.next_if(|c| c.0 == facet) {
@@ -446,8 +472,17 @@ impl<'a> Builder<'a, '_> {
             {
                 self.fill_whole_top(facet, face);
             }
+            self.note_joints(first, self.ground.joint(facet));
         }
         Ok(())
+    }
+
+    /// Notes the triangles from number `first` on as joints of a kind.
+    fn note_joints(&mut self, first: usize, kind: Option<u32>) {
+        if let (true, Some(region)) = (self.joints, kind) {
+            let made = first as u32..self.cap.triangles.len() as u32;
+            self.cap.joints.extend(made.map(|t| (t, region)));
+        }
     }
 
     /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.

@@ -1,8 +1,8 @@
 //! Parting the broken face at the levels of the grain, between which grain space is affine.
 
 use super::Cut;
+use crate::surface::NONE;
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 /// Part of the levels' span within which a vertex counts as lying on a level.
 const NEAR: f64 = 1e-10;
@@ -26,17 +26,30 @@ impl Cut {
         };
         // The skin ends at levels but for rounding; an edge of it must not be parted for that.
         let near = NEAR * (last - first);
+        let (least, most) = (self.inside.iter().map(|p| p.z))
+            .chain(self.vertices.iter().map(|v| v.grain.z))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
+                (l.min(s), h.max(s))
+            });
+        // Levels that lie below all of it, and those that may not.
+        let under = levels.partition_point(|&l| l < least - near);
+        let beside = under..levels.partition_point(|&l| l <= most + near).max(under);
+        let beside = &levels[beside];
         let rank = |s: f64| {
-            if levels.len() > FEW {
-                let at = levels.partition_point(|&l| l <= s + near) as u32;
-                return (at, levels.partition_point(|&l| l < s - near) as u32);
+            let at = if !(least..=most).contains(&s) || beside.len() > FEW {
+                levels.partition_point(|&l| l <= s + near)
+            } else {
+                under
+                    + beside
+                        .iter()
+                        .map(|&l| usize::from(l <= s + near))
+                        .sum::<usize>()
+            };
+            let mut below = at;
+            while below > 0 && levels[below - 1] >= s - near {
+                below -= 1;
             }
-            levels.iter().fold((0, 0), |(at, below), &l| {
-                (
-                    at + u32::from(l <= s + near),
-                    below + u32::from(l < s - near),
-                )
-            })
+            (at as u32, below as u32)
         };
         let made = self.vertices.iter().map(|v| v.grain.z);
         let ranks: Vec<Rank> = made
@@ -48,12 +61,15 @@ impl Cut {
             rank: &rank,
             ranks,
             levels,
-            made: FxHashMap::default(),
+            latest: Vec::new(),
+            made: Vec::new(),
             cut: self,
         };
-        let crosses = |t: &[u32; 3]| crossed(parter.ranks(t)).is_some();
-        if let Some(first) = parter.cut.cap.iter().position(crosses) {
-            parter.run(first);
+        let crossing: Vec<u32> = (0..parter.cut.cap.len() as u32)
+            .filter(|&t| crossed(parter.ranks(&parter.cut.cap[t as usize])).is_some())
+            .collect();
+        if !crossing.is_empty() {
+            parter.run(&crossing);
         }
     }
 }
@@ -62,14 +78,25 @@ impl Cut {
 const FEW: usize = 32;
 
 struct Parter<'a, R> {
-    cut: &'a mut Cut,
     points: &'a [DVec3],
     rank: &'a R,
     /// Rank of every vertex but the mesh's own.
     ranks: Vec<Rank>,
     levels: &'a [f64],
-    /// Vertices on edges, by the edge's ends and the level.
-    made: FxHashMap<(u32, u32, u32), u32>,
+    /// For each vertex the latest in `made` on an edge to a vertex of a greater number, or [`NONE`].
+    latest: Vec<u32>,
+    /// Vertices on edges.
+    made: Vec<Made>,
+    cut: &'a mut Cut,
+}
+
+/// A vertex where an edge crosses a level.
+struct Made {
+    /// The greater number of the edge's ends, and the level.
+    of: (u32, u32),
+    id: u32,
+    /// The one before it at the edge's smaller end, or [`NONE`].
+    before: u32,
 }
 
 impl<R: Fn(f64) -> Rank> Parter<'_, R> {
@@ -95,37 +122,45 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         }
     }
 
-    /// Parts the triangles from number `first` on.
-    fn run(&mut self, first: usize) {
-        let triangles = self.cut.cap[first..].to_vec();
-        let faces = self.cut.faces[first..].to_vec();
-        let mut wall = self.cut.walls.partition_point(|&w| (w as usize) < first);
-        self.cut.cap.truncate(first);
-        self.cut.faces.truncate(first);
+    /// Parts the triangles of the numbers `crossing`, ascending.
+    fn run(&mut self, crossing: &[u32]) {
+        self.latest = vec![NONE; self.cut.points + self.ranks.len()];
+        let triangles = std::mem::take(&mut self.cut.cap);
+        let faces = std::mem::take(&mut self.cut.faces);
+        // Most are parted at one level, in three.
+        let room = triangles.len() + 3 * crossing.len();
+        self.cut.cap.reserve(room);
+        self.cut.faces.reserve(room);
+        let mut walls = std::mem::take(&mut self.cut.walls);
+        let mut later = walls.iter_mut().peekable();
         let mut stack = Vec::new();
-        for (i, (triangle, face)) in triangles.into_iter().zip(faces).enumerate() {
-            while self
-                .cut
-                .walls
-                .get(wall)
-                .is_some_and(|&w| w as usize <= first + i)
-            {
-                self.cut.walls[wall] = self.cut.cap.len() as u32;
-                wall += 1;
+        let mut from = 0;
+        for &number in crossing {
+            let at = number as usize;
+            self.cut.cap.extend_from_slice(&triangles[from..at]);
+            self.cut.faces.extend_from_slice(&faces[from..at]);
+            from = at + 1;
+            // What has been parted so far moves all that follows.
+            let moved = (self.cut.cap.len() - at) as u32;
+            while let Some(wall) = later.next_if(|w| **w <= number) {
+                *wall += moved;
             }
-            stack.push(triangle);
+            stack.push(triangles[at]);
             while let Some(t) = stack.pop() {
                 match crossed(self.ranks(&t)) {
                     Some(n) => self.part(t, n, &mut stack),
                     None => {
                         self.cut.cap.push(t);
-                        self.cut.faces.push(face);
+                        self.cut.faces.push(faces[at]);
                     }
                 }
             }
         }
-        let end = self.cut.cap.len() as u32;
-        self.cut.walls[wall..].fill(end);
+        let moved = (self.cut.cap.len() - from) as u32;
+        later.for_each(|wall| *wall += moved);
+        self.cut.cap.extend_from_slice(&triangles[from..]);
+        self.cut.faces.extend_from_slice(&faces[from..]);
+        self.cut.walls = walls;
     }
 
     /// Parts a triangle at level number `n`.
@@ -150,8 +185,14 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
 
     fn vertex(&mut self, a: u32, b: u32, number: usize, level: f64) -> u32 {
         let (a, b) = (a.min(b), a.max(b));
-        if let Some(&known) = self.made.get(&(a, b, number as u32)) {
-            return known;
+        let of = (b, number as u32);
+        let first = self.latest[a as usize];
+        let mut at = first;
+        while let Some(known) = self.made.get(at as usize) {
+            if known.of == of {
+                return known.id;
+            }
+            at = known.before;
         }
         let (u, v) = (self.height(a), self.height(b));
         let t = (level - u) / (v - u);
@@ -162,10 +203,16 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         let mut p = p.lerp(q, t);
         p.z = level;
         self.cut.inside.push(p);
-        self.cut.nodes.push(crate::surface::NONE);
+        self.cut.nodes.push(NONE);
         self.ranks.push((number as u32 + 1, number as u32));
         let id = (self.cut.points + self.cut.vertices.len() + self.cut.inside.len() - 1) as u32;
-        self.made.insert((a, b, number as u32), id);
+        self.latest[a as usize] = self.made.len() as u32;
+        self.latest.push(NONE);
+        self.made.push(Made {
+            of,
+            id,
+            before: first,
+        });
         id
     }
 }

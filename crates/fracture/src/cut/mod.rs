@@ -115,6 +115,9 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
+    /// Where there are several: the triangles of `cap` that decide how the vertices of the skin are joined by it, each
+    /// with the region of the layout whose triangles are all joined ([`NONE`] beside the skin), and of how many.
+    pub(crate) joints: (Vec<(u32, u32)>, usize),
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -181,17 +184,18 @@ pub fn cut_again(
     // Another break of the same ground at the same time works out anew what it needs.
     let mut clips = std::mem::take(&mut *ground.clips());
     clips.begin(skin.order.len(), surface.layout.facets.len());
-    let mut overlay = Overlay::new(surface, solid.points);
+    let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
     let sides = lay(solid, skin, ground, surface, &mut clips, &mut overlay);
+    clips.made = overlay.vertices.len();
     {
         let mut kept = ground.clips();
-        if kept.size() < clips.size() {
+        if kept.size() <= clips.size() {
             *kept = clips;
         }
     }
     let sides = sides?;
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay)?;
+    let cap = cap::build(surface, ground, &mut overlay, outlines > 1)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -199,6 +203,7 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
+        joints: (cap.joints, cap.triangles.len()),
         cap: cap.triangles,
         faces: cap.faces,
         walls: cap.walls,

@@ -112,19 +112,20 @@ fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
 }
 
 impl<'a> Overlay<'a> {
-    pub fn new(surface: &'a Surface, points: &'a [DVec3]) -> Self {
+    /// With room for about as many vertices as the break before had made.
+    pub fn new(surface: &'a Surface, points: &'a [DVec3], room: usize) -> Self {
         Overlay {
             surface,
             points,
-            vertices: Vec::new(),
-            tops: Vec::new(),
+            vertices: Vec::with_capacity(room),
+            tops: Vec::with_capacity(room),
             walls: Vec::new(),
-            rails: Vec::new(),
+            rails: Vec::with_capacity(room),
             uprights: Vec::new(),
-            skin: Vec::new(),
+            skin: Vec::with_capacity(2 * room),
             made: Vec::new(),
-            first_cuts: FxHashMap::default(),
-            cuts: Vec::new(),
+            first_cuts: FxHashMap::with_capacity_and_hasher(room, Default::default()),
+            cuts: Vec::with_capacity(room),
             scratch: Scratch::default(),
             triangulator: Triangulator::default(),
         }

@@ -70,5 +70,7 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips,
+        ends: Arc::default(),
+        noise: Arc::default(),
     }
 }

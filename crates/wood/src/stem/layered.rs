@@ -122,6 +122,7 @@ impl LayeredGrain {
     }
 
     /// How far the section at `s` is moved sideways.
+    #[inline]
     fn moved(&self, s: f64) -> DVec2 {
         let n = self.levels.len();
         if n < 2 {

@@ -3,26 +3,27 @@
 use super::super::follow::{Chains, follow};
 use super::super::polygon;
 use super::super::{CapFace, CutError};
-use super::{Builder, INSIDE, of};
+use super::{Builder, INSIDE, NEAR, of};
 use crate::surface::Edge;
 use glam::DVec2;
 
 impl Builder<'_, '_> {
     pub(super) fn fill_walls(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
-        for (e, edge) in layout.edges.iter().enumerate() {
-            let Some([a, b]) = self.rims(edge) else {
-                continue;
-            };
-            if a == b {
-                continue;
-            }
+        for (e, [a, b]) in std::mem::take(&mut self.stepped_edges) {
+            let e = e as usize;
+            let edge = &layout.edges[e];
             let knot = self.knot(e as u32);
+            let first = self.cap.triangles.len();
+            // Walls between facets of one region join nothing that its tops do not.
+            let near = (edge.facets.iter()).any(|f| self.ground.is_near(f.0));
+            let joint = near.then_some(NEAR);
             let touched = self.touched[e] || edge.nodes.iter().any(|&n| self.pierced[n as usize]);
             if !touched {
                 let (facet, k) = edge.facets[0];
                 if self.status[facet as usize][usize::from(k)] == INSIDE {
                     self.fill_whole_wall(edge, [a, b], knot);
+                    self.note_joints(first, joint);
                 }
                 continue;
             }
@@ -38,6 +39,7 @@ impl Builder<'_, '_> {
                     self.fill_wall(e as u32, edge, [a, b], (t, 1.0), &chains)?;
                 }
             }
+            self.note_joints(first, joint);
         }
         Ok(())
     }

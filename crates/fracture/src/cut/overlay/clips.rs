@@ -79,6 +79,8 @@ pub(in super::super) struct Clips {
     found: Vec<u32>,
     polygon: Vec<(Corner, Support)>,
     before: Vec<(Corner, Support)>,
+    /// How many vertices the last break made on the skin.
+    pub made: usize,
 }
 
 /// Slots beyond which what is kept is given up before the next break: about 100 MB.
