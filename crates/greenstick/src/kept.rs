@@ -22,8 +22,6 @@ pub(crate) struct Kept {
     pub levels: Vec<f64>,
     /// Middle and side (m) of the square of the section that holds the limb's skin.
     pub square: (DVec2, f64),
-    /// See [`hold_memory`]; empty.
-    _end: Vec<u8>,
     /// The layout that was used last.
     last: Mutex<Option<Arc<Laid>>>,
 }
@@ -35,31 +33,6 @@ pub(crate) struct Laid {
     options: LayoutOptions,
     pub bundles: Arc<Bundles>,
     pub ground: Ground,
-}
-
-/// Most that glibc ever serves from its heap rather than from the system, bytes; a little less than 32 MiB.
-const LARGEST: usize = (32 << 20) - (64 << 10);
-
-/// Blocks of that size held for breaks: more than a break of the largest layout at the paper's resolutions needs. Pages
-/// that no break has touched stay the system's.
-const BLOCKS: usize = 8;
-
-/// Makes the allocator hold on to the memory of breaks. glibc takes large blocks from the system and gives them back at
-/// once, so that every break would have its pages cleared anew, a quarter of its time; the largest block freed so far is
-/// its measure of what to keep. It gives back the end of its heap too: what is returned lies there, and is to be kept as
-/// long as breaks are made. Other allocators do not mind.
-fn hold_memory() -> Vec<u8> {
-    let block = || {
-        let mut block = Vec::<u8>::new();
-        // Without the memory all is as well, only slower.
-        let _ = block.try_reserve_exact(LARGEST);
-        std::hint::black_box(block)
-    };
-    drop(block());
-    let blocks: Vec<Vec<u8>> = (0..BLOCKS).map(|_| block()).collect();
-    let end = block();
-    drop(blocks);
-    end
 }
 
 impl Kept {
@@ -91,7 +64,6 @@ impl Kept {
             chart: layers.mapped(&transform.inverse()),
             levels: layers.levels().collect(),
             square: ((low + high) / 2.0, (high - low).max_element() * 1.02),
-            _end: hold_memory(),
             last: Mutex::default(),
         }
     }
