@@ -2,8 +2,9 @@
 
 use super::Followed;
 use super::field::Field;
+use super::section::Section;
 use crate::stem::Frame;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_geometry::PointCloud;
 use greenstick_geometry::cloud::{Neighbours, normals};
 use rayon::prelude::*;
@@ -48,6 +49,7 @@ struct Frames {
     frames: Vec<Frame>,
     tree: Neighbours,
     step: f64,
+    section: Section,
 }
 
 impl Frames {
@@ -64,6 +66,7 @@ impl Frames {
             frames,
             tree: Neighbours::new(&origins),
             step,
+            section: followed.section,
         }
     }
 
@@ -79,7 +82,7 @@ impl Frames {
         };
         let (Some(a), Some(b)) = (self.frames.get(a), self.frames.get(b)) else {
             // Beyond an end, where half a step of slack is allowed.
-            return (off.abs() <= 0.5).then(|| polar(near, p, k as f64 * self.step));
+            return (off.abs() <= 0.5).then(|| self.polar(near, p, k as f64 * self.step));
         };
         let (u, v) = ((p - a.origin).dot(a.tangent), (b.origin - p).dot(b.tangent));
         let t = (u / (u + v)).clamp(0.0, 1.0);
@@ -92,15 +95,16 @@ impl Frames {
             tangent,
         };
         let first = if off >= 0.0 { k } else { k - 1 };
-        Some(polar(&between, p, (first as f64 + t) * self.step))
+        Some(self.polar(&between, p, (first as f64 + t) * self.step))
     }
-}
 
-fn polar(frame: &Frame, p: DVec3, s: f64) -> (f64, f64, f64) {
-    let d = p - frame.origin;
-    let (x, y) = (d.dot(frame.x), d.dot(frame.y));
-    let turn = libm::atan2(y, x) / std::f64::consts::TAU;
-    (s, turn - turn.floor(), libm::hypot(x, y))
+    fn polar(&self, frame: &Frame, p: DVec3, s: f64) -> (f64, f64, f64) {
+        let d = p - frame.origin;
+        let (turn, radius) = self
+            .section
+            .address(DVec2::new(d.dot(frame.x), d.dot(frame.y)));
+        (s, turn, radius)
+    }
 }
 
 impl<'a> Addressed<'a> {
@@ -156,7 +160,7 @@ impl<'a> Addressed<'a> {
     /// Leaves only points near the median form of the stem, in parts of an eighth of the girth or less by about a radius.
     pub fn drop_strangers(&mut self, followed: &Followed) {
         let length = followed.axis.length();
-        let mean = followed.radii.iter().map(|r| r.1).sum::<f64>() / followed.radii.len() as f64;
+        let mean = followed.mean_radius();
         let along = ((length / mean).round() as usize).clamp(2, 20_000);
         let per_ring = self.points.len() as f64 / along as f64;
         let around = ((per_ring / 6.0) as usize).clamp(8, 32);

@@ -1,5 +1,6 @@
 //! Cylinders with known noise, whole and seen in part.
 
+mod timber;
 mod trees;
 
 use super::*;
