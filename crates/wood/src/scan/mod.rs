@@ -126,7 +126,10 @@ fn round(
         place,
         context,
     )?;
-    let followed = found.and_then(|(rings, ends)| from_base(rings, ends));
+    // A tube that is wider than long has its axis somewhere else.
+    let followed = found
+        .and_then(|(rings, ends)| from_base(rings, ends))
+        .filter(|(followed, _)| followed.axis.length() > 2.0 * followed.mean_radius());
     Ok(followed.map(|(followed, ends)| {
         let notes = ["base", "end"]
             .iter()

@@ -13,6 +13,8 @@ use rayon::prelude::*;
 const REACH: f64 = 1.8;
 /// Points off the stem's form by more than this share of the radius (and than four times their spread) are strangers.
 const OFF: f64 = 0.2;
+/// Half of the points of a part are farther from their median than this, in radii, where a ray meets the bark twice.
+const FOLD: f64 = 0.2;
 /// Normals within about 50 degrees of the axis are those of a broken or sawn face.
 const FACE: f64 = 0.64;
 /// Wood inside this share of the bark's radius is no bark.
@@ -39,8 +41,8 @@ pub(super) struct Addressed<'a> {
     pub strangers: usize,
     /// Points of a fracture surface.
     pub face: usize,
-    /// Share of the parts of sections that are met more than once.
-    pub folded: f64,
+    /// Parts of sections by length: how many a ray meets more than once, and of how many.
+    pub folds: Vec<(f64, usize, usize)>,
     bark_only: bool,
 }
 
@@ -108,6 +110,13 @@ impl Frames {
 }
 
 impl<'a> Addressed<'a> {
+    /// Share of the parts of sections between two lengths that a ray meets more than once.
+    pub fn folded(&self, from: f64, to: f64) -> f64 {
+        let between = self.folds.iter().filter(|f| (from..=to).contains(&f.0));
+        let (folded, full) = between.fold((0, 0), |sum, f| (sum.0 + f.1, sum.1 + f.2));
+        folded as f64 / full.max(1) as f64
+    }
+
     /// The points about a stem; with `bark_only` without those whose normals run along the axis.
     pub fn new(cloud: &'a PointCloud, followed: &Followed, bark_only: bool) -> Self {
         let frames = Frames::new(followed);
@@ -152,7 +161,7 @@ impl<'a> Addressed<'a> {
             face: before - points.len(),
             points,
             strangers: 0,
-            folded: 0.0,
+            folds: Vec::new(),
             bark_only,
         }
     }
@@ -166,7 +175,8 @@ impl<'a> Addressed<'a> {
         let around = ((per_ring / 6.0) as usize).clamp(8, 32);
         let cells = Field::cells(&self.points, around, along, length);
         let mut form = Field::new(around, along, length);
-        let (mut spread, mut folded, mut full) = (Vec::new(), 0usize, 0usize);
+        let mut spread = Vec::new();
+        self.folds = (0..along).map(|i| (form.length_of(i), 0, 0)).collect();
         for (k, cell) in cells.iter().enumerate() {
             if cell.len() < 3 {
                 continue;
@@ -181,8 +191,9 @@ impl<'a> Addressed<'a> {
             off.sort_unstable_by(f64::total_cmp);
             let s = (k / around) as f64 / along as f64 * length;
             let expected = followed.radius(s);
-            full += 1;
-            folded += usize::from(off[off.len() / 2] > 0.2 * expected);
+            let fold = &mut self.folds[k / around];
+            fold.1 += usize::from(off[off.len() / 2] > FOLD * expected);
+            fold.2 += 1;
             spread.push(off[off.len() / 2]);
             // A part that only another limb was seen in says nothing of the stem.
             if (median / expected - 1.0).abs() < 0.5 {
@@ -193,7 +204,6 @@ impl<'a> Addressed<'a> {
         form.complete(|s| followed.radius(s));
         spread.sort_unstable_by(f64::total_cmp);
         let sigma = 1.4826 * spread.get(spread.len() / 2).copied().unwrap_or(0.0);
-        self.folded = folded as f64 / full.max(1) as f64;
         let before = self.points.len();
         let mut face = 0;
         let bark_only = self.bark_only;

@@ -34,15 +34,9 @@ pub(super) fn bark(
     if addressed.points.is_empty() {
         return Err(ScanError::NoStem { points: 0 });
     }
-    if addressed.folded > MOST_FOLDED {
-        return Err(ScanError::NotStarShaped {
-            share: addressed.folded,
-            most: MOST_FOLDED,
-        });
-    }
     let length = followed.axis.length();
     let cover = covers(addressed, followed);
-    let span = span(&cover, at, length, options.least_cover)?;
+    let span = span(addressed, &cover, at, length, options.least_cover)?;
     let mean_cover = cover
         .iter()
         .map(|c| c.share * (c.to_m - c.from_m))
@@ -81,7 +75,7 @@ pub(super) fn bark(
         completed: holes as f64 / cells.max(1) as f64,
         noise_m,
         cells: [field.around, rows.len()],
-        folded: addressed.folded,
+        folded: addressed.folded(0.0, length),
         notes: Vec::new(),
     };
     Ok(ScannedBark {
@@ -138,10 +132,25 @@ fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
         .collect()
 }
 
-/// The parts about a place of which enough was seen.
-fn span(cover: &[Cover], at: f64, length: f64, least: f64) -> Result<(f64, f64), ScanError> {
+/// The parts about a place of which enough was seen, and that are a surface over angle and length.
+fn span(
+    addressed: &Addressed,
+    cover: &[Cover],
+    at: f64,
+    length: f64,
+    least: f64,
+) -> Result<(f64, f64), ScanError> {
     let k = ((at / PART) as usize).min(cover.len() - 1);
-    let enough = |k: usize| cover[k].share >= least;
+    let folded = |k: usize| addressed.folded(cover[k].from_m, cover[k].to_m);
+    let enough = |k: usize| cover[k].share >= least && folded(k) <= MOST_FOLDED;
+    if folded(k) > MOST_FOLDED {
+        return Err(ScanError::NotStarShaped {
+            from: cover[k].from_m,
+            to: cover[k].to_m,
+            share: folded(k),
+            most: MOST_FOLDED,
+        });
+    }
     if !enough(k) {
         return Err(ScanError::LittleCover {
             cover: cover[k],
