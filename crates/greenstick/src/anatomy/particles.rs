@@ -75,7 +75,7 @@ pub(super) fn layers(work: &Work, context: &Context) -> Result<Layers, Error> {
 
 fn layer_of(work: &Work, section: &Section, layer: u32, layout: &Layout) -> Vec<Particle> {
     let voxels = &work.anatomy.grid;
-    if work.schedule.is_some() {
+    if work.erosion.is_some() {
         let drawn = work.drawn(section, voxels);
         return pixel_particles(
             section,

@@ -38,8 +38,8 @@ pub struct AnatomyReport {
     pub voxel_volume_m3: Option<f64>,
     /// Number of rings; by erosion that of the section with most.
     pub rings: u16,
-    /// Where rings come from: `field`, or `erosion` and its schedule.
-    pub rings_by: &'static str,
+    /// Where rings come from: `field`, or `erosion` with its schedule and its inner circle.
+    pub rings_by: String,
     /// Sectors of each ring, from the pith outwards.
     pub sectors: Vec<u32>,
     /// Number of layers.
@@ -234,7 +234,7 @@ fn section_report(
             .sum();
         sum / DIRECTIONS as f64
     };
-    let radii: Vec<f64> = if work.schedule.is_some() {
+    let radii: Vec<f64> = if work.erosion.is_some() {
         // Of eroded rings those of circles as large.
         let mut sum = 0.0;
         let circles = areas.iter().map(|a| {
