@@ -19,7 +19,7 @@ fn scanned() -> Prepared {
         .map(|i| {
             let chance = |k: u64| noise::unit(k, i, 0, 0);
             let angle = std::f64::consts::TAU * chance(1);
-            let fluted = 1.0 + 0.12 * libm::cos(3.0 * angle) + 0.06 * libm::sin(2.0 * angle);
+            let fluted = 1.0 + 0.05 * libm::cos(3.0 * angle) + 0.03 * libm::sin(2.0 * angle);
             let radius = 0.1 * fluted + 0.0005 * (chance(2) - 0.5);
             DVec3::new(
                 radius * libm::cos(angle),
