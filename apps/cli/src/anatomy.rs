@@ -6,7 +6,7 @@ use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
 use crate::values;
-use greenstick::anatomy::{AnatomyReport, AnatomyRequest, RingsBy};
+use greenstick::anatomy::{AnatomyReport, AnatomyRequest, Erosion, RingsBy};
 use greenstick::files;
 use greenstick::formats::LengthUnit;
 use greenstick::scanning::ScannedReport;
@@ -133,18 +133,27 @@ fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest,
 }
 
 fn rings_by(options: &AnatomyOptions) -> Result<RingsBy, Failure> {
-    match (options.rings_by, options.schedule) {
-        (RingsByWord::Field, None) => Ok(RingsBy::Field),
-        (RingsByWord::Field, Some(_)) => Err(Failure::request(
-            "--schedule is of an erosion; say --rings-by erosion with it",
-        )),
-        (RingsByWord::Erosion, _) if options.rings.is_some() => Err(Failure::request(
-            "--rings: an erosion makes its own number of rings, by its --schedule and the --resolution; leave it out",
-        )),
-        (RingsByWord::Erosion, schedule) => Ok(RingsBy::Erosion(
-            schedule.unwrap_or(ScheduleWord::Alternating).into(),
-        )),
+    let of_erosion = [
+        ("--schedule", options.schedule.is_some()),
+        ("--inner-circle", options.inner_circle.is_some()),
+    ];
+    if options.rings_by == RingsByWord::Field {
+        return match of_erosion.into_iter().find(|option| option.1) {
+            Some((option, _)) => Err(Failure::request(format!(
+                "{option} is of an erosion; say --rings-by erosion with it"
+            ))),
+            None => Ok(RingsBy::Field),
+        };
     }
+    if options.rings.is_some() {
+        return Err(Failure::request(
+            "--rings: an erosion makes its own number of rings, by its --schedule and the --resolution; leave it out",
+        ));
+    }
+    Ok(RingsBy::Erosion(Erosion {
+        schedule: options.schedule.unwrap_or(ScheduleWord::Alternating).into(),
+        inner_circle: options.inner_circle,
+    }))
 }
 
 fn told(

@@ -12,6 +12,7 @@ use greenstick::scanning::{ScanRequest, ScannedReport, cloud_of, scan_to_scene};
 use greenstick::wood::scan::ScanOptions;
 use greenstick::wood::stem::Place;
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 const HEADING: &str = "Point clouds";
 
@@ -99,6 +100,7 @@ pub fn load(
     progress: &Progress,
 ) -> Result<Loaded, Failure> {
     progress.stage("read")?;
+    keep_decompressor_quiet();
     let (content, files) = files::load_content(path, unit)?;
     let cloud = match content {
         Content::Mesh(scene) if !arguments.as_scan => {
@@ -122,4 +124,19 @@ pub fn load(
         scan: Some(scanned.report),
         files,
     })
+}
+
+/// Keeps panics of the LAZ decompressor off the screen: the reader catches them and says that the file is damaged.
+fn keep_decompressor_quiet() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let usual = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            let theirs =
+                |place: &std::panic::Location| place.file().replace('\\', "/").contains("/laz-");
+            if !panic.location().is_some_and(theirs) {
+                usual(panic);
+            }
+        }));
+    });
 }

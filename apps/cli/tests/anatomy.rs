@@ -101,6 +101,46 @@ fn eroded_rings_are_those_of_the_publication() {
     assert_eq!(done.code, 0, "{}", done.err);
     let wide = numbers(&folder, "in/anatomy.json");
     assert!(wide["rings"].as_u64() < report["rings"].as_u64());
+    // Two fronts: from a circle of 0.4 radii (12.3 pixels) the inner one runs outwards, a pixel for each pass, and meets
+    // the outer one: rings about the pith begin with a circle, whereas one front alone ends in a square.
+    let done = run(" --inner-circle 0.4");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let both = numbers(&folder, "in/anatomy.json");
+    assert_eq!(
+        both["rings_by"],
+        "erosion, alternating, and from a circle of 0.4 radii"
+    );
+    let row = |n: &Value| {
+        let rings = &n["sections"][0]["rings"]["radius_m"];
+        rings
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|r| r.as_f64().unwrap())
+            .collect::<Vec<_>>()
+    };
+    let (one_sided, two_sided) = (row(&report), row(&both));
+    let outermost = two_sided[two_sided.len() - 1];
+    let inner = two_sided.iter().find(|r| **r > 0.0).unwrap() / outermost;
+    // The first ring is the circle with a pass of earlywood and one of latewood about it, each the sum of what is there
+    // and a square of 3 pixels: πr² + 8rk + 4k² pixels after k passes.
+    let (r, k) = (0.4 * 64.0 / 2.08, 2.0);
+    let area = std::f64::consts::PI * r * r + 8.0 * r * k + 4.0 * k * k;
+    let expected = (area / std::f64::consts::PI).sqrt() / (64.0 / 2.08);
+    assert!(
+        (inner - expected).abs() < 0.015,
+        "{inner} {expected}: {two_sided:?}"
+    );
+    assert!(one_sided[0] / outermost < 0.1, "{one_sided:?}");
+    assert!(two_sided.is_sorted());
+    let done = run(" --inner-circle 0.3 --schedule eccentric");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let done = run(" --inner-circle 1.5");
+    assert!(
+        done.code == 2 && done.err.contains("less than 1"),
+        "{}",
+        done.err
+    );
     let done = run(" --rings 9");
     assert!(
         done.code == 2 && done.err.contains("its own number of rings"),

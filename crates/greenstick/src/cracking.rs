@@ -41,8 +41,16 @@ impl Cracks {
             shrinkage.radial * 100.0,
             shrinkage.basis
         ));
+        let mut asked = recipe.cracks.clone();
+        let moved = asked.follow_rings(recipe.face.rings);
+        if moved > 0 {
+            notes.push(format!(
+                "{moved} tangential cracks were brought to the nearest boundary of two of the {} rings",
+                recipe.face.rings
+            ));
+        }
         let plan = plan(
-            &recipe.cracks,
+            &asked,
             (shrinkage.tangential, shrinkage.radial),
             recipe.face.seed,
         );

@@ -252,7 +252,7 @@ fn the_surface_of_particles_is_closed_and_holds_the_stem() {
     let piths = [&sections[0], &sections[sections.len() - 1]].map(|s| s.world(s.field.pith()));
     for layout in [
         Layout::fixed(12, 120),
-        Layout::equal_area(&found.stem.rings, 12, 120),
+        Layout::equal_area([&found.stem.rings], 12, 120),
     ] {
         let layers: Vec<Vec<Particle>> = sections
             .iter()

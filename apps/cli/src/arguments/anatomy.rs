@@ -20,6 +20,7 @@ What is written (--only takes a list of the first words; all by default)
 Examples
   greenstick anatomy -o inside
   greenstick anatomy pole.ply --unit mm -o inside --resolution 512 --rings 30
+  greenstick anatomy pole.ply --unit mm -o inside --rings-by erosion --schedule eccentric --inner-circle 0.4
   greenstick anatomy tree.glb --at 0.3,2.1,-0.4 -o limb --only particles,surface --bundles equal-area";
 
 #[derive(Debug, Args)]
@@ -58,6 +59,10 @@ pub struct AnatomyOptions {
     /// Kernels of the erosion [default: alternating]
     #[arg(long, help_heading = "How finely")]
     pub schedule: Option<ScheduleWord>,
+    /// Also erode from a circle about the pith outwards, until both fronts meet: its radius as a share of the section's
+    /// mean one, as in the publication's Fig. 7. With any schedule, the eccentric one included
+    #[arg(long, value_name = "SHARE", value_parser = values::positive, help_heading = "How finely")]
+    pub inner_circle: Option<f64>,
     /// Annual rings; as many as make rings of the usual width where absent. An erosion makes its own number
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = "How finely")]
     pub rings: Option<u16>,

@@ -251,6 +251,21 @@ impl CrackParameters {
         self.cracks.is_empty() && [&s.large, &s.medium, &s.small].iter().all(|g| g.count == 0)
     }
 
+    /// Brings every tangential crack to the nearest boundary between two of so many rings, which is where wood parts along
+    /// them. Gives how many were moved.
+    pub fn follow_rings(&mut self, rings: u32) -> usize {
+        let count = f64::from(rings.max(2));
+        let mut moved = 0;
+        for crack in &mut self.cracks {
+            if let Crack::Tangential(c) = crack {
+                let boundary = (c.ring * count).round().clamp(1.0, count - 1.0) / count;
+                moved += usize::from((boundary - c.ring).abs() > 1e-9);
+                c.ring = boundary;
+            }
+        }
+        moved
+    }
+
     /// Checks every range and order.
     ///
     /// # Errors

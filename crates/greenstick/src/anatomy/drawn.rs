@@ -5,23 +5,34 @@
 
 use super::{RingColours, Work, paint};
 use crate::Error;
+use glam::DVec2;
 use greenstick_geometry::Bitmap;
 use greenstick_wood::anatomy::{Anatomy, Grid, RingNumbers, Section, field_passes, fill};
 use greenstick_wood::appearance::WoodAppearance;
-use greenstick_wood::rings::{self, Schedule};
+use greenstick_wood::rings::{self, Circle, Kind, Schedule};
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::Proportions;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Where rings come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum RingsBy {
     /// The continuous field, of any number of rings, whatever the resolution.
     #[default]
     Field,
     /// Erosion of the voxels, as published. The schedule and the resolution make the number of rings.
-    Erosion(ErosionSchedule),
+    Erosion(Erosion),
+}
+
+/// An erosion of sections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Erosion {
+    /// Its kernels.
+    pub schedule: ErosionSchedule,
+    /// Radius of a circle about the pith, in mean radii of the section (above 0, below 1), from which a second front runs
+    /// outwards: Fig. 7. `None`: only the contour's runs inwards.
+    pub inner_circle: Option<f64>,
 }
 
 /// A published order of kernels.
@@ -41,34 +52,80 @@ const FIGURE_6: usize = 256;
 const COUNTED: usize = 96;
 
 impl RingsBy {
-    /// `field` or the schedule's name.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            RingsBy::Field => "field",
-            RingsBy::Erosion(ErosionSchedule::Alternating) => "erosion, alternating",
-            RingsBy::Erosion(ErosionSchedule::Figure6) => "erosion, figure 6",
-            RingsBy::Erosion(ErosionSchedule::Eccentric) => "erosion, eccentric",
+    /// `field`, or `erosion` with its schedule and its circle.
+    pub(super) fn name(self) -> String {
+        let RingsBy::Erosion(erosion) = self else {
+            return "field".to_owned();
+        };
+        let schedule = match erosion.schedule {
+            ErosionSchedule::Alternating => "alternating",
+            ErosionSchedule::Figure6 => "figure 6",
+            ErosionSchedule::Eccentric => "eccentric",
+        };
+        match erosion.inner_circle {
+            Some(share) => format!("erosion, {schedule}, and from a circle of {share} radii"),
+            None => format!("erosion, {schedule}"),
         }
     }
 
-    /// The passes of an erosion at a resolution.
-    pub(super) fn schedule(self, resolution: usize) -> Option<Schedule> {
-        match self {
-            RingsBy::Field => None,
-            RingsBy::Erosion(ErosionSchedule::Alternating) => Some(Schedule::thinnest()),
-            RingsBy::Erosion(ErosionSchedule::Figure6) => {
+    /// The fronts of an erosion at a resolution.
+    pub(super) fn fronts(self, resolution: usize) -> Result<Option<Fronts>, Error> {
+        let RingsBy::Erosion(erosion) = self else {
+            return Ok(None);
+        };
+        let schedule = match erosion.schedule {
+            ErosionSchedule::Alternating => Schedule::thinnest(),
+            ErosionSchedule::Figure6 => {
                 let factor = (resolution / FIGURE_6).max(1) as u32;
-                Some(Schedule::figure_6().scaled(factor))
+                Schedule::figure_6().scaled(factor)
             }
-            RingsBy::Erosion(ErosionSchedule::Eccentric) => {
-                Some(Schedule::thinnest().eccentric(2, (1, 0)))
-            }
+            ErosionSchedule::Eccentric => Schedule::thinnest().eccentric(2, (1, 0)),
+        };
+        if let Some(share) = erosion.inner_circle
+            && !(share > 0.0 && share < 1.0)
+        {
+            return Err(Error::Amount(format!(
+                "an inner circle of {share} mean radii; expected more than 0 and less than 1"
+            )));
         }
+        Ok(Some(Fronts {
+            outward: erosion
+                .inner_circle
+                .map(|share| (schedule.clone().outwards(), share)),
+            inward: schedule,
+        }))
     }
 }
 
-/// The largest number of rings that the schedule makes in a section of the stem.
-pub(super) fn count_rings(anatomy: &Anatomy, schedule: &Schedule) -> Result<u16, Error> {
+/// What runs through a section and leaves rings behind.
+pub(super) struct Fronts {
+    inward: Schedule,
+    /// From a circle about the pith, whose radius is a share of the section's mean one.
+    outward: Option<(Schedule, f64)>,
+}
+
+impl Fronts {
+    /// The pass of every pixel of a section, row by row, and the kinds of passes 1 to the last.
+    fn passes(&self, map: &Bitmap, section: &Section, grid: &Grid) -> (Vec<u16>, Vec<Kind>) {
+        let Some((outward, share)) = &self.outward else {
+            let passes = rings::passes(map, &self.inward);
+            let last = usize::from(last(&passes));
+            let kinds = (1..=last).map(|n| self.inward.pass(n).kind).collect();
+            return (passes, kinds);
+        };
+        // The middle of pixel 0 lies half a pixel within the grid's edge.
+        let edge = 0.5 * grid.count as f64 - 0.5;
+        let circle = Circle {
+            centre: section.field.pith() / grid.pixel + DVec2::splat(edge),
+            radius: share * (section.outline.area / std::f64::consts::PI).sqrt() / grid.pixel,
+        };
+        let made = rings::two_sided(map, &self.inward, outward, circle);
+        (made.passes, made.kinds)
+    }
+}
+
+/// The largest number of rings that an erosion makes in a section of the stem.
+pub(super) fn count_rings(anatomy: &Anatomy, fronts: &Fronts) -> Result<u16, Error> {
     if anatomy.stem().kind == StemKind::Board {
         return Err(Error::Amount(
             "rings of a board by erosion, which would follow its faces; expected a round stem, or rings by the field"
@@ -78,11 +135,17 @@ pub(super) fn count_rings(anatomy: &Anatomy, schedule: &Schedule) -> Result<u16,
     let length = anatomy.stem().grain.axis().length();
     let most = (0..COUNTED)
         .into_par_iter()
-        .filter_map(|k| anatomy.outline(length * (k as f64 + 0.5) / COUNTED as f64))
-        .map(|outline| last(&rings::passes(&anatomy.voxels(&outline), schedule)))
+        .filter_map(|k| anatomy.section(length * (k as f64 + 0.5) / COUNTED as f64))
+        .map(|section| {
+            let map = fill(&anatomy.grid, &section.outline.loops);
+            let (_, kinds) = fronts.passes(&map, &section, &anatomy.grid);
+            rings::rings_of(kinds.into_iter())
+                .last()
+                .copied()
+                .unwrap_or(0)
+        })
         .max();
-    let most = most.unwrap_or(0);
-    Ok(schedule.rings(most).last().copied().unwrap_or(0).max(1))
+    Ok(most.unwrap_or(0).max(1))
 }
 
 /// The highest number of a pass.
@@ -118,7 +181,7 @@ impl Work<'_> {
     /// The pixels of a section on a grid. Eroded rings are as wide as the grid's pixels make them.
     pub(super) fn drawn(&self, section: &Section, grid: &Grid) -> Drawn<'_> {
         let map = fill(grid, &section.outline.loops);
-        let Some(schedule) = &self.schedule else {
+        let Some(fronts) = &self.erosion else {
             return Drawn {
                 passes: field_passes(grid, &map, &section.field, self.anatomy.rings),
                 map,
@@ -126,13 +189,13 @@ impl Work<'_> {
                 palette: Cow::Borrowed(&self.palette),
             };
         };
-        let mut passes = rings::passes(&map, schedule);
-        let last = last(&passes);
+        let (mut passes, kinds) = fronts.passes(&map, section, grid);
+        let last = kinds.len() as u16;
         for p in &mut passes {
             // What no pass took, which no published schedule leaves, is the pith's.
             *p = (*p).min(last);
         }
-        let numbers = eroded(schedule, last, self.anatomy.rings, &self.look.tissue);
+        let numbers = eroded(&kinds, self.anatomy.rings, &self.look.tissue);
         Drawn {
             map,
             passes,
@@ -142,9 +205,9 @@ impl Work<'_> {
     }
 }
 
-/// What passes 1 to `last` of a section stand for in a stem of `most` rings.
-fn eroded(schedule: &Schedule, last: u16, most: u16, tissue: &Proportions) -> RingNumbers {
-    let inwards = schedule.rings(last);
+/// What the passes of a section stand for in a stem of `most` rings.
+fn eroded(kinds: &[Kind], most: u16, tissue: &Proportions) -> RingNumbers {
+    let inwards = rings::rings_of(kinds.iter().copied());
     let own = inwards.last().copied().unwrap_or(0).max(1);
     // A section that was not counted beforehand may have more: those share the innermost number.
     let ring = |n: u16| {
@@ -159,6 +222,9 @@ fn eroded(schedule: &Schedule, last: u16, most: u16, tissue: &Proportions) -> Ri
         rings: most,
         ring: inwards.iter().map(|&n| ring(n)).collect(),
         zone: inwards.iter().map(|&n| zone(n)).collect(),
+        latewood: std::iter::once(false)
+            .chain(kinds.iter().map(|k| *k == Kind::Latewood))
+            .collect(),
     }
 }
 
@@ -175,7 +241,8 @@ mod tests {
             phloem: 0.1,
         };
         // 20 passes make 10 rings, in a stem of 12.
-        let numbers = eroded(&Schedule::thinnest(), 20, 12, &tissue);
+        let kinds = [Kind::Latewood, Kind::Earlywood].repeat(10);
+        let numbers = eroded(&kinds, 12, &tissue);
         assert_eq!(
             (numbers.ring[0], numbers.ring[1], numbers.ring[2]),
             (0, 12, 12)
@@ -186,7 +253,7 @@ mod tests {
             (Zone::Bark, Zone::Pith)
         );
         // More rings than the stem was counted to have.
-        let numbers = eroded(&Schedule::thinnest(), 20, 7, &tissue);
+        let numbers = eroded(&kinds, 7, &tissue);
         assert_eq!(
             (numbers.ring[1], numbers.ring[13], numbers.ring[20]),
             (7, 1, 1)

@@ -7,7 +7,7 @@ mod particles;
 mod report;
 mod volume;
 
-pub use drawn::{ErosionSchedule, RingsBy};
+pub use drawn::{Erosion, ErosionSchedule, RingsBy};
 pub use report::{AnatomyReport, RingRows, SectionReport, SegmentReport};
 
 use crate::Error;
@@ -19,7 +19,6 @@ use greenstick_geometry::{Context, Mesh, Node, Scene, Table};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyOptions, Bundles, RingNumbers, Section, SurfaceColours,
 };
-use greenstick_wood::rings::Schedule;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
 use greenstick_wood::tissue::Zone;
@@ -154,8 +153,8 @@ struct Work<'a> {
     anatomy: &'a Anatomy<'a>,
     request: &'a AnatomyRequest,
     look: Look,
-    /// The passes of an erosion, where rings come from one.
-    schedule: Option<Schedule>,
+    /// The erosion that rings come from, where they come from one.
+    erosion: Option<drawn::Fronts>,
     /// Of rings by the field.
     numbers: RingNumbers,
     /// Colour of each pass, sRGB.
@@ -184,8 +183,8 @@ pub fn anatomy(
     let mesh = &meshes[found.node];
     let parameters = BreakParameters::default();
     let mut look = looks(&found.stem, &parameters, species, BARK).wood;
-    let schedule = request.rings_by.schedule(request.resolution);
-    if schedule.is_some() && request.rings.is_some() {
+    let erosion = request.rings_by.fronts(request.resolution)?;
+    if erosion.is_some() && request.rings.is_some() {
         return Err(Error::Amount(
             "a number of rings for an erosion, whose schedule makes their number; expected only one of the two".into(),
         ));
@@ -199,9 +198,9 @@ pub fn anatomy(
         rings,
     };
     let mut made = Anatomy::new(&found, mesh, &options)?;
-    if let Some(schedule) = &schedule {
+    if let Some(fronts) = &erosion {
         context.step("rings", 0.0)?;
-        made.rings = drawn::count_rings(&made, schedule)?;
+        made.rings = drawn::count_rings(&made, fronts)?;
         check(request, made.rings)?;
     }
     let rings = made.rings;
@@ -221,7 +220,7 @@ pub fn anatomy(
         anatomy: &made,
         request,
         look,
-        schedule,
+        erosion,
         numbers,
         palette,
     };

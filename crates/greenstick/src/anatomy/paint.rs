@@ -42,7 +42,7 @@ pub(super) fn palette(look: &Look, numbers: &RingNumbers) -> Vec<[u8; 3]> {
     let look = &look.wood;
     let darker = latewood(look);
     let of = |pass: usize| {
-        let late = RingNumbers::is_latewood(pass as u16);
+        let late = numbers.latewood[pass];
         if colours == RingColours::Published {
             return PUBLISHED[usize::from(!late)];
         }
@@ -130,7 +130,7 @@ pub(super) fn sections(work: &Work, context: &Context) -> Result<Vec<Encoded>, E
     let side = work.anatomy.grid.pixel * work.anatomy.grid.count as f64;
     let fine = work.request.resolution.max(SIDE);
     // Eroded rings are those of the voxels, shown as squares.
-    let (pixels, zoom) = match work.schedule {
+    let (pixels, zoom) = match &work.erosion {
         Some(_) => (
             work.request.resolution,
             SIDE.div_ceil(work.request.resolution),
@@ -156,7 +156,7 @@ pub(super) fn sections(work: &Work, context: &Context) -> Result<Vec<Encoded>, E
             continue;
         }
         let contour = |x: usize, y: usize| [u8::from(drawn.map.get(x / zoom, y / zoom)) * 255; 3];
-        let rings = if work.schedule.is_some() {
+        let rings = if work.erosion.is_some() {
             let colour = |p: u16| match p {
                 0 => bytes(PAPER),
                 p => drawn.palette[usize::from(p)],
@@ -277,7 +277,7 @@ fn column(work: &Work, length: f64, height: usize, pixel: f64) -> Vec<[u8; 3]> {
     } else {
         section.field.pith().y
     };
-    if work.schedule.is_some() {
+    if work.erosion.is_some() {
         return eroded_column(work, &section, level, height, pixel);
     }
     let mut crossings: Vec<f64> = Vec::new();

@@ -1,6 +1,6 @@
 //! Particles in layers, the table of them, and the surface rebuilt from them.
 
-use super::{Bundles, MOST_PARTICLES, USUAL_LAYERS, Work};
+use super::{Bundles, MOST_PARTICLES, USUAL_LAYERS, Work, sections_at};
 use crate::Error;
 use glam::DAffine3;
 use greenstick_geometry::{Column, Context, Material, Node, Scene, Table, Values};
@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 
 /// Layers between two looks at whether to stop.
 const BATCH: usize = 32;
+/// Sections along the stem, at most, whose rings tell the numbers of equal-area sectors.
+const COUNTED: u32 = 64;
 /// Pixels along the side of a section that areas of a board's bundles are counted in, at least.
 const FINE: usize = 512;
 
@@ -37,18 +39,22 @@ pub(super) fn layers(work: &Work, context: &Context) -> Result<Layers, Error> {
         .clamp(USUAL_LAYERS.0, USUAL_LAYERS.1) as u32;
     let count = request.layers.unwrap_or(usual);
     let rings = anatomy.rings;
-    let layout = match (request.bundles, anatomy.section(stem.place)) {
-        (Bundles::EqualArea, Some(section)) => {
-            Layout::equal_area(&section.field, rings, request.sectors)
+    let thickness = (high - low) / f64::from(count);
+    let layout = match request.bundles {
+        Bundles::EqualArea => {
+            let lengths: Vec<f64> = (0..count.min(COUNTED))
+                .map(|k| low + (high - low) * (f64::from(k) + 0.5) / f64::from(count.min(COUNTED)))
+                .collect();
+            let sections = sections_at(work, &lengths);
+            Layout::equal_area(sections.iter().map(|s| &s.field), rings, request.sectors)
         }
-        _ => Layout::fixed(rings, request.sectors),
+        Bundles::Fixed => Layout::fixed(rings, request.sectors),
     };
     let total = u64::from(count).saturating_mul(layout.particles());
     if total > MOST_PARTICLES {
         let found = format!("{total} particles; expected at most {MOST_PARTICLES}");
         return Err(Error::Amount(found));
     }
-    let thickness = (high - low) / f64::from(count);
     let mut made: Vec<(Section, Vec<Particle>)> = Vec::new();
     for start in (0..count).step_by(BATCH) {
         context.step("particles", f64::from(start) / f64::from(count))?;
@@ -75,7 +81,7 @@ pub(super) fn layers(work: &Work, context: &Context) -> Result<Layers, Error> {
 
 fn layer_of(work: &Work, section: &Section, layer: u32, layout: &Layout) -> Vec<Particle> {
     let voxels = &work.anatomy.grid;
-    if work.schedule.is_some() {
+    if work.erosion.is_some() {
         let drawn = work.drawn(section, voxels);
         return pixel_particles(
             section,

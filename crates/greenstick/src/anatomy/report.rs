@@ -38,8 +38,8 @@ pub struct AnatomyReport {
     pub voxel_volume_m3: Option<f64>,
     /// Number of rings; by erosion that of the section with most.
     pub rings: u16,
-    /// Where rings come from: `field`, or `erosion` and its schedule.
-    pub rings_by: &'static str,
+    /// Where rings come from: `field`, or `erosion` with its schedule and its inner circle.
+    pub rings_by: String,
     /// Sectors of each ring, from the pith outwards.
     pub sectors: Vec<u32>,
     /// Number of layers.
@@ -53,6 +53,8 @@ pub struct AnatomyReport {
     pub equation_1: u64,
     /// Area of the smallest and the largest bundle, m².
     pub bundle_area_m2: [f64; 2],
+    /// Standard deviation of the bundles' areas within a layer over their mean: the mean over all layers, and the most.
+    pub bundle_spread: [f64; 2],
     /// What the numbers of zones stand for.
     pub zones: Vec<String>,
     /// Points of the centreline in the world, m.
@@ -193,6 +195,7 @@ pub(super) fn report(
         particles: all().count(),
         equation_1: layers.equation_1(),
         bundle_area_m2: [least.min(most), most],
+        bundle_spread: spread(layers),
         zones: Zone::ALL.iter().map(ToString::to_string).collect(),
         centreline_m: axis.points().iter().map(|p| p.to_array()).collect(),
         segments,
@@ -234,7 +237,7 @@ fn section_report(
             .sum();
         sum / DIRECTIONS as f64
     };
-    let radii: Vec<f64> = if work.schedule.is_some() {
+    let radii: Vec<f64> = if work.erosion.is_some() {
         // Of eroded rings those of circles as large.
         let mut sum = 0.0;
         let circles = areas.iter().map(|a| {
@@ -263,6 +266,23 @@ fn section_report(
     }
 }
 
+/// Spread of the bundles' areas within layers: mean and greatest.
+fn spread(layers: &Layers) -> [f64; 2] {
+    let spreads: Vec<f64> = layers
+        .particles
+        .iter()
+        .filter(|layer| !layer.is_empty())
+        .map(|layer| {
+            let count = layer.len() as f64;
+            let mean = layer.iter().map(|p| p.area).sum::<f64>() / count;
+            let squares: f64 = layer.iter().map(|p| (p.area - mean).powi(2)).sum();
+            (squares / count).sqrt() / mean
+        })
+        .collect();
+    let mean = spreads.iter().sum::<f64>() / spreads.len().max(1) as f64;
+    [mean, spreads.iter().copied().fold(0.0, f64::max)]
+}
+
 impl fmt::Display for AnatomyReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -273,11 +293,12 @@ impl fmt::Display for AnatomyReport {
         writeln!(f, "rings     {}", self.rings)?;
         writeln!(
             f,
-            "particles {} in {} layers, bundles from {:.3} to {:.3} mm²",
+            "particles {} in {} layers, bundles from {:.3} to {:.3} mm², ±{:.0} % within a layer",
             self.particles,
             self.layers,
             self.bundle_area_m2[0] * 1e6,
-            self.bundle_area_m2[1] * 1e6
+            self.bundle_area_m2[1] * 1e6,
+            self.bundle_spread[0] * 100.0
         )?;
         if let (Some(s), Some(v)) = (self.segments.first(), self.voxel_volume_m3) {
             write!(

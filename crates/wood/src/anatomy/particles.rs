@@ -128,18 +128,30 @@ impl Layout {
         }
     }
 
-    /// Sectors of equal area: `sectors` in the outermost ring of `field`, and in each other as many as make bundles of
-    /// nearly that area.
-    pub fn equal_area(field: &RingField, rings: u16, sectors: u32) -> Self {
-        let areas = Areas::of(field, rings);
-        let outer = areas.total(usize::from(rings.max(1)) - 1);
-        let count = |ring: usize| {
-            let wanted = f64::from(sectors) * areas.total(ring) / outer;
+    /// Sectors of equal area: `sectors` in the outermost ring, and in each other as many as make bundles of
+    /// nearly that area, on average over the sections whose `fields` are given: how much of a section a ring has differs
+    /// along a stem, as the outermost takes in the bark's relief, and the numbers are the same in all layers.
+    pub fn equal_area<'a>(
+        fields: impl IntoIterator<Item = &'a RingField>,
+        rings: u16,
+        sectors: u32,
+    ) -> Self {
+        let mut shares = vec![0.0; rings.into()];
+        for field in fields {
+            let areas = Areas::of(field, rings);
+            let whole: f64 = (0..shares.len()).map(|ring| areas.total(ring)).sum();
+            for (ring, share) in shares.iter_mut().enumerate() {
+                *share += areas.total(ring) / whole;
+            }
+        }
+        let most = shares.last().copied().unwrap_or(0.0);
+        let count = |share: &f64| {
+            let wanted = f64::from(sectors) * share / most;
             (wanted.round() as u32).clamp(1, sectors.max(1))
         };
         Layout {
             bundles: Bundles::EqualArea,
-            sectors: (0..usize::from(rings)).map(count).collect(),
+            sectors: shares.iter().map(count).collect(),
         }
     }
 
@@ -428,7 +440,7 @@ mod tests {
                 .fold(f64::INFINITY, f64::min)
         };
         let fixed = spread(&Layout::fixed(20, 40));
-        let layout = Layout::equal_area(&section.field, 20, 40);
+        let layout = Layout::equal_area([&section.field], 20, 40);
         let equal = spread(&layout);
         // Rounding to whole sectors is all that is left: half a sector of the innermost rings' one or two.
         assert!(fixed > 30.0 && equal < 2.0, "{fixed} {equal}");
@@ -437,6 +449,35 @@ mod tests {
             "{:?}",
             layout.sectors
         );
+    }
+
+    #[test]
+    fn sectors_of_equal_area_suit_all_sections_of_a_stem() {
+        // Two sections, one between roots, whose lobes are the outer rings'.
+        let outline = |wave: f64| -> Vec<DVec2> {
+            (0..720)
+                .map(|i| TAU * f64::from(i) / 720.0)
+                .map(|a| DVec2::from_angle(a) * 0.05 * (1.0 + wave * (7.0 * a).cos()))
+                .collect()
+        };
+        let fields =
+            [0.0, 0.25].map(|wave| RingField::round(&outline(wave), DVec2::new(0.004, 0.0), 0.1));
+        // Shares of the outermost of 30 rings in bundles of 60 sectors, over the mean bundle of the section.
+        let worst = |layout: &Layout| {
+            fields
+                .iter()
+                .map(|field| {
+                    let areas = Areas::of(field, 30);
+                    let whole: f64 = (0..30).map(|k| areas.total(k)).sum();
+                    let mean = whole / layout.particles() as f64;
+                    let outer = areas.total(29) / f64::from(layout.sectors[29]);
+                    (outer / mean - 1.0).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let of_one = worst(&Layout::equal_area([&fields[0]], 30, 60));
+        let of_both = worst(&Layout::equal_area(&fields, 30, 60));
+        assert!(of_one > 0.1 && of_both < 0.7 * of_one, "{of_one} {of_both}");
     }
 
     #[test]

@@ -77,6 +77,8 @@ pub struct RingNumbers {
     pub ring: Vec<u16>,
     /// Tissue of each pass; that of pass 0 means nothing.
     pub zone: Vec<Zone>,
+    /// Whether each pass is latewood.
+    pub latewood: Vec<bool>,
 }
 
 impl RingNumbers {
@@ -89,18 +91,20 @@ impl RingNumbers {
         Self::new(rings, ring, proportions)
     }
 
-    /// For passes whose rings are given, counted from 1 at the pith to `rings`; the first is that of pass 0.
+    /// For passes whose rings are given, counted from 1 at the pith to `rings`; the first is that of pass 0. Odd passes
+    /// are latewood.
     pub fn new(rings: u16, ring: Vec<u16>, proportions: &Proportions) -> Self {
         let zone = ring
             .iter()
             .map(|&r| proportions.zone_of_ring(r.into(), rings.into()))
             .collect();
-        RingNumbers { rings, ring, zone }
-    }
-
-    /// Whether a pass is latewood.
-    pub fn is_latewood(pass: u16) -> bool {
-        pass % 2 == 1
+        let latewood = (0..ring.len()).map(|pass| pass % 2 == 1).collect();
+        RingNumbers {
+            rings,
+            ring,
+            zone,
+            latewood,
+        }
     }
 }
 
@@ -152,7 +156,7 @@ mod tests {
                 let ring = rho.ceil().clamp(1.0, 9.0);
                 let late = rho > ring - LATEWOOD;
                 let right = numbers.ring[usize::from(pass)] == ring as u16
-                    && RingNumbers::is_latewood(pass) == late;
+                    && numbers.latewood[usize::from(pass)] == late;
                 wrong += usize::from(!right);
             }
         }

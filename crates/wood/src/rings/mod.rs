@@ -12,5 +12,5 @@ pub use erosion::{Circle, NEVER, TwoSided, erode, passes, passes_of_all, two_sid
 pub use field::RingField;
 pub use kernel::Kernel;
 pub use pith::likely_pith;
-pub use schedule::{Kind, Pass, Schedule, ScheduleError};
+pub use schedule::{Kind, Pass, Schedule, ScheduleError, rings_of};
 pub use series::{RingError, RingList};

@@ -148,22 +148,26 @@ impl Schedule {
         self.passes.len()
     }
 
-    /// The annual ring of every pass up to `last`, counted from 1 at the bark; entry 0, outside the section, is 0. A
-    /// ring begins where latewood follows earlywood.
+    /// The annual ring of every pass up to `last`, as [`rings_of`] counts them.
     pub fn rings(&self, last: u16) -> Vec<u16> {
-        let mut ring = 0;
-        let mut before = Kind::Earlywood;
-        std::iter::once(0)
-            .chain((1..=usize::from(last)).map(|n| {
-                let kind = self.pass(n).kind;
-                if n == 1 || (kind == Kind::Latewood && before == Kind::Earlywood) {
-                    ring += 1;
-                }
-                before = kind;
-                ring
-            }))
-            .collect()
+        rings_of((1..=usize::from(last)).map(|n| self.pass(n).kind))
     }
+}
+
+/// The annual ring of every pass of given kinds, counted from 1 at the bark; entry 0, outside the section, is 0. A ring
+/// begins where latewood follows earlywood.
+pub fn rings_of(kinds: impl Iterator<Item = Kind>) -> Vec<u16> {
+    let mut ring = 0;
+    let mut before = None;
+    std::iter::once(0)
+        .chain(kinds.map(|kind| {
+            if before.is_none() || (before, kind) == (Some(Kind::Earlywood), Kind::Latewood) {
+                ring += 1;
+            }
+            before = Some(kind);
+            ring
+        }))
+        .collect()
 }
 
 fn ring(latewood: Kernel, earlywood: Kernel) -> [Pass; 2] {

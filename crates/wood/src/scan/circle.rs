@@ -20,6 +20,8 @@ pub(super) struct Circle {
     /// How unlikely it is that points strewn evenly about would lie on any circle so well: the logarithm of one over the
     /// number of such circles that chance brings (Desolneux, Moisan and Morel 2000). At 0 one is to be expected.
     pub evidence: f64,
+    /// The same, of places that are apart instead of points: those that stand together count once.
+    pub apart: f64,
 }
 
 /// What is known of the circle beforehand.
@@ -90,6 +92,29 @@ pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Ci
 const BANDS: [f64; 4] = [0.15, 0.08, 0.04, 0.02];
 /// Radii about a circle's middle within which points are compared with those on it.
 const ABOUT: f64 = 2.0;
+
+/// Side of the cells, in radii, of whose points one counts as evidence.
+const CELL: f64 = 0.12;
+
+/// Distances from the middle in radii, one for each occupied cell: what stands close together, as the points of a twig do,
+/// was not strewn one by one, and counts once.
+fn apart(points: &[DVec2], centre: DVec2, radius: f64) -> Vec<f64> {
+    let mut cells: Vec<((i64, i64), f64)> = points
+        .iter()
+        .map(|p| {
+            let d = (*p - centre) / radius;
+            let cell = (d / CELL).floor();
+            ((cell.x as i64, cell.y as i64), d.length())
+        })
+        .filter(|cell| cell.1 < ABOUT)
+        .collect();
+    cells.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    // The middle one of a cell's points stands for all of them.
+    cells
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|cell| cell[cell.len() / 2].1)
+        .collect()
+}
 
 /// The evidence of a circle from its points' distances to the middle in radii. `count` points choose it, three by three.
 fn evidence(distances: &[f64], count: usize) -> f64 {
@@ -194,6 +219,7 @@ fn judged(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
         rms: (squares / on.max(1) as f64).sqrt(),
         inside: inside as f64 / on.max(1) as f64,
         evidence: evidence(&distances, points.len()),
+        apart: evidence(&apart(points, centre, radius), points.len()),
         cover: seen.iter().filter(|s| **s).count() as f64 / SECTORS as f64,
     }
 }

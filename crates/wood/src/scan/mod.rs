@@ -9,7 +9,9 @@ mod circle;
 mod field;
 mod points;
 mod report;
+mod section;
 mod surface;
+mod timber;
 mod trace;
 
 pub use report::{Cover, ScanError, ScanOptions, ScanReport, ScannedBark};
@@ -20,6 +22,7 @@ use glam::DVec3;
 use greenstick_geometry::cloud::Neighbours;
 use greenstick_geometry::{Context, PointCloud};
 use points::Addressed;
+use section::Section;
 use trace::{Ring, Searched};
 
 /// Points that the search for the stem looks at.
@@ -36,9 +39,16 @@ pub(crate) struct Followed {
     pub axis: Axis,
     /// Length (m), radius (m) of the rings, in order.
     pub radii: Vec<(f64, f64)>,
+    /// The form of its sections.
+    pub section: Section,
 }
 
 impl Followed {
+    /// Mean radius, m.
+    pub fn mean_radius(&self) -> f64 {
+        self.radii.iter().map(|r| r.1).sum::<f64>() / self.radii.len() as f64
+    }
+
     /// Radius at `s`, m.
     pub fn radius(&self, s: f64) -> f64 {
         let k = self
@@ -69,6 +79,41 @@ pub fn scanned_bark(
         points: cloud.points.len(),
     };
     context.step("find stem", 0.0)?;
+    let (followed, notes) = match timber::timber(cloud) {
+        Some((followed, size)) => {
+            let [thick, wide] = [size.x, size.y].map(|x| 1e3 * x);
+            let note = format!(
+                "four flat sides: taken for squared timber of {wide:.0} × {thick:.0} mm, straight and with corners"
+            );
+            (followed, vec![note])
+        }
+        None => round(cloud, place, context)?.ok_or_else(none)?,
+    };
+    let at = asked(&followed, place)?;
+    context.step("bark", 0.0)?;
+    let mut addressed = Addressed::new(cloud, &followed, options.bark_only);
+    addressed.drop_strangers(&followed);
+    context.step("bark", 0.4)?;
+    // Bark is most of what there is about a stem; of a crown any tube is the smaller part.
+    let tube = followed.section == Section::Round;
+    if tube && addressed.strangers > addressed.points.len() {
+        return Err(none());
+    }
+    let mut bark = surface::bark(&addressed, &followed, at, options)?;
+    if tube && bark.report.noise_m > CROWN * bark.report.radius_m {
+        return Err(none());
+    }
+    context.step("bark", 1.0)?;
+    bark.report.notes.extend(notes);
+    Ok(bark)
+}
+
+/// The largest round stem or limb at a place, and why it ends where it does.
+fn round(
+    cloud: &PointCloud,
+    place: &Place,
+    context: &Context,
+) -> Result<Option<(Followed, Vec<String>)>, ScanError> {
     let stride = cloud.points.len().div_ceil(SEARCHED).max(1);
     let searched: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
     let tree = Neighbours::new(&searched);
@@ -81,29 +126,17 @@ pub fn scanned_bark(
         place,
         context,
     )?;
-    let (rings, ends) = found.ok_or_else(none)?;
-    let (followed, ends) = from_base(rings, ends).ok_or_else(none)?;
-    let at = asked(&followed, place)?;
-    context.step("bark", 0.0)?;
-    let mut addressed = Addressed::new(cloud, &followed, options.bark_only);
-    addressed.drop_strangers(&followed);
-    context.step("bark", 0.4)?;
-    // Bark is most of what there is about a stem; of a crown any tube is the smaller part.
-    if addressed.strangers > addressed.points.len() {
-        return Err(none());
-    }
-    let mut bark = surface::bark(&addressed, &followed, at, options)?;
-    if bark.report.noise_m > CROWN * bark.report.radius_m {
-        return Err(none());
-    }
-    context.step("bark", 1.0)?;
-    bark.report.notes.extend(
-        ["base", "end"]
+    // A tube that is wider than long has its axis somewhere else.
+    let followed = found
+        .and_then(|(rings, ends)| from_base(rings, ends))
+        .filter(|(followed, _)| followed.axis.length() > 2.0 * followed.mean_radius());
+    Ok(followed.map(|(followed, ends)| {
+        let notes = ["base", "end"]
             .iter()
             .zip(ends)
-            .map(|(which, why)| format!("the stem was followed to its {which}, where {why}")),
-    );
-    Ok(bark)
+            .map(|(which, why)| format!("the stem was followed to its {which}, where {why}"));
+        (followed, notes.collect())
+    }))
 }
 
 /// The smooth curve through rings, from the base on.
@@ -152,7 +185,15 @@ fn from_base(mut rings: Vec<Ring>, mut ends: Vec<String>) -> Option<(Followed, V
     };
     let mut radii: Vec<(f64, f64)> = stations.iter().map(|s| (at(s.t), s.radius)).collect();
     radii.dedup_by(|b, a| b.0 <= a.0);
-    (radii.len() >= 2).then_some((Followed { axis, radii }, ends))
+    let section = Section::Round;
+    (radii.len() >= 2).then_some((
+        Followed {
+            axis,
+            radii,
+            section,
+        },
+        ends,
+    ))
 }
 
 /// Length of the place along the stem, m.
@@ -169,7 +210,12 @@ fn asked(followed: &Followed, place: &Place) -> Result<f64, ScanError> {
             let at = followed.axis.length_at(p).clamp(0.0, length);
             let radius = followed.radius(at);
             let distance = followed.axis.frame(at).origin.distance(p);
-            if distance > 2.0 * radius {
+            let widest = radius
+                + match followed.section {
+                    Section::Round => 0.0,
+                    Section::Squared { core, .. } => core,
+                };
+            if distance > 2.0 * widest {
                 return Err(ScanError::FarFromWood {
                     asked: *place,
                     distance,

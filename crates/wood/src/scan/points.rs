@@ -2,8 +2,9 @@
 
 use super::Followed;
 use super::field::Field;
+use super::section::Section;
 use crate::stem::Frame;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_geometry::PointCloud;
 use greenstick_geometry::cloud::{Neighbours, normals};
 use rayon::prelude::*;
@@ -12,6 +13,8 @@ use rayon::prelude::*;
 const REACH: f64 = 1.8;
 /// Points off the stem's form by more than this share of the radius (and than four times their spread) are strangers.
 const OFF: f64 = 0.2;
+/// Half of the points of a part are farther from their median than this, in radii, where a ray meets the bark twice.
+const FOLD: f64 = 0.2;
 /// Normals within about 50 degrees of the axis are those of a broken or sawn face.
 const FACE: f64 = 0.64;
 /// Wood inside this share of the bark's radius is no bark.
@@ -38,8 +41,8 @@ pub(super) struct Addressed<'a> {
     pub strangers: usize,
     /// Points of a fracture surface.
     pub face: usize,
-    /// Share of the parts of sections that are met more than once.
-    pub folded: f64,
+    /// Parts of sections by length: how many a ray meets more than once, and of how many.
+    pub folds: Vec<(f64, usize, usize)>,
     bark_only: bool,
 }
 
@@ -48,6 +51,7 @@ struct Frames {
     frames: Vec<Frame>,
     tree: Neighbours,
     step: f64,
+    section: Section,
 }
 
 impl Frames {
@@ -64,6 +68,7 @@ impl Frames {
             frames,
             tree: Neighbours::new(&origins),
             step,
+            section: followed.section,
         }
     }
 
@@ -79,7 +84,7 @@ impl Frames {
         };
         let (Some(a), Some(b)) = (self.frames.get(a), self.frames.get(b)) else {
             // Beyond an end, where half a step of slack is allowed.
-            return (off.abs() <= 0.5).then(|| polar(near, p, k as f64 * self.step));
+            return (off.abs() <= 0.5).then(|| self.polar(near, p, k as f64 * self.step));
         };
         let (u, v) = ((p - a.origin).dot(a.tangent), (b.origin - p).dot(b.tangent));
         let t = (u / (u + v)).clamp(0.0, 1.0);
@@ -92,18 +97,26 @@ impl Frames {
             tangent,
         };
         let first = if off >= 0.0 { k } else { k - 1 };
-        Some(polar(&between, p, (first as f64 + t) * self.step))
+        Some(self.polar(&between, p, (first as f64 + t) * self.step))
+    }
+
+    fn polar(&self, frame: &Frame, p: DVec3, s: f64) -> (f64, f64, f64) {
+        let d = p - frame.origin;
+        let (turn, radius) = self
+            .section
+            .address(DVec2::new(d.dot(frame.x), d.dot(frame.y)));
+        (s, turn, radius)
     }
 }
 
-fn polar(frame: &Frame, p: DVec3, s: f64) -> (f64, f64, f64) {
-    let d = p - frame.origin;
-    let (x, y) = (d.dot(frame.x), d.dot(frame.y));
-    let turn = libm::atan2(y, x) / std::f64::consts::TAU;
-    (s, turn - turn.floor(), libm::hypot(x, y))
-}
-
 impl<'a> Addressed<'a> {
+    /// Share of the parts of sections between two lengths that a ray meets more than once.
+    pub fn folded(&self, from: f64, to: f64) -> f64 {
+        let between = self.folds.iter().filter(|f| (from..=to).contains(&f.0));
+        let (folded, full) = between.fold((0, 0), |sum, f| (sum.0 + f.1, sum.1 + f.2));
+        folded as f64 / full.max(1) as f64
+    }
+
     /// The points about a stem; with `bark_only` without those whose normals run along the axis.
     pub fn new(cloud: &'a PointCloud, followed: &Followed, bark_only: bool) -> Self {
         let frames = Frames::new(followed);
@@ -148,7 +161,7 @@ impl<'a> Addressed<'a> {
             face: before - points.len(),
             points,
             strangers: 0,
-            folded: 0.0,
+            folds: Vec::new(),
             bark_only,
         }
     }
@@ -156,13 +169,14 @@ impl<'a> Addressed<'a> {
     /// Leaves only points near the median form of the stem, in parts of an eighth of the girth or less by about a radius.
     pub fn drop_strangers(&mut self, followed: &Followed) {
         let length = followed.axis.length();
-        let mean = followed.radii.iter().map(|r| r.1).sum::<f64>() / followed.radii.len() as f64;
+        let mean = followed.mean_radius();
         let along = ((length / mean).round() as usize).clamp(2, 20_000);
         let per_ring = self.points.len() as f64 / along as f64;
         let around = ((per_ring / 6.0) as usize).clamp(8, 32);
         let cells = Field::cells(&self.points, around, along, length);
         let mut form = Field::new(around, along, length);
-        let (mut spread, mut folded, mut full) = (Vec::new(), 0usize, 0usize);
+        let mut spread = Vec::new();
+        self.folds = (0..along).map(|i| (form.length_of(i), 0, 0)).collect();
         for (k, cell) in cells.iter().enumerate() {
             if cell.len() < 3 {
                 continue;
@@ -177,8 +191,9 @@ impl<'a> Addressed<'a> {
             off.sort_unstable_by(f64::total_cmp);
             let s = (k / around) as f64 / along as f64 * length;
             let expected = followed.radius(s);
-            full += 1;
-            folded += usize::from(off[off.len() / 2] > 0.2 * expected);
+            let fold = &mut self.folds[k / around];
+            fold.1 += usize::from(off[off.len() / 2] > FOLD * expected);
+            fold.2 += 1;
             spread.push(off[off.len() / 2]);
             // A part that only another limb was seen in says nothing of the stem.
             if (median / expected - 1.0).abs() < 0.5 {
@@ -189,7 +204,6 @@ impl<'a> Addressed<'a> {
         form.complete(|s| followed.radius(s));
         spread.sort_unstable_by(f64::total_cmp);
         let sigma = 1.4826 * spread.get(spread.len() / 2).copied().unwrap_or(0.0);
-        self.folded = folded as f64 / full.max(1) as f64;
         let before = self.points.len();
         let mut face = 0;
         let bark_only = self.bark_only;

@@ -126,10 +126,15 @@ pub enum ScanError {
     },
     /// A ray from the pith meets the bark more than once in too many places.
     #[error(
-        "{:.0} % of the sections' parts are met more than once by a ray from the pith, so that they are no surface over angle \
-         and length; expected at most {:.0} %", .share * 100.0, .most * 100.0
+        "from {from:.2} to {to:.2} m along the stem a ray from the pith meets {:.0} % of the sections' parts more than once \
+         (loose bark, folds, a hollow): there the bark is no surface over angle and length, and no other is made; expected \
+         at most {:.0} %, or a place elsewhere on the stem", .share * 100.0, .most * 100.0
     )]
     NotStarShaped {
+        /// Where the part begins, m from the base.
+        from: f64,
+        /// Where it ends, m from the base.
+        to: f64,
         /// Share of the parts.
         share: f64,
         /// Share allowed.

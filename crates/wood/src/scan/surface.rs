@@ -3,16 +3,20 @@
 use super::field::Field;
 use super::points::Addressed;
 use super::report::{Cover, ScanError, ScanOptions, ScanReport, ScannedBark};
+use super::section::Section;
 use super::{Followed, MOST_FOLDED};
-use crate::stem::Place;
-use glam::DVec3;
+use crate::stem::{Frame, Place};
+use glam::{DVec2, DVec3};
+use greenstick_geometry::triangulate::triangulate;
 use greenstick_geometry::{Attribute, Mesh};
-use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Points in a cell on average.
 const PER_CELL: f64 = 3.0;
 /// Noise of a cell's mean over the cell's width: steeper slopes would be the scanner's, not the bark's.
 const SLOPE: f64 = 0.12;
+/// Width of a cell, at most, in girths.
+const MOST_WIDTH: f64 = 0.111;
 /// Fewest and most cells around.
 const AROUND: (f64, f64) = (16.0, 720.0);
 /// Most cells.
@@ -30,22 +34,15 @@ pub(super) fn bark(
     if addressed.points.is_empty() {
         return Err(ScanError::NoStem { points: 0 });
     }
-    if addressed.folded > MOST_FOLDED {
-        return Err(ScanError::NotStarShaped {
-            share: addressed.folded,
-            most: MOST_FOLDED,
-        });
-    }
     let length = followed.axis.length();
     let cover = covers(addressed, followed);
-    let span = span(&cover, at, length, options.least_cover)?;
+    let span = span(addressed, &cover, at, length, options.least_cover)?;
     let mean_cover = cover
         .iter()
         .map(|c| c.share * (c.to_m - c.from_m))
         .sum::<f64>()
         / length;
-    let mean_radius = followed.radii.iter().map(|r| r.1).sum::<f64>() / followed.radii.len() as f64;
-    let (field, counts) = resolved(addressed, followed, mean_radius, mean_cover);
+    let (field, counts) = resolved(addressed, followed, mean_cover);
     let noise_m = noise(addressed, &field);
     let rows = rows_in(&field, span);
     let mesh = mesh(&field, &rows, followed, addressed, options.closed);
@@ -70,19 +67,26 @@ pub(super) fn bark(
         fracture_points: addressed.face,
         stem_length_m: length,
         span_m: span.into(),
-        radius_m: field.values.iter().sum::<f64>() / field.values.len() as f64,
+        radius_m: followed
+            .section
+            .equal_radius(field.values.iter().sum::<f64>() / field.values.len() as f64),
         cover,
         mean_cover,
         completed: holes as f64 / cells.max(1) as f64,
         noise_m,
         cells: [field.around, rows.len()],
-        folded: addressed.folded,
+        folded: addressed.folded(0.0, length),
         notes: Vec::new(),
     };
     Ok(ScannedBark {
         mesh,
         centreline: followed.axis.points().to_vec(),
-        place: Place::Point(frame.origin + frame.x * field.at(field.length_of(row), 0.0)),
+        place: Place::Point(on(
+            &frame,
+            followed,
+            0.0,
+            field.at(field.length_of(row), 0.0),
+        )),
         report,
     })
 }
@@ -97,7 +101,7 @@ fn rows_in(field: &Field, span: (f64, f64)) -> Vec<usize> {
 /// The share of the girth that was seen, part by part: of sectors so wide that chance leaves hardly one empty.
 fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
     let length = followed.axis.length();
-    let mean = followed.radii.iter().map(|r| r.1).sum::<f64>() / followed.radii.len() as f64;
+    let mean = followed.mean_radius();
     let slabs = ((length / mean).round() as usize).clamp(2, 20_000);
     let mut turns: Vec<Vec<f64>> = vec![Vec::new(); slabs];
     for p in &addressed.points {
@@ -128,10 +132,25 @@ fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
         .collect()
 }
 
-/// The parts about a place of which enough was seen.
-fn span(cover: &[Cover], at: f64, length: f64, least: f64) -> Result<(f64, f64), ScanError> {
+/// The parts about a place of which enough was seen, and that are a surface over angle and length.
+fn span(
+    addressed: &Addressed,
+    cover: &[Cover],
+    at: f64,
+    length: f64,
+    least: f64,
+) -> Result<(f64, f64), ScanError> {
     let k = ((at / PART) as usize).min(cover.len() - 1);
-    let enough = |k: usize| cover[k].share >= least;
+    let folded = |k: usize| addressed.folded(cover[k].from_m, cover[k].to_m);
+    let enough = |k: usize| cover[k].share >= least && folded(k) <= MOST_FOLDED;
+    if folded(k) > MOST_FOLDED {
+        return Err(ScanError::NotStarShaped {
+            from: cover[k].from_m,
+            to: cover[k].to_m,
+            share: folded(k),
+            most: MOST_FOLDED,
+        });
+    }
     if !enough(k) {
         return Err(ScanError::LittleCover {
             cover: cover[k],
@@ -147,18 +166,14 @@ fn span(cover: &[Cover], at: f64, length: f64, least: f64) -> Result<(f64, f64),
 }
 
 /// The surface at the scan's own resolution, and the points in each cell.
-fn resolved(
-    addressed: &Addressed,
-    followed: &Followed,
-    radius: f64,
-    cover: f64,
-) -> (Field, Vec<usize>) {
+fn resolved(addressed: &Addressed, followed: &Followed, cover: f64) -> (Field, Vec<usize>) {
     let length = followed.axis.length();
-    let area = TAU * radius * length;
+    let girth = followed.section.girth(followed.mean_radius());
+    let area = girth * length;
     let density = addressed.points.len() as f64 / (area * cover.max(0.05));
     let grid = |width: f64| {
         let width = width.max((area / MOST_CELLS).sqrt());
-        let around = (TAU * radius / width).round().clamp(AROUND.0, AROUND.1);
+        let around = (girth / width).round().clamp(AROUND.0, AROUND.1);
         let along = (length / width).round().clamp(4.0, MOST_CELLS / around);
         (around as usize, along as usize)
     };
@@ -175,7 +190,7 @@ fn resolved(
     let sigma = (squares / freedoms.max(1) as f64).sqrt();
     let calm = (sigma / (SLOPE * density.sqrt())).sqrt();
     let (mut field, counts) = if calm > fine {
-        let (around, along) = grid(calm.min(0.7 * radius));
+        let (around, along) = grid(calm.min(MOST_WIDTH * girth));
         means(addressed, around, along, length)
     } else {
         (first, counts)
@@ -209,6 +224,30 @@ fn noise(addressed: &Addressed, field: &Field) -> f64 {
     (squares / addressed.points.len() as f64).sqrt()
 }
 
+/// The point at an angle and a radius of a section.
+fn on(frame: &Frame, followed: &Followed, turn: f64, radius: f64) -> DVec3 {
+    let p = followed.section.point(turn, radius);
+    frame.origin + frame.x * p.x + frame.y * p.y
+}
+
+/// Angles of the surface's lines along the stem, in turns: the cells' middles, and corners in place of those near them.
+fn columns(field: &Field, followed: &Followed) -> Vec<f64> {
+    const NEAR: f64 = 0.3;
+    let corners = followed.section.corners();
+    let apart = |a: f64, b: f64| ((a - b + 0.5).rem_euclid(1.0) - 0.5).abs();
+    let mut turns: Vec<f64> = (0..field.around)
+        .map(|j| (j as f64 + 0.5) / field.around as f64)
+        .filter(|t| {
+            corners
+                .iter()
+                .all(|c| apart(*c, *t) > NEAR / field.around as f64)
+        })
+        .chain(corners.iter().copied())
+        .collect();
+    turns.sort_by(f64::total_cmp);
+    turns
+}
+
 /// The field's rings as a mesh, with caps where it is to be closed.
 fn mesh(
     field: &Field,
@@ -217,21 +256,17 @@ fn mesh(
     addressed: &Addressed,
     closed: bool,
 ) -> Mesh {
-    let around = field.around;
+    let turns = columns(field, followed);
+    let around = turns.len();
     let mut mesh = Mesh::default();
-    let directions: Vec<(f64, f64)> = (0..around)
-        .map(|j| {
-            let angle = TAU * (j as f64 + 0.5) / around as f64;
-            (libm::cos(angle), libm::sin(angle))
-        })
-        .collect();
     for &i in rows {
-        let frame = followed.axis.frame(field.length_of(i));
-        for (j, (c, s)) in directions.iter().enumerate() {
-            let out: DVec3 = frame.x * *c + frame.y * *s;
-            mesh.positions
-                .push(frame.origin + out * field.values[i * around + j]);
-        }
+        let s = field.length_of(i);
+        let frame = followed.axis.frame(s);
+        mesh.positions.extend(
+            turns
+                .iter()
+                .map(|t| on(&frame, followed, *t, field.at(s, *t))),
+        );
     }
     let vertex = |i: usize, j: usize| (i * around + j % around) as u32;
     for i in 0..rows.len().saturating_sub(1) {
@@ -243,29 +278,52 @@ fn mesh(
     }
     if closed && let (Some(&first), Some(&last)) = (rows.first(), rows.last()) {
         for (row, ring, turned) in [(first, 0, true), (last, rows.len() - 1, false)] {
-            let middle = mesh.positions.len() as u32;
-            mesh.positions
-                .push(followed.axis.frame(field.length_of(row)).origin);
-            for j in 0..around {
-                let (a, b) = (vertex(ring, j), vertex(ring, j + 1));
-                mesh.triangles.push(if turned {
-                    [middle, b, a]
-                } else {
-                    [middle, a, b]
-                });
-            }
+            let rim = vertex(ring, 0)..vertex(ring, 0) + around as u32;
+            let middle = followed.axis.frame(field.length_of(row));
+            cap(&mut mesh, followed.section, rim, middle, turned);
         }
     }
     if !addressed.cloud.colours.is_empty() {
-        let colours = colours(field, rows, addressed, mesh.positions.len());
+        let colours = colours(field, rows, &turns, addressed, mesh.positions.len());
         mesh.attributes.insert("COLOR_0".to_owned(), colours);
     }
     mesh
 }
 
+/// Closes the rim of a section: about its middle where it is round. Of a board's rim not every point is seen from there.
+fn cap(mesh: &mut Mesh, section: Section, rim: Range<u32>, frame: Frame, turned: bool) {
+    let mut triangles = Vec::new();
+    if section != Section::Round {
+        let flat: Vec<DVec2> = mesh.positions[rim.start as usize..rim.end as usize]
+            .iter()
+            .map(|p| *p - frame.origin)
+            .map(|d| DVec2::new(d.dot(frame.x), d.dot(frame.y)))
+            .collect();
+        if triangulate(&flat, &mut triangles).is_err() {
+            triangles.clear();
+        }
+    }
+    if triangles.is_empty() {
+        let (middle, around) = (mesh.positions.len() as u32 - rim.start, rim.len() as u32);
+        mesh.positions.push(frame.origin);
+        triangles.extend((0..around).map(|j| [middle, j, (j + 1) % around]));
+    }
+    mesh.triangles
+        .extend(triangles.into_iter().map(|[a, b, c]| {
+            let triangle = if turned { [a, c, b] } else { [a, b, c] };
+            triangle.map(|v| v + rim.start)
+        }));
+}
+
 /// Colours of the points, averaged by cell and carried into holes; caps have the last ring's.
-fn colours(field: &Field, rows: &[usize], addressed: &Addressed, vertices: usize) -> Attribute {
-    let mut parts: Vec<Vec<f64>> = Vec::new();
+fn colours(
+    field: &Field,
+    rows: &[usize],
+    turns: &[f64],
+    addressed: &Addressed,
+    vertices: usize,
+) -> Attribute {
+    let mut parts: Vec<Field> = Vec::new();
     for channel in 0..3 {
         let mut of = Field::new(field.around, field.along, field.length);
         let mut counts = vec![0usize; of.values.len()];
@@ -278,12 +336,13 @@ fn colours(field: &Field, rows: &[usize], addressed: &Addressed, vertices: usize
             of.set(k, of.values[k] / count as f64);
         }
         of.complete(|_| 0.0);
-        parts.push(of.values);
+        parts.push(of);
     }
     let mut data = Vec::with_capacity(3 * vertices);
     for &i in rows {
-        for j in 0..field.around {
-            data.extend(parts.iter().map(|c| c[i * field.around + j] as f32));
+        let s = field.length_of(i);
+        for turn in turns {
+            data.extend(parts.iter().map(|c| c.at(s, *turn) as f32));
         }
     }
     let tail = data[data.len().saturating_sub(3)..].to_vec();

@@ -20,6 +20,8 @@ pub(super) struct Ring {
     pub radius: f64,
     /// The evidence that it is one, of the points of one step.
     evidence: f64,
+    /// The same, of places that are apart instead of points.
+    apart: f64,
 }
 
 /// Points with what is asked of them.
@@ -88,7 +90,10 @@ pub(super) fn limb(
             }
         }
     }
-    Ok(best.map(|(_, limb)| limb))
+    // The clumps of a crown make circles of many points, which stand in few places.
+    Ok(best
+        .map(|(_, limb)| limb)
+        .filter(|limb| mean_apart(&limb.0) > EVIDENT))
 }
 
 /// First sections all over the cloud. Every other one is looked for in the lower half, layer by layer: a standing tree
@@ -138,6 +143,11 @@ fn lower_layers(points: &[DVec3], count: usize) -> Vec<Vec<u32>> {
 /// How good a stem rings make: the evidence that their points are of a tube and not strewn.
 fn score(rings: &[Ring]) -> f64 {
     rings.iter().map(|r| r.evidence).sum()
+}
+
+/// Mean evidence of rings' occupied places. The first ring has none of its own.
+fn mean_apart(rings: &[Ring]) -> f64 {
+    rings.iter().map(|r| r.apart).sum::<f64>() / rings.len().max(1) as f64
 }
 
 /// The best sections of neighbourhoods of a point, of every size.
@@ -210,6 +220,7 @@ fn ring_of(cloud: &Searched, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> 
                 along,
                 radius: c.radius,
                 evidence,
+                apart: c.apart,
             });
         }
     }
@@ -268,6 +279,7 @@ fn followed(cloud: &Searched, start: Ring) -> (Vec<Ring>, Vec<String>) {
     // What a first section says is said by its neighbours, too.
     rings.push(Ring {
         evidence: 0.0,
+        apart: 0.0,
         ..start
     });
     rings.extend(ahead);
@@ -311,6 +323,7 @@ fn march(cloud: &Searched, start: Ring, sign: f64) -> (Vec<Ring>, String) {
             along: along * sign,
             radius: 0.5 * (at.radius + c.radius),
             evidence: c.evidence * STEP / thickness,
+            apart: c.apart * STEP / thickness,
         };
         rings.push(Ring {
             radius: c.radius,

@@ -1,5 +1,6 @@
 //! Cylinders with known noise, whole and seen in part.
 
+mod timber;
 mod trees;
 
 use super::*;
@@ -136,6 +137,36 @@ fn the_fracture_surface_is_cut_off() {
     assert!(gone as i64 >= face * 9 / 10, "{report:?}");
     assert!(report.points > 27_000, "{report:?}");
     assert!((report.radius_m - RADIUS).abs() < 0.5 * NOISE, "{report:?}");
+}
+
+#[test]
+fn folded_bark_is_refused_where_it_is_and_left_out_elsewhere() {
+    // Sheets of bark that hang loose on two fifths of the girth, on the last metre.
+    let (mut cloud, base, along) = cylinder(40_000, 1.0);
+    let (x, y) = along.any_orthonormal_pair();
+    for i in 0..12_000i64 {
+        let angle = std::f64::consts::TAU * 0.4 * noise::unit(41, i, 0, 0);
+        let radius = RADIUS * [1.3, 1.6][(i % 2) as usize] + NOISE * normal(42, i);
+        let out = x * libm::cos(angle) + y * libm::sin(angle);
+        let s = 2.05 + 0.95 * noise::unit(43, i, 0, 0);
+        cloud.points.push(base + along * s + out * radius);
+    }
+    let options = ScanOptions::default();
+    let error = made(&cloud, "2.5m", &options).unwrap_err();
+    let ScanError::NotStarShaped {
+        from, to, share, ..
+    } = error
+    else {
+        panic!("{error}");
+    };
+    assert!(
+        (1.9..2.1).contains(&from) && (2.8..3.01).contains(&to),
+        "{error}"
+    );
+    assert!((share - 0.4).abs() < 0.1, "{error}");
+    let bark = made(&cloud, "1m", &options).unwrap();
+    assert_eq!(bark.report.span_m, [0.0, 2.0], "{:?}", bark.report);
+    assert!(bark.report.folded > 0.05 && bark.report.folded < 0.25);
 }
 
 #[test]

@@ -1,0 +1,264 @@
+//! Squared timber in a cloud: one straight piece with four flat sides in two directions, told by its normals.
+//!
+//! Normals of such a piece run along two directions square to the grain, and along the grain only where it is cut off.
+//! Sides are fitted to the points whose normals are theirs; where the four hold the bulk of the points, it is timber.
+
+use super::Followed;
+use super::section::Section;
+use crate::stem::Axis;
+use glam::{DMat3, DVec2, DVec3};
+use greenstick_geometry::PointCloud;
+use greenstick_geometry::cloud::{Neighbours, eigen, normals};
+
+/// Points that are looked at.
+const LOOKED_AT: usize = 20_000;
+/// Neighbours of a normal: more than usual, as sides are flat and scanners noisy.
+const NEAR: usize = 24;
+/// Cosine of the angle within which a normal is a side's: 15 degrees.
+const ALONG: f64 = 0.966;
+/// Sine of the angle within which a normal is square to the grain: 15 degrees.
+const ACROSS: f64 = 0.259;
+/// Share of the normals across the grain that are a side's. On round wood a third are.
+const SQUARE: f64 = 0.7;
+/// Share of the points, but for those whose normals run along the grain, that lie on the sides.
+const ON_SIDES: f64 = 0.7;
+/// Distance from a side, in halves of the thickness, up to which a point lies on it.
+const TOLERANCE: f64 = 0.1;
+/// Length over width, at least.
+const LONG: f64 = 1.2;
+
+/// A side: its outward normal's direction across, and what is on it.
+struct Side {
+    normal: DVec3,
+    /// Distance of the plane from the origin along the normal.
+    offset: f64,
+    count: usize,
+    /// Least and greatest place along the grain.
+    reach: (f64, f64),
+}
+
+/// The piece of squared timber that a cloud is, with its thickness and width (m).
+pub(super) fn timber(cloud: &PointCloud) -> Option<(Followed, DVec2)> {
+    let stride = cloud.points.len().div_ceil(LOOKED_AT).max(1);
+    let points: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
+    if points.len() < 100 {
+        return None;
+    }
+    let tree = Neighbours::new(&points);
+    let directions = if cloud.normals.is_empty() {
+        normals(&points, &tree, NEAR)
+    } else {
+        cloud.normals.iter().step_by(stride).copied().collect()
+    };
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let points: Vec<DVec3> = points.iter().map(|p| *p - mean).collect();
+    // The grain runs along one of the directions in which normals vary: the one along which the piece is longest.
+    let mut grains = eigen(spread(directions.iter())).map(|e| e.1);
+    let length = |along: DVec3| {
+        let places: Vec<f64> = points.iter().map(|p| p.dot(along)).collect();
+        let (low, high) = quantiles(places, 0.02);
+        high - low
+    };
+    grains.sort_by(|a, b| length(*b).total_cmp(&length(*a)));
+    let mut frame = turned(grains[0], &directions)?;
+    let mut sides = Vec::new();
+    // Twice, as sides tell the directions better than normals do.
+    for _ in 0..2 {
+        sides = four_sides(&points, &directions, frame)?;
+        frame = settled(&sides, frame)?;
+    }
+    squared(mean, &points, &directions, frame, &sides)
+}
+
+fn spread<'a>(vectors: impl Iterator<Item = &'a DVec3>) -> DMat3 {
+    vectors.fold(DMat3::ZERO, |sum, v| {
+        sum + DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z)
+    })
+}
+
+/// The values that a share of all lie below and above.
+fn quantiles(mut values: Vec<f64>, share: f64) -> (f64, f64) {
+    values.sort_unstable_by(f64::total_cmp);
+    let k = (share * values.len() as f64) as usize;
+    match (values.get(k), values.get(values.len().wrapping_sub(k + 1))) {
+        (Some(low), Some(high)) => (*low, *high),
+        _ => (0.0, 0.0),
+    }
+}
+
+/// Directions across and along the grain from the normals across it: the angle that four times theirs have in common.
+fn turned(grain: DVec3, directions: &[DVec3]) -> Option<DMat3> {
+    let (x, y) = grain.any_orthonormal_pair();
+    let (mut sum, mut across) = (DVec2::ZERO, 0usize);
+    for n in directions.iter().filter(|n| n.dot(grain).abs() < ACROSS) {
+        let angle = 4.0 * libm::atan2(n.dot(y), n.dot(x));
+        sum += DVec2::new(libm::cos(angle), libm::sin(angle));
+        across += 1;
+    }
+    if across == 0 || sum.length() <= 0.0 {
+        return None;
+    }
+    let angle = 0.25 * libm::atan2(sum.y, sum.x);
+    let first = x * libm::cos(angle) + y * libm::sin(angle);
+    let square = directions
+        .iter()
+        .filter(|n| n.dot(grain).abs() < ACROSS)
+        .filter(|n| n.dot(first).abs().max(n.dot(grain.cross(first)).abs()) > ALONG)
+        .count();
+    (square as f64 > SQUARE * across as f64)
+        .then(|| DMat3::from_cols(first, grain.cross(first), grain))
+}
+
+/// The planes of the four sides, those of the first direction before those of the second.
+fn four_sides(points: &[DVec3], directions: &[DVec3], frame: DMat3) -> Option<Vec<Side>> {
+    let mut sides = Vec::new();
+    for across in [frame.x_axis, frame.y_axis] {
+        let own: Vec<&DVec3> = points
+            .iter()
+            .zip(directions)
+            .filter(|(_, n)| n.dot(across).abs() > ALONG)
+            .map(|(p, _)| p)
+            .collect();
+        let (low, high) = quantiles(own.iter().map(|p| p.dot(across)).collect(), 0.02);
+        for (sign, at) in [(1.0, high), (-1.0, low)] {
+            let near = 0.15 * (high - low);
+            let on: Vec<DVec3> = own
+                .iter()
+                .map(|p| **p)
+                .filter(|p| (p.dot(across) - at).abs() < near)
+                .collect();
+            sides.push(side(&on, across * sign, frame.z_axis)?);
+        }
+    }
+    Some(sides)
+}
+
+/// The plane through points that look one way: by least squares, of those near a first one once more.
+fn side(points: &[DVec3], outward: DVec3, grain: DVec3) -> Option<Side> {
+    let mut on = points.to_vec();
+    let mut fitted = (outward, 0.0);
+    for _ in 0..3 {
+        if on.len() < 12 {
+            return None;
+        }
+        let mean = on.iter().sum::<DVec3>() / on.len() as f64;
+        let around: Vec<DVec3> = on.iter().map(|p| *p - mean).collect();
+        let normal = eigen(spread(around.iter()))[0].1;
+        let normal = normal * normal.dot(outward).signum();
+        if normal.dot(outward) < ALONG {
+            return None;
+        }
+        fitted = (normal, normal.dot(mean));
+        let off: Vec<f64> = on
+            .iter()
+            .map(|p| (p.dot(normal) - fitted.1).abs())
+            .collect();
+        // Three standard deviations of the half of the points that lie nearest.
+        let limit = 4.5 * quantiles(off, 0.5).0.max(1e-9 * mean.length());
+        on = points
+            .iter()
+            .copied()
+            .filter(|p| (p.dot(normal) - fitted.1).abs() <= limit)
+            .collect();
+    }
+    let places: Vec<f64> = on.iter().map(|p| p.dot(grain)).collect();
+    Some(Side {
+        normal: fitted.0,
+        offset: fitted.1,
+        count: on.len(),
+        reach: quantiles(places, 0.005),
+    })
+}
+
+/// The frame that the sides agree on: the grain square to all of them, the first direction that of their mean.
+fn settled(sides: &[Side], frame: DMat3) -> Option<DMat3> {
+    let mut matrix = DMat3::ZERO;
+    for side in sides {
+        matrix += spread([side.normal].iter()) * side.count as f64;
+    }
+    let grain = eigen(matrix)[0].1;
+    let grain = grain * grain.dot(frame.z_axis).signum();
+    let mut first = DVec3::ZERO;
+    for (side, plain) in sides.iter().zip([1.0, -1.0, 1.0, -1.0]) {
+        let normal = side.normal.reject_from_normalized(grain) * (plain * side.count as f64);
+        // The second pair, turned back by a right angle.
+        first += if normal.dot(frame.x_axis).abs() > normal.dot(frame.y_axis).abs() {
+            normal
+        } else {
+            normal.cross(grain)
+        };
+    }
+    let first = first.reject_from_normalized(grain).try_normalize()?;
+    Some(DMat3::from_cols(first, grain.cross(first), grain))
+}
+
+/// The timber between four sides, where they hold the points.
+fn squared(
+    mean: DVec3,
+    points: &[DVec3],
+    directions: &[DVec3],
+    frame: DMat3,
+    sides: &[Side],
+) -> Option<(Followed, DVec2)> {
+    // Each side cuts the line through the middle of the others where it is on average.
+    let ends = |part: usize| {
+        let mut ends: Vec<f64> = sides
+            .iter()
+            .map(|s| if part == 0 { s.reach.0 } else { s.reach.1 })
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        0.5 * (ends[1] + ends[2])
+    };
+    let (from, to) = (ends(0), ends(1));
+    let middle = 0.5 * (from + to);
+    let at = |k: usize, across: DVec3| {
+        let side = &sides[k];
+        // Along `across` through the axis in the middle of the length.
+        (side.offset - side.normal.dot(frame.z_axis) * middle) / side.normal.dot(across)
+    };
+    let (x, y) = (
+        (at(0, frame.x_axis), at(1, frame.x_axis)),
+        (at(2, frame.y_axis), at(3, frame.y_axis)),
+    );
+    let centre = DVec2::new(0.5 * (x.0 + x.1), 0.5 * (y.0 + y.1));
+    let halves = DVec2::new(0.5 * (x.0 - x.1), 0.5 * (y.0 - y.1));
+    let (half, wide) = (halves.min_element(), halves.max_element());
+    if half <= 0.0 || to - from < LONG * 2.0 * wide {
+        return None;
+    }
+    let (mut on, mut all) = (0usize, 0usize);
+    for (p, n) in points.iter().zip(directions) {
+        let along = p.dot(frame.z_axis);
+        if !(from..=to).contains(&along) || n.dot(frame.z_axis).abs() > ALONG {
+            continue;
+        }
+        let q = DVec2::new(p.dot(frame.x_axis), p.dot(frame.y_axis)) - centre;
+        let off = q.abs() - halves;
+        let outside = off.max(DVec2::ZERO).length() + off.max_element().min(0.0);
+        all += 1;
+        on += usize::from(outside.abs() < TOLERANCE * half);
+    }
+    if (on as f64) < ON_SIDES * all as f64 {
+        return None;
+    }
+    let across = if halves.x >= halves.y {
+        frame.x_axis
+    } else {
+        frame.y_axis
+    };
+    let base = mean + frame.x_axis * centre.x + frame.y_axis * centre.y;
+    let curve: Vec<DVec3> = (0..=8)
+        .map(|k| base + frame.z_axis * (from + (to - from) * f64::from(k) / 8.0))
+        .collect();
+    let axis = Axis::new(&curve, Some(across))?;
+    let length = axis.length();
+    let followed = Followed {
+        radii: vec![(0.0, half), (length, half)],
+        section: Section::Squared {
+            half,
+            core: wide - half,
+        },
+        axis,
+    };
+    Some((followed, DVec2::new(2.0 * half, 2.0 * wide)))
+}
