@@ -9,13 +9,17 @@ use greenstick_fibre::{Bundle, Contacts, Loads, Motion, Rod, RodMaterial, State}
 fn step(bundle: &Bundle, state: &mut State, contacts: &mut Bodies, dt: f64, gravity: DVec3) {
     let mut forces = Forces::zeros(bundle.vertices());
     energy::add_forces(bundle, state, &mut forces);
+    let mut velocity = state.velocity.clone();
     for i in 0..bundle.vertices() {
         let a = forces.linear.get(i) / bundle.mass[i] + gravity;
-        state.velocity.add(i, a * dt);
-        state.position.add(i, state.velocity.get(i) * dt);
+        velocity.add(i, a * dt);
     }
+    contacts.resolve(bundle, state, &mut velocity, dt).unwrap();
+    for i in 0..bundle.vertices() {
+        state.position.add(i, velocity.get(i) * dt);
+    }
+    state.velocity = velocity;
     state.time += dt;
-    contacts.resolve(bundle, state, dt).unwrap();
 }
 
 fn rod(from: DVec3, to: DVec3, edges: usize) -> Rod {

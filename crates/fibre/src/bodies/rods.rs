@@ -49,12 +49,13 @@ impl RodPairs {
         self.position = Vectors::zeros(bundle.vertices());
     }
 
-    /// Adds the contacts of now.
+    /// Adds the contacts of now, and with velocities those that are to be within a step (s).
     pub fn gather(
         &mut self,
         bundle: &Bundle,
         state: &State,
         radius: &[f64],
+        ahead: Option<(&Vectors, f64)>,
         contacts: &mut Vec<Contact>,
     ) {
         let moved = moved_squared(&state.position, &self.position);
@@ -68,7 +69,11 @@ impl RodPairs {
             let (s, t) = closest(one, two);
             let (p, q) = (one.0 + one.1 * s, two.0 + two.1 * t);
             let distance = p.distance(q);
-            if distance < pair.reach
+            let margin = ahead.map_or(0.0, |(velocity, step)| {
+                let at = |j: usize, t: f64| velocity.get(j).lerp(velocity.get(j + 1), t);
+                step * at(a, s).distance(at(b, t))
+            });
+            if distance < pair.reach + margin
                 && let Some(normal) = (p - q).try_normalize()
             {
                 contacts.push(Contact {
@@ -79,6 +84,7 @@ impl RodPairs {
                     place: 0.5 * (p + q),
                     depth: pair.reach - distance,
                     slop: SLOP * radius[a],
+                    share: pair.reach,
                 });
             }
         }

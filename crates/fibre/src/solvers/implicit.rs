@@ -10,7 +10,7 @@ use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
 use crate::failure::{self, Break};
-use crate::solver::{Advance, Contacts, Solver, World};
+use crate::solver::{Advance, Contacts, Solver, Touch, World};
 use crate::state::State;
 use crate::vectors::Vectors;
 
@@ -34,6 +34,7 @@ struct Stage {
     state: State,
     velocity: Vectors,
     spin: Vec<f64>,
+    touches: Vec<Touch>,
     /// Power of loads and clamps, and of damping, W.
     power: f64,
     damping: f64,
@@ -61,7 +62,7 @@ impl Implicit {
         world: &World,
         base: &State,
         inertia: &Inertia,
-        contact: Option<&Vectors>,
+        contacts: &mut dyn Contacts,
         time: f64,
     ) -> Result<Stage, SolverError> {
         let World { bundle, loads, .. } = world;
@@ -69,13 +70,16 @@ impl Implicit {
             bundle,
             loads,
             yielding: world.failure.rods_yield,
-            contact,
+            from: &world.state,
             inertia: Some(inertia),
             time,
         };
         let Found {
-            state, reaction, ..
-        } = self.newton.solve(&goal, base)?;
+            state,
+            reaction,
+            touches,
+            ..
+        } = self.newton.solve(&goal, base, contacts)?;
         let mut velocity = plus(&state.position, &inertia.behind, -1.0);
         for v in [&mut velocity.x, &mut velocity.y, &mut velocity.z] {
             v.iter_mut().for_each(|v| *v /= inertia.h);
@@ -87,8 +91,7 @@ impl Implicit {
         loads.add_forces(bundle, time, &state.position, &velocity, linear, moment);
         let (mut power, mut damping) = (0.0, 0.0);
         for v in 0..bundle.vertices() {
-            let touch = contact.map_or(glam::DVec3::ZERO, |c| c.get(v));
-            power += (linear.get(v) + reaction.get(v) + touch).dot(velocity.get(v));
+            power += (linear.get(v) + reaction.get(v)).dot(velocity.get(v));
             damping += bundle.mass[v] * velocity.get(v).length_squared();
             if bundle.twisting {
                 power += moment[v] * spin[v];
@@ -99,6 +102,7 @@ impl Implicit {
             state,
             velocity,
             spin,
+            touches,
             power,
             damping: loads.damping * damping,
         })
@@ -108,7 +112,7 @@ impl Implicit {
     fn stages(
         &mut self,
         world: &World,
-        contact: Option<&Vectors>,
+        contacts: &mut dyn Contacts,
         dt: f64,
     ) -> Result<[Stage; 2], SolverError> {
         let (old, h) = (&world.state, GAMMA * dt);
@@ -120,7 +124,7 @@ impl Implicit {
             angle_ahead: plus_numbers(&old.angle, &old.spin, h),
             angle_behind: old.angle.clone(),
         };
-        let first = self.stage(world, old, &inertia, contact, old.time + h)?;
+        let first = self.stage(world, old, &inertia, contacts, old.time + h)?;
         // v₀ + (1 − γ) Δt a₁ with a₁ = (v₁ − v₀)/h.
         let part = (1.0 - GAMMA) / GAMMA;
         let pushed = plus(
@@ -142,7 +146,7 @@ impl Implicit {
             behind,
             angle_behind,
         };
-        let second = self.stage(world, &first.state, &inertia, contact, old.time + dt)?;
+        let second = self.stage(world, &first.state, &inertia, contacts, old.time + dt)?;
         Ok([first, second])
     }
 
@@ -155,13 +159,7 @@ impl Implicit {
         halved: u32,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let mut touch = None;
-        if !contacts.is_empty() {
-            let mut forces = Vectors::zeros(world.bundle.vertices());
-            contacts.add_forces(&world.bundle, &world.state, world.state.time, &mut forces);
-            touch = Some(forces);
-        }
-        let [first, second] = match self.stages(world, touch.as_ref(), dt) {
+        let [first, second] = match self.stages(world, contacts, dt) {
             Ok(stages) => stages,
             Err(SolverError::NotConverged { .. }) if halved < HALVINGS => {
                 let saved = world.clone();
@@ -176,7 +174,7 @@ impl Implicit {
             }
             Err(other) => return Err(other),
         };
-        let before = energies(&world.bundle, &world.state).total();
+        let before = energies(&world.bundle, &world.state).total() + contacts.stored();
         let old = std::mem::replace(&mut world.state, second.state);
         world.state.velocity = second.velocity;
         world.state.spin = second.spin;
@@ -186,15 +184,12 @@ impl Implicit {
         world.fracture_loss += lost;
         let work = dt * ((1.0 - GAMMA) * first.power + GAMMA * second.power);
         let damped = dt * ((1.0 - GAMMA) * first.damping + GAMMA * second.damping);
-        let after = energies(&world.bundle, &world.state).total();
+        let book = contacts.accept(&old, old.time + dt, &second.touches);
+        let after = energies(&world.bundle, &world.state).total() + book.stored;
         report.work += work;
         report.damped += damped;
-        report.dissipated += before + work - damped - lost - after;
+        report.dissipated += before + work + book.work - book.lost - damped - lost - after;
         report.steps += 1;
-        if !contacts.is_empty() {
-            contacts.resolve(&world.bundle, &mut world.state, dt)?;
-            world.state.carry_frames(&world.bundle);
-        }
         let interval = u64::from(world.failure.interval.max(1));
         if world.state.step.is_multiple_of(interval) {
             failure::detect(&world.failure, &world.bundle, &world.state, &mut self.queue);

@@ -16,6 +16,7 @@ use crate::error::SolverError;
 use crate::frames;
 use crate::kernel::Evaluator;
 use crate::loads::Loads;
+use crate::solver::{Contacts, Touch};
 use crate::state::State;
 use crate::vectors::Vectors;
 use glam::DVec3;
@@ -92,8 +93,8 @@ pub(crate) struct Goal<'a> {
     pub loads: &'a Loads,
     /// Whether edges yield.
     pub yielding: bool,
-    /// Forces of contacts, N.
-    pub contact: Option<&'a Vectors>,
+    /// Where the step begins, if not where the iteration does: contacts slide from there.
+    pub from: &'a State,
     pub inertia: Option<&'a Inertia>,
     /// Time at the end, s.
     pub time: f64,
@@ -104,6 +105,8 @@ pub(crate) struct Found {
     pub state: State,
     /// Forces by clamps on vertices, N.
     pub reaction: Vectors,
+    /// Contacts.
+    pub touches: Vec<Touch>,
     pub iterations: usize,
 }
 
@@ -120,6 +123,7 @@ pub(crate) struct Newton {
     residual: Vec<f64>,
     held: Vec<bool>,
     grips: Vec<Held>,
+    touches: Vec<Touch>,
     scale: f64,
     factors: usize,
 }
@@ -192,11 +196,16 @@ impl Newton {
     }
 
     /// Finds the equilibrium at `goal.time`, starting from `base`, whose permanent strain is that before the step.
-    pub fn solve(&mut self, goal: &Goal, base: &State) -> Result<Found, SolverError> {
+    pub fn solve(
+        &mut self,
+        goal: &Goal,
+        base: &State,
+        contacts: &mut dyn Contacts,
+    ) -> Result<Found, SolverError> {
         let bundle = goal.bundle;
         let mut state = base.clone();
         let mut prescribed = self.hold(goal, base);
-        self.balance(goal, base, &mut state);
+        self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
         let mut tolerance = TOLERANCE * self.scale;
@@ -224,7 +233,7 @@ impl Newton {
             };
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
-                self.balance(goal, base, &mut state);
+                self.balance(goal, base, contacts, &mut state);
                 let now: f64 = step
                     .iter()
                     .zip(&self.residual)
@@ -264,6 +273,7 @@ impl Newton {
         Ok(Found {
             state,
             reaction,
+            touches: std::mem::take(&mut self.touches),
             iterations,
         })
     }
@@ -310,7 +320,13 @@ impl Newton {
     }
 
     /// Lets edges yield from the permanent strain of `base`, and finds all unbalanced forces.
-    fn balance(&mut self, goal: &Goal, base: &State, state: &mut State) {
+    fn balance(
+        &mut self,
+        goal: &Goal,
+        base: &State,
+        contacts: &mut dyn Contacts,
+        state: &mut State,
+    ) {
         let bundle = goal.bundle;
         let mut scale = 0.0f64;
         let mut stiffest = 0.0f64;
@@ -341,8 +357,14 @@ impl Newton {
             linear,
             moment,
         );
-        if let Some(contact) = goal.contact {
-            (0..bundle.vertices()).for_each(|i| linear.add(i, contact.get(i)));
+        if !contacts.is_empty() {
+            contacts.touches(bundle, state, goal.from, goal.time, &mut self.touches);
+            for touch in &self.touches {
+                scale = scale.max(touch.force.length());
+                for (v, w) in touch.shares() {
+                    linear.add(v, touch.force * w);
+                }
+            }
         }
         for g in &self.grips {
             let force = g.force(bundle, state, goal.time);
@@ -572,8 +594,36 @@ impl Newton {
                 }
             }
         }
+        for touch in &self.touches {
+            add_touch(&mut matrix, touch, |v, axis| row((3 * v + axis) as u32));
+        }
         self.matrix = matrix;
     }
+}
+
+/// Adds the stiffness of a contact. What joins two rods in it has no place in the matrix: twice its diagonal blocks are
+/// taken in place of the whole, which is never less.
+fn add_touch(matrix: &mut Envelope, touch: &Touch, row: impl Fn(usize, usize) -> usize) {
+    let normal = touch.normal;
+    let parts: Vec<(usize, f64)> = touch.shares().collect();
+    let by = if touch.other.is_some() { 2.0 } else { 1.0 };
+    for (a, pa) in parts.iter().enumerate() {
+        for (_, pb) in parts.iter().enumerate().filter(|(b, _)| a / 2 == b / 2) {
+            for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
+                let (i, j) = (row(pa.0, r), row(pb.0, c));
+                if j <= i {
+                    matrix.add(i, j, by * pa.1 * pb.1 * touch_block(touch, normal, r, c));
+                }
+            }
+        }
+    }
+}
+
+/// Stiffness of a contact along axes r and c, N/m.
+pub(super) fn touch_block(touch: &Touch, normal: DVec3, r: usize, c: usize) -> f64 {
+    let along = normal[r] * normal[c];
+    let same = f64::from(u8::from(r == c));
+    touch.stiffness * along + touch.hold * (same - along)
 }
 
 fn resolve(grip: &Grip, bundle: &Bundle) -> Held {

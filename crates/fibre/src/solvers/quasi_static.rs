@@ -72,21 +72,15 @@ impl QuasiStatic {
         time: f64,
     ) -> Result<Found, SolverError> {
         self.newton.prepare(&world.bundle, &self.grips);
-        let mut touch = None;
-        if !contacts.is_empty() {
-            let mut forces = Vectors::zeros(world.bundle.vertices());
-            contacts.add_forces(&world.bundle, &world.state, time, &mut forces);
-            touch = Some(forces);
-        }
         let goal = Goal {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            contact: touch.as_ref(),
+            from: &world.state,
             inertia: None,
             time,
         };
-        let found = self.newton.solve(&goal, &world.state)?;
+        let found = self.newton.solve(&goal, &world.state, contacts)?;
         self.iterations += found.iterations as u64;
         Ok(found)
     }
@@ -158,7 +152,7 @@ impl QuasiStatic {
         time: f64,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let stored = energies(&world.bundle, &world.state).potential();
+        let stored = energies(&world.bundle, &world.state).potential() + contacts.stored();
         let old = std::mem::replace(&mut world.state, found.state);
         let step = time - old.time;
         world.state.time = time;
@@ -175,17 +169,14 @@ impl QuasiStatic {
             work += force * g.speed * step;
         }
         report.work += work;
-        let now = energies(&world.bundle, &world.state).potential();
+        let book = contacts.accept(&old, time, &found.touches);
+        let now = energies(&world.bundle, &world.state).potential() + book.stored;
         if step == 0.0 {
             // What a break lets go at standing clamps would have become motion and heat.
             report.dissipated += (stored - now - lost).max(0.0);
         }
         world.state.velocity.clear_to_zero();
         world.state.spin.fill(0.0);
-        if !contacts.is_empty() && step > 0.0 {
-            contacts.resolve(&world.bundle, &mut world.state, step)?;
-            world.state.carry_frames(&world.bundle);
-        }
         report.steps += 1;
         Ok(())
     }
