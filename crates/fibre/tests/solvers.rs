@@ -6,8 +6,9 @@ use glam::DVec3;
 use greenstick_fibre::energy::{self, Forces};
 use greenstick_fibre::placement::place;
 use greenstick_fibre::{
-    BondCriterion, Bundle, Clamp, EventKind, Explicit, Failure, HowMany, Implicit, Motion,
-    NoContacts, Placement, PointForce, QuasiStatic, Ramp, Solver, SolverError, WoodMaterial, World,
+    BondCriterion, Bundle, Clamp, EventKind, Explicit, Failure, HowMany, Implicit, Interactive,
+    Motion, NoContacts, Placement, PointForce, QuasiStatic, Ramp, Solver, SolverError,
+    WoodMaterial, World,
 };
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
@@ -21,6 +22,7 @@ fn solvers(step: Option<f64>) -> Vec<Box<dyn Solver>> {
     vec![
         Box::new(Explicit::new(None)),
         Box::new(Implicit::new(step)),
+        Box::new(Interactive::new(step)),
         Box::new(QuasiStatic::new(step)),
     ]
 }
@@ -85,7 +87,7 @@ fn a_cantilever_bends_as_beams_do_and_clamps_are_where_they_should_be() {
 
 #[test]
 fn the_same_run_twice_gives_the_same_bits() {
-    for k in 0..3 {
+    for k in 0..4 {
         let run = || {
             let mut world = scene();
             solvers(Some(2e-3))[k]
@@ -199,7 +201,14 @@ fn solvers_agree_on_the_force_at_first_break() {
     let reference = force_at_first_break(&mut QuasiStatic::new(None), 0.012);
     let explicit = force_at_first_break(&mut Explicit::new(None), 0.012);
     let implicit = force_at_first_break(&mut Implicit::new(Some(1.0 / 240.0)), 0.5);
-    println!("quasi-static {reference} N, explicit {explicit} N, implicit {implicit} N");
-    assert!((explicit / reference - 1.0).abs() < 0.1);
-    assert!((implicit / reference - 1.0).abs() < 0.1);
+    let interactive = force_at_first_break(&mut Interactive::new(Some(1.0 / 60.0)), 1.0);
+    println!(
+        "quasi-static {reference} N, explicit {explicit} N, implicit {implicit} N, interactive {interactive} N"
+    );
+    let forces = [reference, explicit, implicit, interactive];
+    for a in forces {
+        for b in forces {
+            assert!((a / b - 1.0).abs() < 0.1, "{forces:?}");
+        }
+    }
 }

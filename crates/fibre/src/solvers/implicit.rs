@@ -5,7 +5,7 @@
 //! dies out. What dies is measured: [`Advance::dissipated`] is the energy before the step, with the work of loads and
 //! clamps as the method itself integrates them, less damping, yielding and the energy after.
 
-use super::newton::{Found, Goal, Inertia, Newton};
+use super::newton::{Found, Goal, Inertia, Manner, Newton};
 use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
@@ -21,8 +21,17 @@ const STEP: f64 = 1.0 / 240.0;
 /// A step that does not settle is halved this often.
 const HALVINGS: u32 = 8;
 
+/// How exactly a stage is solved.
+const MANNER: Manner = Manner {
+    forgetful: true,
+    tolerance: 1e-7,
+    iterations: 40,
+    accuracy: 1e-3,
+    take_last: false,
+};
+
 /// The implicit solver.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Implicit {
     given: Option<f64>,
     newton: Newton,
@@ -53,7 +62,8 @@ impl Implicit {
     pub fn new(step: Option<f64>) -> Self {
         Implicit {
             given: step,
-            ..Implicit::default()
+            newton: Newton::in_manner(MANNER),
+            queue: Vec::new(),
         }
     }
 
@@ -79,7 +89,7 @@ impl Implicit {
             reaction,
             touches,
             ..
-        } = self.newton.solve(&goal, base, contacts)?;
+        } = self.newton.solve(&goal, base, base, contacts)?;
         let mut velocity = plus(&state.position, &inertia.behind, -1.0);
         for v in [&mut velocity.x, &mut velocity.y, &mut velocity.z] {
             v.iter_mut().for_each(|v| *v /= inertia.h);
@@ -201,33 +211,13 @@ impl Implicit {
     }
 }
 
-/// Checks a duration to advance by.
-pub(super) fn check_duration(duration: f64) -> Result<(), SolverError> {
-    if duration >= 0.0 && duration.is_finite() {
-        return Ok(());
-    }
-    Err(SolverError::Value {
-        what: "the time to advance by (s)",
-        value: duration,
-        right: "0 or more and finite",
-    })
-}
-
 impl Solver for Implicit {
     fn name(&self) -> &'static str {
         "implicit"
     }
 
     fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        match self.given {
-            None => Ok(STEP),
-            Some(given) if given > 0.0 && given.is_finite() => Ok(given),
-            Some(given) => Err(SolverError::Value {
-                what: "the step (s)",
-                value: given,
-                right: "above 0 and finite",
-            }),
-        }
+        super::given_step(self.given, STEP)
     }
 
     fn advance(
@@ -236,25 +226,10 @@ impl Solver for Implicit {
         contacts: &mut dyn Contacts,
         duration: f64,
     ) -> Result<Advance, SolverError> {
-        check_duration(duration)?;
-        world.check()?;
         let step = self.step(world)?;
-        let mut report = Advance {
-            limit: f64::INFINITY,
-            ..Advance::default()
-        };
-        if duration == 0.0 {
-            return Ok(report);
-        }
-        let count = (duration / step - 1e-9).ceil().max(1.0);
-        let (start, dt) = (world.state.time, duration / count);
-        report.step = dt;
-        for k in 1..=count as u64 {
-            self.one_step(world, contacts, dt, 0, &mut report)?;
-            world.state.time = start + dt * k as f64;
-        }
-        world.state.time = start + duration;
-        Ok(report)
+        super::advance_evenly(world, duration, step, |world, dt, report| {
+            self.one_step(world, contacts, dt, 0, report)
+        })
     }
 }
 

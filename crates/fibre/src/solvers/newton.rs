@@ -9,9 +9,10 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::matrix::{Envelope, conjugate_gradients, order};
+use super::direct::Direct;
+use super::iterative::System;
 use crate::bundle::Bundle;
-use crate::energy::{Curvature, ElementHessian, Forces, bond, framed, rod};
+use crate::energy::{Forces, rod};
 use crate::error::SolverError;
 use crate::frames;
 use crate::kernel::Evaluator;
@@ -27,12 +28,8 @@ const TOLERANCE: f64 = 1e-7;
 const ROUNDING: f64 = 1e-12;
 /// Newton iterations.
 const ITERATIONS: usize = 40;
-/// Stiffness of a yielding edge over that of an elastic one, in the matrix only: none at all could leave it singular.
-const YIELDING: f64 = 1e-3;
 /// Accuracy of linear solutions.
 const LINEAR: f64 = 1e-3;
-/// Conjugate gradients before a new factor is made.
-const PATIENCE: usize = 14;
 /// Tries of the line search.
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
@@ -56,11 +53,11 @@ pub struct Grip {
 
 /// A grip on the bundle as it is now.
 #[derive(Debug, Clone)]
-struct Held {
+pub(super) struct Held {
     /// Vertices with weights whose sum is 1.
-    vertices: Vec<(u32, f64)>,
-    direction: DVec3,
-    stiffness: f64,
+    pub vertices: Vec<(u32, f64)>,
+    pub direction: DVec3,
+    pub stiffness: f64,
     speed: f64,
 }
 
@@ -115,9 +112,8 @@ pub(crate) struct Found {
 pub(crate) struct Newton {
     generation: Option<u64>,
     block: usize,
-    place: Vec<u32>,
-    matrix: Envelope,
-    factor: Option<Envelope>,
+    linear: Linear,
+    manner: Manner,
     evaluator: Option<Evaluator>,
     forces: Forces,
     residual: Vec<f64>,
@@ -125,10 +121,80 @@ pub(crate) struct Newton {
     grips: Vec<Held>,
     touches: Vec<Touch>,
     scale: f64,
-    factors: usize,
+}
+
+/// How linear systems are solved.
+#[derive(Debug, Clone)]
+enum Linear {
+    /// With a Cholesky factor that is kept.
+    Direct(Box<Direct>),
+    /// Anew each time, of three freedoms at a vertex, or four.
+    Three(Box<System<3>>),
+    Four(Box<System<4>>),
+}
+
+impl Default for Linear {
+    fn default() -> Self {
+        Linear::Direct(Box::default())
+    }
+}
+
+/// How exactly everything is solved.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Manner {
+    /// Whether nothing is remembered from one step to the next.
+    pub forgetful: bool,
+    /// Unbalanced forces fall to this part of the largest force in a rod.
+    pub tolerance: f64,
+    /// Newton iterations at most.
+    pub iterations: usize,
+    /// Accuracy of each linear solution.
+    pub accuracy: f64,
+    /// Whether the last iterate is taken where they do not suffice.
+    pub take_last: bool,
+}
+
+impl Default for Manner {
+    fn default() -> Self {
+        Manner {
+            forgetful: false,
+            tolerance: TOLERANCE,
+            iterations: ITERATIONS,
+            accuracy: LINEAR,
+            take_last: false,
+        }
+    }
+}
+
+/// A linear system.
+pub(super) struct Problem<'a> {
+    pub bundle: &'a Bundle,
+    pub state: &'a State,
+    /// Permanent strain before the step.
+    pub plastic: &'a [f64],
+    pub touches: &'a [Touch],
+    pub grips: &'a [Held],
+    /// Stiffness of inertia and damping over mass, 1/s².
+    pub inertia: f64,
+    /// Per freedom: unbalanced force, N.
+    pub residual: &'a [f64],
+    /// Per freedom: whether a clamp holds it.
+    pub held: &'a [bool],
+    /// Per freedom: how far it goes where held, m.
+    pub prescribed: &'a [f64],
+    /// Accuracy of the solution.
+    pub accuracy: f64,
 }
 
 impl Newton {
+    /// The method in another manner.
+    pub fn in_manner(manner: Manner) -> Self {
+        Newton {
+            manner,
+            ..Newton::default()
+        }
+    }
+
     /// Makes everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &Bundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
@@ -136,42 +202,37 @@ impl Newton {
         }
         self.generation = Some(bundle.generation);
         self.grips = grips.iter().map(|g| resolve(g, bundle)).collect();
-        self.block = if bundle.twisting { 4 } else { 3 };
         let n = bundle.vertices();
-        let mut pairs = Vec::new();
-        for i in 0..n as u32 {
-            if bundle.is_edge(i as usize) {
-                pairs.push((i, i + 1));
+        self.block = if bundle.twisting { 4 } else { 3 };
+        if !self.manner.forgetful {
+            let mut direct = match std::mem::take(&mut self.linear) {
+                Linear::Direct(direct) => direct,
+                _ => Box::default(),
+            };
+            direct.prepare(bundle, &self.grips);
+            self.linear = Linear::Direct(direct);
+        } else {
+            match &mut self.linear {
+                Linear::Four(system) if bundle.twisting => system.prepare(bundle),
+                Linear::Three(system) if !bundle.twisting => system.prepare(bundle),
+                other => {
+                    *other = if bundle.twisting {
+                        Linear::Four(Box::default())
+                    } else {
+                        Linear::Three(Box::default())
+                    };
+                    self.generation = None;
+                    return self.prepare(bundle, grips);
+                }
             }
-            if bundle.bend[i as usize] > 0.0 {
-                pairs.push((i - 1, i + 1));
-            }
         }
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            pairs.extend([(v, e), (v, e + 1)]);
-        }
-        for g in &self.grips {
-            for (k, a) in g.vertices.iter().enumerate() {
-                pairs.extend(g.vertices[..k].iter().map(|b| (a.0, b.0)));
-            }
-        }
-        self.place = vec![0; n];
-        for (k, v) in order(n, &pairs).into_iter().enumerate() {
-            self.place[v as usize] = k as u32;
-        }
-        let place = &self.place;
-        let moved = pairs
-            .iter()
-            .map(|&(a, b)| (place[a as usize], place[b as usize]));
-        self.matrix = Envelope::zeros(self.block, n, moved);
-        self.factor = None;
         self.evaluator = Some(Evaluator::new(bundle));
         self.forces = Forces::zeros(n);
         self.residual = vec![0.0; n * self.block];
     }
 
     fn freedom(&self, vertex: usize, axis: usize) -> usize {
-        self.place[vertex] as usize * self.block + axis
+        vertex * self.block + axis
     }
 
     /// Forces of the grips, N.
@@ -190,27 +251,43 @@ impl Newton {
             .collect()
     }
 
-    /// Factors made so far.
-    pub fn factors(&self) -> usize {
-        self.factors
+    /// Conjugate gradients so far, of systems solved anew.
+    pub fn gradients(&self) -> u64 {
+        match &self.linear {
+            Linear::Direct(_) => 0,
+            Linear::Three(system) => system.iterations(),
+            Linear::Four(system) => system.iterations(),
+        }
     }
 
-    /// Finds the equilibrium at `goal.time`, starting from `base`, whose permanent strain is that before the step.
+    /// Factors made so far.
+    pub fn factors(&self) -> usize {
+        match &self.linear {
+            Linear::Direct(direct) => direct.factors,
+            _ => 0,
+        }
+    }
+
+    /// Finds the equilibrium at `goal.time`, looking from `start` on. The permanent strain before the step is that of `base`.
     pub fn solve(
         &mut self,
         goal: &Goal,
         base: &State,
+        start: &State,
         contacts: &mut dyn Contacts,
     ) -> Result<Found, SolverError> {
         let bundle = goal.bundle;
-        let mut state = base.clone();
-        let mut prescribed = self.hold(goal, base);
+        let mut state = start.clone();
+        let mut prescribed = self.hold(goal, start);
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
-        let mut tolerance = TOLERANCE * self.scale;
+        let mut tolerance = self.manner.tolerance * self.scale;
         while iterations == 0 && moved || worst > tolerance {
-            if iterations == ITERATIONS || !worst.is_finite() {
+            if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
+                break;
+            }
+            if iterations == self.manner.iterations || !worst.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: goal.time,
                     iterations,
@@ -240,7 +317,8 @@ impl Newton {
                     .zip(&self.held)
                     .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
                 // The force along the step must not have turned round by much.
-                let ok = now.abs() <= SLOPE * slope.abs() || self.worst() <= TOLERANCE * self.scale;
+                let ok = now.abs() <= SLOPE * slope.abs()
+                    || self.worst() <= self.manner.tolerance * self.scale;
                 if !free
                     || ok
                     || search + 1 == SEARCHES
@@ -260,7 +338,7 @@ impl Newton {
             prescribed.fill(0.0);
             iterations += 1;
             worst = self.worst();
-            tolerance = TOLERANCE * self.scale;
+            tolerance = self.manner.tolerance * self.scale;
         }
         let mut reaction = Vectors::zeros(bundle.vertices());
         for v in 0..bundle.vertices() {
@@ -476,154 +554,27 @@ impl Newton {
         state: &State,
         prescribed: &[f64],
     ) -> Vec<f64> {
-        let rows = self.residual.len();
-        let mut step = vec![0.0; rows];
-        for kind in [Curvature::Exact, Curvature::GaussNewton] {
-            self.assemble(goal, base, state, kind);
-            let mut right = self.residual.clone();
-            if prescribed.iter().any(|d| *d != 0.0) {
-                let mut pushed = vec![0.0; rows];
-                self.matrix.multiply(prescribed, &mut pushed);
-                right.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
-            }
-            self.matrix.hold(&self.held);
-            for f in 0..rows {
-                if self.held[f] {
-                    right[f] = prescribed[f];
-                }
-            }
-            if let Some(factor) = &self.factor {
-                let done =
-                    conjugate_gradients(&self.matrix, factor, &right, &mut step, LINEAR, PATIENCE);
-                if done.is_some() {
-                    return step;
-                }
-            }
-            self.factors += 1;
-            let mut factor = self.matrix.clone();
-            if factor.factor().is_ok() {
-                step.copy_from_slice(&right);
-                factor.solve(&mut step);
-                self.factor = Some(factor);
-                return step;
-            }
-        }
-        // Not even what is never negative can be factored: something hangs loose. A little stiffness holds it.
-        self.factor = None;
-        let most = (0..rows)
-            .map(|i| self.matrix.diagonal(i))
-            .fold(0.0, f64::max);
-        let mut right = self.residual.clone();
-        for f in 0..rows {
-            if self.held[f] {
-                right[f] = prescribed[f];
-            } else {
-                self.matrix.add(f, f, 1e-6 * most);
-            }
-        }
-        let mut factor = self.matrix.clone();
-        if factor.factor().is_ok() {
-            factor.solve(&mut right);
-        }
-        right
-    }
-
-    /// Second derivatives of everything at `state`.
-    fn assemble(&mut self, goal: &Goal, base: &State, state: &State, kind: Curvature) {
-        let bundle = goal.bundle;
-        let n = bundle.vertices();
-        let mut matrix = std::mem::take(&mut self.matrix);
-        matrix.clear();
-        let (place, block) = (&self.place, self.block);
-        let row = |freedom: u32| {
-            let f = freedom as usize;
-            if f < 3 * n {
-                place[f / 3] as usize * block + f % 3
-            } else {
-                place[f - 3 * n] as usize * block + 3
-            }
+        let step_inertia = goal
+            .inertia
+            .map_or(0.0, |i| 1.0 / (i.h * i.h) + goal.loads.damping / i.h);
+        let problem = Problem {
+            bundle: goal.bundle,
+            state,
+            plastic: &base.plastic_strain,
+            touches: &self.touches,
+            grips: &self.grips,
+            inertia: step_inertia,
+            residual: &self.residual,
+            held: &self.held,
+            prescribed,
+            accuracy: self.manner.accuracy,
         };
-        let mut put = |h: &ElementHessian, by: f64| {
-            let mut rows = [0; crate::energy::MOST_FREEDOMS];
-            (0..h.count).for_each(|k| rows[k] = row(h.freedoms[k]));
-            for u in 0..h.count {
-                for v in 0..h.count {
-                    if rows[v] <= rows[u] {
-                        matrix.add(rows[u], rows[v], by * h.matrix[u][v]);
-                    }
-                }
-            }
-        };
-        for j in (0..n).filter(|&j| bundle.is_edge(j)) {
-            put(&rod::stretch_hessian(bundle, state, j, kind), 1.0);
-            if state.plastic_strain[j] != base.plastic_strain[j] {
-                let elastic = rod::stretch_hessian(bundle, state, j, Curvature::GaussNewton);
-                put(&elastic, YIELDING - 1.0);
-            }
-        }
-        for i in (0..n).filter(|&i| bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0) {
-            if bundle.twisting {
-                put(&framed::hessian(bundle, state, i), 1.0);
-            } else {
-                put(&rod::bend_hessian(bundle, state, i, kind), 1.0);
-            }
-        }
-        for b in 0..bundle.bonds.len() {
-            put(&bond::hessian(bundle, state, b, kind), 1.0);
-        }
-        for g in &self.grips {
-            for &(a, wa) in &g.vertices {
-                for &(b, wb) in &g.vertices {
-                    for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
-                        let (i, j) = (row(3 * a + r as u32), row(3 * b + c as u32));
-                        if j <= i {
-                            let along = g.direction[r] * g.direction[c];
-                            matrix.add(i, j, g.stiffness * wa * wb * along);
-                        }
-                    }
-                }
-            }
-        }
-        for v in 0..n {
-            let p = place[v] as usize * block;
-            if let Some(i) = goal.inertia {
-                let by = 1.0 / (i.h * i.h) + goal.loads.damping / i.h;
-                (0..3).for_each(|a| matrix.add(p + a, p + a, bundle.mass[v] * by));
-                if block == 4 {
-                    matrix.add(p + 3, p + 3, bundle.inertia[v] * by);
-                }
-            }
-        }
-        for touch in &self.touches {
-            add_touch(&mut matrix, touch, |v, axis| row((3 * v + axis) as u32));
-        }
-        self.matrix = matrix;
-    }
-}
-
-/// Adds the stiffness of a contact. What joins two rods in it has no place in the matrix: twice its diagonal blocks are
-/// taken in place of the whole, which is never less.
-fn add_touch(matrix: &mut Envelope, touch: &Touch, row: impl Fn(usize, usize) -> usize) {
-    let normal = touch.normal;
-    let parts: Vec<(usize, f64)> = touch.shares().collect();
-    let by = if touch.other.is_some() { 2.0 } else { 1.0 };
-    for (a, pa) in parts.iter().enumerate() {
-        for (_, pb) in parts.iter().enumerate().filter(|(b, _)| a / 2 == b / 2) {
-            for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
-                let (i, j) = (row(pa.0, r), row(pb.0, c));
-                if j <= i {
-                    matrix.add(i, j, by * pa.1 * pb.1 * touch_block(touch, normal, r, c));
-                }
-            }
+        match &mut self.linear {
+            Linear::Direct(direct) => direct.solve(&problem),
+            Linear::Three(system) => system.solve(&problem),
+            Linear::Four(system) => system.solve(&problem),
         }
     }
-}
-
-/// Stiffness of a contact along axes r and c, N/m.
-pub(super) fn touch_block(touch: &Touch, normal: DVec3, r: usize, c: usize) -> f64 {
-    let along = normal[r] * normal[c];
-    let same = f64::from(u8::from(r == c));
-    touch.stiffness * along + touch.hold * (same - along)
 }
 
 fn resolve(grip: &Grip, bundle: &Bundle) -> Held {

@@ -12,7 +12,6 @@ use crate::event::{Cause, Event, EventKind};
 use crate::failure::{self, Break};
 use crate::solver::{Advance, Contacts, Solver, World};
 use crate::state::State;
-use crate::vectors::Vectors;
 
 /// Steps of a call of advance where none is given.
 const STEPS: f64 = 32.0;
@@ -80,7 +79,9 @@ impl QuasiStatic {
             inertia: None,
             time,
         };
-        let found = self.newton.solve(&goal, &world.state, contacts)?;
+        let found = self
+            .newton
+            .solve(&goal, &world.state, &world.state, contacts)?;
         self.iterations += found.iterations as u64;
         Ok(found)
     }
@@ -241,15 +242,7 @@ impl Solver for QuasiStatic {
     }
 
     fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        match self.given {
-            None => Ok(f64::INFINITY),
-            Some(given) if given > 0.0 && given.is_finite() => Ok(given),
-            Some(given) => Err(SolverError::Value {
-                what: "the load step (s)",
-                value: given,
-                right: "above 0 and finite",
-            }),
-        }
+        super::given_step(self.given, f64::INFINITY)
     }
 
     fn advance(
@@ -258,7 +251,7 @@ impl Solver for QuasiStatic {
         contacts: &mut dyn Contacts,
         duration: f64,
     ) -> Result<Advance, SolverError> {
-        super::implicit::check_duration(duration)?;
+        super::check_duration(duration)?;
         world.check()?;
         let full = self.step(world)?.min(duration / STEPS);
         let full = self.given.unwrap_or(full);

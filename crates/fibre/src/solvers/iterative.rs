@@ -1,0 +1,375 @@
+//! Linear systems of a bundle by conjugate gradients, for solvers that have a picture's time for a step and must not
+//! remember anything from one step to the next.
+//!
+//! The preconditioner knows what is stiff in wood. Each rod is solved exactly along the grain, a band of three blocks,
+//! with its bonds to others on the diagonal; and each section moves as a whole, stretches and shears in its plane (nine
+//! freedoms for each piece of a section that bonds still hold together: the beam that a stem is). What is left to the
+//! iteration is how rods of one section move against each other. The two corrections are added (an additive two-level
+//! Schwarz method); no piece is remembered that has broken.
+//!
+//! Sums run in fixed blocks, so that the number of threads changes no bit.
+
+// Rows, columns and vertices index several arrays alike.
+#![allow(clippy::needless_range_loop)]
+
+use super::direct::touch_block;
+use super::lines::Lines;
+use super::newton::Problem;
+use super::sections::Sections;
+use crate::bundle::Bundle;
+use crate::energy::{Curvature, ElementHessian, bond, framed, rod};
+use crate::solver::Touch;
+use rayon::prelude::*;
+
+/// Numbers at a vertex: three of its place, one of its edge's angle.
+pub(super) type Node = [f64; 4];
+/// Column of a block.
+type Column = [f64; 4];
+/// Vertices that one task takes, and that one sum is of.
+const GRAIN: usize = 256;
+/// Iterations at most.
+const MOST: usize = 400;
+/// Stiffness of a yielding edge over that of an elastic one: none at all could leave the matrix singular.
+const YIELDING: f64 = 1e-3;
+
+/// The matrix of a bundle with `B` freedoms at a vertex, and its preconditioner.
+#[derive(Debug, Clone, Default)]
+pub(super) struct System<const B: usize> {
+    generation: Option<u64>,
+    /// First entry of each row, and their number at the end.
+    first: Vec<u32>,
+    column: Vec<u32>,
+    /// Blocks as columns; the second half of the elements adds to its own array.
+    value: Vec<[Column; B]>,
+    other: Vec<[Column; B]>,
+    elements: Vec<Element>,
+    slots: Vec<[u32; 9]>,
+    diagonal: Vec<u32>,
+    lines: Lines<B>,
+    sections: Sections,
+    iterations: u64,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Element {
+    Edge(u32),
+    Bend(u32),
+    Bond(u32),
+}
+
+impl Element {
+    fn nodes(self, bundle: &Bundle) -> ([usize; 3], usize) {
+        match self {
+            Element::Edge(j) => ([j as usize, j as usize + 1, 0], 2),
+            Element::Bend(i) => ([i as usize - 1, i as usize, i as usize + 1], 3),
+            Element::Bond(b) => {
+                let (x, j) = (
+                    bundle.bonds.vertex[b as usize],
+                    bundle.bonds.edge[b as usize],
+                );
+                ([x as usize, j as usize, j as usize + 1], 3)
+            }
+        }
+    }
+
+    fn hessian(self, problem: &Problem) -> ElementHessian {
+        let (bundle, state) = (problem.bundle, problem.state);
+        match self {
+            Element::Edge(j) => {
+                let j = j as usize;
+                let yields = state.plastic_strain[j] != problem.plastic[j];
+                // Tension stiffens a string; pressure is left out, as what it softens can be more than there is.
+                let kind = if rod::strain(bundle, state, j) > 0.0 && !yields {
+                    Curvature::Exact
+                } else {
+                    Curvature::GaussNewton
+                };
+                let mut made = rod::stretch_hessian(bundle, state, j, kind);
+                if yields {
+                    made.matrix
+                        .iter_mut()
+                        .flatten()
+                        .for_each(|v| *v *= YIELDING);
+                }
+                made
+            }
+            Element::Bend(i) if bundle.twisting => framed::hessian(bundle, state, i as usize),
+            Element::Bend(i) => {
+                rod::bend_hessian(bundle, state, i as usize, Curvature::GaussNewton)
+            }
+            Element::Bond(b) => bond::hessian(bundle, state, b as usize, Curvature::GaussNewton),
+        }
+    }
+}
+
+impl<const B: usize> System<B> {
+    /// Conjugate gradients so far.
+    pub fn iterations(&self) -> u64 {
+        self.iterations
+    }
+
+    /// Makes everything that depends on which rods and bonds there are.
+    pub fn prepare(&mut self, bundle: &Bundle) {
+        if self.generation == Some(bundle.generation) {
+            return;
+        }
+        self.generation = Some(bundle.generation);
+        let n = bundle.vertices();
+        let all = 0..n as u32;
+        let edges = all.clone().filter(|&j| bundle.is_edge(j as usize));
+        let bends =
+            all.filter(|&i| bundle.bend[i as usize] > 0.0 || bundle.twist[i as usize] > 0.0);
+        self.elements = edges
+            .map(Element::Edge)
+            .chain(bends.map(Element::Bend))
+            .chain((0..bundle.bonds.len() as u32).map(Element::Bond))
+            .collect();
+        let mut pairs: Vec<u64> = (0..n as u64).map(|v| v << 32 | v).collect();
+        for element in &self.elements {
+            let (nodes, count) = element.nodes(bundle);
+            for (a, b) in couples(count) {
+                pairs.push((nodes[a] as u64) << 32 | nodes[b] as u64);
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.column = pairs.iter().map(|p| *p as u32).collect();
+        self.first = vec![0; n + 1];
+        pairs
+            .iter()
+            .for_each(|p| self.first[(p >> 32) as usize + 1] += 1);
+        (0..n).for_each(|v| self.first[v + 1] += self.first[v]);
+        let find = |a: usize, b: usize| {
+            let (from, to) = (self.first[a] as usize, self.first[a + 1] as usize);
+            let row = &self.column[from..to];
+            (from + row.partition_point(|&c| (c as usize) < b)) as u32
+        };
+        self.diagonal = (0..n).map(|v| find(v, v)).collect();
+        self.slots = (self.elements.iter())
+            .map(|element| {
+                let (nodes, count) = element.nodes(bundle);
+                let mut made = [0; 9];
+                for (a, b) in couples(count) {
+                    made[3 * a + b] = find(nodes[a], nodes[b]);
+                }
+                made
+            })
+            .collect();
+        self.value = vec![[[0.0; 4]; B]; self.column.len()];
+        self.other = self.value.clone();
+        self.lines.prepare(bundle, &self.first, &self.column);
+        self.sections.prepare(bundle, &self.first, &self.column);
+    }
+
+    /// The step of a problem: `prescribed` where held, else what balances the linearised forces.
+    pub fn solve(&mut self, problem: &Problem) -> Vec<f64> {
+        let n = problem.bundle.vertices();
+        self.assemble(problem);
+        let node = |of: &[f64], v: usize| -> Node {
+            std::array::from_fn(|a| if a < B { of[v * B + a] } else { 0.0 })
+        };
+        let free: Vec<Node> = (0..n)
+            .map(|v| std::array::from_fn(|a| f64::from(a < B && !problem.held[v * B + a])))
+            .collect();
+        let mut x: Vec<Node> = (0..n).map(|v| node(problem.prescribed, v)).collect();
+        let mut r: Vec<Node> = (0..n).map(|v| node(problem.residual, v)).collect();
+        if problem.prescribed.iter().any(|d| *d != 0.0) {
+            let mut pushed = vec![[0.0; 4]; n];
+            self.multiply(&x, &mut pushed);
+            r.iter_mut()
+                .zip(&pushed)
+                .for_each(|(r, p)| (0..4).for_each(|a| r[a] -= p[a]));
+        }
+        mask(&mut r, &free);
+        self.hold(&free);
+        let (lines, sections) = (&mut self.lines, &mut self.sections);
+        let value = &self.value;
+        rayon::join(|| lines.factor(value), || sections.factor(value));
+        self.conjugate_gradients(problem.accuracy, &free, &mut r, &mut x);
+        x.iter().flat_map(|x| x[..B].iter().copied()).collect()
+    }
+
+    fn conjugate_gradients(
+        &mut self,
+        accuracy: f64,
+        free: &[Node],
+        r: &mut [Node],
+        x: &mut [Node],
+    ) {
+        let n = r.len();
+        let (mut z, mut p, mut ap) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n], vec![[0.0; 4]; n]);
+        self.precondition(free, r, &mut z);
+        p.copy_from_slice(&z);
+        let mut rz = dot(r, &z);
+        let goal = accuracy * accuracy * rz;
+        for _ in 0..MOST {
+            if rz <= goal || !rz.is_finite() {
+                return;
+            }
+            self.iterations += 1;
+            self.multiply(&p, &mut ap);
+            let curvature = dot(&p, &ap);
+            if curvature.is_nan() || curvature <= 0.0 {
+                return;
+            }
+            let along = rz / curvature;
+            for v in 0..n {
+                for a in 0..4 {
+                    x[v][a] += along * p[v][a];
+                    r[v][a] -= along * ap[v][a];
+                }
+            }
+            self.precondition(free, r, &mut z);
+            let next = dot(r, &z);
+            let keep = next / rz;
+            rz = next;
+            for v in 0..n {
+                (0..4).for_each(|a| p[v][a] = z[v][a] + keep * p[v][a]);
+            }
+        }
+    }
+
+    fn precondition(&self, free: &[Node], r: &[Node], z: &mut [Node]) {
+        let coarse = {
+            let (lines, sections) = (&self.lines, &self.sections);
+            rayon::join(|| lines.solve(r, z), || sections.solve(r)).1
+        };
+        self.sections.add(&coarse, z);
+        mask(z, free);
+    }
+
+    /// Takes rows and columns that are not free out of the system: zero, with 1 on the diagonal.
+    fn hold(&mut self, free: &[Node]) {
+        if free.iter().all(|f| f[..B].iter().all(|f| *f == 1.0)) {
+            return;
+        }
+        for v in 0..free.len() {
+            for k in self.first[v] as usize..self.first[v + 1] as usize {
+                let other = &free[self.column[k] as usize];
+                for b in 0..B {
+                    (0..4).for_each(|a| self.value[k][b][a] *= free[v][a] * other[b]);
+                }
+            }
+            let block = &mut self.value[self.diagonal[v] as usize];
+            (0..B).for_each(|a| block[a][a] += 1.0 - free[v][a]);
+        }
+    }
+
+    /// `out` = matrix × `x`.
+    fn multiply(&self, x: &[Node], out: &mut [Node]) {
+        out.par_chunks_mut(GRAIN).enumerate().for_each(|(k, out)| {
+            pulp::Arch::new().dispatch(|| {
+                for (i, out) in out.iter_mut().enumerate() {
+                    let v = k * GRAIN + i;
+                    let (from, to) = (self.first[v] as usize, self.first[v + 1] as usize);
+                    let mut sum = [0.0; 4];
+                    for (block, &c) in self.value[from..to].iter().zip(&self.column[from..to]) {
+                        let x = &x[c as usize];
+                        for b in 0..B {
+                            for a in 0..4 {
+                                sum[a] += block[b][a] * x[b];
+                            }
+                        }
+                    }
+                    *out = sum;
+                }
+            });
+        });
+    }
+
+    fn assemble(&mut self, problem: &Problem) {
+        let half = self.elements.len() / 2;
+        let (elements, slots) = (&self.elements, &self.slots);
+        let fill = |value: &mut [[Column; B]], range: std::ops::Range<usize>| {
+            value.iter_mut().for_each(|b| *b = [[0.0; 4]; B]);
+            for k in range {
+                let hessian = elements[k].hessian(problem);
+                let count = elements[k].nodes(problem.bundle).1;
+                // Freedoms are those of places by vertex, then angles of the first two edges.
+                let of = |f: usize| {
+                    if f < 3 * count {
+                        (f / 3, f % 3)
+                    } else {
+                        (f - 3 * count, 3)
+                    }
+                };
+                for column in 0..hessian.count {
+                    let (b, beta) = of(column);
+                    for row in 0..hessian.count {
+                        let (a, alpha) = of(row);
+                        value[slots[k][3 * a + b] as usize][beta][alpha] +=
+                            hessian.matrix[row][column];
+                    }
+                }
+            }
+        };
+        let (value, other) = (&mut self.value, &mut self.other);
+        let all = elements.len();
+        rayon::join(|| fill(value, 0..half), || fill(other, half..all));
+        for (v, o) in self.value.iter_mut().zip(&self.other) {
+            for b in 0..B {
+                (0..4).for_each(|a| v[b][a] += o[b][a]);
+            }
+        }
+        let bundle = problem.bundle;
+        for v in 0..bundle.vertices() {
+            let block = &mut self.value[self.diagonal[v] as usize];
+            (0..3).for_each(|a| block[a][a] += bundle.mass[v] * problem.inertia);
+            if B == 4 {
+                // An angle without an edge, or whose edge is free to turn.
+                block[3][3] += bundle.inertia[v] * problem.inertia;
+                if block[3][3] <= 0.0 {
+                    block[3][3] = 1.0;
+                }
+            }
+        }
+        self.add_touches(problem.touches);
+    }
+
+    /// Adds contacts. What joins two rods has no place in the matrix: twice its diagonal blocks are never less.
+    fn add_touches(&mut self, touches: &[Touch]) {
+        for touch in touches {
+            let parts: Vec<(usize, f64)> = touch.shares().collect();
+            let by = if touch.other.is_some() { 2.0 } else { 1.0 };
+            for (i, a) in parts.iter().enumerate() {
+                for (k, b) in parts.iter().enumerate() {
+                    if i / 2 != k / 2 {
+                        continue;
+                    }
+                    let (from, to) = (self.first[a.0] as usize, self.first[a.0 + 1] as usize);
+                    let row = &self.column[from..to];
+                    let slot = from + row.partition_point(|&c| (c as usize) < b.0);
+                    for column in 0..3 {
+                        for row in 0..3 {
+                            let k = touch_block(touch, touch.normal, row, column);
+                            self.value[slot][column][row] += by * a.1 * b.1 * k;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Pairs of an element's nodes.
+fn couples(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count * count).map(move |k| (k / count, k % count))
+}
+
+fn mask(of: &mut [Node], free: &[Node]) {
+    of.iter_mut()
+        .zip(free)
+        .for_each(|(v, f)| (0..4).for_each(|a| v[a] *= f[a]));
+}
+
+fn dot(a: &[Node], b: &[Node]) -> f64 {
+    let mut sum = 0.0;
+    for (a, b) in a.chunks(GRAIN).zip(b.chunks(GRAIN)) {
+        let mut lanes = [0.0; 4];
+        for (a, b) in a.iter().zip(b) {
+            (0..4).for_each(|l| lanes[l] += a[l] * b[l]);
+        }
+        sum += (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+    }
+    sum
+}
