@@ -28,6 +28,7 @@ const MANNER: Manner = Manner {
     iterations: 40,
     accuracy: 1e-3,
     take_last: false,
+    one_matrix: false,
 };
 
 /// The implicit solver.

@@ -27,10 +27,12 @@ pub(super) type Node = [f64; 4];
 type Column = [f64; 4];
 /// Vertices that one task takes, and that one sum is of.
 const GRAIN: usize = 256;
+/// Part of the vertices whose bonds are added together with the rods, so that both arrays take about as long.
+const OWN: f64 = 0.3;
 /// Iterations at most.
 const MOST: usize = 400;
 /// Stiffness of a yielding edge over that of an elastic one: none at all could leave the matrix singular.
-const YIELDING: f64 = 1e-3;
+const YIELDING: f64 = 2e-2;
 
 /// The matrix of a bundle with `B` freedoms at a vertex, and its preconditioner.
 #[derive(Debug, Clone, Default)]
@@ -39,36 +41,32 @@ pub(super) struct System<const B: usize> {
     /// First entry of each row, and their number at the end.
     first: Vec<u32>,
     column: Vec<u32>,
-    /// Blocks as columns; the second half of the elements adds to its own array.
+    /// Blocks as columns; part of the elements adds to its own array.
     value: Vec<[Column; B]>,
     other: Vec<[Column; B]>,
     elements: Vec<Element>,
     slots: Vec<[u32; 9]>,
+    /// Vertex and edge of each bond, and its places.
+    names: Vec<(u32, u32)>,
+    bond_slots: Vec<[u32; 9]>,
     diagonal: Vec<u32>,
     lines: Lines<B>,
     sections: Sections,
     iterations: u64,
 }
 
+/// An element of a rod.
 #[derive(Debug, Clone, Copy)]
 enum Element {
     Edge(u32),
     Bend(u32),
-    Bond(u32),
 }
 
 impl Element {
-    fn nodes(self, bundle: &Bundle) -> ([usize; 3], usize) {
+    fn nodes(self) -> ([usize; 3], usize) {
         match self {
             Element::Edge(j) => ([j as usize, j as usize + 1, 0], 2),
             Element::Bend(i) => ([i as usize - 1, i as usize, i as usize + 1], 3),
-            Element::Bond(b) => {
-                let (x, j) = (
-                    bundle.bonds.vertex[b as usize],
-                    bundle.bonds.edge[b as usize],
-                );
-                ([x as usize, j as usize, j as usize + 1], 3)
-            }
         }
     }
 
@@ -97,9 +95,13 @@ impl Element {
             Element::Bend(i) => {
                 rod::bend_hessian(bundle, state, i as usize, Curvature::GaussNewton)
             }
-            Element::Bond(b) => bond::hessian(bundle, state, b as usize, Curvature::GaussNewton),
         }
     }
+}
+
+fn bond_nodes(bundle: &Bundle, bond: usize) -> [usize; 3] {
+    let j = bundle.bonds.edge[bond] as usize;
+    [bundle.bonds.vertex[bond] as usize, j, j + 1]
 }
 
 impl<const B: usize> System<B> {
@@ -108,12 +110,37 @@ impl<const B: usize> System<B> {
         self.iterations
     }
 
-    /// Makes everything that depends on which rods and bonds there are.
+    /// Makes everything that depends on which rods and bonds there are. Where only bonds have broken their places in the
+    /// matrix stay, and hold zeros.
     pub fn prepare(&mut self, bundle: &Bundle) {
         if self.generation == Some(bundle.generation) {
             return;
         }
         self.generation = Some(bundle.generation);
+        let names = (bundle.bonds.vertex.iter().zip(&bundle.bonds.edge)).map(|(v, e)| (*v, *e));
+        let names: Vec<(u32, u32)> = names.collect();
+        let kept = self.kept_slots(bundle, &names);
+        self.names = names;
+        match kept {
+            Some(slots) => self.bond_slots = slots,
+            None => self.build(bundle),
+        }
+        self.sections.prepare(bundle, &self.first, &self.column);
+    }
+
+    /// The places of the bonds there are, if these are some of those there were and no rod has broken.
+    fn kept_slots(&self, bundle: &Bundle, names: &[(u32, u32)]) -> Option<Vec<[u32; 9]>> {
+        if self.diagonal.len() != bundle.vertices() {
+            return None;
+        }
+        let mut old = self.names.iter().zip(&self.bond_slots);
+        names
+            .iter()
+            .map(|name| old.find(|o| o.0 == name).map(|o| *o.1))
+            .collect()
+    }
+
+    fn build(&mut self, bundle: &Bundle) {
         let n = bundle.vertices();
         let all = 0..n as u32;
         let edges = all.clone().filter(|&j| bundle.is_edge(j as usize));
@@ -122,49 +149,60 @@ impl<const B: usize> System<B> {
         self.elements = edges
             .map(Element::Edge)
             .chain(bends.map(Element::Bend))
-            .chain((0..bundle.bonds.len() as u32).map(Element::Bond))
             .collect();
-        let mut pairs: Vec<u64> = (0..n as u64).map(|v| v << 32 | v).collect();
-        for element in &self.elements {
-            let (nodes, count) = element.nodes(bundle);
-            for (a, b) in couples(count) {
-                pairs.push((nodes[a] as u64) << 32 | nodes[b] as u64);
+        let mut rows: Vec<Vec<u32>> = (0..n as u32).map(|v| vec![v]).collect();
+        let mut couple = |nodes: &[usize]| {
+            for &a in nodes {
+                rows[a].extend(nodes.iter().map(|b| *b as u32));
             }
+        };
+        for element in &self.elements {
+            let (nodes, count) = element.nodes();
+            couple(&nodes[..count]);
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        self.column = pairs.iter().map(|p| *p as u32).collect();
-        self.first = vec![0; n + 1];
-        pairs
-            .iter()
-            .for_each(|p| self.first[(p >> 32) as usize + 1] += 1);
-        (0..n).for_each(|v| self.first[v + 1] += self.first[v]);
+        (0..bundle.bonds.len()).for_each(|b| couple(&bond_nodes(bundle, b)));
+        (self.first, self.column) = (vec![0], Vec::new());
+        for row in &mut rows {
+            row.sort_unstable();
+            row.dedup();
+            self.column.extend_from_slice(row);
+            self.first.push(self.column.len() as u32);
+        }
         let find = |a: usize, b: usize| {
             let (from, to) = (self.first[a] as usize, self.first[a + 1] as usize);
             let row = &self.column[from..to];
             (from + row.partition_point(|&c| (c as usize) < b)) as u32
         };
         self.diagonal = (0..n).map(|v| find(v, v)).collect();
+        let slots = |nodes: &[usize]| {
+            let mut made = [0; 9];
+            for (a, &u) in nodes.iter().enumerate() {
+                for (b, &v) in nodes.iter().enumerate() {
+                    made[3 * a + b] = find(u, v);
+                }
+            }
+            made
+        };
         self.slots = (self.elements.iter())
             .map(|element| {
-                let (nodes, count) = element.nodes(bundle);
-                let mut made = [0; 9];
-                for (a, b) in couples(count) {
-                    made[3 * a + b] = find(nodes[a], nodes[b]);
-                }
-                made
+                let (nodes, count) = element.nodes();
+                slots(&nodes[..count])
             })
+            .collect();
+        self.bond_slots = (0..bundle.bonds.len())
+            .map(|b| slots(&bond_nodes(bundle, b)))
             .collect();
         self.value = vec![[[0.0; 4]; B]; self.column.len()];
         self.other = self.value.clone();
         self.lines.prepare(bundle, &self.first, &self.column);
-        self.sections.prepare(bundle, &self.first, &self.column);
     }
 
     /// The step of a problem: `prescribed` where held, else what balances the linearised forces.
     pub fn solve(&mut self, problem: &Problem) -> Vec<f64> {
         let n = problem.bundle.vertices();
-        self.assemble(problem);
+        if problem.fresh {
+            self.assemble(problem);
+        }
         let node = |of: &[f64], v: usize| -> Node {
             std::array::from_fn(|a| if a < B { of[v * B + a] } else { 0.0 })
         };
@@ -181,10 +219,12 @@ impl<const B: usize> System<B> {
                 .for_each(|(r, p)| (0..4).for_each(|a| r[a] -= p[a]));
         }
         mask(&mut r, &free);
-        self.hold(&free);
-        let (lines, sections) = (&mut self.lines, &mut self.sections);
-        let value = &self.value;
-        rayon::join(|| lines.factor(value), || sections.factor(value));
+        if problem.fresh {
+            self.hold(&free);
+            let (lines, sections) = (&mut self.lines, &mut self.sections);
+            let value = &self.value;
+            rayon::join(|| lines.factor(value), || sections.factor(value));
+        }
         self.conjugate_gradients(problem.accuracy, &free, &mut r, &mut x);
         x.iter().flat_map(|x| x[..B].iter().copied()).collect()
     }
@@ -278,40 +318,41 @@ impl<const B: usize> System<B> {
     }
 
     fn assemble(&mut self, problem: &Problem) {
-        let half = self.elements.len() / 2;
-        let (elements, slots) = (&self.elements, &self.slots);
-        let fill = |value: &mut [[Column; B]], range: std::ops::Range<usize>| {
-            value.iter_mut().for_each(|b| *b = [[0.0; 4]; B]);
-            for k in range {
-                let hessian = elements[k].hessian(problem);
-                let count = elements[k].nodes(problem.bundle).1;
-                // Freedoms are those of places by vertex, then angles of the first two edges.
-                let of = |f: usize| {
-                    if f < 3 * count {
-                        (f / 3, f % 3)
-                    } else {
-                        (f - 3 * count, 3)
-                    }
-                };
-                for column in 0..hessian.count {
-                    let (b, beta) = of(column);
-                    for row in 0..hessian.count {
-                        let (a, alpha) = of(row);
-                        value[slots[k][3 * a + b] as usize][beta][alpha] +=
-                            hessian.matrix[row][column];
-                    }
-                }
+        let bundle = problem.bundle;
+        // The same bonds go to the same array whatever has broken: sums must not depend on it.
+        let border = (OWN * bundle.vertices() as f64) as u32;
+        let border = bundle.bonds.vertex.partition_point(|&v| v < border);
+        let (elements, slots, bond_slots) = (&self.elements, &self.slots, &self.bond_slots);
+        let clear = |value: &mut [[Column; B]]| value.fill([[0.0; 4]; B]);
+        let rods = |value: &mut [[Column; B]]| {
+            for (element, slots) in elements.iter().zip(slots) {
+                add_element(&element.hessian(problem), element.nodes().1, slots, value);
             }
         };
+        let bonds = |value: &mut [[Column; B]], range: std::ops::Range<usize>| {
+            pulp::Arch::new().dispatch(|| {
+                for k in range.clone() {
+                    add_bond(problem, k, &bond_slots[k], value);
+                }
+            });
+        };
         let (value, other) = (&mut self.value, &mut self.other);
-        let all = elements.len();
-        rayon::join(|| fill(value, 0..half), || fill(other, half..all));
+        rayon::join(
+            || {
+                clear(value);
+                rods(value);
+                bonds(value, 0..border);
+            },
+            || {
+                clear(other);
+                bonds(other, border..bond_slots.len());
+            },
+        );
         for (v, o) in self.value.iter_mut().zip(&self.other) {
             for b in 0..B {
                 (0..4).for_each(|a| v[b][a] += o[b][a]);
             }
         }
-        let bundle = problem.bundle;
         for v in 0..bundle.vertices() {
             let block = &mut self.value[self.diagonal[v] as usize];
             (0..3).for_each(|a| block[a][a] += bundle.mass[v] * problem.inertia);
@@ -351,9 +392,66 @@ impl<const B: usize> System<B> {
     }
 }
 
-/// Pairs of an element's nodes.
-fn couples(count: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..count * count).map(move |k| (k / count, k % count))
+/// Adds the Hessian of an element of `count` vertices.
+fn add_element<const B: usize>(
+    hessian: &ElementHessian,
+    count: usize,
+    slots: &[u32; 9],
+    value: &mut [[Column; B]],
+) {
+    // Freedoms are those of places by vertex, then angles of the first two edges.
+    let of = |f: usize| {
+        if f < 3 * count {
+            (f / 3, f % 3)
+        } else {
+            (f - 3 * count, 3)
+        }
+    };
+    for column in 0..hessian.count {
+        let (b, beta) = of(column);
+        for row in 0..hessian.count {
+            let (a, alpha) = of(row);
+            value[slots[3 * a + b] as usize][beta][alpha] += hessian.matrix[row][column];
+        }
+    }
+}
+
+/// Adds a bond: k u uᵀ + 2 S w wᵀ with the gradients u of its length and w of its cosine.
+#[inline(always)]
+fn add_bond<const B: usize>(
+    problem: &Problem,
+    number: usize,
+    slots: &[u32; 9],
+    value: &mut [[Column; B]],
+) {
+    let bonds = &problem.bundle.bonds;
+    let (e, d) = bond::vectors(problem.bundle, problem.state, number);
+    let (le, ld) = (1.0 / e.length(), 1.0 / d.length());
+    let (e, d) = (e * le, d * ld);
+    let cosine = e.dot(d);
+    let (by_d, by_e) = ((e - d * cosine) * ld, (d - e * cosine) * le);
+    let t = bonds.t[number];
+    let parts = [1.0, t - 1.0, -t];
+    let node = |v: glam::DVec3| -> Node { [v.x, v.y, v.z, 0.0] };
+    let length = parts.map(|p| node(d * p));
+    let turn = [
+        node(by_d),
+        node(by_d * parts[1] - by_e),
+        node(by_d * parts[2] + by_e),
+    ];
+    let k = bonds.transverse[number] / bonds.distance[number];
+    let s = 2.0 * bonds.shear[number];
+    for a in 0..3 {
+        for b in 0..3 {
+            let block = &mut value[slots[3 * a + b] as usize];
+            for beta in 0..3 {
+                let (u, w) = (k * length[b][beta], s * turn[b][beta]);
+                for alpha in 0..4 {
+                    block[beta][alpha] += u * length[a][alpha] + w * turn[a][alpha];
+                }
+            }
+        }
+    }
 }
 
 fn mask(of: &mut [Node], free: &[Node]) {

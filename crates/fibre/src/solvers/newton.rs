@@ -152,6 +152,8 @@ pub(crate) struct Manner {
     pub accuracy: f64,
     /// Whether the last iterate is taken where they do not suffice.
     pub take_last: bool,
+    /// Whether the matrix of the first iteration serves them all, as long as contacts stay.
+    pub one_matrix: bool,
 }
 
 impl Default for Manner {
@@ -162,6 +164,7 @@ impl Default for Manner {
             iterations: ITERATIONS,
             accuracy: LINEAR,
             take_last: false,
+            one_matrix: false,
         }
     }
 }
@@ -184,6 +187,8 @@ pub(super) struct Problem<'a> {
     pub prescribed: &'a [f64],
     /// Accuracy of the solution.
     pub accuracy: f64,
+    /// Whether the matrix is made anew.
+    pub fresh: bool,
 }
 
 impl Newton {
@@ -282,6 +287,7 @@ impl Newton {
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
+        let mut touching = 0;
         let mut tolerance = self.manner.tolerance * self.scale;
         while iterations == 0 && moved || worst > tolerance {
             if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
@@ -295,7 +301,10 @@ impl Newton {
                     tolerance,
                 });
             }
-            let step = self.direction(goal, base, &state, &prescribed);
+            let fresh =
+                !self.manner.one_matrix || iterations == 0 || self.touches.len() != touching;
+            touching = self.touches.len();
+            let step = self.direction(goal, base, &state, &prescribed, fresh);
             let slope: f64 = step
                 .iter()
                 .zip(&self.residual)
@@ -553,6 +562,7 @@ impl Newton {
         base: &State,
         state: &State,
         prescribed: &[f64],
+        fresh: bool,
     ) -> Vec<f64> {
         let step_inertia = goal
             .inertia
@@ -568,6 +578,7 @@ impl Newton {
             held: &self.held,
             prescribed,
             accuracy: self.manner.accuracy,
+            fresh,
         };
         match &mut self.linear {
             Linear::Direct(direct) => direct.solve(&problem),

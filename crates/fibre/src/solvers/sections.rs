@@ -33,45 +33,58 @@ pub(super) struct Sections {
     ready: bool,
     /// Pairs of pieces, the first not below the second.
     pairs: Vec<(u32, u32)>,
-    /// Per entry of the fine matrix: its pair; [`NONE`] where there is none.
+    /// Per block of the fine matrix that joins a pair: the pair.
     slots: Vec<u32>,
-    /// Per entry of the fine matrix that has a pair: row and column.
+    /// The same: its place, row and column.
     entries: Vec<[u32; 3]>,
     blocks: Vec<Block>,
     matrix: Envelope,
 }
 
 impl Sections {
+    /// Makes everything that depends on which rods and bonds there are, for a matrix whose rows begin at `first` and have
+    /// their blocks in `column`.
     pub fn prepare(&mut self, bundle: &Bundle, first: &[u32], column: &[u32]) {
         let n = bundle.vertices();
         let axis = main_axis(bundle);
-        let slab = slabs(bundle, axis);
-        self.find_pieces(bundle, &slab);
-        self.find_weights(bundle, axis);
-        let mut all: Vec<u64> = Vec::new();
+        let before = std::mem::take(&mut self.piece);
+        self.find_pieces(bundle, &slabs(bundle, axis));
         let piece = &self.piece;
-        let pair = |v: usize, c: u32| {
-            let (a, b) = (piece[v], piece[c as usize]);
-            (a != NONE && b != NONE && a >= b).then(|| u64::from(a) << 32 | u64::from(b))
+        let pair = |v: usize, c: usize| {
+            let (a, b) = (piece[v], piece[c]);
+            (a != NONE && b != NONE).then(|| u64::from(a.max(b)) << 32 | u64::from(a.min(b)))
         };
-        for v in 0..n {
-            let row = &column[first[v] as usize..first[v + 1] as usize];
-            all.extend(row.iter().filter_map(|&c| pair(v, c)));
+        let mut all: Vec<u64> = (0..n).filter_map(|v| pair(v, v)).collect();
+        for v in (0..n).filter(|&v| bundle.is_edge(v)) {
+            all.extend(pair(v, v + 1));
+            if bundle.bend[v] > 0.0 {
+                all.extend(pair(v - 1, v + 1));
+            }
+        }
+        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
+            all.extend(pair(v as usize, e as usize));
+            all.extend(pair(v as usize, e as usize + 1));
         }
         all.sort_unstable();
         all.dedup();
-        self.pairs = all.iter().map(|p| ((p >> 32) as u32, *p as u32)).collect();
+        let pairs: Vec<(u32, u32)> = all.iter().map(|p| ((p >> 32) as u32, *p as u32)).collect();
+        if before == self.piece && pairs == self.pairs {
+            return;
+        }
+        self.pairs = pairs;
         self.entries.clear();
         self.slots.clear();
         for v in 0..n {
             for k in first[v]..first[v + 1] {
-                if let Some(p) = pair(v, column[k as usize]) {
-                    let at = all.partition_point(|q| *q < p) as u32;
-                    self.slots.push(at);
-                    self.entries.push([k, v as u32, column[k as usize]]);
+                let c = column[k as usize] as usize;
+                let found = pair(v, c).filter(|_| piece[v] >= piece[c]);
+                if let Some(at) = found.and_then(|p| all.binary_search(&p).ok()) {
+                    self.slots.push(at as u32);
+                    self.entries.push([k, v as u32, c as u32]);
                 }
             }
         }
+        self.find_weights(bundle, axis);
         self.blocks = vec![[[0.0; FREEDOMS]; FREEDOMS]; self.pairs.len()];
         let fine = (self.pairs.iter())
             .flat_map(|&(a, b)| (0..9).map(move |k| (3 * a + k / 3, 3 * b + k % 3)));
