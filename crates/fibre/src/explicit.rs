@@ -21,7 +21,7 @@ const SAFETY: f64 = 0.8;
 const LIMIT_INTERVAL: u64 = 400;
 /// The motion has blown up where its kinetic energy is above this many times all energy that there can be. Near the limit
 /// a stable motion shows 1/(1 − (ω Δt/2)²) times its energy: three times at the part of it that is taken.
-const BLOW_UP: f64 = 16.0;
+pub const BLOW_UP: f64 = 16.0;
 /// Rounding moves even a bundle at rest: strain of rounding, whose energy is never a blow-up.
 const ROUNDING_STRAIN: f64 = 1e-9;
 

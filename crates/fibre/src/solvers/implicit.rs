@@ -5,7 +5,7 @@
 //! dies out. What dies is measured: [`Advance::dissipated`] is the energy before the step, with the work of loads and
 //! clamps as the method itself integrates them, less damping, yielding and the energy after.
 
-use super::newton::{Found, Goal, Inertia, Manner, Newton};
+use super::newton::{EXACT, Found, Goal, Inertia, Newton};
 use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
@@ -17,19 +17,9 @@ use crate::vectors::Vectors;
 /// γ = 1 − √½: both stages have the same matrix, and the method is L-stable.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// The step where none is given, s.
-const STEP: f64 = 1.0 / 240.0;
+pub const STEP: f64 = 1.0 / 240.0;
 /// A step that does not settle is halved this often.
 const HALVINGS: u32 = 8;
-
-/// How exactly a stage is solved.
-const MANNER: Manner = Manner {
-    forgetful: true,
-    tolerance: 1e-7,
-    iterations: 40,
-    accuracy: 1e-3,
-    take_last: false,
-    one_matrix: false,
-};
 
 /// The implicit solver.
 #[derive(Debug, Clone)]
@@ -63,7 +53,7 @@ impl Implicit {
     pub fn new(step: Option<f64>) -> Self {
         Implicit {
             given: step,
-            newton: Newton::in_manner(MANNER),
+            newton: Newton::in_manner(EXACT),
             queue: Vec::new(),
         }
     }

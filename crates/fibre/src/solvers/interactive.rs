@@ -22,7 +22,7 @@ use crate::topology;
 use crate::vectors::Vectors;
 
 /// The step where none is given, s.
-const STEP: f64 = 1.0 / 30.0;
+pub const STEP: f64 = 1.0 / 30.0;
 /// Breaking rounds in a step.
 const ROUNDS: usize = 2;
 /// What breaks in one round: what is overstressed by this part of what the most overstressed is.

@@ -156,15 +156,21 @@ pub(crate) struct Manner {
     pub one_matrix: bool,
 }
 
+/// As exactly as by default, remembering nothing.
+pub(crate) const EXACT: Manner = Manner {
+    forgetful: true,
+    tolerance: TOLERANCE,
+    iterations: ITERATIONS,
+    accuracy: LINEAR,
+    take_last: false,
+    one_matrix: false,
+};
+
 impl Default for Manner {
     fn default() -> Self {
         Manner {
             forgetful: false,
-            tolerance: TOLERANCE,
-            iterations: ITERATIONS,
-            accuracy: LINEAR,
-            take_last: false,
-            one_matrix: false,
+            ..EXACT
         }
     }
 }

@@ -5,7 +5,7 @@
 //! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
 //! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
-use super::newton::{Found, Goal, Grip, Newton};
+use super::newton::{EXACT, Found, Goal, Grip, Newton};
 use crate::energy::{energies, rod};
 use crate::error::SolverError;
 use crate::event::{Cause, Event, EventKind};
@@ -35,6 +35,16 @@ impl QuasiStatic {
     pub fn new(step: Option<f64>) -> Self {
         QuasiStatic {
             given: step,
+            ..QuasiStatic::default()
+        }
+    }
+
+    /// The same, remembering nothing from one load step to the next, so that a run can be resumed in the same bytes. It
+    /// takes no grips.
+    pub fn forgetful(step: Option<f64>) -> Self {
+        QuasiStatic {
+            given: step,
+            newton: Newton::in_manner(EXACT),
             ..QuasiStatic::default()
         }
     }
