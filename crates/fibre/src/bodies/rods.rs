@@ -24,6 +24,19 @@ pub(super) struct RodPairs {
     cells: Vec<(u64, u32)>,
     position: Vectors,
     slack: f64,
+    /// Per edge of the unbroken bundle: bonds on it and on its vertices.
+    whole: Vec<u32>,
+    /// Per edge: whether it has lost what kept it from others.
+    loose: Vec<bool>,
+}
+
+/// Per edge: bonds on it and on its two vertices.
+fn bond_counts(bundle: &Bundle) -> Vec<u32> {
+    let incidence = &bundle.bonds.incidence;
+    let own = |v: usize| incidence.own.get(v + 1).map_or(0, |e| e - incidence.own[v]);
+    (0..bundle.vertices())
+        .map(|j| own(j) + own(j + 1) + incidence.first[j + 1] - incidence.first[j])
+        .collect()
 }
 
 #[derive(Clone, Copy)]
@@ -43,9 +56,24 @@ fn key(cell: [i64; 3]) -> u64 {
 }
 
 impl RodPairs {
-    /// Forgets everything, as numbers have changed.
+    /// Forgets everything, as numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
+    /// their bonds, if not to each other then to those between them: only where bonds are missing do they collide.
     pub fn forget(&mut self, bundle: &Bundle) {
         self.slack = 0.0;
+        let counts = bond_counts(bundle);
+        if self.whole.is_empty() {
+            self.whole.clone_from(&counts);
+        }
+        let mut pieces = vec![0u32; bundle.parent.iter().max().map_or(0, |p| *p as usize + 1)];
+        (bundle.parent.iter()).for_each(|p| pieces[*p as usize] += 1);
+        self.loose = vec![true; bundle.vertices()];
+        for rod in 0..bundle.rods() {
+            let broken = pieces[bundle.parent[rod] as usize] > 1;
+            for j in bundle.rod(rod) {
+                let whole = self.whole.get(bundle.origin[j] as usize).copied();
+                self.loose[j] = broken || counts[j] == 0 || whole != Some(counts[j]);
+            }
+        }
         self.position = Vectors::zeros(bundle.vertices());
     }
 
@@ -124,7 +152,7 @@ impl RodPairs {
                         if k > to {
                             break;
                         }
-                        if b as usize > a {
+                        if b as usize > a && (self.loose[a] || self.loose[b as usize]) {
                             let pair = may_touch(bundle, state, radius, a, b as usize, self.slack);
                             self.pairs.extend(pair);
                         }

@@ -52,7 +52,19 @@ pub(super) struct System<const B: usize> {
     diagonal: Vec<u32>,
     lines: Lines<B>,
     sections: Sections,
+    /// Contacts between rods.
+    pushes: Vec<Push>,
+    free: Vec<Node>,
     iterations: u64,
+}
+
+/// A contact between two rods, whose coupling has no place among the blocks.
+#[derive(Debug, Clone, Copy)]
+struct Push {
+    /// Vertices of the one and of the other, with their weights.
+    shares: [(usize, f64); 4],
+    normal: glam::DVec3,
+    stiffness: f64,
 }
 
 /// An element of a rod.
@@ -209,6 +221,7 @@ impl<const B: usize> System<B> {
         let free: Vec<Node> = (0..n)
             .map(|v| std::array::from_fn(|a| f64::from(a < B && !problem.held[v * B + a])))
             .collect();
+        self.free.clone_from(&free);
         let mut x: Vec<Node> = (0..n).map(|v| node(problem.prescribed, v)).collect();
         let mut r: Vec<Node> = (0..n).map(|v| node(problem.residual, v)).collect();
         if problem.prescribed.iter().any(|d| *d != 0.0) {
@@ -315,6 +328,21 @@ impl<const B: usize> System<B> {
                 }
             });
         });
+        for push in &self.pushes {
+            let along = |of: &[(usize, f64)]| {
+                of.iter().fold(0.0, |sum, &(v, w)| {
+                    let moved = glam::DVec3::new(x[v][0], x[v][1], x[v][2]);
+                    sum + w * moved.dot(push.normal)
+                })
+            };
+            let less = push.stiffness * (along(&push.shares[..2]) - along(&push.shares[2..]));
+            for (k, &(v, w)) in push.shares.iter().enumerate() {
+                let force = push.normal * if k < 2 { -less * w } else { less * w };
+                for a in 0..3 {
+                    out[v][a] += force[a] * self.free[v][a];
+                }
+            }
+        }
     }
 
     fn assemble(&mut self, problem: &Problem) {
@@ -367,11 +395,20 @@ impl<const B: usize> System<B> {
         self.add_touches(problem.touches);
     }
 
-    /// Adds contacts. What joins two rods has no place in the matrix: twice its diagonal blocks are never less.
+    /// Adds contacts. What joins two rods has no place among the blocks: twice its diagonal blocks, which are never less,
+    /// stand there for the preconditioner, and [`System::multiply`] makes up for the difference.
     fn add_touches(&mut self, touches: &[Touch]) {
+        self.pushes.clear();
         for touch in touches {
             let parts: Vec<(usize, f64)> = touch.shares().collect();
             let by = if touch.other.is_some() { 2.0 } else { 1.0 };
+            if let [a, b, c, d] = parts[..] {
+                self.pushes.push(Push {
+                    shares: [a, b, c, d],
+                    normal: touch.normal,
+                    stiffness: touch.stiffness,
+                });
+            }
             for (i, a) in parts.iter().enumerate() {
                 for (k, b) in parts.iter().enumerate() {
                     if i / 2 != k / 2 {
