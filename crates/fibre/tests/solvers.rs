@@ -163,20 +163,59 @@ fn scene() -> World {
     world
 }
 
-/// Bends the scene over `time` seconds until something breaks: the force then, N, found at every hundredth of the way.
-fn force_at_first_break(solver: &mut dyn Solver, time: f64) -> f64 {
-    let mut world = scene();
+#[test]
+fn neither_threads_nor_a_new_solver_change_a_bit_of_what_remembers_nothing() {
+    let makers: [fn() -> Box<dyn Solver>; 3] = [
+        || Box::new(Implicit::new(Some(0.02))),
+        || Box::new(Interactive::new(Some(0.02))),
+        || Box::new(QuasiStatic::forgetful(Some(0.02))),
+    ];
+    for make in makers {
+        let run = |threads: usize, anew: bool| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| {
+                let mut world = scene();
+                pull_ends(&mut world, 0.02);
+                let mut solver = make();
+                for _ in 0..16 {
+                    if anew {
+                        solver = make();
+                    }
+                    solver.advance(&mut world, &mut NoContacts, 0.02).unwrap();
+                }
+                world
+            })
+        };
+        let (one, two) = (run(1, false), run(2, true));
+        assert!(
+            one.events
+                .iter()
+                .any(|e| e.kind == EventKind::BondBroke || e.kind == EventKind::RodBroke)
+        );
+        assert!(one == two, "{}", make().name());
+    }
+}
+
+/// Moves the free ends of the scene's rods aside at some speed, m/s; returns their vertices.
+fn pull_ends(world: &mut World, speed: f64) -> Vec<u32> {
     let ends: Vec<u32> = (0..world.bundle.rods())
         .map(|r| world.bundle.rod(r).end as u32 - 1)
         .collect();
     let motion = Motion::Steady {
-        velocity: DVec3::Y * (WAY / time),
+        velocity: DVec3::Y * speed,
         angular: DVec3::ZERO,
     };
     world.loads.clamps.push(Clamp {
         axes: [false, true, false],
         ..Clamp::of(&world.bundle, ends.clone(), motion)
     });
+    ends
+}
+
+/// Bends the scene over `time` seconds until something breaks: the force then, N, found at every hundredth of the way.
+fn force_at_first_break(solver: &mut dyn Solver, time: f64) -> f64 {
+    let mut world = scene();
+    let ends = pull_ends(&mut world, WAY / time);
     let mut forces = Forces::zeros(world.bundle.vertices());
     let mut last = 0.0;
     for _ in 0..300 {

@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Part of the distance at rest at which rods that were neighbours touch: whole wood must not rattle.
 const AT_REST: f64 = 0.9;
 /// How much wider than touching pairs are looked for, in the thickest rod's radii.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 1.0;
 
 /// Edges that may touch.
 #[derive(Clone, Default)]
@@ -45,6 +45,8 @@ struct Pair {
     b: u32,
     /// Distance at which they touch, m.
     reach: f64,
+    /// Distance when pairs were looked for, m.
+    apart: f64,
 }
 
 /// Bits of a cell's coordinate in its key.
@@ -90,8 +92,12 @@ impl RodPairs {
         if self.slack <= 0.0 || moved.is_nan() || 4.0 * moved > self.slack * self.slack {
             self.look(bundle, state, radius);
         }
+        let nearer = 2.0 * moved_squared(&state.position, &self.position).sqrt();
         for pair in &self.pairs {
             let (a, b) = (pair.a as usize, pair.b as usize);
+            if ahead.is_none() && pair.apart - nearer > pair.reach {
+                continue;
+            }
             let one = (state.position.get(a), state.edge(a));
             let two = (state.position.get(b), state.edge(b));
             let (s, t) = closest(one, two);
@@ -176,10 +182,11 @@ fn may_touch(
     let touch = radius[a] + radius[b];
     let one = (state.position.get(a), state.edge(a));
     let two = (state.position.get(b), state.edge(b));
-    if distance(one, two) > touch + slack
-        || next_on_rod(bundle, a, b, touch)
-        || bonded(bundle, a, b)
-    {
+    if passes_by(one, two, touch + slack) {
+        return None;
+    }
+    let apart = distance(one, two);
+    if apart > touch + slack || next_on_rod(bundle, a, b, touch) || bonded(bundle, a, b) {
         return None;
     }
     let at_rest = |j: usize| {
@@ -191,6 +198,7 @@ fn may_touch(
         a: a as u32,
         b: b as u32,
         reach: touch.min(AT_REST * rest),
+        apart,
     })
 }
 
@@ -215,6 +223,17 @@ fn bonded(bundle: &Bundle, a: usize, b: usize) -> bool {
         })
     };
     joins(a, b) || joins(b, a)
+}
+
+/// Whether two edges are surely farther apart than `reach`: seen along the first, the second passes it by. Most pairs of a
+/// stem are found out by that, as rods lie side by side.
+fn passes_by((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3), reach: f64) -> bool {
+    let Some(along) = d.try_normalize() else {
+        return false;
+    };
+    let middle = (q + 0.5 * e) - p;
+    let side = middle.reject_from_normalized(along).length();
+    side > reach + 0.5 * e.reject_from_normalized(along).length()
 }
 
 fn distance(one: (DVec3, DVec3), two: (DVec3, DVec3)) -> f64 {
