@@ -177,7 +177,7 @@ fn neither_threads_nor_a_new_solver_change_a_bit_of_what_remembers_nothing() {
                 let mut world = scene();
                 pull_ends(&mut world, 0.02);
                 let mut solver = make();
-                for _ in 0..16 {
+                for _ in 0..20 {
                     if anew {
                         solver = make();
                     }
