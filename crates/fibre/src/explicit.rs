@@ -233,13 +233,13 @@ impl Explicit {
             loads,
             ..
         } = world;
-        if !contacts.is_empty() {
-            if let Some(given) = contacts.resolve(bundle, state, &mut self.next, dt)? {
-                *budget += given.max(0.0);
-                for i in 0..bundle.vertices() {
-                    let place = state.position.get(i) + self.next.get(i) * dt;
-                    self.place.set(i, place);
-                }
+        if !contacts.is_empty()
+            && let Some(given) = contacts.resolve(bundle, state, &mut self.next, dt)?
+        {
+            *budget += given.max(0.0);
+            for i in 0..bundle.vertices() {
+                let place = state.position.get(i) + self.next.get(i) * dt;
+                self.place.set(i, place);
             }
         }
         std::mem::swap(&mut state.velocity, &mut self.next);

@@ -5,8 +5,9 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
+use super::grips::Held;
 use super::matrix::{Envelope, conjugate_gradients, order};
-use super::newton::{Held, Problem};
+use super::newton::Problem;
 use crate::bundle::Bundle;
 use crate::energy::{Curvature, ElementHessian, bond, framed, rod};
 use crate::solver::Touch;

@@ -5,12 +5,14 @@
 //! | [`matrix`] | sparse symmetric matrices in an envelope, and their Cholesky factors |
 //! | `direct` | linear systems with a factor that is kept |
 //! | `iterative` | linear systems by conjugate gradients, with rods (`lines`) and sections (`sections`) solved exactly |
+//! | `grips` | [`Grip`]: springs on the mean displacement of some vertices |
 //! | [`newton`] | Newton's method on all energies, loads and inertia, with yielding and grips |
 //! | [`implicit`] | [`Implicit`]: time steps of animation at real stiffness |
 //! | [`interactive`] | [`Interactive`]: a step a picture |
 //! | [`quasi_static`] | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
 
 mod direct;
+mod grips;
 pub mod implicit;
 pub mod interactive;
 mod iterative;
@@ -20,9 +22,9 @@ pub mod newton;
 pub mod quasi_static;
 mod sections;
 
+pub use grips::Grip;
 pub use implicit::Implicit;
 pub use interactive::Interactive;
-pub use newton::Grip;
 pub use quasi_static::QuasiStatic;
 
 use crate::error::SolverError;

@@ -5,7 +5,8 @@
 //! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
 //! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
-use super::newton::{EXACT, Found, Goal, Grip, Newton};
+use super::grips::Grip;
+use super::newton::{EXACT, Found, Goal, Newton};
 use crate::energy::{energies, rod};
 use crate::error::SolverError;
 use crate::event::{Cause, Event, EventKind};
