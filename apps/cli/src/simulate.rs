@@ -164,11 +164,16 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
     }
     if let Some(word) = &options.solver {
         let found = SolverWord::ALL.into_iter().find(|s| s.name() == word);
-        scene.solver = found.ok_or_else(|| {
+        let found = found.ok_or_else(|| {
             let names: Vec<&str> = SolverWord::ALL.iter().map(|s| s.name()).collect();
             Failure::request(format!("there is no solver \"{word}\""))
                 .hint(format!("there is {}", names.join(", ")))
         })?;
+        if found != scene.solver && options.step.is_none() {
+            // A step that was given for another solver says nothing about this one's.
+            scene.step = None;
+        }
+        scene.solver = found;
     }
     scene.check().map_err(|e: SceneError| Failure::request(e))
 }

@@ -238,8 +238,9 @@ pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Ve
     true
 }
 
-/// Breaks all that is in `queue`, notes it in the world's events, and renumbers whatever named a vertex.
-pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) {
+/// Breaks all that is in `queue`, notes it in the world's events, and renumbers whatever named a vertex. Returns for each
+/// vertex of the bundle now which it was before.
+pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) -> Vec<u32> {
     let cause = match world.failure.bonds {
         BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
         BondCriterion::Griffith => Cause::Griffith,
@@ -300,4 +301,5 @@ pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) {
         &splits,
     );
     contacts.renumbered(&world.bundle, &before);
+    before
 }

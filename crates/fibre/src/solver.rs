@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::loads::Loads;
 use crate::state::State;
 use crate::vectors::Vectors;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// A bundle, its state, what acts on it, when it fails, and what has happened to it.
@@ -81,6 +82,55 @@ pub struct Advance {
     pub work: f64,
 }
 
+/// A contact as a spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// The edge that touches.
+    pub edge: u32,
+    /// Place on it, 0 to 1.
+    pub t: f64,
+    /// The other edge and the place on it; `None` for a body.
+    pub other: Option<(u32, f64)>,
+    /// The body.
+    pub body: Option<u32>,
+    /// Where it touches, m.
+    pub place: DVec3,
+    /// Unit direction from the other to the edge.
+    pub normal: DVec3,
+    /// Force on the edge, N.
+    pub force: DVec3,
+    /// Stiffness along the normal, N/m.
+    pub stiffness: f64,
+    /// Friction over the way slid, N/m.
+    pub hold: f64,
+    /// Energy of the overlap, J.
+    pub energy: f64,
+    /// Energy that friction takes in the step, J.
+    pub rubbed: f64,
+}
+
+impl Touch {
+    /// The vertices that it acts on, with their parts of the force.
+    pub fn shares(&self) -> impl Iterator<Item = (usize, f64)> {
+        let own = [(self.edge, 1.0 - self.t), (self.edge + 1, self.t)];
+        let other = self.other.map(|(e, s)| [(e, s - 1.0), (e + 1, -s)]);
+        own.into_iter()
+            .chain(other.into_iter().flatten())
+            .map(|(v, w)| (v as usize, w))
+    }
+}
+
+/// What contacts took and gave in a step, J.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactBook {
+    /// Work of moved bodies.
+    pub work: f64,
+    /// Taken by friction.
+    pub lost: f64,
+    /// Stored in overlaps now.
+    pub stored: f64,
+}
+
 /// Bodies and contacts between rods, which solvers ask to act once a step.
 pub trait Contacts {
     /// Whether there is nothing to touch, so that nothing has to be asked.
@@ -88,15 +138,38 @@ pub trait Contacts {
         false
     }
 
-    /// Adds contact forces (N) that depend on positions and velocities at `time` (s), for solvers that take forces.
-    fn add_forces(&mut self, bundle: &Bundle, state: &State, time: f64, forces: &mut Vectors);
-
-    /// Ends a step of `step` seconds: moves bodies and changes positions and velocities of vertices in contact.
+    /// Ends contacts in a step of `step` seconds from `state`, at whose end velocities are to be `velocity` where nothing
+    /// touches: changes them, before places move on with them, and moves bodies to the end of the step. Returns the energy
+    /// that this gives to rods and free bodies, J, or nothing where nothing touches.
     ///
     /// # Errors
     /// [`SolverError`] where that is impossible.
-    fn resolve(&mut self, bundle: &Bundle, state: &mut State, step: f64)
-    -> Result<(), SolverError>;
+    fn resolve(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        velocity: &mut Vectors,
+        step: f64,
+    ) -> Result<Option<f64>, SolverError>;
+
+    /// For solvers that look for equilibrium: puts into `found` the springs of all overlaps of `state` at `time` (s), on the
+    /// way from `from`.
+    fn touches(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        from: &State,
+        time: f64,
+        found: &mut Vec<Touch>,
+    );
+
+    /// For these solvers: ends a step from `from` to `time` (s), at which contacts are `touches`.
+    fn accept(&mut self, from: &State, time: f64, touches: &[Touch]) -> ContactBook;
+
+    /// Energy stored in overlaps, J.
+    fn stored(&self) -> f64 {
+        0.0
+    }
 
     /// Something broke: vertex `i` of the bundle now was vertex `before[i]` until now.
     fn renumbered(&mut self, bundle: &Bundle, before: &[u32]);
@@ -114,10 +187,22 @@ impl Contacts for NoContacts {
         true
     }
 
-    fn add_forces(&mut self, _: &Bundle, _: &State, _: f64, _: &mut Vectors) {}
+    fn resolve(
+        &mut self,
+        _: &Bundle,
+        _: &State,
+        _: &mut Vectors,
+        _: f64,
+    ) -> Result<Option<f64>, SolverError> {
+        Ok(None)
+    }
 
-    fn resolve(&mut self, _: &Bundle, _: &mut State, _: f64) -> Result<(), SolverError> {
-        Ok(())
+    fn touches(&mut self, _: &Bundle, _: &State, _: &State, _: f64, found: &mut Vec<Touch>) {
+        found.clear();
+    }
+
+    fn accept(&mut self, _: &State, _: f64, _: &[Touch]) -> ContactBook {
+        ContactBook::default()
     }
 
     fn renumbered(&mut self, _: &Bundle, _: &[u32]) {}

@@ -123,7 +123,8 @@ fn picked_vectors(from: &mut Vectors, before: &[u32]) {
     picked(&mut from.z, before);
 }
 
-fn split_state(state: &mut State, before: &[u32]) {
+/// Gives each vertex of a state that it was before, as [`break_up`] tells.
+pub fn split_state(state: &mut State, before: &[u32]) {
     let State {
         position,
         velocity,

@@ -3,7 +3,8 @@
 mod support;
 
 use glam::DVec3;
-use greenstick_fibre::energy::energies;
+use greenstick_fibre::energy::{Forces, add_forces, energies};
+use greenstick_fibre::explicit::BLOW_UP;
 use greenstick_fibre::{
     Bundle, Clamp, Explicit, Motion, NoContacts, Solver, SolverError, State, World,
 };
@@ -28,54 +29,25 @@ fn flying(curved: bool) -> World {
 
 #[test]
 fn momenta_of_a_free_bundle_stay() {
-    for curved in [false, true] {
+    // Frames that are carried along in each step leave the angular momentum of curved rods less exact: theirs is not asked.
+    for (curved, steps) in [(false, 1e5), (true, 5e3)] {
         let mut world = flying(curved);
         let mut solver = Explicit::new(None);
-        let (p, l) = (
-            world.state.momentum(&world.bundle),
-            world.state.angular_momentum(&world.bundle, DVec3::ZERO),
-        );
+        let momenta = |world: &World| {
+            let about = world.state.angular_momentum(&world.bundle, DVec3::ZERO);
+            (world.state.momentum(&world.bundle), about)
+        };
+        let (p, l) = momenta(&world);
         let step = solver.step(&world).unwrap();
-        // The long run of 1e5 steps is an ignored test below.
         solver
-            .advance(&mut world, &mut NoContacts, step * 5000.0)
+            .advance(&mut world, &mut NoContacts, step * steps)
             .unwrap();
-        assert!(world.state.step >= 5000);
-        let linear = world.state.momentum(&world.bundle).distance(p) / p.length();
-        let about = world
-            .state
-            .angular_momentum(&world.bundle, DVec3::ZERO)
-            .distance(l)
-            / l.length();
+        assert!(world.state.step as f64 >= steps);
+        let (q, m) = momenta(&world);
+        let (linear, about) = (q.distance(p) / p.length(), m.distance(l) / l.length());
         println!("curved {curved}: momentum {linear:e}, angular momentum {about:e}");
         assert!(linear < 1e-10 && (curved || about < 1e-10));
     }
-}
-
-#[test]
-#[ignore = "long: 1e5 steps"]
-fn momenta_of_a_free_bundle_stay_for_1e5_steps() {
-    let mut world = flying(false);
-    let mut solver = Explicit::new(None);
-    let (p, l) = (
-        world.state.momentum(&world.bundle),
-        world.state.angular_momentum(&world.bundle, DVec3::ZERO),
-    );
-    let step = solver.step(&world).unwrap();
-    solver
-        .advance(&mut world, &mut NoContacts, step * 1e5)
-        .unwrap();
-    let linear = world.state.momentum(&world.bundle).distance(p) / p.length();
-    let about = world
-        .state
-        .angular_momentum(&world.bundle, DVec3::ZERO)
-        .distance(l)
-        / l.length();
-    println!(
-        "{} steps: momentum {linear:e}, angular momentum {about:e}",
-        world.state.step
-    );
-    assert!(linear < 1e-10 && about < 1e-10);
 }
 
 #[test]
@@ -131,6 +103,7 @@ fn too_large_a_step_is_refused_and_the_limit_is_sharp() {
         energy,
         before,
         after,
+        step,
         ..
     }) = caught
     else {
@@ -141,9 +114,19 @@ fn too_large_a_step_is_refused_and_the_limit_is_sharp() {
         beyond.state.step
     );
     assert!(beyond.state.is_finite() && after > before && beyond.state.step > 0);
-    let total = energies(&beyond.bundle, &beyond.state).kinetic;
-    // Caught in the first step after which it moves with more than 16 times all energy that there was.
-    assert!(total < 16.0 * energies(&world.bundle, &world.state).total());
+    // Nothing does work: all energy that there can be is that of the start. The step that is refused would have moved with
+    // more than the solver's factor of it, and no step before it did.
+    let most = BLOW_UP * energies(&world.bundle, &world.state).total();
+    let (bundle, state) = (&beyond.bundle, &beyond.state);
+    assert!(energies(bundle, state).kinetic <= most);
+    let mut forces = Forces::zeros(bundle.vertices());
+    add_forces(bundle, state, &mut forces);
+    let mut next = state.clone();
+    for i in 0..bundle.vertices() {
+        let push = forces.linear.get(i) * (step / bundle.mass[i]);
+        next.velocity.add(i, push);
+    }
+    assert!(energies(bundle, &next).kinetic > most);
 }
 
 #[test]
@@ -198,24 +181,10 @@ fn oscillation_drift(bundle: Bundle, duration: f64) -> f64 {
         .fold(0.0, |worst, m| worst.max((m / means[0] - 1.0).abs()))
 }
 
-fn cantilevers() -> [Bundle; 2] {
-    let rod = straight(DVec3::ZERO, 0.06, 8, soft());
-    [Bundle::new(&[rod], false).unwrap(), four_rods(false)]
-}
-
 #[test]
-fn a_cantilever_swings_without_losing_energy() {
-    for bundle in cantilevers() {
-        let drift = oscillation_drift(bundle, 0.5);
-        println!("energy drift {drift:e}");
-        assert!(drift < 1e-3);
-    }
-}
-
-#[test]
-#[ignore = "long: 3 s of Fig. 4.1"]
 fn a_cantilever_swings_for_3_s_without_losing_energy() {
-    for bundle in cantilevers() {
+    let rod = straight(DVec3::ZERO, 0.06, 8, soft());
+    for bundle in [Bundle::new(&[rod], false).unwrap(), four_rods(false)] {
         let drift = oscillation_drift(bundle, 3.0);
         println!("energy drift {drift:e}");
         assert!(drift < 1e-3);

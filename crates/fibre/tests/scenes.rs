@@ -1,7 +1,7 @@
 //! Scenes: the built-in ones, what is refused and how, and a bundle set up in one.
 
 use glam::{DVec3, dvec3};
-use greenstick_fibre::scene::{BUILT_IN, Declared, Scene, set_up};
+use greenstick_fibre::scene::{BUILT_IN, Declared, Scene, SolverWord, set_up};
 use greenstick_fibre::{Bundle, Motion, Rod, RodMaterial};
 
 /// Four rods along a slanted line, 20 cm long, 11 vertices each.
@@ -195,4 +195,32 @@ fn a_bent_start_has_the_energy_of_the_bent_beam() {
         greenstick_fibre::energy::energies(&made.world.bundle, &made.world.state).potential();
     // Of 10 edges the curvature is at 9 vertices, and chords are shorter than arcs.
     assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+}
+
+#[test]
+fn every_solver_takes_the_scenes_that_it_can_and_refuses_the_others_with_a_reason() {
+    for built_in in BUILT_IN {
+        for solver in SolverWord::ALL {
+            let scene = Scene {
+                solver,
+                ..built_in.scene().unwrap()
+            };
+            let still = !["bend", "twist", "pull", "snow"].contains(&built_in.name);
+            let told = scene.check().map_err(|e| e.to_string());
+            if solver == SolverWord::QuasiStatic && still {
+                let told = told.unwrap_err();
+                assert!(
+                    told.contains("quasi-static solver cannot be used here: it has no inertia"),
+                    "{}: {told}",
+                    built_in.name
+                );
+            } else {
+                assert_eq!(told, Ok(()), "{}", built_in.name);
+                assert_eq!(scene.make_solver().name(), solver.name());
+                assert_eq!(Scene::read(&scene.to_toml()).unwrap().solver, solver);
+            }
+        }
+    }
+    let told = Scene::read("solver = \"implicit\"\n[[body]]\nmotion = \"free\"").unwrap_err();
+    assert!(told.to_string().contains("body 0 moves freely"), "{told}");
 }

@@ -6,8 +6,9 @@ use glam::DVec3;
 use greenstick_fibre::energy::{self, Forces};
 use greenstick_fibre::placement::place;
 use greenstick_fibre::{
-    BondCriterion, Bundle, Clamp, EventKind, Explicit, Failure, HowMany, Implicit, Motion,
-    NoContacts, Placement, PointForce, QuasiStatic, Ramp, Solver, SolverError, WoodMaterial, World,
+    BondCriterion, Bundle, Clamp, EventKind, Explicit, Failure, HowMany, Implicit, Interactive,
+    Motion, NoContacts, Placement, PointForce, QuasiStatic, Ramp, Solver, SolverError,
+    WoodMaterial, World,
 };
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
@@ -21,6 +22,7 @@ fn solvers(step: Option<f64>) -> Vec<Box<dyn Solver>> {
     vec![
         Box::new(Explicit::new(None)),
         Box::new(Implicit::new(step)),
+        Box::new(Interactive::new(step)),
         Box::new(QuasiStatic::new(step)),
     ]
 }
@@ -85,7 +87,7 @@ fn a_cantilever_bends_as_beams_do_and_clamps_are_where_they_should_be() {
 
 #[test]
 fn the_same_run_twice_gives_the_same_bits() {
-    for k in 0..3 {
+    for k in 0..4 {
         let run = || {
             let mut world = scene();
             solvers(Some(2e-3))[k]
@@ -161,20 +163,59 @@ fn scene() -> World {
     world
 }
 
-/// Bends the scene over `time` seconds until something breaks: the force then, N, found at every hundredth of the way.
-fn force_at_first_break(solver: &mut dyn Solver, time: f64) -> f64 {
-    let mut world = scene();
+#[test]
+fn neither_threads_nor_a_new_solver_change_a_bit_of_what_remembers_nothing() {
+    let makers: [fn() -> Box<dyn Solver>; 3] = [
+        || Box::new(Implicit::new(Some(0.02))),
+        || Box::new(Interactive::new(Some(0.02))),
+        || Box::new(QuasiStatic::forgetful(Some(0.02))),
+    ];
+    for make in makers {
+        let run = |threads: usize, anew: bool| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| {
+                let mut world = scene();
+                pull_ends(&mut world, 0.02);
+                let mut solver = make();
+                for _ in 0..20 {
+                    if anew {
+                        solver = make();
+                    }
+                    solver.advance(&mut world, &mut NoContacts, 0.02).unwrap();
+                }
+                world
+            })
+        };
+        let (one, two) = (run(1, false), run(2, true));
+        assert!(
+            one.events
+                .iter()
+                .any(|e| e.kind == EventKind::BondBroke || e.kind == EventKind::RodBroke)
+        );
+        assert!(one == two, "{}", make().name());
+    }
+}
+
+/// Moves the free ends of the scene's rods aside at some speed, m/s; returns their vertices.
+fn pull_ends(world: &mut World, speed: f64) -> Vec<u32> {
     let ends: Vec<u32> = (0..world.bundle.rods())
         .map(|r| world.bundle.rod(r).end as u32 - 1)
         .collect();
     let motion = Motion::Steady {
-        velocity: DVec3::Y * (WAY / time),
+        velocity: DVec3::Y * speed,
         angular: DVec3::ZERO,
     };
     world.loads.clamps.push(Clamp {
         axes: [false, true, false],
         ..Clamp::of(&world.bundle, ends.clone(), motion)
     });
+    ends
+}
+
+/// Bends the scene over `time` seconds until something breaks: the force then, N, found at every hundredth of the way.
+fn force_at_first_break(solver: &mut dyn Solver, time: f64) -> f64 {
+    let mut world = scene();
+    let ends = pull_ends(&mut world, WAY / time);
     let mut forces = Forces::zeros(world.bundle.vertices());
     let mut last = 0.0;
     for _ in 0..300 {
@@ -199,7 +240,14 @@ fn solvers_agree_on_the_force_at_first_break() {
     let reference = force_at_first_break(&mut QuasiStatic::new(None), 0.012);
     let explicit = force_at_first_break(&mut Explicit::new(None), 0.012);
     let implicit = force_at_first_break(&mut Implicit::new(Some(1.0 / 240.0)), 0.5);
-    println!("quasi-static {reference} N, explicit {explicit} N, implicit {implicit} N");
-    assert!((explicit / reference - 1.0).abs() < 0.1);
-    assert!((implicit / reference - 1.0).abs() < 0.1);
+    let interactive = force_at_first_break(&mut Interactive::new(Some(1.0 / 60.0)), 1.0);
+    println!(
+        "quasi-static {reference} N, explicit {explicit} N, implicit {implicit} N, interactive {interactive} N"
+    );
+    let forces = [reference, explicit, implicit, interactive];
+    for a in forces {
+        for b in forces {
+            assert!((a / b - 1.0).abs() < 0.1, "{forces:?}");
+        }
+    }
 }

@@ -217,20 +217,30 @@ impl Moving {
         }
     }
 
-    /// Moves on by a step that ends at `time` (s).
-    pub fn advance(&mut self, time: f64, step: f64, gravity: DVec3) {
+    /// Takes the velocity of a step that ends at `time` (s), from its motion or from gravity.
+    pub fn kick(&mut self, time: f64, step: f64, gravity: DVec3) {
         match &self.body.motion {
             BodyMotion::Given(Motion::Fixed) => {}
             BodyMotion::Given(motion) => {
                 let (now, before) = (motion.pose(time), motion.pose(time - step));
                 let per = if step > 0.0 { 1.0 / step } else { 0.0 };
-                self.state.centre = self.body.place + now.translation;
-                self.state.turn = (now.rotation * self.body.turn).normalize();
                 self.state.velocity = (now.translation - before.translation) * per;
                 self.state.angular = rotation_of(now.rotation * before.rotation.conjugate()) * per;
             }
+            BodyMotion::Free { .. } => self.state.velocity += gravity * step,
+        }
+    }
+
+    /// Moves on by a step that ends at `time` (s).
+    pub fn drift(&mut self, time: f64, step: f64) {
+        match &self.body.motion {
+            BodyMotion::Given(Motion::Fixed) => {}
+            BodyMotion::Given(motion) => {
+                let now = motion.pose(time);
+                self.state.centre = self.body.place + now.translation;
+                self.state.turn = (now.rotation * self.body.turn).normalize();
+            }
             BodyMotion::Free { .. } => {
-                self.state.velocity += gravity * step;
                 self.state.centre += self.state.velocity * step;
                 // The midpoint rule keeps the energy of free rotation to second order, and L is kept as it is.
                 let start = self.state.turn;

@@ -1,9 +1,15 @@
 //! Contacts of a step and the impulses that end them (Sutherland 2012 §4.3: elastic collisions, rechecked until none is
 //! left or a limit is met).
+//!
+//! Impulses act on velocities before places move on, as the forces of the step do (Moreau 1988). So a rod that lies
+//! pressed against a body gets from it what presses it, step by step, and neither moves nor loses energy. Over a step of
+//! symplectic Euler an impulse J does the work J·(v before the step + v after it)/2: with that, what contacts take and
+//! give closes the balance of energy exactly.
 
 use super::{Bodies, PASSES, RECOVERY, SLOP, is_driven};
 use crate::bundle::Bundle;
 use crate::state::State;
+use crate::vectors::Vectors;
 use glam::DVec3;
 
 /// What an edge touches.
@@ -26,10 +32,12 @@ pub(super) struct Contact {
     pub normal: DVec3,
     /// Where the impulse acts, m.
     pub place: DVec3,
-    /// Overlap, m.
+    /// Overlap, m; negative for a gap that closes within the step.
     pub depth: f64,
     /// Overlap that may stay, m.
     pub slop: f64,
+    /// Length of the rod that it stands for, m.
+    pub share: f64,
 }
 
 /// Marks a contact of two bodies; `t` then is the number of the first.
@@ -44,8 +52,14 @@ const BODY_SLOP: f64 = 1e-5;
 const AHEAD: f64 = 1e-6;
 
 impl Bodies {
-    /// Contacts of edges with bodies: at vertices, and between them no further apart than the rod is wide.
-    pub(super) fn gather_bodies(&mut self, bundle: &Bundle, state: &State) {
+    /// Contacts of edges with bodies: at vertices, and between them no further apart than the rod is wide. With velocities,
+    /// also those that are to be within `step` s.
+    pub(super) fn gather_bodies(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        ahead: Option<(&Vectors, f64)>,
+    ) {
         for k in 0..self.near.pairs.len() {
             let (edge, number) = self.near.pairs[k];
             let j = edge as usize;
@@ -53,7 +67,11 @@ impl Bodies {
             let body = &self.bodies[number as usize];
             let (p, e) = (body.local(state.position.get(j)), state.edge(j));
             let along = body.state.turn.conjugate() * e;
-            let reach = radius + 0.5 * along.length();
+            let margin = ahead.map_or(0.0, |(velocity, step)| {
+                let of = |v: usize| velocity.get(v) - body.velocity_at(state.position.get(v));
+                step * of(j).length().max(of(j + 1).length())
+            });
+            let reach = radius + margin + 0.5 * along.length();
             if !body.solid.near(p + 0.5 * along, reach) {
                 continue;
             }
@@ -64,13 +82,13 @@ impl Bodies {
             for i in 0..places as usize + usize::from(last) {
                 let t = i as f64 / places;
                 let q = p + along * t;
-                if !body.solid.near(q, radius) {
+                if !body.solid.near(q, radius + margin) {
                     continue;
                 }
                 let Some((distance, out)) = body.solid.distance(q) else {
                     continue;
                 };
-                if distance < radius {
+                if distance < radius + margin {
                     self.contacts.push(Contact {
                         edge,
                         t,
@@ -79,6 +97,7 @@ impl Bodies {
                         place: state.position.get(j) + e * t,
                         depth: radius - distance,
                         slop: SLOP * radius,
+                        share: along.length() / places,
                     });
                 }
             }
@@ -98,47 +117,73 @@ impl Bodies {
                         place: m.place,
                         depth: m.depth,
                         slop: BODY_SLOP,
+                        share: 0.0,
                     });
                 }
             }
         }
     }
 
-    /// Ends all contacts of this step.
-    pub(super) fn settle(&mut self, state: &mut State, step: f64) {
+    /// Ends all contacts of a step, at whose start velocities were those of `state`. Returns the energy that this gave to
+    /// rods and free bodies, J.
+    pub(super) fn settle(&mut self, state: &State, velocity: &mut Vectors, step: f64) -> f64 {
+        self.impulses.clear();
+        self.impulses.resize(self.contacts.len(), DVec3::ZERO);
         for _ in 0..PASSES {
             let mut acted = false;
             for k in 0..self.contacts.len() {
-                let contact = self.contacts[k];
-                acted |= self.end(&contact, state, step);
+                acted |= self.end(k, velocity, step);
             }
             if !acted {
                 break;
             }
         }
+        self.book(state, velocity)
+    }
+
+    /// Books the energy of all impulses of the step.
+    fn book(&mut self, state: &State, velocity: &Vectors) -> f64 {
+        let mut given = 0.0;
+        for k in 0..self.contacts.len() {
+            let (contact, impulse) = (self.contacts[k], self.impulses[k]);
+            if impulse == DVec3::ZERO {
+                continue;
+            }
+            let after = self.relative(&contact, velocity);
+            let before = self.relative_before(&contact, state);
+            let taken = -0.5 * impulse.dot(before + after);
+            let mut work = 0.0;
+            if let Other::Body(b) = contact.other {
+                let driver = &self.bodies[b as usize];
+                if is_driven(&driver.body) {
+                    work += impulse.dot(driver.velocity_at(contact.place));
+                }
+                if contact.edge == NO_EDGE && is_driven(&self.bodies[contact.t as usize].body) {
+                    let driver = &self.bodies[contact.t as usize];
+                    work -= impulse.dot(driver.velocity_at(contact.place));
+                }
+            }
+            self.ledger.lost += taken;
+            self.ledger.work += work;
+            given += work - taken;
+        }
+        given
     }
 
     /// Velocity at the contact of the edge (or first body) relative to the other, m/s.
-    fn relative(&self, c: &Contact, state: &State) -> DVec3 {
-        let (one, _) = self.velocities(c, state);
-        one - self.velocities(c, state).1
+    fn relative(&self, c: &Contact, velocity: &Vectors) -> DVec3 {
+        let body = |b: usize| self.bodies[b].velocity_at(c.place);
+        difference(c, velocity, &body)
     }
 
-    fn velocities(&self, c: &Contact, state: &State) -> (DVec3, DVec3) {
-        let of_edge = |j: u32, t: f64| {
-            let j = j as usize;
-            state.velocity.get(j) * (1.0 - t) + state.velocity.get(j + 1) * t
+    /// The same at the start of the step. Bodies whose motion is given have one velocity all through it.
+    fn relative_before(&self, c: &Contact, state: &State) -> DVec3 {
+        let body = |b: usize| {
+            let moving = &self.bodies[b];
+            let (velocity, angular) = self.before[b];
+            velocity + angular.cross(c.place - moving.state.centre)
         };
-        let one = if c.edge == NO_EDGE {
-            self.bodies[c.t as usize].velocity_at(c.place)
-        } else {
-            of_edge(c.edge, c.t)
-        };
-        let two = match c.other {
-            Other::Body(b) => self.bodies[b as usize].velocity_at(c.place),
-            Other::Edge(j, t) => of_edge(j, t),
-        };
-        (one, two)
+        difference(c, &state.velocity, &body)
     }
 
     /// What a unit impulse along `n` changes of the relative velocity along it, 1/kg.
@@ -159,7 +204,7 @@ impl Bodies {
     }
 
     /// Pushes a body, and keeps count of it.
-    fn push_body(&mut self, body: usize, place: DVec3, impulse: DVec3) {
+    pub(super) fn push_body(&mut self, body: usize, place: DVec3, impulse: DVec3) {
         self.bodies[body].push(place, impulse);
         let arm = place - self.bodies[body].state.centre;
         let given = &mut self.given[body];
@@ -167,30 +212,14 @@ impl Bodies {
         given.angular += arm.cross(impulse);
     }
 
-    fn push(&mut self, c: &Contact, impulse: DVec3, state: &mut State) {
-        if c.edge == NO_EDGE {
-            self.push_body(c.t as usize, c.place, impulse);
-        } else {
-            self.push_edge(c.edge, c.t, impulse, state);
-        }
-        match c.other {
-            Other::Body(b) => self.push_body(b as usize, c.place, -impulse),
-            Other::Edge(j, t) => self.push_edge(j, t, -impulse, state),
-        }
-    }
-
-    fn push_edge(&self, j: u32, t: f64, impulse: DVec3, state: &mut State) {
+    fn push_edge(&self, j: u32, t: f64, impulse: DVec3, velocity: &mut Vectors) {
         let j = j as usize;
-        state
-            .velocity
-            .add(j, impulse * ((1.0 - t) * self.inverse_mass[j]));
-        state
-            .velocity
-            .add(j + 1, impulse * (t * self.inverse_mass[j + 1]));
+        velocity.add(j, impulse * ((1.0 - t) * self.inverse_mass[j]));
+        velocity.add(j + 1, impulse * (t * self.inverse_mass[j + 1]));
     }
 
     /// Restitution and friction of a contact.
-    fn manner(&self, c: &Contact) -> (f64, f64) {
+    pub(super) fn manner(&self, c: &Contact) -> (f64, f64) {
         let of = |b: usize| {
             let body = &self.bodies[b].body;
             (body.restitution, body.friction)
@@ -206,47 +235,69 @@ impl Bodies {
     }
 
     /// Applies the impulse of one contact; false where it needs none.
-    fn end(&mut self, c: &Contact, state: &mut State, step: f64) -> bool {
-        let u = self.relative(c, state);
+    fn end(&mut self, k: usize, velocity: &mut Vectors, step: f64) -> bool {
+        let c = self.contacts[k];
+        let u = self.relative(&c, velocity);
         let approach = u.dot(c.normal);
-        let (restitution, friction) = self.manner(c);
-        let out = (c.depth - c.slop).max(0.0) / RECOVERY.max(4.0 * step);
-        let wanted = (-restitution * approach).max(out);
-        if approach >= wanted - STILL || (approach >= 0.0 && out <= 0.0) || c.depth < 0.0 {
+        let (restitution, friction) = self.manner(&c);
+        let bounce = -restitution * approach;
+        let (wanted, driven_out) = if c.depth < 0.0 {
+            // A gap may close.
+            (bounce.max(c.depth / step), false)
+        } else {
+            let out = (c.depth - c.slop).max(0.0) / RECOVERY.max(4.0 * step);
+            (bounce.max(out), out > 0.0)
+        };
+        if approach >= wanted - STILL || (approach >= 0.0 && !driven_out) {
             return false;
         }
-        let give = self.yielding(c, c.normal);
+        let give = self.yielding(&c, c.normal);
         if give <= 0.0 {
             return false;
         }
         let strength = (wanted - approach) / give;
-        self.apply(c, c.normal * strength, u, state);
+        self.apply(k, c.normal * strength, velocity);
         if friction > 0.0 {
-            let u = self.relative(c, state);
+            let u = self.relative(&c, velocity);
             let slide = u - c.normal * u.dot(c.normal);
             if let Some(way) = slide.try_normalize() {
-                let stop = slide.length() / self.yielding(c, way);
-                self.apply(c, way * -stop.min(friction * strength), u, state);
+                let stop = slide.length() / self.yielding(&c, way);
+                self.apply(k, way * -stop.min(friction * strength), velocity);
             }
         }
         true
     }
 
-    /// Applies an impulse at relative velocity `u` and books its energy.
-    fn apply(&mut self, c: &Contact, impulse: DVec3, u: DVec3, state: &mut State) {
-        if let Other::Body(b) = c.other {
-            let driver = &self.bodies[b as usize];
-            if is_driven(&driver.body) {
-                self.ledger.work += impulse.dot(driver.velocity_at(c.place));
-            }
-            if c.edge == NO_EDGE && is_driven(&self.bodies[c.t as usize].body) {
-                let driver = &self.bodies[c.t as usize];
-                self.ledger.work -= impulse.dot(driver.velocity_at(c.place));
-            }
-        }
-        self.push(c, impulse, state);
-        let after = self.relative(c, state);
-        self.ledger.lost -= 0.5 * impulse.dot(u + after);
+    fn apply(&mut self, k: usize, impulse: DVec3, velocity: &mut Vectors) {
+        let c = self.contacts[k];
+        self.impulses[k] += impulse;
         self.ledger.impulses += 1;
+        if c.edge == NO_EDGE {
+            self.push_body(c.t as usize, c.place, impulse);
+        } else {
+            self.push_edge(c.edge, c.t, impulse, velocity);
+        }
+        match c.other {
+            Other::Body(b) => self.push_body(b as usize, c.place, -impulse),
+            Other::Edge(j, t) => self.push_edge(j, t, -impulse, velocity),
+        }
+    }
+}
+
+/// Velocity of the edge (or first body) of a contact relative to the other, from velocities of vertices and of bodies at
+/// the contact.
+fn difference(c: &Contact, velocity: &Vectors, body: &dyn Fn(usize) -> DVec3) -> DVec3 {
+    let of_edge = |j: u32, t: f64| {
+        let j = j as usize;
+        velocity.get(j) * (1.0 - t) + velocity.get(j + 1) * t
+    };
+    let one = if c.edge == NO_EDGE {
+        body(c.t as usize)
+    } else {
+        of_edge(c.edge, c.t)
+    };
+    one - match c.other {
+        Other::Body(b) => body(b as usize),
+        Other::Edge(j, t) => of_edge(j, t),
     }
 }

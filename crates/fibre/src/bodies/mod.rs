@@ -14,6 +14,7 @@ mod body;
 mod contact;
 mod rods;
 mod shape;
+mod springs;
 
 pub use body::{Body, BodyMotion, BodyState};
 pub use shape::{Inertia, Shape, Surface};
@@ -21,7 +22,7 @@ pub use shape::{Inertia, Shape, Surface};
 use crate::bundle::Bundle;
 use crate::error::SolverError;
 use crate::loads::{Loads, Motion};
-use crate::solver::Contacts;
+use crate::solver::{ContactBook, Contacts, Touch};
 use crate::state::State;
 use crate::vectors::Vectors;
 use body::Moving;
@@ -113,13 +114,16 @@ impl Default for ContactOptions {
 /// Where the energy went that contacts took or gave, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactLedger {
-    /// Lost in friction and in collisions with a restitution below 1; negative where parts were driven out of each
-    /// other.
+    /// Lost in friction and in collisions with a restitution below 1, less what driving parts out of each other gave.
     pub lost: f64,
     /// Work that moved bodies did on rods and free bodies.
     pub work: f64,
     /// Impulses applied.
     pub impulses: u64,
+    /// Energy of overlaps, for solvers to which contacts are springs.
+    pub stored: f64,
+    /// Power of moved bodies on these springs now, W.
+    pub power: f64,
 }
 
 /// What a checkpoint holds of bodies.
@@ -150,9 +154,15 @@ pub struct Bodies {
     inverse_mass: Vec<f64>,
     /// Per edge: radius of its rod, m; 0 at gaps.
     radius: Vec<f64>,
+    /// Per edge: stiffness of its side per length, N/m²; 0 at gaps.
+    firmness: Vec<f64>,
     near: Near,
     rods: rods::RodPairs,
     contacts: Vec<Contact>,
+    /// Per contact: what it has given to the edge in this step, N s.
+    impulses: Vec<DVec3>,
+    /// Per body: velocity and angular velocity at the start of the step.
+    before: Vec<(DVec3, DVec3)>,
     /// Per body: what it has been given since this was last taken.
     given: Vec<Given>,
 }
@@ -196,7 +206,8 @@ impl Bodies {
             .map(|(i, b)| Moving::new(i, b))
             .collect::<Result<_, _>>()?;
         for body in &mut moving {
-            body.advance(state.time, 0.0, DVec3::ZERO);
+            body.kick(state.time, 0.0, DVec3::ZERO);
+            body.drift(state.time, 0.0);
         }
         let mut made = Bodies {
             bodies: moving,
@@ -204,9 +215,12 @@ impl Bodies {
             ledger: ContactLedger::default(),
             inverse_mass: Vec::new(),
             radius: Vec::new(),
+            firmness: Vec::new(),
             near: Near::default(),
             rods: rods::RodPairs::default(),
             contacts: Vec::new(),
+            impulses: Vec::new(),
+            before: Vec::new(),
             given: Vec::new(),
         };
         made.given = vec![Given::default(); made.bodies.len()];
@@ -308,6 +322,7 @@ impl Bodies {
                 self.radius[j] = 0.5 * bundle.diameter[rod];
             }
         }
+        self.firmness = Bodies::firmness(bundle);
         self.near.slack = 0.0;
         self.near.position = Vectors::zeros(n);
         self.rods.forget(bundle);
@@ -341,7 +356,7 @@ impl Bodies {
         }
         self.look(bundle, state);
         self.contacts.clear();
-        self.gather_bodies(bundle, state);
+        self.gather_bodies(bundle, state, None);
         for c in &self.contacts {
             if let Other::Body(body) = c.other
                 && c.depth > SLOP * self.radius[c.edge as usize] + ROUNDING
@@ -440,31 +455,60 @@ impl Contacts for Bodies {
         self.bodies.is_empty() && self.options.rods.is_none()
     }
 
-    fn add_forces(&mut self, _: &Bundle, _: &State, _: f64, _: &mut Vectors) {}
-
     fn resolve(
         &mut self,
         bundle: &Bundle,
-        state: &mut State,
+        state: &State,
+        velocity: &mut Vectors,
         step: f64,
-    ) -> Result<(), SolverError> {
+    ) -> Result<Option<f64>, SolverError> {
+        let end = state.time + step;
+        self.before.clear();
         for body in &mut self.bodies {
-            body.advance(state.time, step, self.options.gravity);
+            let free = body.inertia.is_some();
+            let was = (body.state.velocity, body.state.angular);
+            body.kick(end, step, self.options.gravity);
+            let now = (body.state.velocity, body.state.angular);
+            self.before.push(if free { was } else { now });
         }
         self.contacts.clear();
         if !self.bodies.is_empty() {
             if self.stale(state) {
                 self.look(bundle, state);
             }
-            self.gather_bodies(bundle, state);
+            self.gather_bodies(bundle, state, Some((velocity, step)));
             self.gather_between_bodies();
         }
         if self.options.rods.is_some() {
+            let ahead = Some((&*velocity, step));
             self.rods
-                .gather(bundle, state, &self.radius, &mut self.contacts);
+                .gather(bundle, state, &self.radius, ahead, &mut self.contacts);
         }
-        self.settle(state, step);
-        Ok(())
+        let count = self.ledger.impulses;
+        let given = self.settle(state, velocity, step);
+        for body in &mut self.bodies {
+            body.drift(end, step);
+        }
+        Ok((self.ledger.impulses > count).then_some(given))
+    }
+
+    fn touches(
+        &mut self,
+        bundle: &Bundle,
+        state: &State,
+        from: &State,
+        time: f64,
+        found: &mut Vec<Touch>,
+    ) {
+        self.find_touches(bundle, state, from, time, found);
+    }
+
+    fn accept(&mut self, from: &State, time: f64, touches: &[Touch]) -> ContactBook {
+        self.book_touches(from, time, touches)
+    }
+
+    fn stored(&self) -> f64 {
+        self.ledger.stored
     }
 
     fn renumbered(&mut self, bundle: &Bundle, before: &[u32]) {

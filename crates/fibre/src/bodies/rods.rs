@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Part of the distance at rest at which rods that were neighbours touch: whole wood must not rattle.
 const AT_REST: f64 = 0.9;
 /// How much wider than touching pairs are looked for, in the thickest rod's radii.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 1.0;
 
 /// Edges that may touch.
 #[derive(Clone, Default)]
@@ -24,6 +24,19 @@ pub(super) struct RodPairs {
     cells: Vec<(u64, u32)>,
     position: Vectors,
     slack: f64,
+    /// Per edge of the unbroken bundle: bonds on it and on its vertices.
+    whole: Vec<u32>,
+    /// Per edge: whether it has lost what kept it from others.
+    loose: Vec<bool>,
+}
+
+/// Per edge: bonds on it and on its two vertices.
+fn bond_counts(bundle: &Bundle) -> Vec<u32> {
+    let incidence = &bundle.bonds.incidence;
+    let own = |v: usize| incidence.own.get(v + 1).map_or(0, |e| e - incidence.own[v]);
+    (0..bundle.vertices())
+        .map(|j| own(j) + own(j + 1) + incidence.first[j + 1] - incidence.first[j])
+        .collect()
 }
 
 #[derive(Clone, Copy)]
@@ -32,6 +45,8 @@ struct Pair {
     b: u32,
     /// Distance at which they touch, m.
     reach: f64,
+    /// Distance when pairs were looked for, m.
+    apart: f64,
 }
 
 /// Bits of a cell's coordinate in its key.
@@ -43,32 +58,56 @@ fn key(cell: [i64; 3]) -> u64 {
 }
 
 impl RodPairs {
-    /// Forgets everything, as numbers have changed.
+    /// Forgets everything, as numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
+    /// their bonds, if not to each other then to those between them: only where bonds are missing do they collide.
     pub fn forget(&mut self, bundle: &Bundle) {
         self.slack = 0.0;
+        let counts = bond_counts(bundle);
+        if self.whole.is_empty() {
+            self.whole.clone_from(&counts);
+        }
+        let mut pieces = vec![0u32; bundle.parent.iter().max().map_or(0, |p| *p as usize + 1)];
+        (bundle.parent.iter()).for_each(|p| pieces[*p as usize] += 1);
+        self.loose = vec![true; bundle.vertices()];
+        for rod in 0..bundle.rods() {
+            let broken = pieces[bundle.parent[rod] as usize] > 1;
+            for j in bundle.rod(rod) {
+                let whole = self.whole.get(bundle.origin[j] as usize).copied();
+                self.loose[j] = broken || counts[j] == 0 || whole != Some(counts[j]);
+            }
+        }
         self.position = Vectors::zeros(bundle.vertices());
     }
 
-    /// Adds the contacts of now.
+    /// Adds the contacts of now, and with velocities those that are to be within a step (s).
     pub fn gather(
         &mut self,
         bundle: &Bundle,
         state: &State,
         radius: &[f64],
+        ahead: Option<(&Vectors, f64)>,
         contacts: &mut Vec<Contact>,
     ) {
         let moved = moved_squared(&state.position, &self.position);
         if self.slack <= 0.0 || moved.is_nan() || 4.0 * moved > self.slack * self.slack {
             self.look(bundle, state, radius);
         }
+        let nearer = 2.0 * moved_squared(&state.position, &self.position).sqrt();
         for pair in &self.pairs {
             let (a, b) = (pair.a as usize, pair.b as usize);
+            if ahead.is_none() && pair.apart - nearer > pair.reach {
+                continue;
+            }
             let one = (state.position.get(a), state.edge(a));
             let two = (state.position.get(b), state.edge(b));
             let (s, t) = closest(one, two);
             let (p, q) = (one.0 + one.1 * s, two.0 + two.1 * t);
             let distance = p.distance(q);
-            if distance < pair.reach
+            let margin = ahead.map_or(0.0, |(velocity, step)| {
+                let at = |j: usize, t: f64| velocity.get(j).lerp(velocity.get(j + 1), t);
+                step * at(a, s).distance(at(b, t))
+            });
+            if distance < pair.reach + margin
                 && let Some(normal) = (p - q).try_normalize()
             {
                 contacts.push(Contact {
@@ -79,6 +118,7 @@ impl RodPairs {
                     place: 0.5 * (p + q),
                     depth: pair.reach - distance,
                     slop: SLOP * radius[a],
+                    share: pair.reach,
                 });
             }
         }
@@ -118,7 +158,7 @@ impl RodPairs {
                         if k > to {
                             break;
                         }
-                        if b as usize > a {
+                        if b as usize > a && (self.loose[a] || self.loose[b as usize]) {
                             let pair = may_touch(bundle, state, radius, a, b as usize, self.slack);
                             self.pairs.extend(pair);
                         }
@@ -142,10 +182,11 @@ fn may_touch(
     let touch = radius[a] + radius[b];
     let one = (state.position.get(a), state.edge(a));
     let two = (state.position.get(b), state.edge(b));
-    if distance(one, two) > touch + slack
-        || next_on_rod(bundle, a, b, touch)
-        || bonded(bundle, a, b)
-    {
+    if passes_by(one, two, touch + slack) {
+        return None;
+    }
+    let apart = distance(one, two);
+    if apart > touch + slack || next_on_rod(bundle, a, b, touch) || bonded(bundle, a, b) {
         return None;
     }
     let at_rest = |j: usize| {
@@ -157,6 +198,7 @@ fn may_touch(
         a: a as u32,
         b: b as u32,
         reach: touch.min(AT_REST * rest),
+        apart,
     })
 }
 
@@ -181,6 +223,17 @@ fn bonded(bundle: &Bundle, a: usize, b: usize) -> bool {
         })
     };
     joins(a, b) || joins(b, a)
+}
+
+/// Whether two edges are surely farther apart than `reach`: seen along the first, the second passes it by. Most pairs of a
+/// stem are found out by that, as rods lie side by side.
+fn passes_by((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3), reach: f64) -> bool {
+    let Some(along) = d.try_normalize() else {
+        return false;
+    };
+    let middle = (q + 0.5 * e) - p;
+    let side = middle.reject_from_normalized(along).length();
+    side > reach + 0.5 * e.reject_from_normalized(along).length()
 }
 
 fn distance(one: (DVec3, DVec3), two: (DVec3, DVec3)) -> f64 {

@@ -5,25 +5,22 @@
 //! one place, and no sum depends on how the work was shared out, so that the same bytes come out of any number of
 //! threads. Work is shared with `rayon` in the caller's pool.
 
-mod bonds;
-mod lanes;
-mod rods;
-#[cfg(target_arch = "x86_64")]
-mod x86;
+mod wide;
 
-pub use lanes::Level;
+pub use wide::lanes::Level;
 
 use crate::bundle::Bundle;
 use crate::energy::Forces;
 use crate::energy::framed::{self, FramedGradient};
 use crate::state::State;
 use crate::vectors::Vectors;
-use bonds::BondTable;
+
 use glam::DVec3;
-use lanes::{Pair, Row, WIDTH};
 use rayon::prelude::*;
-use rods::{BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
 use std::ops::Range;
+use wide::bonds::BondTable;
+use wide::lanes::{Pair, Row, WIDTH};
+use wide::rods::{self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
 const GRAIN: usize = 32 * BLOCK;

@@ -12,36 +12,25 @@ pub struct BuiltIn {
     pub text: &'static str,
 }
 
+/// Scenes by their names, which are those of their files.
+macro_rules! built_in {
+    ($($name:literal),+) => {
+        &[$(BuiltIn {
+            name: $name,
+            text: include_str!(concat!("../../scenes/", $name, ".toml")),
+        }),+]
+    };
+}
+
 /// All of them.
-pub const BUILT_IN: &[BuiltIn] = &[
-    BuiltIn {
-        name: "oscillation",
-        text: include_str!("../../scenes/oscillation.toml"),
-    },
-    BuiltIn {
-        name: "three-blocks",
-        text: include_str!("../../scenes/three-blocks.toml"),
-    },
-    BuiltIn {
-        name: "bend",
-        text: include_str!("../../scenes/bend.toml"),
-    },
-    BuiltIn {
-        name: "twist",
-        text: include_str!("../../scenes/twist.toml"),
-    },
-    BuiltIn {
-        name: "pull",
-        text: include_str!("../../scenes/pull.toml"),
-    },
-    BuiltIn {
-        name: "fall",
-        text: include_str!("../../scenes/fall.toml"),
-    },
-    BuiltIn {
-        name: "snow",
-        text: include_str!("../../scenes/snow.toml"),
-    },
+pub const BUILT_IN: &[BuiltIn] = built_in![
+    "oscillation",
+    "three-blocks",
+    "bend",
+    "twist",
+    "pull",
+    "fall",
+    "snow"
 ];
 
 impl BuiltIn {

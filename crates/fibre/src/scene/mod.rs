@@ -18,6 +18,7 @@ pub use set_up::{SetUp, set_up};
 
 use crate::explicit::Explicit;
 use crate::solver::Solver;
+use crate::solvers::{Implicit, Interactive, QuasiStatic, implicit, interactive};
 use declare::{Numbers, declared, numbers};
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +68,12 @@ words! {
     pub enum SolverWord {
         /// Symplectic Euler, the reference.
         Explicit,
+        /// Steps of animation at real stiffness, solved to the end.
+        Implicit,
+        /// A step a picture at real stiffness.
+        Interactive,
+        /// Equilibrium after equilibrium, without inertia.
+        QuasiStatic,
     }
     /// When bonds break.
     pub enum BondWord {
@@ -107,12 +114,20 @@ words! {
 
 impl SolverWord {
     /// All solvers.
-    pub const ALL: [SolverWord; 1] = [SolverWord::Explicit];
+    pub const ALL: [SolverWord; 4] = [
+        SolverWord::Explicit,
+        SolverWord::Implicit,
+        SolverWord::Interactive,
+        SolverWord::QuasiStatic,
+    ];
 
     /// The solver's name in files.
     pub fn name(self) -> &'static str {
         match self {
             SolverWord::Explicit => "explicit",
+            SolverWord::Implicit => "implicit",
+            SolverWord::Interactive => "interactive",
+            SolverWord::QuasiStatic => "quasi-static",
         }
     }
 
@@ -129,6 +144,9 @@ impl SolverWord {
     pub fn make(self, step: Option<f64>) -> Box<dyn Solver> {
         match self {
             SolverWord::Explicit => Box::new(Explicit::new(step)),
+            SolverWord::Implicit => Box::new(Implicit::new(step)),
+            SolverWord::Interactive => Box::new(Interactive::new(step)),
+            SolverWord::QuasiStatic => Box::new(QuasiStatic::forgetful(step)),
         }
     }
 }
@@ -238,7 +256,7 @@ declared! {
         threshold: f64 = 1e-3, (0.0, 1e6, "J");
         /// Weight of shear against transverse energy, for potential.
         shear_weight: f64 = 0.5, (0.0, 1.0, "");
-        /// Steps from one look for what fails to the next.
+        /// Steps of the explicit solver from one look for what fails to the next.
         every: u32 = 1, (1.0, 1e6, "steps");
     }
 }
@@ -352,9 +370,9 @@ declared! {
         duration: f64 = 1.0, (0.0, 1e6, "s");
         /// Frames that are written.
         frames_per_second: f64 = 25.0, (1e-3, 1e5, "1/s");
-        /// Rows of the energy table.
+        /// Rows of the energy table; of solvers other than explicit no more than one a step.
         rows_per_second: f64 = 500.0, (1e-3, 1e6, "1/s");
-        /// Solver: explicit.
+        /// Solver: explicit, implicit, interactive or quasi-static.
         solver: SolverWord = SolverWord::Explicit, (-INF, INF, "");
         /// Its step; else it chooses.
         step: Option<f64> = None, (1e-12, 1.0, "s");
@@ -386,6 +404,26 @@ declared! {
 }
 
 impl Scene {
+    /// The solver of the scene. Load steps of the quasi-static one are a quarter of a frame where none are given.
+    pub fn make_solver(&self) -> Box<dyn Solver> {
+        let step = match self.solver {
+            SolverWord::QuasiStatic => Some(self.step.unwrap_or(0.25 / self.frames_per_second)),
+            _ => self.step,
+        };
+        self.solver.make(step)
+    }
+
+    /// Rows a second that tables get: no more than one a step, but of the explicit solver, whose steps are far shorter.
+    pub fn rows(&self) -> f64 {
+        let step = match self.solver {
+            SolverWord::Explicit => return self.rows_per_second,
+            SolverWord::Implicit => self.step.unwrap_or(implicit::STEP),
+            SolverWord::Interactive => self.step.unwrap_or(interactive::STEP),
+            SolverWord::QuasiStatic => self.step.unwrap_or(0.25 / self.frames_per_second),
+        };
+        self.rows_per_second.min(1.0 / step)
+    }
+
     /// Every key that a scene may have.
     pub fn reference() -> Vec<KeyInfo> {
         Scene::keys("")

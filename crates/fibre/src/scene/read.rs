@@ -1,6 +1,6 @@
 //! Reading a scene's TOML, with the line of whatever is wrong.
 
-use super::{Declared, KeyInfo, Scene};
+use super::{Declared, KeyInfo, MotionWord, Scene, SolverWord};
 use crate::bodies::BodyError;
 use crate::error::LoadError;
 use greenstick_wood::species::{nearest, suggestion};
@@ -105,6 +105,16 @@ pub enum SceneError {
         /// What would be right.
         right: &'static str,
     },
+    /// A solver that cannot do what the scene asks.
+    #[error("the {solver} solver cannot be used here: {problem}; choose {right}")]
+    Solver {
+        /// The solver.
+        solver: &'static str,
+        /// Why not.
+        problem: String,
+        /// What would be right.
+        right: &'static str,
+    },
     /// A body does not fit.
     #[error(transparent)]
     Body(#[from] BodyError),
@@ -150,10 +160,48 @@ impl Scene {
         toml::to_string(self).unwrap_or_default()
     }
 
+    /// Whether the scene's solver can do what the scene asks.
+    fn check_solver(&self) -> Result<(), SceneError> {
+        let refuse = |problem: String, right| {
+            let solver = self.solver.name();
+            Err(SceneError::Solver {
+                solver,
+                problem,
+                right,
+            })
+        };
+        let free = self.body.iter().position(|b| b.motion == MotionWord::Free);
+        if let (Some(body), true) = (free, self.solver != SolverWord::Explicit) {
+            let problem = format!(
+                "body {body} moves freely, and its impacts need steps as short as they are"
+            );
+            return refuse(problem, "explicit");
+        }
+        if self.solver != SolverWord::QuasiStatic {
+            return Ok(());
+        }
+        let others = "explicit, implicit or interactive";
+        if self.start.velocity != [0.0; 3] {
+            return refuse(
+                "it has no inertia, and start.velocity is not 0".into(),
+                others,
+            );
+        }
+        if !self
+            .clamp
+            .iter()
+            .any(|c| "xyz".chars().all(|a| c.axes.contains(a)))
+        {
+            let problem = "it has no inertia, and no clamp holds the wood in x, y and z";
+            return refuse(problem.into(), others);
+        }
+        Ok(())
+    }
+
     /// Checks every range, and what holds between keys.
     ///
     /// # Errors
-    /// [`SceneError::Value`] for the first that is wrong.
+    /// [`SceneError::Value`] for the first that is wrong, [`SceneError::Solver`] where the solver cannot do it.
     pub fn check(&self) -> Result<(), SceneError> {
         if let Some((k, value)) = self.out_of_range("") {
             let right = match (k.range, k.unit) {
@@ -180,7 +228,7 @@ impl Scene {
                 });
             }
         }
-        Ok(())
+        self.check_solver()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::start::{bend, lay, turn};
 use super::{
     BodyKeys, BondWord, ClampKeys, ForceKeys, KeyFrame, MotionWord, Scene, SceneError, ShapeWord,
+    SolverWord,
 };
 use crate::bodies::{Bodies, Body, BodyMotion, ContactOptions, Shape, clearance};
 use crate::bundle::Bundle;
@@ -86,7 +87,11 @@ fn failure(scene: &Scene) -> Failure {
     Failure {
         rods_break: keys.rods,
         rods_yield: keys.yielding,
-        interval: keys.every,
+        interval: if scene.solver == SolverWord::Explicit {
+            keys.every
+        } else {
+            1
+        },
         bonds: match keys.bonds {
             BondWord::Never => BondCriterion::Never,
             BondWord::Potential => BondCriterion::Potential {

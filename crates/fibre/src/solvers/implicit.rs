@@ -5,24 +5,24 @@
 //! dies out. What dies is measured: [`Advance::dissipated`] is the energy before the step, with the work of loads and
 //! clamps as the method itself integrates them, less damping, yielding and the energy after.
 
-use super::newton::{Found, Goal, Inertia, Newton};
+use super::newton::{EXACT, Found, Goal, Inertia, Newton};
 use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
 use crate::failure::{self, Break};
-use crate::solver::{Advance, Contacts, Solver, World};
+use crate::solver::{Advance, Contacts, Solver, Touch, World};
 use crate::state::State;
 use crate::vectors::Vectors;
 
 /// γ = 1 − √½: both stages have the same matrix, and the method is L-stable.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// The step where none is given, s.
-const STEP: f64 = 1.0 / 240.0;
+pub const STEP: f64 = 1.0 / 240.0;
 /// A step that does not settle is halved this often.
 const HALVINGS: u32 = 8;
 
 /// The implicit solver.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Implicit {
     given: Option<f64>,
     newton: Newton,
@@ -34,6 +34,7 @@ struct Stage {
     state: State,
     velocity: Vectors,
     spin: Vec<f64>,
+    touches: Vec<Touch>,
     /// Power of loads and clamps, and of damping, W.
     power: f64,
     damping: f64,
@@ -52,7 +53,8 @@ impl Implicit {
     pub fn new(step: Option<f64>) -> Self {
         Implicit {
             given: step,
-            ..Implicit::default()
+            newton: Newton::in_manner(EXACT),
+            queue: Vec::new(),
         }
     }
 
@@ -61,7 +63,7 @@ impl Implicit {
         world: &World,
         base: &State,
         inertia: &Inertia,
-        contact: Option<&Vectors>,
+        contacts: &mut dyn Contacts,
         time: f64,
     ) -> Result<Stage, SolverError> {
         let World { bundle, loads, .. } = world;
@@ -69,13 +71,16 @@ impl Implicit {
             bundle,
             loads,
             yielding: world.failure.rods_yield,
-            contact,
+            from: &world.state,
             inertia: Some(inertia),
             time,
         };
         let Found {
-            state, reaction, ..
-        } = self.newton.solve(&goal, base)?;
+            state,
+            reaction,
+            touches,
+            ..
+        } = self.newton.solve(&goal, base, base, contacts)?;
         let mut velocity = plus(&state.position, &inertia.behind, -1.0);
         for v in [&mut velocity.x, &mut velocity.y, &mut velocity.z] {
             v.iter_mut().for_each(|v| *v /= inertia.h);
@@ -87,8 +92,7 @@ impl Implicit {
         loads.add_forces(bundle, time, &state.position, &velocity, linear, moment);
         let (mut power, mut damping) = (0.0, 0.0);
         for v in 0..bundle.vertices() {
-            let touch = contact.map_or(glam::DVec3::ZERO, |c| c.get(v));
-            power += (linear.get(v) + reaction.get(v) + touch).dot(velocity.get(v));
+            power += (linear.get(v) + reaction.get(v)).dot(velocity.get(v));
             damping += bundle.mass[v] * velocity.get(v).length_squared();
             if bundle.twisting {
                 power += moment[v] * spin[v];
@@ -99,6 +103,7 @@ impl Implicit {
             state,
             velocity,
             spin,
+            touches,
             power,
             damping: loads.damping * damping,
         })
@@ -108,7 +113,7 @@ impl Implicit {
     fn stages(
         &mut self,
         world: &World,
-        contact: Option<&Vectors>,
+        contacts: &mut dyn Contacts,
         dt: f64,
     ) -> Result<[Stage; 2], SolverError> {
         let (old, h) = (&world.state, GAMMA * dt);
@@ -120,7 +125,7 @@ impl Implicit {
             angle_ahead: plus_numbers(&old.angle, &old.spin, h),
             angle_behind: old.angle.clone(),
         };
-        let first = self.stage(world, old, &inertia, contact, old.time + h)?;
+        let first = self.stage(world, old, &inertia, contacts, old.time + h)?;
         // v₀ + (1 − γ) Δt a₁ with a₁ = (v₁ − v₀)/h.
         let part = (1.0 - GAMMA) / GAMMA;
         let pushed = plus(
@@ -142,7 +147,7 @@ impl Implicit {
             behind,
             angle_behind,
         };
-        let second = self.stage(world, &first.state, &inertia, contact, old.time + dt)?;
+        let second = self.stage(world, &first.state, &inertia, contacts, old.time + dt)?;
         Ok([first, second])
     }
 
@@ -155,13 +160,7 @@ impl Implicit {
         halved: u32,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let mut touch = None;
-        if !contacts.is_empty() {
-            let mut forces = Vectors::zeros(world.bundle.vertices());
-            contacts.add_forces(&world.bundle, &world.state, world.state.time, &mut forces);
-            touch = Some(forces);
-        }
-        let [first, second] = match self.stages(world, touch.as_ref(), dt) {
+        let [first, second] = match self.stages(world, contacts, dt) {
             Ok(stages) => stages,
             Err(SolverError::NotConverged { .. }) if halved < HALVINGS => {
                 let saved = world.clone();
@@ -176,7 +175,7 @@ impl Implicit {
             }
             Err(other) => return Err(other),
         };
-        let before = energies(&world.bundle, &world.state).total();
+        let before = energies(&world.bundle, &world.state).total() + contacts.stored();
         let old = std::mem::replace(&mut world.state, second.state);
         world.state.velocity = second.velocity;
         world.state.spin = second.spin;
@@ -186,15 +185,12 @@ impl Implicit {
         world.fracture_loss += lost;
         let work = dt * ((1.0 - GAMMA) * first.power + GAMMA * second.power);
         let damped = dt * ((1.0 - GAMMA) * first.damping + GAMMA * second.damping);
-        let after = energies(&world.bundle, &world.state).total();
+        let book = contacts.accept(&old, old.time + dt, &second.touches);
+        let after = energies(&world.bundle, &world.state).total() + book.stored;
         report.work += work;
         report.damped += damped;
-        report.dissipated += before + work - damped - lost - after;
+        report.dissipated += before + work + book.work - book.lost - damped - lost - after;
         report.steps += 1;
-        if !contacts.is_empty() {
-            contacts.resolve(&world.bundle, &mut world.state, dt)?;
-            world.state.carry_frames(&world.bundle);
-        }
         let interval = u64::from(world.failure.interval.max(1));
         if world.state.step.is_multiple_of(interval) {
             failure::detect(&world.failure, &world.bundle, &world.state, &mut self.queue);
@@ -206,33 +202,13 @@ impl Implicit {
     }
 }
 
-/// Checks a duration to advance by.
-pub(super) fn check_duration(duration: f64) -> Result<(), SolverError> {
-    if duration >= 0.0 && duration.is_finite() {
-        return Ok(());
-    }
-    Err(SolverError::Value {
-        what: "the time to advance by (s)",
-        value: duration,
-        right: "0 or more and finite",
-    })
-}
-
 impl Solver for Implicit {
     fn name(&self) -> &'static str {
         "implicit"
     }
 
     fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        match self.given {
-            None => Ok(STEP),
-            Some(given) if given > 0.0 && given.is_finite() => Ok(given),
-            Some(given) => Err(SolverError::Value {
-                what: "the step (s)",
-                value: given,
-                right: "above 0 and finite",
-            }),
-        }
+        super::given_step(self.given, STEP)
     }
 
     fn advance(
@@ -241,25 +217,10 @@ impl Solver for Implicit {
         contacts: &mut dyn Contacts,
         duration: f64,
     ) -> Result<Advance, SolverError> {
-        check_duration(duration)?;
-        world.check()?;
         let step = self.step(world)?;
-        let mut report = Advance {
-            limit: f64::INFINITY,
-            ..Advance::default()
-        };
-        if duration == 0.0 {
-            return Ok(report);
-        }
-        let count = (duration / step - 1e-9).ceil().max(1.0);
-        let (start, dt) = (world.state.time, duration / count);
-        report.step = dt;
-        for k in 1..=count as u64 {
-            self.one_step(world, contacts, dt, 0, &mut report)?;
-            world.state.time = start + dt * k as f64;
-        }
-        world.state.time = start + duration;
-        Ok(report)
+        super::advance_evenly(world, duration, step, |world, dt, report| {
+            self.one_step(world, contacts, dt, 0, report)
+        })
     }
 }
 

@@ -3,15 +3,81 @@
 //! | module | what is in it |
 //! |---|---|
 //! | [`matrix`] | sparse symmetric matrices in an envelope, and their Cholesky factors |
+//! | `direct` | linear systems with a factor that is kept |
+//! | `iterative` | linear systems by conjugate gradients, with rods (`lines`) and sections (`sections`) solved exactly |
+//! | `grips` | [`Grip`]: springs on the mean displacement of some vertices |
 //! | [`newton`] | Newton's method on all energies, loads and inertia, with yielding and grips |
 //! | [`implicit`] | [`Implicit`]: time steps of animation at real stiffness |
+//! | [`interactive`] | [`Interactive`]: a step a picture |
 //! | [`quasi_static`] | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
 
+mod direct;
+mod grips;
 pub mod implicit;
+pub mod interactive;
+mod iterative;
+mod lines;
 pub mod matrix;
 pub mod newton;
 pub mod quasi_static;
+mod sections;
 
+pub use grips::Grip;
 pub use implicit::Implicit;
-pub use newton::Grip;
+pub use interactive::Interactive;
 pub use quasi_static::QuasiStatic;
+
+use crate::error::SolverError;
+use crate::solver::{Advance, World};
+
+/// Checks a duration to advance by.
+fn check_duration(duration: f64) -> Result<(), SolverError> {
+    if duration >= 0.0 && duration.is_finite() {
+        return Ok(());
+    }
+    Err(SolverError::Value {
+        what: "the time to advance by (s)",
+        value: duration,
+        right: "0 or more and finite",
+    })
+}
+
+/// A step that was given, or the usual one, s.
+fn given_step(given: Option<f64>, usual: f64) -> Result<f64, SolverError> {
+    match given {
+        None => Ok(usual),
+        Some(given) if given > 0.0 && given.is_finite() => Ok(given),
+        Some(given) => Err(SolverError::Value {
+            what: "the step (s)",
+            value: given,
+            right: "above 0 and finite",
+        }),
+    }
+}
+
+/// Advances in whole steps of equal length, no longer than `step`.
+fn advance_evenly(
+    world: &mut World,
+    duration: f64,
+    step: f64,
+    mut one: impl FnMut(&mut World, f64, &mut Advance) -> Result<(), SolverError>,
+) -> Result<Advance, SolverError> {
+    check_duration(duration)?;
+    world.check()?;
+    let mut report = Advance {
+        limit: f64::INFINITY,
+        ..Advance::default()
+    };
+    if duration == 0.0 {
+        return Ok(report);
+    }
+    let count = (duration / step - 1e-9).ceil().max(1.0);
+    let (start, dt) = (world.state.time, duration / count);
+    report.step = dt;
+    for k in 1..=count as u64 {
+        one(world, dt, &mut report)?;
+        world.state.time = start + dt * k as f64;
+    }
+    world.state.time = start + duration;
+    Ok(report)
+}

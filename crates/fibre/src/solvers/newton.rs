@@ -9,13 +9,16 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::matrix::{Envelope, conjugate_gradients, order};
+use super::direct::Direct;
+use super::grips::{Grip, Held, resolve};
+use super::iterative::System;
 use crate::bundle::Bundle;
-use crate::energy::{Curvature, ElementHessian, Forces, bond, framed, rod};
+use crate::energy::{Forces, rod};
 use crate::error::SolverError;
 use crate::frames;
 use crate::kernel::Evaluator;
 use crate::loads::Loads;
+use crate::solver::{Contacts, Touch};
 use crate::state::State;
 use crate::vectors::Vectors;
 use glam::DVec3;
@@ -26,55 +29,12 @@ const TOLERANCE: f64 = 1e-7;
 const ROUNDING: f64 = 1e-12;
 /// Newton iterations.
 const ITERATIONS: usize = 40;
-/// Stiffness of a yielding edge over that of an elastic one, in the matrix only: none at all could leave it singular.
-const YIELDING: f64 = 1e-3;
 /// Accuracy of linear solutions.
 const LINEAR: f64 = 1e-3;
-/// Conjugate gradients before a new factor is made.
-const PATIENCE: usize = 14;
 /// Tries of the line search.
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
-
-/// A grip on the mean displacement of some vertices: it spreads its force over them and lets them turn, as a beam's
-/// supports do in beam theory. A stiff spring.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Grip {
-    /// Vertices, by their numbers in the unbroken bundle.
-    pub vertices: Vec<u32>,
-    /// Their weights; both halves of a broken vertex share its.
-    pub weights: Vec<f64>,
-    /// Direction (unit).
-    pub direction: DVec3,
-    /// Stiffness of the spring, N/m.
-    pub stiffness: f64,
-    /// Speed of the spring's other end along the direction, m/s; at time 0 it is where the vertices are at rest.
-    pub speed: f64,
-}
-
-/// A grip on the bundle as it is now.
-#[derive(Debug, Clone)]
-struct Held {
-    /// Vertices with weights whose sum is 1.
-    vertices: Vec<(u32, f64)>,
-    direction: DVec3,
-    stiffness: f64,
-    speed: f64,
-}
-
-impl Held {
-    fn displacement(&self, bundle: &Bundle, state: &State) -> f64 {
-        self.vertices.iter().fold(0.0, |sum, &(v, w)| {
-            let moved = state.position.get(v as usize) - bundle.rest.get(v as usize);
-            sum + w * moved.dot(self.direction)
-        })
-    }
-
-    fn force(&self, bundle: &Bundle, state: &State, time: f64) -> f64 {
-        self.stiffness * (self.speed * time - self.displacement(bundle, state))
-    }
-}
 
 /// What makes a stage of a time step of an equilibrium: M (x − `ahead`)/h² = F − c M (x − `behind`)/h.
 #[derive(Debug, Clone)]
@@ -92,8 +52,8 @@ pub(crate) struct Goal<'a> {
     pub loads: &'a Loads,
     /// Whether edges yield.
     pub yielding: bool,
-    /// Forces of contacts, N.
-    pub contact: Option<&'a Vectors>,
+    /// Where the step begins, if not where the iteration does: contacts slide from there.
+    pub from: &'a State,
     pub inertia: Option<&'a Inertia>,
     /// Time at the end, s.
     pub time: f64,
@@ -104,6 +64,8 @@ pub(crate) struct Found {
     pub state: State,
     /// Forces by clamps on vertices, N.
     pub reaction: Vectors,
+    /// Contacts.
+    pub touches: Vec<Touch>,
     pub iterations: usize,
 }
 
@@ -112,19 +74,99 @@ pub(crate) struct Found {
 pub(crate) struct Newton {
     generation: Option<u64>,
     block: usize,
-    place: Vec<u32>,
-    matrix: Envelope,
-    factor: Option<Envelope>,
+    linear: Linear,
+    manner: Manner,
     evaluator: Option<Evaluator>,
     forces: Forces,
     residual: Vec<f64>,
     held: Vec<bool>,
     grips: Vec<Held>,
+    touches: Vec<Touch>,
     scale: f64,
-    factors: usize,
+}
+
+/// How linear systems are solved.
+#[derive(Debug, Clone)]
+enum Linear {
+    /// With a Cholesky factor that is kept.
+    Direct(Box<Direct>),
+    /// Anew each time, of three freedoms at a vertex, or four.
+    Three(Box<System<3>>),
+    Four(Box<System<4>>),
+}
+
+impl Default for Linear {
+    fn default() -> Self {
+        Linear::Direct(Box::default())
+    }
+}
+
+/// How exactly everything is solved.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Manner {
+    /// Whether nothing is remembered from one step to the next.
+    pub forgetful: bool,
+    /// Unbalanced forces fall to this part of the largest force in a rod.
+    pub tolerance: f64,
+    /// Newton iterations at most.
+    pub iterations: usize,
+    /// Accuracy of each linear solution.
+    pub accuracy: f64,
+    /// Whether the last iterate is taken where they do not suffice.
+    pub take_last: bool,
+    /// Whether the matrix of the first iteration serves them all, as long as contacts stay.
+    pub one_matrix: bool,
+}
+
+/// As exactly as by default, remembering nothing.
+pub(crate) const EXACT: Manner = Manner {
+    forgetful: true,
+    tolerance: TOLERANCE,
+    iterations: ITERATIONS,
+    accuracy: LINEAR,
+    take_last: false,
+    one_matrix: false,
+};
+
+impl Default for Manner {
+    fn default() -> Self {
+        let mut manner = EXACT;
+        manner.forgetful = false;
+        manner
+    }
+}
+
+/// A linear system.
+pub(super) struct Problem<'a> {
+    pub bundle: &'a Bundle,
+    pub state: &'a State,
+    /// Permanent strain before the step.
+    pub plastic: &'a [f64],
+    pub touches: &'a [Touch],
+    pub grips: &'a [Held],
+    /// Stiffness of inertia and damping over mass, 1/s².
+    pub inertia: f64,
+    /// Per freedom: unbalanced force, N.
+    pub residual: &'a [f64],
+    /// Per freedom: whether a clamp holds it.
+    pub held: &'a [bool],
+    /// Per freedom: how far it goes where held, m.
+    pub prescribed: &'a [f64],
+    /// Accuracy of the solution.
+    pub accuracy: f64,
+    /// Whether the matrix is made anew.
+    pub fresh: bool,
 }
 
 impl Newton {
+    /// The method in another manner.
+    pub fn in_manner(manner: Manner) -> Self {
+        Newton {
+            manner,
+            ..Newton::default()
+        }
+    }
+
     /// Makes everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &Bundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
@@ -132,42 +174,37 @@ impl Newton {
         }
         self.generation = Some(bundle.generation);
         self.grips = grips.iter().map(|g| resolve(g, bundle)).collect();
-        self.block = if bundle.twisting { 4 } else { 3 };
         let n = bundle.vertices();
-        let mut pairs = Vec::new();
-        for i in 0..n as u32 {
-            if bundle.is_edge(i as usize) {
-                pairs.push((i, i + 1));
+        self.block = if bundle.twisting { 4 } else { 3 };
+        if !self.manner.forgetful {
+            let mut direct = match std::mem::take(&mut self.linear) {
+                Linear::Direct(direct) => direct,
+                _ => Box::default(),
+            };
+            direct.prepare(bundle, &self.grips);
+            self.linear = Linear::Direct(direct);
+        } else {
+            match &mut self.linear {
+                Linear::Four(system) if bundle.twisting => system.prepare(bundle),
+                Linear::Three(system) if !bundle.twisting => system.prepare(bundle),
+                other => {
+                    *other = if bundle.twisting {
+                        Linear::Four(Box::default())
+                    } else {
+                        Linear::Three(Box::default())
+                    };
+                    self.generation = None;
+                    return self.prepare(bundle, grips);
+                }
             }
-            if bundle.bend[i as usize] > 0.0 {
-                pairs.push((i - 1, i + 1));
-            }
         }
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            pairs.extend([(v, e), (v, e + 1)]);
-        }
-        for g in &self.grips {
-            for (k, a) in g.vertices.iter().enumerate() {
-                pairs.extend(g.vertices[..k].iter().map(|b| (a.0, b.0)));
-            }
-        }
-        self.place = vec![0; n];
-        for (k, v) in order(n, &pairs).into_iter().enumerate() {
-            self.place[v as usize] = k as u32;
-        }
-        let place = &self.place;
-        let moved = pairs
-            .iter()
-            .map(|&(a, b)| (place[a as usize], place[b as usize]));
-        self.matrix = Envelope::zeros(self.block, n, moved);
-        self.factor = None;
         self.evaluator = Some(Evaluator::new(bundle));
         self.forces = Forces::zeros(n);
         self.residual = vec![0.0; n * self.block];
     }
 
     fn freedom(&self, vertex: usize, axis: usize) -> usize {
-        self.place[vertex] as usize * self.block + axis
+        vertex * self.block + axis
     }
 
     /// Forces of the grips, N.
@@ -186,22 +223,44 @@ impl Newton {
             .collect()
     }
 
-    /// Factors made so far.
-    pub fn factors(&self) -> usize {
-        self.factors
+    /// Conjugate gradients so far, of systems solved anew.
+    pub fn gradients(&self) -> u64 {
+        match &self.linear {
+            Linear::Direct(_) => 0,
+            Linear::Three(system) => system.iterations(),
+            Linear::Four(system) => system.iterations(),
+        }
     }
 
-    /// Finds the equilibrium at `goal.time`, starting from `base`, whose permanent strain is that before the step.
-    pub fn solve(&mut self, goal: &Goal, base: &State) -> Result<Found, SolverError> {
+    /// Factors made so far.
+    pub fn factors(&self) -> usize {
+        match &self.linear {
+            Linear::Direct(direct) => direct.factors,
+            _ => 0,
+        }
+    }
+
+    /// Finds the equilibrium at `goal.time`, looking from `start` on. The permanent strain before the step is that of `base`.
+    pub fn solve(
+        &mut self,
+        goal: &Goal,
+        base: &State,
+        start: &State,
+        contacts: &mut dyn Contacts,
+    ) -> Result<Found, SolverError> {
         let bundle = goal.bundle;
-        let mut state = base.clone();
-        let mut prescribed = self.hold(goal, base);
-        self.balance(goal, base, &mut state);
+        let mut state = start.clone();
+        let mut prescribed = self.hold(goal, start);
+        self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
-        let mut tolerance = TOLERANCE * self.scale;
+        let mut touching = 0;
+        let mut tolerance = self.manner.tolerance * self.scale;
         while iterations == 0 && moved || worst > tolerance {
-            if iterations == ITERATIONS || !worst.is_finite() {
+            if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
+                break;
+            }
+            if iterations == self.manner.iterations || !worst.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: goal.time,
                     iterations,
@@ -209,7 +268,10 @@ impl Newton {
                     tolerance,
                 });
             }
-            let step = self.direction(goal, base, &state, &prescribed);
+            let fresh =
+                !self.manner.one_matrix || iterations == 0 || self.touches.len() != touching;
+            touching = self.touches.len();
+            let step = self.direction(goal, base, &state, &prescribed, fresh);
             let slope: f64 = step
                 .iter()
                 .zip(&self.residual)
@@ -224,14 +286,15 @@ impl Newton {
             };
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
-                self.balance(goal, base, &mut state);
+                self.balance(goal, base, contacts, &mut state);
                 let now: f64 = step
                     .iter()
                     .zip(&self.residual)
                     .zip(&self.held)
                     .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
                 // The force along the step must not have turned round by much.
-                let ok = now.abs() <= SLOPE * slope.abs() || self.worst() <= TOLERANCE * self.scale;
+                let ok = now.abs() <= SLOPE * slope.abs()
+                    || self.worst() <= self.manner.tolerance * self.scale;
                 if !free
                     || ok
                     || search + 1 == SEARCHES
@@ -251,7 +314,7 @@ impl Newton {
             prescribed.fill(0.0);
             iterations += 1;
             worst = self.worst();
-            tolerance = TOLERANCE * self.scale;
+            tolerance = self.manner.tolerance * self.scale;
         }
         let mut reaction = Vectors::zeros(bundle.vertices());
         for v in 0..bundle.vertices() {
@@ -264,6 +327,7 @@ impl Newton {
         Ok(Found {
             state,
             reaction,
+            touches: std::mem::take(&mut self.touches),
             iterations,
         })
     }
@@ -310,7 +374,13 @@ impl Newton {
     }
 
     /// Lets edges yield from the permanent strain of `base`, and finds all unbalanced forces.
-    fn balance(&mut self, goal: &Goal, base: &State, state: &mut State) {
+    fn balance(
+        &mut self,
+        goal: &Goal,
+        base: &State,
+        contacts: &mut dyn Contacts,
+        state: &mut State,
+    ) {
         let bundle = goal.bundle;
         let mut scale = 0.0f64;
         let mut stiffest = 0.0f64;
@@ -341,8 +411,14 @@ impl Newton {
             linear,
             moment,
         );
-        if let Some(contact) = goal.contact {
-            (0..bundle.vertices()).for_each(|i| linear.add(i, contact.get(i)));
+        if !contacts.is_empty() {
+            contacts.touches(bundle, state, goal.from, goal.time, &mut self.touches);
+            for touch in &self.touches {
+                scale = scale.max(touch.force.length());
+                for (v, w) in touch.shares() {
+                    linear.add(v, touch.force * w);
+                }
+            }
         }
         for g in &self.grips {
             let force = g.force(bundle, state, goal.time);
@@ -453,148 +529,28 @@ impl Newton {
         base: &State,
         state: &State,
         prescribed: &[f64],
+        fresh: bool,
     ) -> Vec<f64> {
-        let rows = self.residual.len();
-        let mut step = vec![0.0; rows];
-        for kind in [Curvature::Exact, Curvature::GaussNewton] {
-            self.assemble(goal, base, state, kind);
-            let mut right = self.residual.clone();
-            if prescribed.iter().any(|d| *d != 0.0) {
-                let mut pushed = vec![0.0; rows];
-                self.matrix.multiply(prescribed, &mut pushed);
-                right.iter_mut().zip(&pushed).for_each(|(r, p)| *r -= p);
-            }
-            self.matrix.hold(&self.held);
-            for f in 0..rows {
-                if self.held[f] {
-                    right[f] = prescribed[f];
-                }
-            }
-            if let Some(factor) = &self.factor {
-                let done =
-                    conjugate_gradients(&self.matrix, factor, &right, &mut step, LINEAR, PATIENCE);
-                if done.is_some() {
-                    return step;
-                }
-            }
-            self.factors += 1;
-            let mut factor = self.matrix.clone();
-            if factor.factor().is_ok() {
-                step.copy_from_slice(&right);
-                factor.solve(&mut step);
-                self.factor = Some(factor);
-                return step;
-            }
-        }
-        // Not even what is never negative can be factored: something hangs loose. A little stiffness holds it.
-        self.factor = None;
-        let most = (0..rows)
-            .map(|i| self.matrix.diagonal(i))
-            .fold(0.0, f64::max);
-        let mut right = self.residual.clone();
-        for f in 0..rows {
-            if self.held[f] {
-                right[f] = prescribed[f];
-            } else {
-                self.matrix.add(f, f, 1e-6 * most);
-            }
-        }
-        let mut factor = self.matrix.clone();
-        if factor.factor().is_ok() {
-            factor.solve(&mut right);
-        }
-        right
-    }
-
-    /// Second derivatives of everything at `state`.
-    fn assemble(&mut self, goal: &Goal, base: &State, state: &State, kind: Curvature) {
-        let bundle = goal.bundle;
-        let n = bundle.vertices();
-        let mut matrix = std::mem::take(&mut self.matrix);
-        matrix.clear();
-        let (place, block) = (&self.place, self.block);
-        let row = |freedom: u32| {
-            let f = freedom as usize;
-            if f < 3 * n {
-                place[f / 3] as usize * block + f % 3
-            } else {
-                place[f - 3 * n] as usize * block + 3
-            }
+        let step_inertia = goal
+            .inertia
+            .map_or(0.0, |i| 1.0 / (i.h * i.h) + goal.loads.damping / i.h);
+        let problem = Problem {
+            bundle: goal.bundle,
+            state,
+            plastic: &base.plastic_strain,
+            touches: &self.touches,
+            grips: &self.grips,
+            inertia: step_inertia,
+            residual: &self.residual,
+            held: &self.held,
+            prescribed,
+            accuracy: self.manner.accuracy,
+            fresh,
         };
-        let mut put = |h: &ElementHessian, by: f64| {
-            let mut rows = [0; crate::energy::MOST_FREEDOMS];
-            (0..h.count).for_each(|k| rows[k] = row(h.freedoms[k]));
-            for u in 0..h.count {
-                for v in 0..h.count {
-                    if rows[v] <= rows[u] {
-                        matrix.add(rows[u], rows[v], by * h.matrix[u][v]);
-                    }
-                }
-            }
-        };
-        for j in (0..n).filter(|&j| bundle.is_edge(j)) {
-            put(&rod::stretch_hessian(bundle, state, j, kind), 1.0);
-            if state.plastic_strain[j] != base.plastic_strain[j] {
-                let elastic = rod::stretch_hessian(bundle, state, j, Curvature::GaussNewton);
-                put(&elastic, YIELDING - 1.0);
-            }
+        match &mut self.linear {
+            Linear::Direct(direct) => direct.solve(&problem),
+            Linear::Three(system) => system.solve(&problem),
+            Linear::Four(system) => system.solve(&problem),
         }
-        for i in (0..n).filter(|&i| bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0) {
-            if bundle.twisting {
-                put(&framed::hessian(bundle, state, i), 1.0);
-            } else {
-                put(&rod::bend_hessian(bundle, state, i, kind), 1.0);
-            }
-        }
-        for b in 0..bundle.bonds.len() {
-            put(&bond::hessian(bundle, state, b, kind), 1.0);
-        }
-        for g in &self.grips {
-            for &(a, wa) in &g.vertices {
-                for &(b, wb) in &g.vertices {
-                    for (r, c) in (0..9).map(|k| (k / 3, k % 3)) {
-                        let (i, j) = (row(3 * a + r as u32), row(3 * b + c as u32));
-                        if j <= i {
-                            let along = g.direction[r] * g.direction[c];
-                            matrix.add(i, j, g.stiffness * wa * wb * along);
-                        }
-                    }
-                }
-            }
-        }
-        for v in 0..n {
-            let p = place[v] as usize * block;
-            if let Some(i) = goal.inertia {
-                let by = 1.0 / (i.h * i.h) + goal.loads.damping / i.h;
-                (0..3).for_each(|a| matrix.add(p + a, p + a, bundle.mass[v] * by));
-                if block == 4 {
-                    matrix.add(p + 3, p + 3, bundle.inertia[v] * by);
-                }
-            }
-        }
-        self.matrix = matrix;
-    }
-}
-
-fn resolve(grip: &Grip, bundle: &Bundle) -> Held {
-    let mut vertices = Vec::new();
-    for (&origin, &weight) in grip.vertices.iter().zip(&grip.weights) {
-        let copies: Vec<usize> = (0..bundle.vertices())
-            .filter(|&v| bundle.origin[v] == origin)
-            .collect();
-        let mass: f64 = copies.iter().map(|&v| bundle.mass[v]).sum();
-        vertices.extend(
-            copies
-                .iter()
-                .map(|&v| (v as u32, weight * bundle.mass[v] / mass)),
-        );
-    }
-    let sum: f64 = vertices.iter().map(|v| v.1).sum();
-    vertices.iter_mut().for_each(|v| v.1 /= sum);
-    Held {
-        vertices,
-        direction: grip.direction,
-        stiffness: grip.stiffness,
-        speed: grip.speed,
     }
 }

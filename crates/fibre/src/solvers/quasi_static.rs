@@ -5,14 +5,14 @@
 //! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
 //! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
-use super::newton::{Found, Goal, Grip, Newton};
+use super::grips::Grip;
+use super::newton::{EXACT, Found, Goal, Newton};
 use crate::energy::{energies, rod};
 use crate::error::SolverError;
 use crate::event::{Cause, Event, EventKind};
 use crate::failure::{self, Break};
 use crate::solver::{Advance, Contacts, Solver, World};
 use crate::state::State;
-use crate::vectors::Vectors;
 
 /// Steps of a call of advance where none is given.
 const STEPS: f64 = 32.0;
@@ -36,6 +36,16 @@ impl QuasiStatic {
     pub fn new(step: Option<f64>) -> Self {
         QuasiStatic {
             given: step,
+            ..QuasiStatic::default()
+        }
+    }
+
+    /// The same, remembering nothing from one load step to the next, so that a run can be resumed in the same bytes. It
+    /// takes no grips.
+    pub fn forgetful(step: Option<f64>) -> Self {
+        QuasiStatic {
+            given: step,
+            newton: Newton::in_manner(EXACT),
             ..QuasiStatic::default()
         }
     }
@@ -72,21 +82,17 @@ impl QuasiStatic {
         time: f64,
     ) -> Result<Found, SolverError> {
         self.newton.prepare(&world.bundle, &self.grips);
-        let mut touch = None;
-        if !contacts.is_empty() {
-            let mut forces = Vectors::zeros(world.bundle.vertices());
-            contacts.add_forces(&world.bundle, &world.state, time, &mut forces);
-            touch = Some(forces);
-        }
         let goal = Goal {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            contact: touch.as_ref(),
+            from: &world.state,
             inertia: None,
             time,
         };
-        let found = self.newton.solve(&goal, &world.state)?;
+        let found = self
+            .newton
+            .solve(&goal, &world.state, &world.state, contacts)?;
         self.iterations += found.iterations as u64;
         Ok(found)
     }
@@ -158,7 +164,7 @@ impl QuasiStatic {
         time: f64,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let stored = energies(&world.bundle, &world.state).potential();
+        let stored = energies(&world.bundle, &world.state).potential() + contacts.stored();
         let old = std::mem::replace(&mut world.state, found.state);
         let step = time - old.time;
         world.state.time = time;
@@ -175,17 +181,14 @@ impl QuasiStatic {
             work += force * g.speed * step;
         }
         report.work += work;
-        let now = energies(&world.bundle, &world.state).potential();
+        let book = contacts.accept(&old, time, &found.touches);
+        let now = energies(&world.bundle, &world.state).potential() + book.stored;
         if step == 0.0 {
             // What a break lets go at standing clamps would have become motion and heat.
             report.dissipated += (stored - now - lost).max(0.0);
         }
         world.state.velocity.clear_to_zero();
         world.state.spin.fill(0.0);
-        if !contacts.is_empty() && step > 0.0 {
-            contacts.resolve(&world.bundle, &mut world.state, step)?;
-            world.state.carry_frames(&world.bundle);
-        }
         report.steps += 1;
         Ok(())
     }
@@ -250,15 +253,7 @@ impl Solver for QuasiStatic {
     }
 
     fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        match self.given {
-            None => Ok(f64::INFINITY),
-            Some(given) if given > 0.0 && given.is_finite() => Ok(given),
-            Some(given) => Err(SolverError::Value {
-                what: "the load step (s)",
-                value: given,
-                right: "above 0 and finite",
-            }),
-        }
+        super::given_step(self.given, f64::INFINITY)
     }
 
     fn advance(
@@ -267,7 +262,7 @@ impl Solver for QuasiStatic {
         contacts: &mut dyn Contacts,
         duration: f64,
     ) -> Result<Advance, SolverError> {
-        super::implicit::check_duration(duration)?;
+        super::check_duration(duration)?;
         world.check()?;
         let full = self.step(world)?.min(duration / STEPS);
         let full = self.given.unwrap_or(full);

@@ -7,7 +7,7 @@ use crate::solver::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEAD: usize = 24;
 
 /// How far a run is and what it has written.
@@ -72,7 +72,7 @@ impl Checkpoint {
                 .map(u32::from_le_bytes)
         };
         match word(8) {
-            Some(found) if found > VERSION => {
+            Some(found) if found != VERSION => {
                 return Err(StoreError::Newer {
                     what: "checkpoint",
                     found,

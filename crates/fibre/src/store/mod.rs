@@ -34,16 +34,16 @@ pub enum StoreError {
         /// The first bytes.
         found: String,
     },
-    /// Written by a newer program.
+    /// Written by a newer program, or one so old that it cannot be read.
     #[error(
-        "the {what} is of version {found}, and this program knows versions up to {known}; use the program that wrote it"
+        "the {what} is of version {found}, and this program reads version {known}; use the program that wrote it"
     )]
     Newer {
         /// What it is.
         what: &'static str,
         /// Its version.
         found: u32,
-        /// The newest known here.
+        /// The one known here.
         known: u32,
     },
     /// Changed or cut since it was written.

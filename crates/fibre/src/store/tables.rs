@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// First line of the energy table.
 pub const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,gravity_J,\
 momentum_x_Ns,momentum_y_Ns,momentum_z_Ns,angular_x_Nms,angular_y_Nms,angular_z_Nms,fracture_loss_J,damped_J,\
-dissipated_J,work_J,contact_loss_J,contact_work_J,balance_J\n";
+dissipated_J,work_J,contact_J,contact_loss_J,contact_work_J,balance_J\n";
 
 /// First line of the events.
 pub const EVENT_HEADER: &str =
@@ -55,6 +55,8 @@ pub struct EnergyRow {
     pub fracture_loss: f64,
     /// What solver and loads took and gave.
     pub ledger: Ledger,
+    /// Energy stored in overlaps, J.
+    pub contact: f64,
     /// What contacts took, J.
     pub contact_loss: f64,
     /// Work of moved bodies, J.
@@ -80,6 +82,7 @@ impl EnergyRow {
             angular: angular + world.state.angular_momentum(&world.bundle, DVec3::ZERO),
             fracture_loss: world.fracture_loss,
             ledger: *ledger,
+            contact: bodies.ledger().stored,
             contact_loss: bodies.ledger().lost,
             contact_work: bodies.ledger().work,
         }
@@ -90,11 +93,11 @@ impl EnergyRow {
     pub fn balance(&self) -> f64 {
         let taken = self.fracture_loss + self.ledger.damped + self.ledger.dissipated;
         let given = self.ledger.work + self.contact_work;
-        self.rods.total() + self.bodies + taken + self.contact_loss - given
+        self.rods.total() + self.bodies + self.contact + taken + self.contact_loss - given
     }
 
     /// Its numbers in the order of [`ENERGY_HEADER`].
-    pub fn numbers(&self) -> [f64; 22] {
+    pub fn numbers(&self) -> [f64; 23] {
         let (e, p, l) = (&self.rods, self.momentum, self.angular);
         [
             self.time,
@@ -116,6 +119,7 @@ impl EnergyRow {
             self.ledger.damped,
             self.ledger.dissipated,
             self.ledger.work,
+            self.contact,
             self.contact_loss,
             self.contact_work,
             self.balance(),

@@ -71,7 +71,7 @@ impl Run<'_> {
         self.record(true, 0.0)?;
         let lag = self.request.scene.solver.lag();
         if lag > 0.0 {
-            let mut solver = self.request.scene.solver.make(self.request.scene.step);
+            let mut solver = self.request.scene.make_solver();
             let world = &mut self.made.world;
             let step = solver.step(world).map_err(|error| SimulateError::Solver {
                 error,
@@ -91,7 +91,7 @@ impl Run<'_> {
         }
         let row = EnergyRow::of(world, &self.made.bodies, &self.progress.ledger, lag);
         self.growing.write(ENERGIES, row.line().as_bytes())?;
-        let interval = 1.0 / self.request.scene.rows_per_second;
+        let interval = 1.0 / self.request.scene.rows();
         for row in ForceRow::all(world, &mut self.made.bodies, interval) {
             self.growing.write(FORCES, row.line().as_bytes())?;
         }
@@ -215,8 +215,8 @@ fn advance(
     context: &Context,
 ) -> Result<(), SimulateError> {
     let scene = &run.request.scene;
-    let mut solver = scene.solver.make(scene.step);
-    let rows = scene.rows_per_second;
+    let mut solver = scene.make_solver();
+    let rows = scene.rows();
     let ticks = (scene.duration * rows).round() as u64;
     let frame_of = |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
     while run.progress.ticks < ticks {

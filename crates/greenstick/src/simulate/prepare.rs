@@ -58,9 +58,13 @@ pub(super) fn prepare(
         &mut wood.tangential,
         &mut wood.shear_radial,
         &mut wood.shear_tangential,
-        // Strains at failure stay as they are.
+        // Strains at failure stay as they are, along the grain and across it; energies of fracture go with the square of
+        // strength over the modulus.
         &mut wood.tension,
         &mut wood.compression,
+        &mut wood.tension_across,
+        &mut wood.shear,
+        &mut wood.fracture_energy,
     ] {
         *modulus *= softer;
     }

@@ -4,7 +4,6 @@
 //! With a = e₋, b = e₊, D = |ē₋||ē₊| + a·b, τ = 2/D and c = α/l, the bending energy c τ² |a×b|² has the gradients
 //! X a − Y b by a and −(Y a − Z b) by b, X = 2cτ² b·b, Z = 2cτ² a·a, Y = 2cτ² a·b + cτ³ |a×b|². That X, Y and Z are
 //! common to both keeps angular momentum to the last bits. One division serves the edge's length and D.
-#![allow(unsafe_code)]
 
 use super::lanes::{Lanes, Level, Row, WIDTH, difference, dot, for_each_level, load3};
 

@@ -1,5 +1,4 @@
 //! [`Lanes`] on x86-64's wide registers.
-#![allow(unsafe_code)]
 
 use super::lanes::{Lanes, Row, WIDTH};
 use core::arch::x86_64::*;

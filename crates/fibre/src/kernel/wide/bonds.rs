@@ -1,9 +1,8 @@
 //! Bonds, in two passes. The first computes each bond's forces: those on its vertex x are written where the bond is,
 //! those on its edge are added up at once, as bonds are sorted by edge. The second gathers for each vertex what its own
 //! bonds and its two edges' bonds do to it. Every sum is taken in one order, whoever takes it.
-#![allow(unsafe_code)]
 
-use super::both;
+use super::super::both;
 use super::lanes::{Lanes, Level, Pair, Row, WIDTH, difference, dot, for_each_level};
 use crate::bundle::Bundle;
 use std::ops::Range;

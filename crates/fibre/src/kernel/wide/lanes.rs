@@ -1,6 +1,5 @@
 //! Eight numbers at once on AVX-512, AVX2 and plain processors, with the same bits on each: only additions,
 //! multiplications, divisions and square roots, which IEEE 754 rounds alike, and nothing fused.
-#![allow(unsafe_code)]
 
 /// Numbers in one [`Lanes`].
 pub(crate) const WIDTH: usize = 8;
@@ -189,18 +188,18 @@ macro_rules! for_each_level {
         ///
         /// # Safety
         /// As of the generic function; the level is never above what the processor has.
-        unsafe fn $name(level: $crate::kernel::lanes::Level, $($argument: $type),*) {
+        unsafe fn $name(level: $crate::kernel::wide::lanes::Level, $($argument: $type),*) {
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx512f,avx2")]
             unsafe fn wide512($($argument: $type),*) {
-                unsafe { $generic::<$crate::kernel::x86::Wide512>($($argument),*) }
+                unsafe { $generic::<$crate::kernel::wide::x86::Wide512>($($argument),*) }
             }
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2")]
             unsafe fn wide256($($argument: $type),*) {
-                unsafe { $generic::<$crate::kernel::x86::Wide256>($($argument),*) }
+                unsafe { $generic::<$crate::kernel::wide::x86::Wide256>($($argument),*) }
             }
-            use $crate::kernel::lanes::{Level, Plain};
+            use $crate::kernel::wide::lanes::{Level, Plain};
             unsafe {
                 match level.min(Level::best()) {
                     #[cfg(target_arch = "x86_64")]

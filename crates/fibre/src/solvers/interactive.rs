@@ -1,0 +1,232 @@
+//! A step a picture, at real stiffness, faster than the time it shows (issue "Solvers" 3).
+//!
+//! Each step is an equilibrium with inertia at its end (implicit Euler), found by Newton's method as in
+//! [`super::newton`], but only as exactly as a picture needs, and with linear systems solved anew each time by conjugate
+//! gradients that know rods and sections ([`super::iterative`]): a factor of the matrix, which would have to be made
+//! anew whenever something breaks, costs as much as many pictures. Methods that go from vertex to vertex (vertex block
+//! descent, position-based dynamics) do not carry a bending moment through a slender stem in any number of sweeps that a
+//! picture has time for.
+//!
+//! What is overstressed at the end of a step breaks, and the same step is done again from where it is; what would break
+//! still then breaks in the next. So a crack that runs in microseconds takes a few pictures. Implicit Euler
+//! lets vibration that is fast against the picture die out, which is told as [`Advance::dissipated`].
+
+use super::newton::{Found, Goal, Inertia, Manner, Newton};
+use super::quasi_static::commit_yield;
+use crate::energy::{Forces, energies};
+use crate::error::SolverError;
+use crate::failure::{self, Break, Failure};
+use crate::solver::{Advance, Contacts, Solver, World};
+use crate::state::State;
+use crate::topology;
+use crate::vectors::Vectors;
+
+/// The step where none is given, s.
+pub const STEP: f64 = 1.0 / 30.0;
+/// Breaking rounds in a step.
+const ROUNDS: usize = 1;
+/// What breaks in one round: what is overstressed by this part of what the most overstressed is.
+const PART: f64 = 0.7;
+/// Most that a prediction moves anything, in shortest edges.
+const FARTHEST: f64 = 0.5;
+/// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
+const MANNER: Manner = Manner {
+    forgetful: true,
+    tolerance: 1e-2,
+    iterations: 6,
+    accuracy: 5e-2,
+    take_last: true,
+    one_matrix: false,
+};
+
+/// The interactive solver.
+#[derive(Debug, Clone)]
+pub struct Interactive {
+    given: Option<f64>,
+    newton: Newton,
+    queue: Vec<Break>,
+    /// Newton iterations so far.
+    iterations: u64,
+    /// Equilibria so far.
+    solved: u64,
+}
+
+impl Interactive {
+    /// A solver with steps of `step` seconds, or 1/30 s.
+    pub fn new(step: Option<f64>) -> Self {
+        Interactive {
+            given: step,
+            newton: Newton::in_manner(MANNER),
+            queue: Vec::new(),
+            iterations: 0,
+            solved: 0,
+        }
+    }
+
+    /// Equilibria, Newton iterations and conjugate gradients so far.
+    pub fn effort(&self) -> [u64; 3] {
+        [self.solved, self.iterations, self.newton.gradients()]
+    }
+
+    /// The equilibrium at the end of a step of `dt` from `old`, looked for from the world's state on.
+    fn equilibrium(
+        &mut self,
+        world: &World,
+        old: &State,
+        contacts: &mut dyn Contacts,
+        dt: f64,
+    ) -> Result<Found, SolverError> {
+        self.newton.prepare(&world.bundle, &[]);
+        let plus = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| a + b * dt).collect()
+        };
+        let (x, v) = (&old.position, &old.velocity);
+        let inertia = Inertia {
+            h: dt,
+            ahead: Vectors {
+                x: plus(&x.x, &v.x),
+                y: plus(&x.y, &v.y),
+                z: plus(&x.z, &v.z),
+            },
+            behind: old.position.clone(),
+            angle_ahead: plus(&old.angle, &old.spin),
+            angle_behind: old.angle.clone(),
+        };
+        let goal = Goal {
+            bundle: &world.bundle,
+            loads: &world.loads,
+            yielding: world.failure.rods_yield,
+            from: old,
+            inertia: Some(&inertia),
+            time: old.time + dt,
+        };
+        let found = self.newton.solve(&goal, old, &world.state, contacts)?;
+        self.iterations += found.iterations as u64;
+        self.solved += 1;
+        Ok(found)
+    }
+
+    fn one_step(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        dt: f64,
+        report: &mut Advance,
+    ) -> Result<(), SolverError> {
+        let mut old = world.state.clone();
+        let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
+        let broken = world.fracture_loss;
+        predict(world, dt);
+        let mut touches = Vec::new();
+        let mut reaction = Vectors::default();
+        for round in 0..=ROUNDS {
+            let found = self.equilibrium(world, &old, contacts, dt)?;
+            world.state = found.state;
+            (touches, reaction) = (found.touches, found.reaction);
+            if round == ROUNDS || !self.find_broken(&world.failure, world) {
+                break;
+            }
+            let before = failure::apply(world, contacts, &self.queue);
+            topology::split_state(&mut old, &before);
+        }
+        let bundle = &world.bundle;
+        for v in 0..bundle.vertices() {
+            let way = world.state.position.get(v) - old.position.get(v);
+            world.state.velocity.set(v, way / dt);
+            world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
+        }
+        world.state.time = old.time + dt;
+        world.state.step = old.step + 1;
+        let yielded = commit_yield(world, &old);
+        world.fracture_loss += yielded;
+        let book = contacts.accept(&old, old.time + dt, &touches);
+        let (work, damped) = work(world, &old, &reaction, dt);
+        let after = energies(&world.bundle, &world.state).total() + book.stored;
+        report.work += work;
+        report.damped += damped;
+        report.dissipated +=
+            stored + work + book.work - book.lost - damped - (world.fracture_loss - broken) - after;
+        report.steps += 1;
+        Ok(())
+    }
+
+    /// Looks for what breaks in this round.
+    fn find_broken(&mut self, failure: &Failure, world: &World) -> bool {
+        failure::detect(failure, &world.bundle, &world.state, &mut self.queue);
+        let most = self.queue.first().map_or(0.0, |b| b.demand);
+        self.queue.retain(|b| b.demand >= PART * most);
+        !self.queue.is_empty()
+    }
+}
+
+/// Moves everything on as it moves: where equilibria follow each other evenly the next one is near there. Not where
+/// something flies: it would fold.
+fn predict(world: &mut World, dt: f64) {
+    let World { bundle, state, .. } = world;
+    let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
+    let shortest = edges.fold(f64::INFINITY, |a, j| a.min(bundle.rest_length[j]));
+    let fastest = (state.velocity.iter()).fold(0.0, |a: f64, v| a.max(v.length_squared()));
+    let most = FARTHEST * shortest / dt;
+    if fastest.is_nan() || fastest > most * most {
+        return;
+    }
+    for v in 0..bundle.vertices() {
+        state.position.add(v, state.velocity.get(v) * dt);
+        state.angle[v] += state.spin[v] * dt;
+    }
+    state.carry_frames(bundle);
+}
+
+/// Work of loads and of clamps, which end the step with `reaction`, and what damping took, J. Clamps' forces are those of the
+/// method at the end of the step.
+fn work(world: &World, old: &State, reaction: &Vectors, dt: f64) -> (f64, f64) {
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = world;
+    let mut acting = Forces::zeros(bundle.vertices());
+    let Forces { linear, moment } = &mut acting;
+    loads.add_forces(
+        bundle,
+        state.time,
+        &state.position,
+        &state.velocity,
+        linear,
+        moment,
+    );
+    let (mut work, mut damped) = (0.0, 0.0);
+    for v in 0..bundle.vertices() {
+        let way = state.position.get(v) - old.position.get(v);
+        work += (linear.get(v) + reaction.get(v)).dot(way);
+        damped += bundle.mass[v] * state.velocity.get(v).length_squared();
+        if bundle.twisting {
+            work += moment[v] * state.spin[v] * dt;
+            damped += bundle.inertia[v] * state.spin[v] * state.spin[v];
+        }
+    }
+    (work, damped * loads.damping * dt)
+}
+
+impl Solver for Interactive {
+    fn name(&self) -> &'static str {
+        "interactive"
+    }
+
+    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
+        super::given_step(self.given, STEP)
+    }
+
+    fn advance(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        duration: f64,
+    ) -> Result<Advance, SolverError> {
+        let step = self.step(world)?;
+        super::advance_evenly(world, duration, step, |world, dt, report| {
+            self.one_step(world, contacts, dt, report)
+        })
+    }
+}
