@@ -1,13 +1,13 @@
 //! The bending test against the tables that the wood's numbers are from.
 
-use greenstick_fibre::{BendError, BendSection, BendTest, EventKind, WoodMaterial};
+use greenstick_fibre::{BendError, BendSection, BendTest, EventKind, HowMany, WoodMaterial};
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
 
 fn coarse() -> BendTest {
     BendTest {
-        rods: 16,
+        rods: HowMany::Number(16),
         edge: 0.03,
         end: 0.97,
         ..BendTest::default()
@@ -50,7 +50,7 @@ fn specimens_that_cannot_be_tested_are_refused() {
             ..coarse()
         },
         BendTest {
-            rods: 0,
+            rods: HowMany::Number(0),
             ..coarse()
         },
     ];
