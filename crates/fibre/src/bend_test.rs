@@ -169,7 +169,7 @@ pub struct BendOutcome {
     pub maximum: BendPoint,
     /// What yielded and broke, in order.
     pub events: Vec<BendEvent>,
-    /// Whether the test ended because so much was broken that what was left had no equilibrium.
+    /// Whether the test ended because after a break no equilibrium was found.
     pub came_apart: bool,
     /// Rods of the bundle.
     pub rods: usize,
@@ -406,7 +406,7 @@ impl BendTest {
             let aim = rig.world.state.time + step;
             last = match rig.advance(&last, aim) {
                 Ok(point) => point,
-                // Parts that nothing holds any more have no equilibrium.
+                // Parts that nothing holds any more have no equilibrium, or none that can be found.
                 Err(SolverError::NotConverged { .. }) if last.broken() > 0 => {
                     came_apart = true;
                     break;

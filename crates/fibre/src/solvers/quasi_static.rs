@@ -5,7 +5,7 @@
 //! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
 //! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
-use super::newton::{Found, Goal, Grip, Newton};
+use super::newton::{Found, Goal, Grip, Inertia, Newton};
 use crate::energy::{energies, rod};
 use crate::error::SolverError;
 use crate::event::{Cause, Event, EventKind};
@@ -20,6 +20,15 @@ const STEPS: f64 = 32.0;
 const TRIES: i32 = 12;
 /// Overstress that is let pass: demand over strength less 1.
 const OVERSHOOT: f64 = 5e-3;
+
+/// Steps of the motion, slowed by mass alone, in which what Newton's method cannot settle at once comes to rest.
+const CREEPS: usize = 40;
+/// The first of them in periods of the stiffest edge over 2π; each that succeeds makes the next longer by `LONGER`, each
+/// that fails shorter by its square.
+const FIRST_CREEP: f64 = 100.0;
+const LONGER: f64 = 4.0;
+/// The equilibrium itself is tried anew after so many of them.
+const RESTS: usize = 4;
 
 /// The quasi-static solver.
 #[derive(Debug, Clone, Default)]
@@ -86,9 +95,64 @@ impl QuasiStatic {
             inertia: None,
             time,
         };
-        let found = self.newton.solve(&goal, &world.state)?;
+        let found = match self.newton.solve(&goal, &world.state) {
+            // Loads that go on may go less far; what a break let go has nowhere to go back to.
+            Err(SolverError::NotConverged { .. }) if time == world.state.time => {
+                self.creep(&goal, world)?
+            }
+            other => other?,
+        };
         self.iterations += found.iterations as u64;
         Ok(found)
+    }
+
+    /// Comes to rest after a break by backward Euler steps without velocity: what has snapped loose moves to a new
+    /// equilibrium as through honey, and edges may yield on the way.
+    fn creep(&mut self, goal: &Goal, world: &World) -> Result<Found, SolverError> {
+        let bundle = goal.bundle;
+        let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
+        let quickest = edges.fold(f64::INFINITY, |least, j| {
+            let mass = bundle.mass[j].min(bundle.mass[j + 1]);
+            least.min((mass * bundle.rest_length[j] / bundle.stretch[j]).sqrt())
+        });
+        let mut h = FIRST_CREEP * quickest;
+        let mut state = world.state.clone();
+        let mut iterations = 0;
+        for creep in 1..=CREEPS {
+            let inertia = Inertia {
+                h,
+                ahead: state.position.clone(),
+                behind: state.position.clone(),
+                angle_ahead: state.angle.clone(),
+                angle_behind: state.angle.clone(),
+            };
+            let slowed = Goal {
+                inertia: Some(&inertia),
+                ..*goal
+            };
+            match self.newton.solve(&slowed, &state) {
+                Ok(found) => {
+                    state = found.state;
+                    iterations += found.iterations;
+                    h *= LONGER;
+                }
+                Err(SolverError::NotConverged { .. }) => h /= LONGER * LONGER,
+                Err(other) => return Err(other),
+            }
+            if creep % RESTS == 0 || creep == CREEPS {
+                match self.newton.solve(goal, &state) {
+                    Ok(found) => {
+                        return Ok(Found {
+                            iterations: found.iterations + iterations,
+                            ..found
+                        });
+                    }
+                    Err(SolverError::NotConverged { .. }) if creep < CREEPS => {}
+                    Err(other) => return Err(other),
+                }
+            }
+        }
+        self.newton.solve(goal, &state)
     }
 
     /// Goes to the next equilibrium on the way to `time` (s): what is most overstressed breaks, and where nothing is the

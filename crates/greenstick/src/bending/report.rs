@@ -136,9 +136,9 @@ pub struct BendReport {
     pub first_yield: Option<Failing>,
     /// Where the first rod or bond broke.
     pub first_break: Option<Failing>,
-    /// Edges that yielded, places at which rods broke, bonds that broke.
+    /// Edges that yielded.
     pub yielded: u32,
-    /// Places at which rods broke.
+    /// Breaks of rods; one that breaks at two places counts twice.
     pub rods_broken: u32,
     /// Bonds that broke.
     pub bonds_broken: u32,
@@ -171,7 +171,7 @@ impl BendReport {
         };
         let last = outcome.points.last().copied().unwrap_or_default();
         let ended = if outcome.came_apart {
-            "the specimen came apart"
+            "no equilibrium was left after the last break"
         } else if last.load < test.end * outcome.maximum.load {
             "the load fell"
         } else {
@@ -262,14 +262,14 @@ impl fmt::Display for BendReport {
             self.species, self.scientific_name, self.moisture_percent, self.source
         )?;
         let section = match self.section {
-            "round" => format!("{:.4} mm round", mm(self.height_m)),
-            _ => format!("{:.4} x {:.4} mm", mm(self.width_m), mm(self.height_m)),
+            "round" => format!("{} mm round", short(self.height_m)),
+            _ => format!("{} x {} mm", short(self.width_m), short(self.height_m)),
         };
         writeln!(
             f,
-            "specimen  {section}, {:.4} mm long, on a span of {:.4} mm",
-            mm(self.length_m),
-            mm(self.span_m)
+            "specimen  {section}, {} mm long, on a span of {} mm",
+            short(self.length_m),
+            short(self.span_m)
         )?;
         writeln!(
             f,
@@ -280,7 +280,7 @@ impl fmt::Display for BendReport {
         )?;
         writeln!(
             f,
-            "\n{:24}{:>12}{:>12}{:>12}",
+            "\n{:30}{:>9}{:>9}{:>12}",
             "", "test", "table", "deviation"
         )?;
         for (name, compared, scale, unit) in [
@@ -305,12 +305,16 @@ impl fmt::Display for BendReport {
         ] {
             let table = compared
                 .table
-                .map_or("-".to_owned(), |t| format!("{:.2} {unit}", t / scale));
+                .map_or("-".to_owned(), |t| format!("{:.2}", t / scale));
             let off = compared
                 .ratio
                 .map_or("-".to_owned(), |r| format!("{:+.1} %", 100.0 * (r - 1.0)));
-            let own = format!("{:.2} {unit}", compared.test / scale);
-            writeln!(f, "{name:24}{own:>12}{table:>12}{off:>12}")?;
+            let own = compared.test / scale;
+            writeln!(
+                f,
+                "{:30}{own:>9.2}{table:>9}{off:>12}",
+                format!("{name}, {unit}")
+            )?;
         }
         writeln!(f)?;
         let at = |p: &Failing| format!("{:.3} kN at {:.2} mm", p.load_n * 1e-3, mm(p.deflection_m));
@@ -323,7 +327,7 @@ impl fmt::Display for BendReport {
         }
         writeln!(
             f,
-            "ended     {}: {} edges yielded, rods broke at {} places, {} bonds broke",
+            "ended     {}; in all {} edges yielded, {} rods and {} bonds broke",
             self.ended, self.yielded, self.rods_broken, self.bonds_broken
         )?;
         for (k, phase) in self.sequence.iter().take(PRINTED).enumerate() {
@@ -345,11 +349,17 @@ impl fmt::Display for BendReport {
     }
 }
 
+/// A length in millimetres, no finer than a micrometre.
+fn short(metres: f64) -> String {
+    let text = format!("{:.3}", metres * 1e3);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 fn told(phase: &Phase) -> String {
     let what = match (phase.kind, phase.count) {
         (EventKind::RodYielded, n) => format!("{n} edges yield in compression"),
         (EventKind::RodBroke, 1) => "a rod breaks in tension".to_owned(),
-        (EventKind::RodBroke, n) => format!("rods break in tension at {n} places"),
+        (EventKind::RodBroke, n) => format!("{n} rods break in tension"),
         (EventKind::BondBroke, 1) => "a bond breaks".to_owned(),
         (EventKind::BondBroke, n) => format!("{n} bonds break"),
     };
