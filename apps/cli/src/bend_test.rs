@@ -4,7 +4,9 @@ use crate::arguments::BendTestOptions;
 use crate::break_wood::{Written, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
-use greenstick::bending::{BendRequest, BendTable, BendingError, Bent, bend, bend_all, specimen};
+use greenstick::bending::{
+    BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
+};
 use greenstick::fibre::{BendError, BendSection, BendTest, HowMany, PlacementError};
 use greenstick::files;
 use greenstick::formats::Encoded;
@@ -75,7 +77,11 @@ fn test(options: &BendTestOptions) -> BendTest {
         edge: options.edge.unwrap_or(standard.edge),
         seed: options.seed,
         weibull: options.scatter.unwrap_or(standard.weibull),
-        end: options.end,
+        end: options.end.unwrap_or(if options.all_species {
+            END_OF_TABLE
+        } else {
+            standard.end
+        }),
         ..standard
     }
 }

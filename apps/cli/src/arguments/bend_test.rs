@@ -94,15 +94,15 @@ pub struct BendTestOptions {
         help_heading = "Model"
     )]
     pub scatter: Option<f64>,
-    /// Part of the largest load at which the test ends, 0 to below 1
+    /// Part of the largest load to which the load falls before the test ends, 0 to below 1 [default: 0.5; of
+    /// --all-species, which ends at the largest load, 0.95]
     #[arg(
         long,
         value_name = "PART",
-        default_value = "0.5",
         allow_hyphen_values = true,
         help_heading = "Model"
     )]
-    pub end: f64,
+    pub end: Option<f64>,
 
     /// Print the report as JSON
     #[arg(long, help_heading = "How it is told")]

@@ -21,14 +21,16 @@ const TRIES: i32 = 12;
 /// Overstress that is let pass: demand over strength less 1.
 const OVERSHOOT: f64 = 5e-3;
 
-/// Steps of the motion, slowed by mass alone, in which what Newton's method cannot settle at once comes to rest.
-const CREEPS: usize = 40;
-/// The first of them in periods of the stiffest edge over 2π; each that succeeds makes the next longer by `LONGER`, each
-/// that fails shorter by its square.
+/// Most steps in which what Newton's method cannot settle at once creeps to rest.
+const CREEPS: usize = 60;
+/// The first of them, in periods of the quickest edge over 2π.
 const FIRST_CREEP: f64 = 100.0;
-const LONGER: f64 = 4.0;
-/// The equilibrium itself is tried anew after so many of them.
-const RESTS: usize = 4;
+/// What takes fewer iterations than the first number makes the next step longer by the second.
+const LONGER: [(usize, f64); 4] = [(8, 4.0), (16, 2.0), (28, 1.0), (usize::MAX, 0.5)];
+/// A step that fails is tried shorter by this.
+const SHORTER: f64 = 0.25;
+/// Where steps have become longer than the first by this, mass hardly slows any more and the equilibrium is tried anew.
+const REST: f64 = 64.0;
 
 /// The quasi-static solver.
 #[derive(Debug, Clone, Default)]
@@ -115,10 +117,11 @@ impl QuasiStatic {
             let mass = bundle.mass[j].min(bundle.mass[j + 1]);
             least.min((mass * bundle.rest_length[j] / bundle.stretch[j]).sqrt())
         });
-        let mut h = FIRST_CREEP * quickest;
+        let first = FIRST_CREEP * quickest;
+        let mut h = first;
         let mut state = world.state.clone();
         let mut iterations = 0;
-        for creep in 1..=CREEPS {
+        for _ in 0..CREEPS {
             let inertia = Inertia {
                 h,
                 ahead: state.position.clone(),
@@ -130,27 +133,30 @@ impl QuasiStatic {
                 inertia: Some(&inertia),
                 ..*goal
             };
-            match self.newton.solve(&slowed, &state) {
-                Ok(found) => {
-                    state = found.state;
-                    iterations += found.iterations;
-                    h *= LONGER;
+            let found = match self.newton.solve(&slowed, &state) {
+                Ok(found) => found,
+                Err(SolverError::NotConverged { .. }) => {
+                    h *= SHORTER;
+                    continue;
                 }
-                Err(SolverError::NotConverged { .. }) => h /= LONGER * LONGER,
                 Err(other) => return Err(other),
-            }
-            if creep % RESTS == 0 || creep == CREEPS {
+            };
+            state = found.state;
+            iterations += found.iterations;
+            if h >= REST * first {
                 match self.newton.solve(goal, &state) {
-                    Ok(found) => {
+                    Ok(rest) => {
                         return Ok(Found {
-                            iterations: found.iterations + iterations,
-                            ..found
+                            iterations: rest.iterations + iterations,
+                            ..rest
                         });
                     }
-                    Err(SolverError::NotConverged { .. }) if creep < CREEPS => {}
+                    Err(SolverError::NotConverged { .. }) => {}
                     Err(other) => return Err(other),
                 }
             }
+            let longer = LONGER.iter().find(|l| found.iterations < l.0);
+            h *= longer.map_or(1.0, |l| l.1);
         }
         self.newton.solve(goal, &state)
     }

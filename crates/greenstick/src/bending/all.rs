@@ -9,6 +9,9 @@ use serde::Serialize;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// A good [`BendTest::end`] for tables, which end at the largest load: what comes after takes most of the time.
+pub const END_OF_TABLE: f64 = 0.95;
+
 /// What the sources of the Wood Handbook's species begin with.
 const HANDBOOK: &str = "Wood Handbook";
 

@@ -28,7 +28,7 @@ mod all;
 mod files;
 mod report;
 
-pub use all::{BendRow, BendTable, Summary, bend_all};
+pub use all::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
 pub use report::{BendReport, Compared, Failing, Phase};
 
 use greenstick_fibre::{BendError, BendOutcome, BendSection, BendTest, WoodMaterial};
