@@ -55,6 +55,12 @@ pub fn moisture(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A seed.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
+}
+
 /// A place, in the unit of the file.
 pub fn place(text: &str, unit: LengthUnit) -> Result<Place, String> {
     Place::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
@@ -153,6 +159,7 @@ mod tests {
                 .iter()
                 .all(|t| moisture(t).is_err())
         );
+        assert!(seed("-1").is_err() && seed("1.5").is_err() && seed("7") == Ok(7));
         assert!(amount("1.1").is_err() && amount("NaN").is_err());
     }
 }

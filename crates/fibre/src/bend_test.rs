@@ -356,7 +356,15 @@ impl BendTest {
                 "from 0 to below 1",
             ),
         ];
-        for (what, value, good, right) in checks {
+        let one = matches!(self.rods, HowMany::Spacing(s) if s > height.min(width));
+        let scatter = (
+            "the Weibull modulus of the scatter",
+            self.weibull,
+            self.weibull >= 1.0,
+            "1 or more",
+        );
+        let spacing = (what, rods, !one, "at most the height and the width");
+        for (what, value, good, right) in checks.into_iter().chain([scatter, spacing]) {
             if !good {
                 return Err(BendError::Value { what, value, right });
             }

@@ -5,27 +5,29 @@ use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 
 const BEND_EXAMPLES: &str = "\
-The test is three-point bending as in ASTM D143: a piece of clear wood lies on two supports, its middle is loaded until
-the load has fallen to half. The default is the standard's primary specimen, 50 x 50 x 760 mm on a span of 710 mm, at
-12 % moisture. Of lengths that are not given, the span is 14.2 heights and the length the span and one height more.
-Stiffness, bending and crushing strength of the species' table go into the wood, by one rule for all species; work to
-maximum load goes into nothing, so that there the test predicts.
+The test is three-point bending as in ASTM D143: a piece of clear wood lies on two supports and is
+loaded in the middle until the load has fallen to half. The default is the standard's primary
+specimen, 50 x 50 x 760 mm on a span of 710 mm, at 12 % moisture. Where lengths are not given, the
+span is 14.2 heights, and the length is the span and one height more.
+
+Stiffness, bending and crushing strength of the species' table go into the wood, by one rule for all
+species. Work to maximum load goes into nothing: there the test predicts.
 
 Files in the folder of -o
-  load-deflection.csv  every equilibrium: deflection (m), load (N), stress (Pa), work (J), what has failed so far
+  load-deflection.csv  deflection (m), load (N), stress (Pa), work (J), what has failed so far
   load-deflection.png  the same as a chart, with the table's stiffness and largest load
   events.csv           what yielded and broke, where in the specimen, in order
-  bend-test.json       the report; what --json prints, too
-  species.csv, .json   of --all-species in place of these: a row a species
+  bend-test.json       the report
+  species.csv, .json   of --all-species in place of these: a row for each species
 
 Examples
   greenstick bend-test --species \"white oak\"
-  greenstick bend-test --species \"white oak\" -o oak              with tables and a chart
+  greenstick bend-test --species \"white oak\" -o oak            with tables and a chart
   greenstick bend-test --species \"Sitka spruce\" --height 2cm --width 4cm --span 30cm
   greenstick bend-test --species \"white ash\" --moisture green --diameter 12mm
-  greenstick bend-test --species \"red maple\" --rods 100 --edge 10mm    finer: minutes
-  greenstick bend-test --species \"red maple\" --scatter 8 --seed 3      another piece, of uneven strength
-  greenstick bend-test --all-species -o table                    112 species against the Wood Handbook: minutes";
+  greenstick bend-test --species \"red maple\" --rods 64 --edge 15mm      finer: minutes
+  greenstick bend-test --species \"red maple\" --scatter 8 --seed 3       uneven strength
+  greenstick bend-test --all-species -o table                  the Wood Handbook: minutes";
 
 #[derive(Debug, Args)]
 #[command(after_help = BEND_EXAMPLES,
@@ -82,9 +84,7 @@ pub struct BendTestOptions {
     #[arg(
         long,
         value_name = "NUMBER",
-        default_value = "1",
-        help_heading = "Model"
-    )]
+        default_value = "1", value_parser = values::seed, allow_hyphen_values = true, help_heading = "Model")]
     pub seed: u64,
     /// Weibull modulus of the scatter of strength, 1 or more: small is uneven [default: none]
     #[arg(

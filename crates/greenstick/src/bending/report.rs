@@ -258,8 +258,16 @@ impl fmt::Display for BendReport {
         let mm = |x: f64| x * 1e3;
         writeln!(
             f,
-            "wood      {} ({}) at {} % moisture, {}",
-            self.species, self.scientific_name, self.moisture_percent, self.source
+            "wood      {} ({}) at {} % moisture{}, {}",
+            self.species,
+            self.scientific_name,
+            self.moisture_percent,
+            if self.modulus_of_rupture_pa.basis == Some(Basis::TableGreen) {
+                " (green)"
+            } else {
+                ""
+            },
+            self.source
         )?;
         let section = match self.section {
             "round" => format!("{} mm round", short(self.height_m)),
@@ -357,6 +365,7 @@ fn short(metres: f64) -> String {
 
 fn told(phase: &Phase) -> String {
     let what = match (phase.kind, phase.count) {
+        (EventKind::RodYielded, 1) => "an edge yields in compression".to_owned(),
         (EventKind::RodYielded, n) => format!("{n} edges yield in compression"),
         (EventKind::RodBroke, 1) => "a rod breaks in tension".to_owned(),
         (EventKind::RodBroke, n) => format!("{n} rods break in tension"),
@@ -364,10 +373,14 @@ fn told(phase: &Phase) -> String {
         (EventKind::BondBroke, n) => format!("{n} bonds break"),
     };
     let range = |[a, b]: [f64; 2], scale: f64, digits: usize| {
-        let (a, b) = (
-            format!("{:.digits$}", a * scale),
-            format!("{:.digits$}", b * scale),
-        );
+        let [a, b] = [a, b].map(|x| {
+            let text = format!("{:.digits$}", x * scale);
+            // Nothing has no sign.
+            match text.strip_prefix('-') {
+                Some(rest) if rest.chars().all(|c| "0.".contains(c)) => rest.to_owned(),
+                _ => text,
+            }
+        });
         if a == b { a } else { format!("{a} to {b}") }
     };
     format!(
