@@ -88,6 +88,25 @@ fn estimate(
     gravity.map_or(Err(missing), |g| Ok(factor * libm::pow(g, power)))
 }
 
+/// A strength from the species' row at this moisture; of green wood also where the dry row has none.
+///
+/// # Errors
+/// [`MoistureError`] where there is none, and no rule for it.
+pub fn known_at(
+    species: &Species,
+    property: Property,
+    moisture: f64,
+) -> Result<f64, MoistureError> {
+    let wet = moisture >= species.intersection_percent();
+    let green = species.green.as_ref().filter(|_| wet);
+    match green.and_then(|g| g.get(property)) {
+        Some(value) => Ok(value),
+        None => species
+            .property_at(property, moisture, Fallback::Refuse)
+            .map(|a| a.value),
+    }
+}
+
 impl WoodMaterial {
     /// The wood of a species at `moisture` percent.
     ///
@@ -97,9 +116,7 @@ impl WoodMaterial {
         let value = |p| species.property_at(p, moisture, fallback).map(|a| a.value);
         // What Table 5-11 gives is nearer than the value of wood in another state.
         let strength = |p, by: &FromGravity| {
-            let known = species.property_at(p, moisture, Fallback::Refuse);
-            known
-                .map(|a| a.value)
+            known_at(species, p, moisture)
                 .or_else(|e| estimate(species, moisture, e, by))
                 .or_else(|_| value(p))
         };
@@ -172,5 +189,9 @@ mod tests {
             let ratio = green.tension_across / dry.tension_across;
             assert!((0.3..0.95).contains(&ratio), "{name}: {ratio}");
         }
+        // The green row has it where the dry one has not.
+        let hemlock = Species::find("eastern hemlock").unwrap();
+        let wood = WoodMaterial::of(hemlock, 100.0, Fallback::TwelvePercent).unwrap();
+        assert_eq!(wood.tension_across, 1600e3);
     }
 }
