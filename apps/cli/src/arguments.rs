@@ -1,9 +1,11 @@
 //! What may be asked of the program, and the help that explains it.
 
 mod anatomy;
+mod bend_test;
 mod simulate;
 
 pub use anatomy::{AnatomyOptions, RingsByWord, ScheduleWord};
+pub use bend_test::BendTestOptions;
 pub use simulate::SimulateOptions;
 
 use crate::scan::ScanArguments;
@@ -21,6 +23,7 @@ Examples
   greenstick break beam.stl --unit mm --at 120cm       STL, OBJ, PLY and OFF do not say their unit
   greenstick break --preset splintering-tension --species \"white oak\" --seed 7
   greenstick simulate three-blocks -o run              bonded fibres, moved and broken
+  greenstick bend-test --species \"white oak\"           strength of a species in bending
   greenstick presets                                   ways in which wood breaks
   greenstick parameters                                everything that --set takes
   greenstick anatomy pole.ply --unit mm -o inside      rings, voxels and particles of a scan
@@ -72,6 +75,8 @@ pub enum Command {
     Picture(PictureOptions),
     /// Move wood as bonded fibres until it breaks
     Simulate(Box<SimulateOptions>),
+    /// Test wood in three-point bending, beside the Wood Handbook's tables
+    BendTest(Box<BendTestOptions>),
     /// List the parameters that --set and recipes take
     Parameters(ParametersOptions),
     /// List the presets

@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod arguments;
+mod bend_test;
 mod break_wood;
 mod failure;
 mod inspect;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     let done = match &arguments.command {
         Command::Break(options) => break_wood::run(options),
         Command::Anatomy(options) => anatomy::run(options),
+        Command::BendTest(options) => bend_test::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Simulate(options) => simulate::run(options),

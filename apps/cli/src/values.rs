@@ -39,6 +39,28 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Moisture content, percent; `green` is wood that holds more water than its cell walls take up.
+pub fn moisture(text: &str) -> Result<f64, String> {
+    use greenstick::wood::moisture::{FIBRE_SATURATION_PERCENT, WETTEST_PERCENT};
+    let text = text.trim();
+    if text.eq_ignore_ascii_case("green") {
+        return Ok(FIBRE_SATURATION_PERCENT);
+    }
+    let digits = text.strip_suffix('%').unwrap_or(text);
+    match digits.trim_end().parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= WETTEST_PERCENT => Ok(x),
+        _ => Err(format!(
+            "expected a percentage above 0 and up to {WETTEST_PERCENT}, such as 12, or `green`"
+        )),
+    }
+}
+
+/// A seed.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
+}
+
 /// A place, in the unit of the file.
 pub fn place(text: &str, unit: LengthUnit) -> Result<Place, String> {
     Place::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
@@ -131,6 +153,13 @@ mod tests {
         assert!(matches!(section, PithChoice::Section(p) if (p.y + 0.002).abs() < 1e-12));
         assert!(pith("1cm", LengthUnit::Metre).is_err());
         assert!(texture_size("7").is_err() && texture_size("512") == Ok(512));
+        assert_eq!((moisture("12 %"), moisture("Green")), (Ok(12.0), Ok(30.0)));
+        assert!(
+            ["0", "-1", "NaN", "201", "wet", ""]
+                .iter()
+                .all(|t| moisture(t).is_err())
+        );
+        assert!(seed("-1").is_err() && seed("1.5").is_err() && seed("7") == Ok(7));
         assert!(amount("1.1").is_err() && amount("NaN").is_err());
     }
 }

@@ -45,7 +45,7 @@ pub mod store;
 pub mod topology;
 pub mod vectors;
 
-pub use bend_test::{BendError, BendOutcome, BendPoint, BendSection, BendTest};
+pub use bend_test::{BendError, BendEvent, BendOutcome, BendPoint, BendSection, BendTest};
 pub use bodies::{
     Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
     Shape,

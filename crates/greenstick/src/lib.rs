@@ -32,6 +32,7 @@
 #![deny(missing_docs)]
 
 pub mod anatomy;
+pub mod bending;
 mod branch;
 mod breaking;
 mod cracking;

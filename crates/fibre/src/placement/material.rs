@@ -19,11 +19,22 @@ const FRACTURE_OFFSET: f64 = 146.0;
 /// The lightest woods are below where that line was measured, J/m².
 const LEAST_FRACTURE_ENERGY: f64 = 50.0;
 
-/// Tension across the grain (Pa) at 12 % as a G^b of specific gravity G, (a, b) of hardwoods and of softwoods: Wood
-/// Handbook, Table 5-11.
-const TENSION_ACROSS: [(f64, f64); 2] = [(10.1e6, 1.30), (6.0e6, 1.11)];
-/// The same of shear along the grain.
-const SHEAR: [(f64, f64); 2] = [(21.9e6, 1.13), (16.6e6, 0.85)];
+/// A strength (Pa) as a G^b of specific gravity G: Wood Handbook, Table 5-11. (a, b) of hardwoods and of softwoods.
+struct FromGravity {
+    /// At 12 %.
+    dry: [(f64, f64); 2],
+    /// Of green wood.
+    green: [(f64, f64); 2],
+}
+
+const TENSION_ACROSS: FromGravity = FromGravity {
+    dry: [(10.1e6, 1.30), (6.0e6, 1.11)],
+    green: [(10.5e6, 1.37), (3.8e6, 0.78)],
+};
+const SHEAR: FromGravity = FromGravity {
+    dry: [(21.9e6, 1.13), (16.6e6, 0.85)],
+    green: [(17.8e6, 1.24), (11.0e6, 0.73)],
+};
 
 /// Elasticity and strength of wood, Pa but where said.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -52,19 +63,47 @@ pub struct WoodMaterial {
     pub fracture_energy: f64,
 }
 
-/// Strength across and along the grain from specific gravity, where a species' row has none.
+/// Strength across and along the grain from specific gravity, where a species' row at this moisture has none.
 fn estimate(
     species: &Species,
+    moisture: f64,
     missing: MoistureError,
-    [hardwood, softwood]: [(f64, f64); 2],
+    by: &FromGravity,
 ) -> Result<f64, MoistureError> {
-    let (factor, power) = match species.group {
-        Group::Hardwood => hardwood,
-        Group::Softwood => softwood,
+    let green = species
+        .green
+        .as_ref()
+        .filter(|_| moisture >= species.intersection_percent());
+    let (lines, gravity) = match (&missing, green) {
+        (MoistureError::NoValue { .. } | MoistureError::NoGreenValue { .. }, Some(green)) => {
+            (by.green, green.specific_gravity)
+        }
+        (MoistureError::NoValue { .. }, None) => (by.dry, species.dry.specific_gravity),
+        _ => return Err(missing),
     };
-    match (&missing, species.dry.specific_gravity) {
-        (MoistureError::NoValue { .. }, Some(gravity)) => Ok(factor * libm::pow(gravity, power)),
-        _ => Err(missing),
+    let (factor, power) = match species.group {
+        Group::Hardwood => lines[0],
+        Group::Softwood => lines[1],
+    };
+    gravity.map_or(Err(missing), |g| Ok(factor * libm::pow(g, power)))
+}
+
+/// A strength from the species' row at this moisture; of green wood also where the dry row has none.
+///
+/// # Errors
+/// [`MoistureError`] where there is none, and no rule for it.
+pub fn known_at(
+    species: &Species,
+    property: Property,
+    moisture: f64,
+) -> Result<f64, MoistureError> {
+    let wet = moisture >= species.intersection_percent();
+    let green = species.green.as_ref().filter(|_| wet);
+    match green.and_then(|g| g.get(property)) {
+        Some(value) => Ok(value),
+        None => species
+            .property_at(property, moisture, Fallback::Refuse)
+            .map(|a| a.value),
     }
 }
 
@@ -75,6 +114,12 @@ impl WoodMaterial {
     /// [`StrengthError`] where a table value is missing or modulus of rupture and crushing strength do not fit together.
     pub fn of(species: &Species, moisture: f64, fallback: Fallback) -> Result<Self, StrengthError> {
         let value = |p| species.property_at(p, moisture, fallback).map(|a| a.value);
+        // What Table 5-11 gives is nearer than the value of wood in another state.
+        let strength = |p, by: &FromGravity| {
+            known_at(species, p, moisture)
+                .or_else(|e| estimate(species, moisture, e, by))
+                .or_else(|_| value(p))
+        };
         let ratios = match species.group {
             Group::Hardwood => HARDWOOD,
             Group::Softwood => SOFTWOOD,
@@ -93,9 +138,8 @@ impl WoodMaterial {
             shear_tangential: ratios[3] * longitudinal,
             tension: species.tensile_strength_at(moisture, fallback)?.value,
             compression: value(Property::CompressionParallel)?,
-            tension_across: value(Property::TensionPerpendicular)
-                .or_else(|e| estimate(species, e, TENSION_ACROSS))?,
-            shear: value(Property::ShearParallel).or_else(|e| estimate(species, e, SHEAR))?,
+            tension_across: strength(Property::TensionPerpendicular, &TENSION_ACROSS)?,
+            shear: strength(Property::ShearParallel, &SHEAR)?,
             fracture_energy: (FRACTURE_SLOPE * density - FRACTURE_OFFSET)
                 .max(LEAST_FRACTURE_ENERGY),
         })
@@ -112,23 +156,42 @@ mod tests {
             (Property::TensionPerpendicular, TENSION_ACROSS, "tension"),
             (Property::ShearParallel, SHEAR, "shear"),
         ] {
-            let mut ratios: Vec<f64> = Species::all()[..112]
-                .iter()
-                .filter_map(|s| {
-                    let missing = MoistureError::NoValue {
-                        species: s.name.clone(),
-                        property,
-                        source_table: s.source.clone(),
-                    };
-                    Some(estimate(s, missing, by).ok()? / s.dry.get(property)?)
-                })
-                .collect();
-            ratios.sort_by(f64::total_cmp);
-            let (count, median) = (ratios.len(), ratios[ratios.len() / 2]);
-            assert!(
-                count > 60 && (0.93..1.07).contains(&median),
-                "{name}: {count} {median}"
-            );
+            for (moisture, least) in [(12.0, 60), (100.0, 20)] {
+                let mut ratios: Vec<f64> = Species::all()[..112]
+                    .iter()
+                    .filter_map(|s| {
+                        let missing = MoistureError::NoValue {
+                            species: s.name.clone(),
+                            property,
+                            source_table: s.source.clone(),
+                        };
+                        let known = s.property_at(property, moisture, Fallback::Refuse).ok()?;
+                        Some(estimate(s, moisture, missing, &by).ok()? / known.value)
+                    })
+                    .collect();
+                ratios.sort_by(f64::total_cmp);
+                let (count, median) = (ratios.len(), ratios[ratios.len() / 2]);
+                assert!(
+                    count > least && (0.93..1.07).contains(&median),
+                    "{name} at {moisture} %: {count} {median}"
+                );
+            }
         }
+    }
+
+    #[test]
+    fn green_wood_takes_no_value_of_dry_wood() {
+        // No row of theirs has tension across the grain.
+        for name in ["slash pine", "sugar maple"] {
+            let species = Species::find(name).unwrap();
+            let [dry, green] = [12.0, 100.0]
+                .map(|m| WoodMaterial::of(species, m, Fallback::TwelvePercent).unwrap());
+            let ratio = green.tension_across / dry.tension_across;
+            assert!((0.3..0.95).contains(&ratio), "{name}: {ratio}");
+        }
+        // The green row has it where the dry one has not.
+        let hemlock = Species::find("eastern hemlock").unwrap();
+        let wood = WoodMaterial::of(hemlock, 100.0, Fallback::TwelvePercent).unwrap();
+        assert_eq!(wood.tension_across, 1600e3);
     }
 }

@@ -6,7 +6,7 @@
 //! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
 
 use super::grips::Grip;
-use super::newton::{EXACT, Found, Goal, Newton};
+use super::newton::{EXACT, Found, Goal, Inertia, Newton};
 use crate::energy::{energies, rod};
 use crate::error::SolverError;
 use crate::event::{Cause, Event, EventKind};
@@ -20,6 +20,17 @@ const STEPS: f64 = 32.0;
 const TRIES: i32 = 12;
 /// Overstress that is let pass: demand over strength less 1.
 const OVERSHOOT: f64 = 5e-3;
+
+/// Most steps in which what Newton's method cannot settle at once creeps to rest.
+const CREEPS: usize = 60;
+/// The first of them, in periods of the quickest edge over 2π.
+const FIRST_CREEP: f64 = 100.0;
+/// What takes fewer iterations than the first number makes the next step longer by the second.
+const LONGER: [(usize, f64); 4] = [(8, 4.0), (16, 2.0), (28, 1.0), (usize::MAX, 0.5)];
+/// A step that fails is tried shorter by this.
+const SHORTER: f64 = 0.25;
+/// Where steps have become longer than the first by this, mass hardly slows any more and the equilibrium is tried anew.
+const REST: f64 = 64.0;
 
 /// The quasi-static solver.
 #[derive(Debug, Clone, Default)]
@@ -90,11 +101,74 @@ impl QuasiStatic {
             inertia: None,
             time,
         };
-        let found = self
-            .newton
-            .solve(&goal, &world.state, &world.state, contacts)?;
+        let (newton, state) = (&mut self.newton, &world.state);
+        let found = match newton.solve(&goal, state, state, contacts) {
+            // Loads that go on may go less far; what a break let go has nowhere to go back to.
+            Err(SolverError::NotConverged { .. }) if time == world.state.time => {
+                self.creep(&goal, world, contacts)?
+            }
+            other => other?,
+        };
         self.iterations += found.iterations as u64;
         Ok(found)
+    }
+
+    /// Comes to rest after a break by backward Euler steps without velocity: what has snapped loose moves to a new
+    /// equilibrium as through honey, and edges may yield on the way.
+    fn creep(
+        &mut self,
+        goal: &Goal,
+        world: &World,
+        contacts: &mut dyn Contacts,
+    ) -> Result<Found, SolverError> {
+        let bundle = goal.bundle;
+        let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
+        let quickest = edges.fold(f64::INFINITY, |least, j| {
+            let mass = bundle.mass[j].min(bundle.mass[j + 1]);
+            least.min((mass * bundle.rest_length[j] / bundle.stretch[j]).sqrt())
+        });
+        let first = FIRST_CREEP * quickest;
+        let mut h = first;
+        let mut state = world.state.clone();
+        let mut iterations = 0;
+        for _ in 0..CREEPS {
+            let inertia = Inertia {
+                h,
+                ahead: state.position.clone(),
+                behind: state.position.clone(),
+                angle_ahead: state.angle.clone(),
+                angle_behind: state.angle.clone(),
+            };
+            let slowed = Goal {
+                inertia: Some(&inertia),
+                ..*goal
+            };
+            let found = match self.newton.solve(&slowed, &state, &state, contacts) {
+                Ok(found) => found,
+                Err(SolverError::NotConverged { .. }) => {
+                    h *= SHORTER;
+                    continue;
+                }
+                Err(other) => return Err(other),
+            };
+            state = found.state;
+            iterations += found.iterations;
+            if h >= REST * first {
+                match self.newton.solve(goal, &state, &state, contacts) {
+                    Ok(rest) => {
+                        return Ok(Found {
+                            iterations: rest.iterations + iterations,
+                            ..rest
+                        });
+                    }
+                    Err(SolverError::NotConverged { .. }) => {}
+                    Err(other) => return Err(other),
+                }
+            }
+            let longer = LONGER.iter().find(|l| found.iterations < l.0);
+            h *= longer.map_or(1.0, |l| l.1);
+        }
+        self.newton.solve(goal, &state, &state, contacts)
     }
 
     /// Goes to the next equilibrium on the way to `time` (s): what is most overstressed breaks, and where nothing is the

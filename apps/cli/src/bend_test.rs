@@ -1,0 +1,148 @@
+//! `greenstick bend-test`: bending tests of species beside the tables.
+
+use crate::arguments::BendTestOptions;
+use crate::break_wood::{Written, use_threads};
+use crate::failure::{Failure, print};
+use crate::progress::{Progress, Stage};
+use greenstick::bending::{
+    BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
+};
+use greenstick::fibre::{BendError, BendSection, BendTest, HowMany, PlacementError};
+use greenstick::files;
+use greenstick::formats::Encoded;
+use serde::Serialize;
+use std::fmt::{Display, Write};
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a, T> {
+    #[serde(flatten)]
+    report: &'a T,
+    outputs: &'a [Written],
+    stages: &'a [Stage],
+}
+
+pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
+    let test = test(options);
+    test.check().map_err(|e| failure(e.into()))?;
+    if let Some(folder) = &options.output {
+        let main = if options.all_species {
+            BendTable::TABLE
+        } else {
+            Bent::REPORT
+        };
+        files::check_folder(folder, main)?;
+    }
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    match &options.species {
+        Some(species) => {
+            let request = BendRequest {
+                species: species.clone(),
+                moisture: options.moisture,
+                test,
+            };
+            let bent = progress
+                .watch(|context| bend(&request, context))
+                .map_err(failure)?;
+            tell(options, &bent.report, &progress, || bent.files())
+        }
+        None => {
+            let table = progress
+                .watch(|context| bend_all(options.moisture, &test, context))
+                .map_err(failure)?;
+            tell(options, &table, &progress, || table.files())
+        }
+    }
+}
+
+fn test(options: &BendTestOptions) -> BendTest {
+    let section = match (options.diameter, options.width, options.height) {
+        (Some(diameter), ..) => Some(BendSection::Round { diameter }),
+        (None, None, None) => None,
+        (None, width, height) => {
+            let side = height.or(width).unwrap_or_default();
+            Some(BendSection::Rectangle {
+                width: width.unwrap_or(side),
+                height: side,
+            })
+        }
+    };
+    let standard = specimen(section, options.length, options.span);
+    BendTest {
+        rods: match options.spacing {
+            Some(spacing) => HowMany::Spacing(spacing),
+            None => HowMany::Number(options.rods),
+        },
+        edge: options.edge.unwrap_or(standard.edge),
+        seed: options.seed,
+        weibull: options.scatter.unwrap_or(standard.weibull),
+        end: options.end.unwrap_or(if options.all_species {
+            END_OF_TABLE
+        } else {
+            standard.end
+        }),
+        ..standard
+    }
+}
+
+/// Writes the files, where a folder was named, and prints the report.
+fn tell<T: Serialize + Display>(
+    options: &BendTestOptions,
+    report: &T,
+    progress: &Progress,
+    make: impl FnOnce() -> Result<Vec<Encoded>, BendingError>,
+) -> Result<ExitCode, Failure> {
+    let mut written = Vec::new();
+    if let Some(folder) = &options.output {
+        progress.stage("write")?;
+        let outputs = files::write_folder(folder, make().map_err(failure)?)?;
+        written = outputs
+            .iter()
+            .map(|o| Written {
+                path: o.path.display().to_string(),
+                bytes: o.bytes.len(),
+            })
+            .collect();
+    }
+    let stages = progress.finish();
+    let text = if options.json {
+        let full = FullReport {
+            report,
+            outputs: &written,
+            stages: &stages,
+        };
+        serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
+    } else {
+        let mut text = report.to_string();
+        for file in &written {
+            let _ = writeln!(text, "wrote     {}", file.path);
+        }
+        let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
+        let _ = writeln!(text, "took      {seconds:.2} s");
+        text
+    };
+    if !options.quiet || options.json {
+        print(&text)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn failure(error: BendingError) -> Failure {
+    match &error {
+        BendingError::Cancelled(stop) => (*stop).into(),
+        BendingError::Species(_) => {
+            Failure::request(error).hint("`greenstick species` lists all of them")
+        }
+        BendingError::Moisture(_) | BendingError::Strength(_) => {
+            Failure::request(error).hint("`greenstick species NAME` shows what is known of one")
+        }
+        BendingError::Test(
+            BendError::Value { .. }
+            | BendError::TooFine { .. }
+            | BendError::Placement(PlacementError::Value { .. } | PlacementError::NoRods { .. }),
+        ) => Failure::request(error)
+            .hint("`greenstick bend-test --help` tells how lengths follow from one another"),
+        BendingError::Test(_) | BendingError::Report(_) => Failure::work(error),
+    }
+}

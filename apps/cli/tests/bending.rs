@@ -1,0 +1,284 @@
+//! `greenstick bend-test`: its files agree with each other and with beam theory, and what is wrong is refused.
+
+mod support;
+
+use serde_json::Value;
+use support::Folder;
+
+/// Options that make a test take a blink.
+const COARSE: [&str; 4] = ["--rods", "4", "--edge", "8cm"];
+
+/// The numbers of a column of a table whose cells hold no commas.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let at = text.lines().next().unwrap().split(',');
+    let at = at.clone().position(|n| n == name).unwrap();
+    let cell = |line: &str| line.split(',').nth(at).unwrap().parse().unwrap();
+    text.lines().skip(1).map(cell).collect()
+}
+
+#[test]
+fn the_report_is_what_the_curve_says() {
+    let folder = Folder::new();
+    let run = folder.run(
+        &[
+            &["bend-test", "--species", "white oak", "-o", "oak"],
+            &COARSE[..],
+        ]
+        .concat(),
+    );
+    assert_eq!(run.code, 0, "{}", run.err);
+    let part = Folder(folder.0.join("oak"));
+    let files = [
+        "bend-test.json",
+        "events.csv",
+        "load-deflection.csv",
+        "load-deflection.png",
+    ];
+    assert_eq!(part.names(), files);
+    assert!(part.read("load-deflection.png").starts_with(b"\x89PNG"));
+    let report: Value = serde_json::from_slice(&part.read("bend-test.json")).unwrap();
+    let curve = String::from_utf8(part.read("load-deflection.csv")).unwrap();
+    let (bent, load) = (column(&curve, "deflection_m"), column(&curve, "load_N"));
+    let top = (0..load.len())
+        .max_by(|&a, &b| load[a].total_cmp(&load[b]))
+        .unwrap();
+    // ASTM D143: 3 P L/(2 b h²), P L³/(4 b h³ d), and the area below the curve over b h L.
+    let (side, span) = (0.05f64, 0.71f64);
+    let rupture = 3.0 * load[top] * span / (2.0 * side.powi(3));
+    let elastic = load[2] * span.powi(3) / (4.0 * side.powi(4) * bent[2]);
+    let area = |k: usize| 0.5 * (load[k] + load[k - 1]) * (bent[k] - bent[k - 1]);
+    let work = (1..=top).map(area).sum::<f64>() / (side * side * span);
+    let species: Value =
+        serde_json::from_str(&folder.run(&["species", "white oak", "--json"]).out).unwrap();
+    for (name, property, own, within) in [
+        ("modulus_of_rupture_pa", "modulus_of_rupture", rupture, 1e-9),
+        (
+            "work_to_maximum_load_j_per_m3",
+            "work_to_maximum_load",
+            work,
+            1e-9,
+        ),
+        (
+            "modulus_of_elasticity_pa",
+            "modulus_of_elasticity",
+            elastic,
+            5e-3,
+        ),
+    ] {
+        let told = &report[name];
+        let (test, table) = (
+            told["test"].as_f64().unwrap(),
+            told["table"].as_f64().unwrap(),
+        );
+        assert!((test / own - 1.0).abs() < within, "{name}: {test} {own}");
+        assert_eq!(table, species["dry"][property].as_f64().unwrap(), "{name}");
+        assert!((told["ratio"].as_f64().unwrap() - test / table).abs() < 1e-12);
+    }
+    let stress = column(&curve, "fibre_stress_Pa")[top];
+    assert!((stress / rupture - 1.0).abs() < 1e-9);
+    let events = String::from_utf8(part.read("events.csv")).unwrap();
+    let count = |kind: &str| events.lines().filter(|l| l.contains(kind)).count() as u64;
+    for (kind, name) in [
+        ("rod_yielded", "yielded"),
+        ("rod_broke", "rods_broken"),
+        ("bond_broke", "bonds_broken"),
+    ] {
+        assert_eq!(report[name].as_u64(), Some(count(kind)), "{name}");
+    }
+    // Wood yields where it is pressed and breaks where it is drawn.
+    let first = |kind: &str| {
+        let line = events.lines().find(|l| l.contains(kind)).unwrap();
+        line.split(',').nth(6).unwrap().parse::<f64>().unwrap()
+    };
+    assert!(first("rod_yielded") > 0.0 && first("rod_broke") < 0.0);
+    let json = [
+        &["bend-test", "--species", "Quercus alba", "--json"],
+        &COARSE[..],
+    ]
+    .concat();
+    let told: Value = serde_json::from_str(&folder.run(&json).out).unwrap();
+    assert_eq!(
+        told["modulus_of_rupture_pa"],
+        report["modulus_of_rupture_pa"]
+    );
+    assert!(folder.names() == ["oak"]);
+}
+
+#[test]
+fn the_table_of_all_species_is_the_same_on_one_thread_and_on_two() {
+    let folder = Folder::new();
+    for threads in ["1", "2"] {
+        let arguments = [
+            &[
+                "bend-test",
+                "--all-species",
+                "--threads",
+                threads,
+                "-o",
+                threads,
+            ],
+            &COARSE[..],
+        ];
+        let run = folder.run(&arguments.concat());
+        assert_eq!(run.code, 0, "{}", run.err);
+        assert!(
+            run.out.contains("took") && run.out.contains("rank correlation"),
+            "{}",
+            run.out
+        );
+    }
+    for name in ["species.csv", "species.json"] {
+        let [one, two] = ["1", "2"].map(|t| folder.read(&format!("{t}/{name}")));
+        assert!(one == two, "{name}");
+    }
+    let table: Value = serde_json::from_slice(&folder.read("1/species.json")).unwrap();
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 112);
+    let ratio = |row: &Value| row["report"]["modulus_of_rupture_pa"]["ratio"].as_f64();
+    let near = rows
+        .iter()
+        .filter_map(ratio)
+        .filter(|r| (r - 1.0).abs() <= 0.1);
+    assert_eq!(
+        table["modulus_of_rupture"]["within_10_percent"].as_u64(),
+        Some(near.count() as u64)
+    );
+    assert_eq!(table["modulus_of_elasticity"]["species"], 112);
+    let csv = String::from_utf8(folder.read("1/species.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 113);
+}
+
+#[test]
+fn green_wood_is_known_of_some_species_only_and_the_table_says_so() {
+    let folder = Folder::new();
+    let run = folder.run(
+        &[
+            &[
+                "bend-test",
+                "--all-species",
+                "--moisture",
+                "green",
+                "--json",
+            ],
+            &COARSE[..],
+        ]
+        .concat(),
+    );
+    assert_eq!(run.code, 0, "{}", run.err);
+    let table: Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!(table["modulus_of_rupture"]["species"], 27);
+    let rows = table["rows"].as_array().unwrap();
+    let untested: Vec<&str> = rows
+        .iter()
+        .filter_map(|r| r["not_tested_because"].as_str())
+        .collect();
+    assert_eq!(untested.len(), 112 - 27);
+    assert!(
+        untested
+            .iter()
+            .all(|why| why.contains("no green modulus of elasticity"))
+    );
+}
+
+#[test]
+fn wrong_requests_are_refused_and_leave_nothing() {
+    let folder = Folder::new();
+    let oak = ["--species", "white oak"];
+    let cases: [(&[&str], &[&str]); 20] = [
+        (
+            &["--species", "whit oak"],
+            &["whit oak", "Oak, white", "greenstick species"],
+        ),
+        (
+            &["--species", "oak", "--all-species"],
+            &["--species", "--all-species"],
+        ),
+        (&["--length", "76cm"], &["--species"]),
+        (
+            &["--species", "red alder", "--moisture", "green"],
+            &["Alder, red", "green"],
+        ),
+        (
+            &[oak[0], oak[1], "--span", "80cm", "--length", "76cm"],
+            &["span", "0.8", "shorter"],
+        ),
+        (&[oak[0], oak[1], "--span", "10cm"], &["span", "four times"]),
+        (
+            &[oak[0], oak[1], "--height", "-5cm"],
+            &["--height", "negative"],
+        ),
+        (
+            &[oak[0], oak[1], "--height", "5"],
+            &["--height", "unit", "3cm"],
+        ),
+        (&[oak[0], oak[1], "--height", "5km"], &["--height", "unit"]),
+        (&[oak[0], oak[1], "--width", "NaNcm"], &["--width"]),
+        (&[oak[0], oak[1], "--width", "0"], &["above 0"]),
+        (
+            &[oak[0], oak[1], "--diameter", "5cm", "--width", "5cm"],
+            &["--diameter", "--width"],
+        ),
+        (
+            &[oak[0], oak[1], "--moisture", "NaN"],
+            &["--moisture", "200"],
+        ),
+        (&[oak[0], oak[1], "--rods", "0"], &["--rods"]),
+        (
+            &[oak[0], oak[1], "--rods", "4000000000"],
+            &["rods", "GB", "fewer"],
+        ),
+        (
+            &[oak[0], oak[1], "--spacing", "20cm"],
+            &["distance between rods", "0.2"],
+        ),
+        (&[oak[0], oak[1], "--edge", "30cm"], &["edge", "eighth"]),
+        (
+            &[oak[0], oak[1], "--seed", "-1"],
+            &["--seed", "whole number"],
+        ),
+        (&["--all-species", "--scatter", "0.5"], &["Weibull", "0.5"]),
+        (&["--all-species", "--end", "1"], &["below 1"]),
+    ];
+    for (arguments, parts) in cases {
+        let run = folder.run(&[&["bend-test", "-o", "out"], arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.err);
+        assert_eq!(run.out, "");
+        for part in parts {
+            assert!(
+                run.err.contains(part),
+                "{part:?} is missing in: {}",
+                run.err
+            );
+        }
+        assert!(folder.names().is_empty(), "{arguments:?}");
+    }
+    folder.write("file", "x");
+    let run = folder.run(&["bend-test", oak[0], oak[1], "-o", "file/out"]);
+    assert_eq!(run.code, 1, "{}", run.err);
+    assert!(run.err.contains("no folder file"), "{}", run.err);
+    assert_eq!(folder.names(), ["file"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_stops_the_table_and_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    let folder = Folder::new();
+    let child = Command::new(env!("CARGO_BIN_EXE_greenstick"))
+        .args(["bend-test", "--all-species", "-o", "table"])
+        .current_dir(&folder.0)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The table takes minutes; the handler is set within milliseconds.
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(told, "stopped; nothing was written\n");
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
