@@ -32,6 +32,8 @@ pub struct Explicit {
     evaluator: Option<Evaluator>,
     /// Velocities after the step.
     next: Vectors,
+    /// The same before contacts.
+    free: Vectors,
     /// Positions after the step.
     place: Vectors,
     /// Loads, and with twist the forces in material frames.
@@ -52,6 +54,7 @@ impl Explicit {
             given: step,
             evaluator: None,
             next: Vectors::default(),
+            free: Vectors::default(),
             place: Vectors::default(),
             outside: Forces::default(),
             loads: Forces::default(),
@@ -94,6 +97,7 @@ impl Explicit {
         };
         if changed {
             self.next = Vectors::zeros(n);
+            self.free = Vectors::zeros(n);
             self.place = Vectors::zeros(n);
             self.outside = Forces::zeros(n);
             self.loads = Forces::zeros(n);
@@ -170,16 +174,16 @@ impl Explicit {
             &mut self.sums,
         );
         let mut kinetic: f64 = self.sums.iter().sum();
+        let held = self.hold(world, dt, keep);
+        kinetic += held.1;
         if acts {
-            let from = if bundle.twisting {
+            let from = if world.bundle.twisting {
                 &self.loads
             } else {
                 &self.outside
             };
-            loaded = dt * power(from, &self.next, &state.spin);
+            loaded = dt * power(from, &self.next, &world.state.spin);
         }
-        let held = self.hold(world, dt, keep);
-        kinetic += held.1;
         // The work of −c m v along v Δt.
         report.damped += 2.0 * kinetic * (1.0 / keep - 1.0);
         report.work += held.0 + loaded;
@@ -187,7 +191,7 @@ impl Explicit {
         if !kinetic.is_finite() || kinetic > BLOW_UP * budget.max(self.rounding) {
             return Err(self.blow_up(world, dt));
         }
-        self.finish_step(world, contacts, dt, budget)
+        self.finish_step(world, contacts, dt, acts, budget, report)
     }
 
     /// Sets the velocities of clamped vertices, of which damping has kept the part `keep`; returns the clamps' work and the change of kinetic energy, J.
@@ -225,7 +229,9 @@ impl Explicit {
         world: &mut World,
         contacts: &mut dyn Contacts,
         dt: f64,
+        acts: bool,
         budget: &mut f64,
+        report: &mut Advance,
     ) -> Result<(), SolverError> {
         let World {
             bundle,
@@ -233,13 +239,26 @@ impl Explicit {
             loads,
             ..
         } = world;
-        if !contacts.is_empty()
-            && let Some(given) = contacts.resolve(bundle, state, &mut self.next, dt)?
-        {
-            *budget += given.max(0.0);
-            for i in 0..bundle.vertices() {
-                let place = state.position.get(i) + self.next.get(i) * dt;
-                self.place.set(i, place);
+        if !contacts.is_empty() {
+            self.free.clone_from(&self.next);
+            if let Some(given) = contacts.resolve(bundle, state, &mut self.next, dt)? {
+                *budget += given.max(0.0);
+                let from = match bundle.twisting {
+                    true => &self.loads.linear,
+                    false => &self.outside.linear,
+                };
+                for i in 0..bundle.vertices() {
+                    let (free, new) = (self.free.get(i), self.next.get(i));
+                    self.place.set(i, state.position.get(i) + new * dt);
+                    // Damping and loads did their work on the way that was gone, not on the one that was free.
+                    if new != free {
+                        let change = new - free;
+                        report.damped += loads.damping * dt * bundle.mass[i] * free.dot(change);
+                        if acts {
+                            report.work += dt * from.get(i).dot(change);
+                        }
+                    }
+                }
             }
         }
         std::mem::swap(&mut state.velocity, &mut self.next);

@@ -161,6 +161,8 @@ pub struct Bodies {
     contacts: Vec<Contact>,
     /// Per contact: what it has given to the edge in this step, N s.
     impulses: Vec<DVec3>,
+    /// Relative velocity along the normal at which each ends the step at least, m/s.
+    wanted: Vec<f64>,
     /// Per body: velocity and angular velocity at the start of the step.
     before: Vec<(DVec3, DVec3)>,
     /// Per body: what it has been given since this was last taken.
@@ -220,6 +222,7 @@ impl Bodies {
             rods: rods::RodPairs::default(),
             contacts: Vec::new(),
             impulses: Vec::new(),
+            wanted: Vec::new(),
             before: Vec::new(),
             given: Vec::new(),
         };
