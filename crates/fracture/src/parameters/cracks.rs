@@ -60,7 +60,7 @@ parameters! {
     /// A crack along a ring (section 4.2).
     pub struct TangentialCrack {
         "tangential crack" {
-            /// Ring coordinate of the crack.
+            /// Ring coordinate of the crack, which runs along the nearest boundary of two rings.
             ring: f64 = 0.6, "R_crack", number(Fraction, 0.0, 1.0);
             /// Angle at which it begins.
             begin: f64 = 0.0, "S_begin", number(Degree, 0.0, 360.0);
