@@ -2,7 +2,7 @@
 //!
 //! Each step is an equilibrium with inertia at its end (implicit Euler), found by Newton's method as in
 //! [`super::newton`], but only as exactly as a picture needs, and with linear systems solved anew each time by conjugate
-//! gradients that know rods and sections ([`super::iterative`]): a factor of the matrix, which would have to be made
+//! gradients that know rods and sections (`iterative`): a factor of the matrix, which would have to be made
 //! anew whenever something breaks, costs as much as many pictures. Methods that go from vertex to vertex (vertex block
 //! descent, position-based dynamics) do not carry a bending moment through a slender stem in any number of sweeps that a
 //! picture has time for.
