@@ -4,7 +4,7 @@ use crate::model::Model;
 use crate::{Error, Prepared};
 use glam::DVec2;
 use greenstick_fracture::cracks::{
-    CrackPlan, Direction, EndFace, Grooved, Setting, end_grooves, grooves,
+    CrackPlan, Direction, EndFace, Grooved, PlannedCrack, Setting, Way, end_grooves, grooves,
 };
 use greenstick_fracture::cut::{Ground, Skin, cut_again};
 use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
@@ -12,6 +12,7 @@ use greenstick_fracture::parameters::{BreakParameters, Surface as SurfaceKind};
 use greenstick_geometry::Mesh;
 use greenstick_skin::face::face;
 use greenstick_skin::pieces::{self, InnerWood};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// A break with cracks in both faces.
@@ -143,6 +144,33 @@ impl Prepared {
             face,
             void,
         })
+    }
+
+    /// A plan whose rings and angles are those of the section: a board without its pith has but an arc of each ring, and
+    /// none of the inner ones.
+    pub(crate) fn fitted(&self, plan: &CrackPlan) -> CrackPlan {
+        let Some((from, to)) = self.extent.arc else {
+            return plan.clone();
+        };
+        let (turn, inner) = ((to - from) / TAU, self.extent.reach.0);
+        let fit = |crack: &PlannedCrack| {
+            let mut crack = crack.clone();
+            let first = crack.course.first().map_or(0.0, |c| c.1);
+            let start = from + (first / TAU).rem_euclid(1.0) * (to - from);
+            for (rho, phi) in &mut crack.course {
+                *rho = inner + *rho * (1.0 - inner);
+                *phi = start + (*phi - first) * turn;
+            }
+            crack.range *= match crack.way {
+                Way::Radial => turn,
+                Way::Tangential => 1.0 - inner,
+            };
+            crack
+        };
+        CrackPlan {
+            cracks: plan.cracks.iter().map(fit).collect(),
+            ..plan.clone()
+        }
     }
 
     pub(crate) fn end_layout(&self, p: &BreakParameters) -> LayoutOptions {

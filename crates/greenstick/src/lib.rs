@@ -56,6 +56,7 @@ pub mod simulate;
 
 pub use branch::built_in_branch;
 pub use breaking::{BreakRequest, Broken, break_scene};
+pub use cracking::SawnEnd;
 pub use cracks::{CrackedBreak, CrackedEnd};
 pub use error::Error;
 pub use greenstick_fibre as fibre;

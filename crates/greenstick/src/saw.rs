@@ -3,13 +3,10 @@
 
 use crate::cracks::{CrackedEnd, OF_THE_WAY};
 use crate::{Error, Prepared};
-use greenstick_fracture::cracks::{
-    CrackError, CrackPlan, Direction, EndFace, PlannedCrack, Setting, Way, grooves,
-};
+use greenstick_fracture::cracks::{CrackError, CrackPlan, Direction, EndFace, Setting, grooves};
 use greenstick_fracture::layout;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::surface::Surface;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Distance of the saw from the end of what can be cut, in radii, and how much wood must stay beyond the break's place.
@@ -72,32 +69,5 @@ impl Prepared {
             face,
             void,
         })
-    }
-
-    /// A plan whose rings and angles are those of the section: a board without its pith has but an arc of each ring, and
-    /// none of the inner ones.
-    pub(crate) fn fitted(&self, plan: &CrackPlan) -> CrackPlan {
-        let Some((from, to)) = self.extent.arc else {
-            return plan.clone();
-        };
-        let (turn, inner) = ((to - from) / TAU, self.extent.reach.0);
-        let fit = |crack: &PlannedCrack| {
-            let mut crack = crack.clone();
-            let first = crack.course.first().map_or(0.0, |c| c.1);
-            let start = from + (first / TAU).rem_euclid(1.0) * (to - from);
-            for (rho, phi) in &mut crack.course {
-                *rho = inner + *rho * (1.0 - inner);
-                *phi = start + (*phi - first) * turn;
-            }
-            crack.range *= match crack.way {
-                Way::Radial => turn,
-                Way::Tangential => 1.0 - inner,
-            };
-            crack
-        };
-        CrackPlan {
-            cracks: plan.cracks.iter().map(fit).collect(),
-            ..plan.clone()
-        }
     }
 }
