@@ -7,6 +7,7 @@
 mod assemble;
 mod cloud;
 mod error;
+pub mod film;
 mod gltf;
 mod obj;
 mod off;

@@ -138,22 +138,28 @@ pub fn escape(path: &str) -> String {
 }
 
 /// JSON and binary as one GLB.
-pub fn join(mut json: Vec<u8>, mut binary: Vec<u8>, file: InFile) -> Result<Vec<u8>, FormatError> {
-    json.resize(json.len().next_multiple_of(4), b' ');
+pub fn join(json: Vec<u8>, mut binary: Vec<u8>, file: InFile) -> Result<Vec<u8>, FormatError> {
     binary.resize(binary.len().next_multiple_of(4), 0);
-    let total = 12 + 8 + json.len() + 8 + binary.len();
+    let mut bytes = head(json, binary.len(), file)?;
+    bytes.append(&mut binary);
+    Ok(bytes)
+}
+
+/// What stands in a GLB before a binary of so many bytes, a multiple of 4.
+pub fn head(mut json: Vec<u8>, binary: usize, file: InFile) -> Result<Vec<u8>, FormatError> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + json.len() + 8 + binary;
     let total32 = u32::try_from(total)
         .map_err(|_| file.unwritable(format!("{total} bytes"), "less than 4 GiB in a GLB"))?;
-    let mut bytes = Vec::with_capacity(total);
+    let mut bytes = Vec::with_capacity(total - binary);
     bytes.extend_from_slice(b"glTF");
     for word in [2, total32, json.len() as u32, JSON] {
         bytes.extend_from_slice(&word.to_le_bytes());
     }
     bytes.append(&mut json);
-    for word in [binary.len() as u32, BIN] {
+    for word in [binary as u32, BIN] {
         bytes.extend_from_slice(&word.to_le_bytes());
     }
-    bytes.append(&mut binary);
     Ok(bytes)
 }
 

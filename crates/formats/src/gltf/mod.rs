@@ -4,6 +4,7 @@
 
 mod accessor;
 mod container;
+mod film;
 mod material;
 mod meshopt;
 mod meshopt_filter;
@@ -15,5 +16,6 @@ mod vertices;
 mod write;
 mod write_material;
 
+pub(crate) use film::write_film;
 pub(crate) use read::read;
 pub(crate) use write::write;

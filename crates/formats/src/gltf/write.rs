@@ -2,11 +2,12 @@
 
 use super::{container, vertices, write_material};
 use crate::Encoded;
-use crate::assemble::{CompanionNames, compact, narrow};
+use crate::assemble::{CompanionNames, Surfaces, compact, narrow, textures_of};
 use crate::error::{FormatError, InFile};
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Material, Mesh, Scene};
+use greenstick_geometry::{Material, Mesh, Node, Scene};
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 const ARRAY_BUFFER: u32 = 34962;
@@ -62,8 +63,37 @@ impl Builder {
         self.push("bufferViews", view)
     }
 
-    fn floats(&mut self, data: &[f32], width: usize) -> usize {
+    /// Stores vertex data.
+    pub fn floats(&mut self, data: &[f32], width: usize) -> usize {
+        self.numbers(data, width, Some(ARRAY_BUFFER))
+    }
+
+    /// Stores matrices that are not vertex data, by columns.
+    pub fn matrices(&mut self, data: &[[f32; 16]]) -> usize {
+        self.numbers(data.as_flattened(), 16, None)
+    }
+
+    /// Stores small whole numbers of vertices, four for each, in as few bytes as they need.
+    pub fn joints(&mut self, data: &[[u16; 4]]) -> usize {
+        let short = data.as_flattened().iter().all(|&j| j < 256);
         let view = self.view_with(Some(ARRAY_BUFFER), |binary| {
+            for &j in data.as_flattened() {
+                if short {
+                    binary.push(j as u8);
+                } else {
+                    binary.extend_from_slice(&j.to_le_bytes());
+                }
+            }
+        });
+        let code = if short { 5121 } else { 5123 };
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": code, "count": data.len(), "type": "VEC4" }),
+        )
+    }
+
+    fn numbers(&mut self, data: &[f32], width: usize, target: Option<u32>) -> usize {
+        let view = self.view_with(target, |binary| {
             binary.reserve(4 * data.len());
             for v in data {
                 binary.extend_from_slice(&v.to_le_bytes());
@@ -123,45 +153,74 @@ impl Builder {
             }),
         )
     }
+
+    /// Length of the binary with its padding.
+    pub fn length(&self) -> usize {
+        self.binary.len().next_multiple_of(4)
+    }
+
+    /// Ends the document: its binary lies at `uri`, or in the file itself, and `further` bytes follow it there.
+    pub fn finish(mut self, uri: Option<String>, further: usize) -> Finished {
+        self.binary.resize(self.length(), 0);
+        let mut buffer = json!({ "byteLength": self.binary.len() + further });
+        if let Some(uri) = uri {
+            buffer["uri"] = json!(uri);
+        }
+        self.push("buffers", buffer);
+        let mut document = Map::new();
+        document.insert(
+            "asset".to_owned(),
+            json!({ "version": "2.0", "generator": "Greenstick" }),
+        );
+        document.insert("scene".to_owned(), json!(0));
+        for (key, list) in self.lists {
+            document.insert(key.to_owned(), Value::Array(list));
+        }
+        for (key, set) in [
+            ("extensionsUsed", self.used),
+            ("extensionsRequired", self.required),
+        ] {
+            if !set.is_empty() {
+                document.insert(key.to_owned(), json!(set));
+            }
+        }
+        Finished {
+            json: Value::Object(document).to_string().into_bytes(),
+            binary: self.binary,
+            companions: self.companions,
+        }
+    }
+}
+
+/// A document that is complete.
+pub struct Finished {
+    /// The JSON.
+    pub json: Vec<u8>,
+    /// The binary, a multiple of 4 bytes.
+    pub binary: Vec<u8>,
+    /// Files besides.
+    pub companions: Vec<Encoded>,
 }
 
 /// Writes a `.glb`, or a `.gltf` with its companions.
 pub(crate) fn write(scene: &Scene, name: &str, glb: bool) -> Result<Vec<Encoded>, FormatError> {
     let file = InFile(name);
-    check_references(scene, file)?;
+    let surfaces = Surfaces::of(scene);
+    surfaces.check(scene.nodes.iter().map(|n| &n.mesh), file)?;
     let mut builder = Builder::default();
-    write_nodes(scene, &mut builder, file)?;
+    let roots = write_nodes(&scene.nodes, scene.materials.as_slice(), &mut builder, file)?;
+    builder.push("scenes", json!({ "nodes": roots }));
     let mut names = CompanionNames::new(name);
     let binary_name = names.beside("bin");
-    write_material::write(scene, &mut builder, (!glb).then_some(names));
-    builder
-        .binary
-        .resize(builder.binary.len().next_multiple_of(4), 0);
-    let mut buffer = json!({ "byteLength": builder.binary.len() });
-    if !glb {
-        buffer["uri"] = json!(container::escape(&binary_name));
-    }
-    builder.push("buffers", buffer);
-    let mut document = Map::new();
-    document.insert(
-        "asset".to_owned(),
-        json!({ "version": "2.0", "generator": "Greenstick" }),
-    );
-    document.insert("scene".to_owned(), json!(0));
-    for (key, list) in builder.lists {
-        document.insert(key.to_owned(), Value::Array(list));
-    }
-    for (key, set) in [
-        ("extensionsUsed", builder.used),
-        ("extensionsRequired", builder.required),
-    ] {
-        if !set.is_empty() {
-            document.insert(key.to_owned(), json!(set));
-        }
-    }
-    let json = Value::Object(document).to_string().into_bytes();
+    write_material::write(surfaces, &mut builder, (!glb).then_some(names));
+    let uri = (!glb).then(|| container::escape(&binary_name));
+    let Finished {
+        json,
+        binary,
+        mut companions,
+    } = builder.finish(uri, 0);
     if glb {
-        let bytes = container::join(json, builder.binary, file)?;
+        let bytes = container::join(json, binary, file)?;
         return Ok(vec![Encoded {
             name: name.to_owned(),
             bytes,
@@ -174,68 +233,29 @@ pub(crate) fn write(scene: &Scene, name: &str, glb: bool) -> Result<Vec<Encoded>
         },
         Encoded {
             name: binary_name,
-            bytes: builder.binary,
+            bytes: binary,
         },
     ];
-    files.append(&mut builder.companions);
+    files.append(&mut companions);
     Ok(files)
 }
 
-/// Refuses indices of materials, textures and images that point nowhere.
-fn check_references(scene: &Scene, file: InFile) -> Result<(), FormatError> {
-    let textures_of = |m: &Material| {
-        let all = [
-            m.base_color_texture.as_ref(),
-            m.metallic_roughness_texture.as_ref(),
-            m.normal_texture.as_ref(),
-            m.occlusion_texture.as_ref(),
-            m.emissive_texture.as_ref(),
-        ];
-        all.into_iter()
-            .flatten()
-            .map(|t| t.texture)
-            .collect::<Vec<_>>()
-    };
-    let mut textures = scene.materials.iter().flat_map(textures_of);
-    let images = |t: &greenstick_geometry::Texture| {
-        t.image
-            .into_iter()
-            .chain(t.alternatives.iter().map(|a| a.1))
-            .collect::<Vec<_>>()
-    };
-    let (materials, none) = (scene.materials.len(), u32::MAX);
-    let mut used = scene.nodes.iter().flat_map(|n| &n.mesh.materials);
-    let broken = if textures.any(|t| t >= scene.textures.len()) {
-        "a material names a texture that does not exist"
-    } else if scene
-        .textures
-        .iter()
-        .flat_map(images)
-        .any(|i| i >= scene.images.len())
-    {
-        "a texture names an image that does not exist"
-    } else if used.any(|&m| m != none && m as usize >= materials) {
-        "a triangle names a material that does not exist"
-    } else {
-        return Ok(());
-    };
-    Err(file.unwritable(broken, "indices into the scene's own lists"))
-}
-
-fn write_nodes(scene: &Scene, builder: &mut Builder, file: InFile) -> Result<(), FormatError> {
-    let count = scene.nodes.len();
-    let parents = parents(scene);
+/// Writes placed meshes; gives the nodes that have no parent. Nodes have to be the first that are written.
+pub fn write_nodes(
+    nodes: &[Node],
+    materials: &[Material],
+    builder: &mut Builder,
+    file: InFile,
+) -> Result<Vec<usize>, FormatError> {
+    let count = nodes.len();
+    let parents = parents(nodes);
     // Where each node ends up in the world; a transform that no matrix of glTF may hold goes into the vertices.
-    let baked: Vec<bool> = scene
-        .nodes
-        .iter()
-        .map(|n| !decomposes(&n.transform))
-        .collect();
+    let baked: Vec<bool> = nodes.iter().map(|n| !decomposes(&n.transform)).collect();
     let global = |i: usize| {
         if baked[i] {
             DAffine3::IDENTITY
         } else {
-            scene.nodes[i].transform
+            nodes[i].transform
         }
     };
     let mut children = vec![Vec::new(); count];
@@ -267,7 +287,7 @@ fn write_nodes(scene: &Scene, builder: &mut Builder, file: InFile) -> Result<(),
             }
         }
     }
-    for (i, node) in scene.nodes.iter().enumerate() {
+    for (i, node) in nodes.iter().enumerate() {
         let mut out = Map::new();
         if !node.name.is_empty() {
             out.insert("name".to_owned(), json!(node.name));
@@ -278,31 +298,29 @@ fn write_nodes(scene: &Scene, builder: &mut Builder, file: InFile) -> Result<(),
         put_transform(&mut out, &locals[i]);
         if !node.mesh.triangles.is_empty() {
             let mesh = if baked[i] {
-                write_mesh(
-                    &node.mesh.transformed(&node.transform),
-                    scene,
-                    builder,
-                    file,
-                )?
+                Cow::Owned(node.mesh.transformed(&node.transform))
             } else {
-                write_mesh(&node.mesh, scene, builder, file)?
+                Cow::Borrowed(&node.mesh)
             };
-            let mut json = json!({ "primitives": mesh });
-            if !node.name.is_empty() {
-                json["name"] = json!(node.name);
-            }
-            out.insert("mesh".to_owned(), json!(builder.push("meshes", json)));
+            let mesh = write_mesh(
+                &mesh,
+                &node.name,
+                materials,
+                builder,
+                file,
+                &mut |_, _, _| {},
+            )?;
+            out.insert("mesh".to_owned(), json!(mesh));
         }
         builder.push("nodes", Value::Object(out));
     }
-    builder.push("scenes", json!({ "nodes": roots }));
-    Ok(())
+    Ok(roots)
 }
 
 /// Parents that exist and do not go round in circles.
-fn parents(scene: &Scene) -> Vec<Option<usize>> {
-    let count = scene.nodes.len();
-    let parent = |i: usize| scene.nodes[i].parent.filter(|&p| p < count && p != i);
+fn parents(nodes: &[Node]) -> Vec<Option<usize>> {
+    let count = nodes.len();
+    let parent = |i: usize| nodes[i].parent.filter(|&p| p < count && p != i);
     // 0: not looked at, 1: on the way being walked, 2: known to end at a root.
     let mut state = vec![0_u8; count];
     let mut out: Vec<Option<usize>> = (0..count).map(parent).collect();
@@ -352,12 +370,18 @@ fn put_transform(out: &mut Map<String, Value>, local: &DAffine3) {
     out.insert("matrix".to_owned(), json!(matrix));
 }
 
-fn write_mesh(
+/// Adds attributes of its own to a primitive of the vertices given.
+pub type Decorate<'a> = &'a mut dyn FnMut(&mut Builder, &[u32], &mut Map<String, Value>);
+
+/// Writes a mesh and gives its index.
+pub fn write_mesh(
     mesh: &Mesh,
-    scene: &Scene,
+    name: &str,
+    materials: &[Material],
     builder: &mut Builder,
     file: InFile,
-) -> Result<Vec<Value>, FormatError> {
+    decorate: Decorate,
+) -> Result<usize, FormatError> {
     // Materials in the order in which the triangles first use them.
     let mut order: Vec<u32> = Vec::new();
     let mut parts: BTreeMap<u32, Vec<[u32; 3]>> = BTreeMap::new();
@@ -382,10 +406,11 @@ fn write_mesh(
             .collect::<Result<Vec<_>, _>>()?;
         let mut attributes = Map::new();
         attributes.insert("POSITION".to_owned(), json!(builder.positions(&points)));
-        let coordinates = scene.materials.get(material as usize).map_or(0, sets_read);
+        let coordinates = materials.get(material as usize).map_or(0, sets_read);
         for (name, (width, data)) in vertices::attributes(mesh, &used, &triangles, coordinates) {
             attributes.insert(name, json!(builder.floats(&data, width)));
         }
+        decorate(builder, &used, &mut attributes);
         let mut primitive = json!({
             "attributes": attributes, "indices": builder.indices(&triangles, used.len())
         });
@@ -394,21 +419,15 @@ fn write_mesh(
         }
         primitives.push(primitive);
     }
-    Ok(primitives)
+    let mut out = json!({ "primitives": primitives });
+    if !name.is_empty() {
+        out["name"] = json!(name);
+    }
+    Ok(builder.push("meshes", out))
 }
 
 /// How many sets of texture coordinates a material reads.
 fn sets_read(material: &Material) -> u32 {
-    let textures = [
-        &material.base_color_texture,
-        &material.metallic_roughness_texture,
-        &material.normal_texture,
-        &material.occlusion_texture,
-        &material.emissive_texture,
-    ];
-    let sets = textures
-        .into_iter()
-        .flatten()
-        .map(|t| t.coordinates.saturating_add(1));
+    let sets = textures_of(material).map(|t| t.coordinates.saturating_add(1));
     sets.max().unwrap_or(0).min(16)
 }

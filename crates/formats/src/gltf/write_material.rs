@@ -2,8 +2,8 @@
 
 use super::container::escape;
 use super::write::Builder;
-use crate::assemble::{CompanionNames, image_type};
-use greenstick_geometry::{ImageSource, Material, Scene, TextureReference};
+use crate::assemble::{CompanionNames, Surfaces, image_type};
+use greenstick_geometry::{ImageSource, Material, TextureReference};
 use serde_json::{Map, Value, json};
 
 /// A JSON number that shows an `f32` by its shortest decimal.
@@ -27,9 +27,9 @@ fn extension_for(media_type: &str) -> Option<&'static str> {
 }
 
 /// Writes all of them; `names` where images are to be files of their own.
-pub fn write(scene: &Scene, builder: &mut Builder, mut names: Option<CompanionNames>) {
+pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<CompanionNames>) {
     let mut types = Vec::new();
-    for (number, image) in scene.images.iter().enumerate() {
+    for (number, image) in surfaces.images.iter().enumerate() {
         let mut out = Map::new();
         if !image.name.is_empty() {
             out.insert("name".to_owned(), json!(image.name));
@@ -64,7 +64,7 @@ pub fn write(scene: &Scene, builder: &mut Builder, mut names: Option<CompanionNa
         builder.push("images", Value::Object(out));
     }
     let mut samplers = Vec::new();
-    for texture in &scene.textures {
+    for texture in surfaces.textures {
         let mut out = Map::new();
         if texture.sampler.iter().any(Option::is_some) {
             let known = samplers.iter().position(|s| *s == texture.sampler);
@@ -106,7 +106,7 @@ pub fn write(scene: &Scene, builder: &mut Builder, mut names: Option<CompanionNa
         }
         builder.push("textures", Value::Object(out));
     }
-    for material in &scene.materials {
+    for material in surfaces.materials {
         let out = write_material(material, builder);
         builder.push("materials", out);
     }

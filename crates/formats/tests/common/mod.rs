@@ -1,6 +1,8 @@
 //! Helpers of the tests: sample files and scenes.
 #![allow(dead_code)]
 
+pub mod bundle;
+
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_formats::{Encoded, Format, FormatError, LengthUnit, read, write};
 use greenstick_geometry::{

@@ -1,0 +1,246 @@
+//! Which joints the vertices of a piece follow in the file: at most so many in a skin and for a vertex (§3.7.3.3).
+
+use crate::film::Reduction;
+use glam::{DAffine3, DVec3};
+use greenstick_geometry::{Film, Skinned};
+
+/// What a piece follows.
+pub enum Follow {
+    /// One joint of the film.
+    One(u32),
+    /// Several.
+    Skin(Skin),
+}
+
+/// A piece's binding as it is written.
+pub struct Skin {
+    /// Joints of the film that it names.
+    pub joints: Vec<u32>,
+    starts: Vec<u32>,
+    slots: Vec<u16>,
+    weights: Vec<f32>,
+    /// Most influences of a vertex.
+    pub influences: usize,
+}
+
+impl Skin {
+    /// Place in [`Self::joints`] and weight of what a vertex follows, the heaviest first.
+    pub fn of(&self, vertex: usize) -> impl Iterator<Item = (u16, f32)> + '_ {
+        let range = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+        range.map(|k| (self.slots[k], self.weights[k]))
+    }
+}
+
+/// A piece with the binding that is written, and how that differs from the film's.
+pub struct Bound {
+    /// What it follows in the file.
+    pub follow: Follow,
+    /// What was lost, where something was.
+    pub reduction: Option<Reduction>,
+}
+
+/// Most joints of a skin, and of a vertex.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    pub joints: usize,
+    pub influences: usize,
+}
+
+/// Binds piece number `number`. `samples` are the joints' maps in some frames, by which joints are compared where there
+/// are too many.
+pub fn bind(film: &Film, number: usize, limits: Limits, samples: &[Vec<DAffine3>]) -> Bound {
+    let piece = &film.pieces[number];
+    let used = piece.binding.used();
+    let stands_for = if used.len() > limits.joints {
+        merge(piece, &used, limits.joints, samples)
+    } else {
+        (0..used.len()).collect()
+    };
+    let mut kept: Vec<usize> = stands_for.clone();
+    kept.sort_unstable();
+    kept.dedup();
+    let mut slot_of = vec![0_u16; used.len()];
+    for (slot, &k) in kept.iter().enumerate() {
+        slot_of[k] = slot as u16;
+    }
+    let (skin, capped) = entries(piece, &used, &stands_for, &slot_of, limits.influences);
+    let joints: Vec<u32> = kept.iter().map(|&k| used[k]).collect();
+    let reduction = (kept.len() < used.len() || capped > 0).then(|| Reduction {
+        piece: number,
+        name: piece.name.clone(),
+        joints: [used.len(), kept.len()],
+        capped,
+        error: 0.0,
+        frame: 0,
+    });
+    let follow = match joints.as_slice() {
+        [one] => Follow::One(*one),
+        _ => Follow::Skin(Skin { joints, ..skin }),
+    };
+    Bound { follow, reduction }
+}
+
+/// The entries of all vertices, and how many vertices lost some.
+fn entries(
+    piece: &Skinned,
+    used: &[u32],
+    stands_for: &[usize],
+    slot_of: &[u16],
+    most: usize,
+) -> (Skin, usize) {
+    let mut skin = Skin {
+        joints: Vec::new(),
+        starts: vec![0],
+        slots: Vec::new(),
+        weights: Vec::new(),
+        influences: 0,
+    };
+    let mut capped = 0;
+    let mut own: Vec<(u16, f64)> = Vec::new();
+    for v in 0..piece.binding.vertices() {
+        own.clear();
+        for (joint, weight) in piece.binding.of(v).filter(|e| e.1 != 0.0) {
+            let Ok(k) = used.binary_search(&joint) else {
+                continue;
+            };
+            let slot = slot_of[stands_for[k]];
+            match own.iter_mut().find(|e| e.0 == slot) {
+                Some(entry) => entry.1 += weight,
+                None => own.push((slot, weight)),
+            }
+        }
+        own.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        if own.len() > most {
+            capped += 1;
+            own.truncate(most);
+        }
+        let sum: f64 = own.iter().map(|e| e.1).sum();
+        let first = skin.weights.len();
+        for &(slot, weight) in &own {
+            let weight = (weight / sum) as f32;
+            if weight > 0.0 {
+                skin.slots.push(slot);
+                skin.weights.push(weight);
+            }
+        }
+        // What rounding to 32 bits took goes to the heaviest, so that the sum is 1.
+        let written: f64 = skin.weights[first..].iter().map(|&w| f64::from(w)).sum();
+        if let Some(heaviest) = skin.weights.get_mut(first) {
+            *heaviest = (f64::from(*heaviest) + 1.0 - written) as f32;
+        }
+        skin.influences = skin.influences.max(skin.weights.len() - first);
+        skin.starts.push(skin.weights.len() as u32);
+    }
+    (skin, capped)
+}
+
+/// For each joint in `used` the one that stands for it, so that `most` are left: the joints that differ most from those
+/// chosen before are chosen one by one (Gonzalez 1985, "Clustering to minimize the maximum intercluster distance", at
+/// most twice the least possible), each other one follows the nearest.
+fn merge(piece: &Skinned, used: &[u32], most: usize, samples: &[Vec<DAffine3>]) -> Vec<usize> {
+    let probes = probes(piece, used);
+    // How far the vertices of k would move if they followed j.
+    let distance = |k: usize, j: usize| {
+        let (own, other) = (used[k] as usize, used[j] as usize);
+        let away = samples.iter().flat_map(|maps| {
+            let (own, other) = (maps[own], maps[other]);
+            probes[k]
+                .points
+                .map(|p| own.transform_point3(p).distance(other.transform_point3(p)))
+        });
+        probes[k].weight * away.fold(0.0, f64::max)
+    };
+    let first = (0..used.len())
+        .rev()
+        .max_by(|&a, &b| probes[a].total.total_cmp(&probes[b].total))
+        .unwrap_or(0);
+    let mut stands_for = vec![first; used.len()];
+    let mut away: Vec<f64> = (0..used.len()).map(|k| distance(k, first)).collect();
+    for _ in 1..most {
+        let farthest = (0..used.len())
+            .rev()
+            .max_by(|&a, &b| away[a].total_cmp(&away[b]))
+            .unwrap_or(0);
+        if away[farthest] == 0.0 {
+            break;
+        }
+        for k in 0..used.len() {
+            let d = if k == farthest {
+                0.0
+            } else {
+                distance(k, farthest)
+            };
+            if d < away[k] {
+                (away[k], stands_for[k]) = (d, farthest);
+            }
+        }
+    }
+    stands_for
+}
+
+/// Where a joint has its say.
+#[derive(Clone, Copy, Default)]
+struct Probe {
+    /// The middle of its vertices, and points beside it as far as they are wide: four points tell a map.
+    points: [DVec3; 4],
+    /// Its largest weight in a vertex.
+    weight: f64,
+    /// Its weights in all.
+    total: f64,
+}
+
+fn probes(piece: &Skinned, used: &[u32]) -> Vec<Probe> {
+    let mut probes = vec![Probe::default(); used.len()];
+    let mut squares = vec![0.0; used.len()];
+    let entries = |v: usize| {
+        let known = move |(j, w): (u32, f64)| Some((used.binary_search(&j).ok()?, w));
+        piece.binding.of(v).filter_map(known)
+    };
+    for (v, &p) in piece.mesh.positions.iter().enumerate() {
+        for (k, w) in entries(v) {
+            probes[k].points[0] += p * w;
+            probes[k].total += w;
+            probes[k].weight = probes[k].weight.max(w);
+        }
+    }
+    for probe in &mut probes {
+        probe.points = [probe.points[0] / probe.total; 4];
+    }
+    for (v, &p) in piece.mesh.positions.iter().enumerate() {
+        for (k, w) in entries(v) {
+            squares[k] += w * p.distance_squared(probes[k].points[0]);
+        }
+    }
+    for (probe, square) in probes.iter_mut().zip(squares) {
+        let radius: f64 = f64::sqrt(square / probe.total);
+        for (point, axis) in probe.points[1..].iter_mut().zip(DVec3::AXES) {
+            *point += axis * radius;
+        }
+    }
+    probes
+}
+
+/// Compares what is written with what should be, in a frame with these maps; where it is worse than before, the reduction
+/// says so.
+pub fn measure(film: &Film, bound: &mut Bound, maps: &[DAffine3], frame: usize) {
+    let Some(reduction) = &mut bound.reduction else {
+        return;
+    };
+    let piece = &film.pieces[reduction.piece];
+    for (v, &p) in piece.mesh.positions.iter().enumerate() {
+        let place =
+            |sum: DVec3, (joint, w): (u32, f64)| sum + maps[joint as usize].transform_point3(p) * w;
+        let right = piece.binding.of(v).fold(DVec3::ZERO, place);
+        let written = match &bound.follow {
+            Follow::One(joint) => maps[*joint as usize].transform_point3(p),
+            Follow::Skin(skin) => skin
+                .of(v)
+                .map(|(slot, w)| (skin.joints[usize::from(slot)], f64::from(w)))
+                .fold(DVec3::ZERO, place),
+        };
+        let error = right.distance(written);
+        if error > reduction.error {
+            (reduction.error, reduction.frame) = (error, frame);
+        }
+    }
+}
