@@ -3,10 +3,12 @@
 mod anatomy;
 mod bend_test;
 mod simulate;
+mod skin;
 
 pub use anatomy::{AnatomyOptions, RingsByWord, ScheduleWord};
 pub use bend_test::BendTestOptions;
 pub use simulate::SimulateOptions;
+pub use skin::SkinOptions;
 
 use crate::scan::ScanArguments;
 use crate::values;
@@ -23,6 +25,7 @@ Examples
   greenstick break beam.stl --unit mm --at 120cm       STL, OBJ, PLY and OFF do not say their unit
   greenstick break --preset splintering-tension --species \"white oak\" --seed 7
   greenstick simulate three-blocks -o run              bonded fibres, moved and broken
+  greenstick skin run -o film.glb                      its skin, as a film
   greenstick bend-test --species \"white oak\"           strength of a species in bending
   greenstick presets                                   ways in which wood breaks
   greenstick parameters                                everything that --set takes
@@ -75,6 +78,8 @@ pub enum Command {
     Picture(PictureOptions),
     /// Move wood as bonded fibres until it breaks
     Simulate(Box<SimulateOptions>),
+    /// Give a simulated run its skin: a frame as meshes, or all of them as a film
+    Skin(Box<SkinOptions>),
     /// Test wood in three-point bending, beside the Wood Handbook's tables
     BendTest(Box<BendTestOptions>),
     /// List the parameters that --set and recipes take

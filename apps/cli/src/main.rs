@@ -11,6 +11,7 @@ mod progress;
 mod rings;
 mod scan;
 mod simulate;
+mod skin;
 mod species;
 mod values;
 
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Simulate(options) => simulate::run(options),
+        Command::Skin(options) => skin::run(options),
         Command::Parameters(options) => list::parameters(options),
         Command::Presets(options) => list::presets(options),
         Command::Rings(options) => rings::run(options),

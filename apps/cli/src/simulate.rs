@@ -9,7 +9,7 @@ use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureOptions;
 use greenstick::simulate::{
-    SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames, load_chart,
+    Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames, load_chart,
     simulate,
 };
 use serde::Serialize;
@@ -70,9 +70,10 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         }
         None => None,
     };
+    let named = options.input.as_deref().map(|path| (path, unit));
     let request = SimulateRequest {
         scene,
-        beside,
+        origin: Origin::of(named, &beside),
         folder: folder.clone(),
         resume: options.resume,
     };

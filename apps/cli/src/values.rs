@@ -132,6 +132,18 @@ pub fn resolution(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Two whole numbers with `..` between them, the first below the second.
+pub fn range(text: &str) -> Result<(usize, usize), String> {
+    let parts = text.split_once("..").and_then(|(from, to)| {
+        let from = if from.is_empty() { 0 } else { from.parse().ok()? };
+        Some((from, to.parse().ok()?))
+    });
+    match parts {
+        Some((from, to)) if from < to => Ok((from, to)),
+        _ => Err("expected two whole numbers, the first below the second, such as 30..60".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -17,6 +17,7 @@ pub mod mesh;
 pub mod scene;
 pub mod table;
 pub mod triangulate;
+pub mod unions;
 
 pub use bitmap::Bitmap;
 pub use bvh::{Aabb, Bvh};
@@ -29,3 +30,4 @@ pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
 pub use scene::{Node, Scene};
 pub use table::{Column, Table, Values};
+pub use unions::Unions;

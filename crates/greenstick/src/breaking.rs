@@ -529,8 +529,26 @@ fn add_inner_material(
                 .for_each(|m| *m = bark);
         }
     }
-    let stem = &prepared.found.stem;
-    let (middle, side) = model.square;
+    inner_wood(
+        out,
+        &prepared.found.stem,
+        model.square,
+        looks,
+        width,
+        context,
+    )
+}
+
+/// Adds the material of the wood inside, with textures `width` pixels wide of the square of the section with this middle
+/// and side (m).
+pub(crate) fn inner_wood(
+    out: &mut Scene,
+    stem: &Stem,
+    (middle, side): (DVec2, f64),
+    looks: &Looks,
+    width: u32,
+    context: &Context,
+) -> Result<(), Error> {
     let section = |p: DVec2| stem.rings.address(p + middle);
     let baked = texture::bake(width, side, &section, &looks.wood, context)?;
     let mut reference = |name: &str, bytes: Vec<u8>| {

@@ -338,6 +338,30 @@ pub fn write_all(outputs: &[Output]) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Writes one file as `write` makes it, beside its place first. Where `write` fails nothing is left of it.
+///
+/// # Errors
+/// Those of `write`, and [`FileError::Unwritable`].
+pub fn write_streamed<T, E: From<FileError>>(
+    path: &Path,
+    write: impl FnOnce(&mut io::BufWriter<fs::File>) -> Result<T, E>,
+) -> Result<T, E> {
+    let (mut staged, file) = Staged::begin(path)?;
+    let mut file = io::BufWriter::new(file);
+    let written = write(&mut file)?;
+    file.flush().map_err(|source| FileError::Unwritable {
+        path: path.to_owned(),
+        source,
+    })?;
+    drop(file);
+    if let Err(error) = staged.take_place() {
+        staged.undo();
+        return Err(error.into());
+    }
+    staged.keep();
+    Ok(written)
+}
+
 /// Checks that a file `name` could be written into a folder, which need not be there yet.
 ///
 /// # Errors
@@ -394,6 +418,18 @@ struct Staged {
 
 impl Staged {
     fn new(place: &Path, bytes: &[u8]) -> Result<Self, FileError> {
+        let (staged, mut file) = Staged::begin(place)?;
+        file.write_all(bytes)
+            .and_then(|()| file.flush())
+            .map_err(|source| FileError::Unwritable {
+                path: place.to_owned(),
+                source,
+            })?;
+        Ok(staged)
+    }
+
+    /// An empty file beside a place.
+    fn begin(place: &Path) -> Result<(Self, fs::File), FileError> {
         let unwritable = |source| FileError::Unwritable {
             path: place.to_owned(),
             source,
@@ -408,7 +444,7 @@ impl Staged {
             let missing = format!("there is no folder {}", folder_of(place).display());
             return Err(unwritable(io::Error::new(io::ErrorKind::NotFound, missing)));
         }
-        let (beside, mut file) =
+        let (beside, file) =
             free_name(place, |path| fs::File::create_new(path)).map_err(unwritable)?;
         let staged = Staged {
             place: place.to_owned(),
@@ -416,10 +452,7 @@ impl Staged {
             before: None,
             placed: false,
         };
-        file.write_all(bytes)
-            .and_then(|()| file.flush())
-            .map_err(unwritable)?;
-        Ok(staged)
+        Ok((staged, file))
     }
 
     fn take_place(&mut self) -> Result<(), FileError> {

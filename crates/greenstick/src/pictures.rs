@@ -19,21 +19,31 @@ struct StemShader<'a> {
     plain: PlainShader,
     /// For each material whether it says nothing of the colour: no colour of its own, or only a texture.
     blank: Vec<bool>,
+    /// Whether the wood has moved since it grew, so that the stem's frames say nothing of directions.
+    moved: bool,
 }
 
 impl StemShader<'_> {
     fn wood(&self, hit: &Hit, grain: DVec3) -> Appearance {
         let frame = self.stem.grain.axis().frame(grain.z);
         let (ring, angle) = self.stem.rings.address(grain.truncate());
+        let (directions, end_grain) = match self.moved.then(|| hit.gradients("_GRAIN")).flatten() {
+            // A length along the grain that does not change along a face means that the face lies across it.
+            Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
+            None => (
+                [frame.x, frame.y, frame.tangent],
+                hit.geometric_normal.dot(frame.tangent).abs(),
+            ),
+        };
         let point = WoodPoint {
             ring,
             angle,
             across: grain.truncate() - self.stem.rings.pith(),
             along: grain.z,
-            end_grain: hit.geometric_normal.dot(frame.tangent).abs(),
+            end_grain,
         };
         let surface = self.looks.wood.wood(&point, hit.footprint);
-        finish(hit, &surface, [frame.x, frame.y, frame.tangent])
+        finish(hit, &surface, directions)
     }
 
     fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
@@ -52,7 +62,8 @@ impl StemShader<'_> {
                     along: grain.z,
                     radius: across.length(),
                 };
-                (point, [frame.x, frame.y, frame.tangent])
+                let moved = self.moved.then(|| hit.gradients("_GRAIN")).flatten();
+                (point, moved.unwrap_or([frame.x, frame.y, frame.tangent]))
             }
             None => {
                 // Off the limb: the world's own axes, as far as the bark's look goes as good as any.
@@ -95,12 +106,44 @@ impl Shader for StemShader<'_> {
                 }
                 match grain {
                     // A board's skin is sawn wood, and so are the ends of a stem.
-                    Some(grain) if self.is_sawn(hit, grain) => self.wood(hit, grain),
+                    Some(grain) if !self.moved && self.is_sawn(hit, grain) => self.wood(hit, grain),
                     grain => self.bark(hit, grain),
                 }
             }
         }
     }
+}
+
+/// Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
+fn blank(scene: &Scene) -> Vec<bool> {
+    let blank = |m: &greenstick_geometry::Material| {
+        m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
+    };
+    scene.materials.iter().map(blank).collect()
+}
+
+/// A picture of wood that has moved since it grew: `inner` is the material of the wood inside, whose address its meshes
+/// carry.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture_of_skin(
+    scene: &Scene,
+    stem: &Stem,
+    looks: &Looks,
+    inner: u32,
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
+    let shader = StemShader {
+        stem,
+        looks,
+        inner,
+        plain: PlainShader::of_materials(&scene.materials),
+        blank: blank(scene),
+        moved: true,
+    };
+    render(&items(scene, &shader), options, context)
 }
 
 /// A picture of a broken stem, turned to the break unless `options` say otherwise.
@@ -112,18 +155,13 @@ pub fn picture_of_break(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    // Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
-    let blank = (broken.scene.materials.iter())
-        .map(|m| {
-            m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
-        })
-        .collect();
     let shader = StemShader {
         stem: &broken.stem,
         looks: &broken.looks,
         inner: broken.inner_material,
         plain: PlainShader::of_materials(&broken.scene.materials),
-        blank,
+        blank: blank(&broken.scene),
+        moved: false,
     };
     let opened = opened(broken);
     let scene = if broken.apart || broken.end.is_some() {

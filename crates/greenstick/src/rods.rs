@@ -16,30 +16,43 @@ const OVER: f64 = 1.1;
 /// about the centres that frames hold, in their order ([`crate::simulate::body_shapes`]).
 pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
     let mut scene = Scene {
-        materials: vec![
-            material("wood", [0.72, 0.53, 0.33, 1.0]),
-            material("body", [0.36, 0.40, 0.45, 1.0]),
-        ],
+        materials: vec![material("wood", [0.72, 0.53, 0.33, 1.0]), body_material()],
         ..Scene::default()
     };
     scene
         .nodes
         .push(node("rods", tubes(frame), DAffine3::IDENTITY));
-    for (shape, &(centre, turn)) in shapes.iter().zip(&frame.bodies) {
+    scene
+        .nodes
+        .extend(bodies(frame, shapes, 1).into_iter().map(|(node, _)| node));
+    scene
+}
+
+/// The bodies of a frame where they are, in material `material`, each with its number where it moves as a whole; of a
+/// half-space a plate.
+pub(crate) fn bodies(frame: &Frame, shapes: &[Shape], material: u32) -> Vec<(Node, Option<usize>)> {
+    let mut nodes = Vec::new();
+    for (number, (shape, &(centre, turn))) in shapes.iter().zip(&frame.bodies).enumerate() {
         let place = DAffine3::from_rotation_translation(turn, centre);
-        let (mut mesh, place) = match shape {
+        let (mut mesh, place, moves) = match shape {
             Shape::HalfSpace { normal } => {
-                (ground(frame, centre, turn * *normal), DAffine3::IDENTITY)
+                let plate = ground(frame, centre, turn * *normal);
+                (plate, DAffine3::IDENTITY, None)
             }
-            _ => (solid(shape), place),
+            _ => (solid(shape), place, Some(number)),
         };
         if mesh.triangles.is_empty() {
             continue;
         }
-        mesh.materials = vec![1; mesh.triangles.len()];
-        scene.nodes.push(node("body", mesh, place));
+        mesh.materials = vec![material; mesh.triangles.len()];
+        nodes.push((node("body", mesh, place), moves));
     }
-    scene
+    nodes
+}
+
+/// The material of bodies.
+pub(crate) fn body_material() -> Material {
+    material("body", [0.36, 0.40, 0.45, 1.0])
 }
 
 fn material(name: &str, base_color: [f32; 4]) -> Material {

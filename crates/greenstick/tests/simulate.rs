@@ -17,7 +17,7 @@ const SCENE: &str = "duration = 0.012\nframes_per_second = 250.0\nrows_per_secon
 fn request(folder: &Path, resume: bool) -> SimulateRequest {
     SimulateRequest {
         scene: Scene::read(SCENE).unwrap(),
-        beside: PathBuf::new(),
+        origin: Origin::default(),
         folder: folder.to_owned(),
         resume,
     }

@@ -347,12 +347,27 @@ impl Maker<'_> {
                 let phi = polar.phi;
                 let middle = bundles.get(cell as usize);
                 let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
-                DVec2::new(width + polar.r * (1.0 + DRIFT * phi), grain.z)
+                along_grain(width, polar.r, phi, grain.z)
             };
             (to_f32(places[index]), coordinates.as_vec2().to_array())
         });
         (self.face.positions, self.face.coordinates) = made.unzip();
     }
+}
+
+/// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
+fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
+    DVec2::new(width + r * (1.0 + DRIFT * phi), s)
+}
+
+/// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
+/// behind the pith. `width` is the side of the texture's square, m.
+pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
+    let out = grain.truncate() - pith;
+    let angle = |d: DVec2| libm::atan2(d.y, d.x);
+    let about = angle(middle - pith);
+    let phi = about + wrap(angle(out) - about);
+    along_grain(width, out.length(), phi, grain.z)
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {

@@ -4,6 +4,7 @@
 pub mod face;
 pub mod halve;
 pub mod pieces;
+pub mod rods;
 pub mod settle;
 pub mod texture;
 pub mod untangle;

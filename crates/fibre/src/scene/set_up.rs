@@ -11,7 +11,7 @@ use crate::failure::{BondCriterion, Failure};
 use crate::loads::{Clamp, Moment, Motion, PointForce, Pose, Ramp, Wind};
 use crate::solver::World;
 use crate::state::State;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A scene with a bundle in it.
 pub struct SetUp {
@@ -23,6 +23,8 @@ pub struct SetUp {
     pub fraction: Vec<f64>,
     /// Length of the stem, m.
     pub length: f64,
+    /// The stem's world to the scene's.
+    pub laid: DAffine3,
 }
 
 /// A body is near enough to the stem, m.
@@ -49,7 +51,7 @@ pub fn set_up(
         });
     let span = (high - low).max(f64::MIN_POSITIVE);
     let fraction: Vec<f64> = along.iter().map(|s| (s - low) / span).collect();
-    let length = lay(&mut bundle, &fraction);
+    let (length, laid) = lay(&mut bundle, &fraction);
     let mut world = World::new(bundle);
     bend(
         &world.bundle,
@@ -79,6 +81,7 @@ pub fn set_up(
         bodies,
         fraction,
         length,
+        laid,
     })
 }
 

@@ -3,11 +3,12 @@
 use crate::bundle::Bundle;
 use crate::state::State;
 use crate::vectors::Vectors;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Turns and moves a bundle at rest so that the middle of its base is the origin, the middle of its other end is on +x,
-/// and what was most upright stays so. `fraction` is each vertex's place along the stem. Returns its length, m.
-pub(super) fn lay(bundle: &mut Bundle, fraction: &[f64]) -> f64 {
+/// and what was most upright stays so. `fraction` is each vertex's place along the stem. Returns its length, m, and the
+/// movement.
+pub(super) fn lay(bundle: &mut Bundle, fraction: &[f64]) -> (f64, DAffine3) {
     let middle = |end: f64| {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for rod in 0..bundle.rods() {
@@ -31,7 +32,8 @@ pub(super) fn lay(bundle: &mut Bundle, fraction: &[f64]) -> f64 {
     let all = |v: &Vectors, f: &dyn Fn(DVec3) -> DVec3| v.iter().map(f).collect::<Vectors>();
     bundle.rest = all(&bundle.rest, &|p| turn * (p - base));
     bundle.rest_director = all(&bundle.rest_director, &|d| turn * d);
-    base.distance(end)
+    let moved = DAffine3::from_mat3(turn) * DAffine3::from_translation(-base);
+    (base.distance(end), moved)
 }
 
 /// Bends a bundle of some length into an arc of `angle` rad about y, its middle where it is, its ends upwards.

@@ -185,23 +185,13 @@ impl<R: Read> FrameReader<R> {
     /// # Errors
     /// [`StoreError`] for what is no frame store, or a newer one.
     pub fn new(mut from: R) -> Result<Self, StoreError> {
-        let mut head = [0; 16];
-        let got = fill(&mut from, &mut head)?;
-        if got < 16 || &head[..8] != MAGIC {
-            return Err(StoreError::Foreign {
-                expected: "frames of a simulation",
-                found: String::from_utf8_lossy(&head[..got.min(8)]).into_owned(),
-            });
-        }
-        let version = u32::from_le_bytes([head[8], head[9], head[10], head[11]]);
-        if version > VERSION {
-            return Err(StoreError::Newer {
-                what: "frame store",
-                found: version,
-                known: VERSION,
-            });
-        }
+        header(&mut from)?;
         Ok(FrameReader { from, number: 0 })
+    }
+
+    /// Reads on at the record of frame `number`.
+    pub(super) fn at(from: R, number: usize) -> Self {
+        FrameReader { from, number }
     }
 
     fn read(&mut self) -> Result<Option<Frame>, StoreError> {
@@ -245,8 +235,29 @@ impl<R: Read> Iterator for FrameReader<R> {
     }
 }
 
+/// Reads what a frame store begins with; returns its length.
+pub(super) fn header(from: &mut impl Read) -> Result<u64, StoreError> {
+    let mut head = [0; 16];
+    let got = fill(from, &mut head)?;
+    if got < 16 || &head[..8] != MAGIC {
+        return Err(StoreError::Foreign {
+            expected: "frames of a simulation",
+            found: String::from_utf8_lossy(&head[..got.min(8)]).into_owned(),
+        });
+    }
+    let version = u32::from_le_bytes([head[8], head[9], head[10], head[11]]);
+    if version > VERSION {
+        return Err(StoreError::Newer {
+            what: "frame store",
+            found: version,
+            known: VERSION,
+        });
+    }
+    Ok(head.len() as u64)
+}
+
 /// Reads until the buffer is full or there is no more; returns how much.
-fn fill(from: &mut impl Read, to: &mut [u8]) -> io::Result<usize> {
+pub(super) fn fill(from: &mut impl Read, to: &mut [u8]) -> io::Result<usize> {
     let mut got = 0;
     while got < to.len() {
         match from.read(&mut to[got..]) {

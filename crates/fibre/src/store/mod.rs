@@ -14,11 +14,13 @@
 mod checkpoint;
 mod forces;
 mod frames;
+mod index;
 mod tables;
 
 pub use checkpoint::{Checkpoint, Progress};
 pub use forces::{FORCE_HEADER, ForceRow};
 pub use frames::{Frame, FrameReader, write_header};
+pub use index::FrameFile;
 pub use tables::{ENERGY_HEADER, EVENT_HEADER, EnergyRow, Ledger, event_row, set_back};
 
 use std::io;

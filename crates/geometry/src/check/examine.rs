@@ -1,7 +1,8 @@
 //! The examination that fills a report, one property after another.
 
 use super::{CheckOptions, PLACES, Report, SelfIntersections};
-use crate::components::{Edges, Unions, Use, corner_points, number_points, shells};
+use crate::Unions;
+use crate::components::{Edges, Use, corner_points, number_points, shells};
 use crate::intersect::{Contact, collinear, contact_tree, self_contacts};
 use crate::{Aabb, Mesh};
 use glam::DVec3;

@@ -91,38 +91,3 @@ impl Edges {
         }
     }
 }
-
-/// Sets of numbers that are joined step by step (union-find with path halving). The root of a set is its smallest
-/// number, whatever the order of joining.
-pub(crate) struct Unions {
-    parents: Vec<u32>,
-}
-
-impl Unions {
-    /// `count` sets of one number each.
-    pub fn new(count: usize) -> Self {
-        Unions {
-            parents: (0..count as u32).collect(),
-        }
-    }
-
-    /// The smallest number of the set of `i`.
-    pub fn root(&mut self, mut i: u32) -> u32 {
-        loop {
-            let parent = self.parents[i as usize];
-            if parent == i {
-                return i;
-            }
-            let above = self.parents[parent as usize];
-            self.parents[i as usize] = above;
-            i = above;
-        }
-    }
-
-    /// Joins the sets of `a` and `b`; whether they were two.
-    pub fn join(&mut self, a: u32, b: u32) -> bool {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parents[a.max(b) as usize] = a.min(b);
-        a != b
-    }
-}

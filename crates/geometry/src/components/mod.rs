@@ -6,7 +6,7 @@
 mod edges;
 mod points;
 
-pub(crate) use edges::{Edges, Unions, Use};
+pub(crate) use edges::{Edges, Use};
 pub(crate) use points::number_points;
 
 use crate::Mesh;
@@ -76,7 +76,7 @@ impl Mesh {
 
 /// [`Mesh::shells`] for points numbered before.
 pub(crate) fn shells(triangles: &[[u32; 3]], points: &[u32], count: usize) -> Shells {
-    let mut unions = Unions::new(count);
+    let mut unions = crate::Unions::new(count);
     for &t in triangles {
         if let Some([a, b, c]) = corner_points(t, points) {
             unions.join(a, b);

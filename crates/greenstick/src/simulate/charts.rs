@@ -1,11 +1,13 @@
 //! What is made of a run's files: frames, and charts of energies and loads.
 
 use super::SimulateError;
-use super::growing::{ENERGIES, FORCES, FRAMES, GROWING};
+use super::growing::{ENERGIES, EVENTS, FORCES, FRAMES, GROWING};
 use crate::files::FileError;
 use glam::DVec3;
+use greenstick_fibre::event::Cause;
 use greenstick_fibre::store::{Frame, FrameReader};
 use greenstick_picture::{Chart, Line, Picture};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
@@ -33,6 +35,30 @@ pub fn frames(folder: &Path) -> Result<Vec<Frame>, SimulateError> {
         .map_err(wrong)
 }
 
+/// Why vertices of the unbroken bundle broke, as a run's events tell.
+///
+/// # Errors
+/// [`SimulateError`] where they cannot be read.
+pub(crate) fn causes(folder: &Path) -> Result<BTreeMap<u32, Cause>, SimulateError> {
+    let path = folder.join(GROWING[EVENTS]);
+    let text =
+        fs::read_to_string(&path).map_err(|source| FileError::Unreadable { path, source })?;
+    let table = Table::parse(&text);
+    let (kinds, causes) = (table.words("kind"), table.words("cause"));
+    let vertices = table.column("vertex");
+    let rows = kinds.zip(causes).zip(vertices);
+    Ok(rows
+        .filter(|((kind, _), vertex)| *kind == "rod_broke" && *vertex >= 0.0)
+        .map(|((_, cause), vertex)| {
+            let cause = match cause {
+                "compression" => Cause::Compression,
+                _ => Cause::Tension,
+            };
+            (vertex as u32, cause)
+        })
+        .collect())
+}
+
 /// A table with named columns.
 pub(super) struct Table {
     names: Vec<String>,
@@ -49,6 +75,13 @@ impl Table {
             rows: lines.map(cells).filter(whole).collect(),
             names,
         }
+    }
+
+    /// The cells of a column; nothing where there is no such column.
+    fn words(&self, name: &str) -> impl Iterator<Item = &str> {
+        let at = self.names.iter().position(|n| n == name);
+        at.into_iter()
+            .flat_map(|at| self.rows.iter().map(move |row| row[at].as_str()))
     }
 
     /// The numbers of a column; NaN where a cell is none, nothing where there is no such column.

@@ -5,10 +5,12 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// Name of the file of frames.
+pub(crate) const FRAME_FILE: &str = "frames.gsf";
 /// How many there are.
 const COUNT: usize = 4;
 /// Their names: energies, events, frames, forces.
-pub(super) const GROWING: [&str; COUNT] = ["energy.csv", "events.csv", "frames.gsf", "forces.csv"];
+pub(super) const GROWING: [&str; COUNT] = ["energy.csv", "events.csv", FRAME_FILE, "forces.csv"];
 /// Places in [`GROWING`].
 pub(super) const ENERGIES: usize = 0;
 pub(super) const EVENTS: usize = 1;

@@ -8,12 +8,17 @@
 mod charts;
 mod error;
 mod growing;
+mod origin;
 mod prepare;
 mod report;
 
+pub(crate) use charts::causes;
 pub use charts::{UP, energy_chart, frames, load_chart};
 pub use error::SimulateError;
-pub use prepare::body_shapes;
+pub use origin::Origin;
+pub(crate) use growing::FRAME_FILE;
+pub(crate) use prepare::lay;
+pub use prepare::{Grown, body_shapes, grow};
 pub use report::{EnergyDrift, SimulateReport};
 
 use crate::files::{self, FileError, Output};
@@ -34,8 +39,8 @@ use std::path::{Path, PathBuf};
 pub struct SimulateRequest {
     /// The scene.
     pub scene: Setting,
-    /// The folder that mesh files of bodies are named from.
-    pub beside: PathBuf,
+    /// Where the input and the mesh files of bodies are.
+    pub origin: Origin,
     /// The folder that takes everything.
     pub folder: PathBuf,
     /// Whether to go on from the folder's checkpoint.
@@ -60,7 +65,12 @@ impl Run<'_> {
             path: self.request.folder.join("scene.toml"),
             bytes: self.request.scene.to_toml().into_bytes(),
         };
-        files::write_all(&[scene])?;
+        let (name, bytes) = self.request.origin.file();
+        let origin = Output {
+            path: self.request.folder.join(name),
+            bytes,
+        };
+        files::write_all(&[scene, origin])?;
         self.growing.write(ENERGIES, ENERGY_HEADER.as_bytes())?;
         self.growing.write(EVENTS, EVENT_HEADER.as_bytes())?;
         self.growing.write(FORCES, FORCE_HEADER.as_bytes())?;

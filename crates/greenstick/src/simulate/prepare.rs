@@ -2,9 +2,10 @@
 
 use super::{SimulateError, SimulateRequest};
 use crate::files;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::placement::{Arrangement, HowMany, Placement, WoodMaterial, place};
+use greenstick_fibre::bundle::Bundle;
+use greenstick_fibre::placement::{Arrangement, HowMany, Placed, Placement, WoodMaterial, place};
 use greenstick_fibre::scene::{
     ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
 };
@@ -13,7 +14,7 @@ use greenstick_geometry::{Context, Mesh, Scene};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, StemOptions, find};
+use greenstick_wood::stem::{Place, Stem, StemOptions, find};
 
 /// The mesh of the scene's stem in the world, m, and where on it.
 fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Vec<Mesh>, Place), SimulateError> {
@@ -41,17 +42,52 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Vec<Mesh>, Place)
     Ok((vec![mesh], Place::parse("0.5", 1.0)?))
 }
 
-/// The scene as a world with bodies, and the hash of what it depends on.
-pub(super) fn prepare(
-    request: &SimulateRequest,
+/// The wood of a scene: a stem filled with rods, before it is laid into the scene.
+#[derive(Debug, Clone)]
+pub struct Grown {
+    /// The stem.
+    pub stem: Stem,
+    /// What the stem was found in, and which triangles of which mesh are its shell.
+    pub meshes: Vec<Mesh>,
+    /// Index of the mesh that the stem is part of, and its triangles.
+    pub shell: (usize, Vec<u32>),
+    /// The rods.
+    pub placed: Placed,
+    /// The wood's numbers.
+    pub wood: WoodMaterial,
+}
+
+/// Fills the stem of a scene with rods.
+///
+/// # Errors
+/// [`SimulateError`] for a scene or an input that cannot be used.
+pub fn grow(
+    setting: &Setting,
     input: Option<&Scene>,
     context: &Context,
-) -> Result<(SetUp, u64), SimulateError> {
-    let setting = &request.scene;
+) -> Result<Grown, SimulateError> {
     setting.check()?;
+    let wood = wood(setting)?;
+    context.step("stem", 0.0)?;
+    let (meshes, at) = meshes(setting, input)?;
+    let found = find(&meshes, &at, &StemOptions::default(), context)?;
+    let (from, to) = found.stem.usable;
+    let part = setting.stem.part.map(|p| from + p * (to - from));
+    context.step("rods", 0.0)?;
+    let placed = place(&found.stem, &wood, &placement(setting, (part[0], part[1])))?;
+    Ok(Grown {
+        stem: found.stem,
+        shell: (found.node, found.shell),
+        meshes,
+        placed,
+        wood,
+    })
+}
+
+/// The numbers of the scene's wood.
+fn wood(setting: &Setting) -> Result<WoodMaterial, SimulateError> {
     let species = Species::find(&setting.wood.species)?;
     let mut wood = WoodMaterial::of(species, setting.wood.moisture, Fallback::TwelvePercent)?;
-    let softer = setting.wood.stiffness;
     for modulus in [
         &mut wood.longitudinal,
         &mut wood.radial,
@@ -66,43 +102,47 @@ pub(super) fn prepare(
         &mut wood.shear,
         &mut wood.fracture_energy,
     ] {
-        *modulus *= softer;
+        *modulus *= setting.wood.stiffness;
     }
-    context.step("stem", 0.0)?;
-    let (meshes, at) = meshes(setting, input)?;
-    let found = find(&meshes, &at, &StemOptions::default(), context)?;
-    let (from, to) = found.stem.usable;
-    let part = setting.stem.part.map(|p| from + p * (to - from));
-    context.step("rods", 0.0)?;
+    Ok(wood)
+}
+
+fn placement(setting: &Setting, range: (f64, f64)) -> Placement {
     let keys = &setting.rods;
-    let placed = place(
-        &found.stem,
-        &wood,
-        &Placement {
-            seed: setting.seed,
-            arrangement: match keys.arrangement {
-                ArrangementWord::PoissonDisk => Arrangement::PoissonDisk,
-                ArrangementWord::Anatomy => Arrangement::Anatomy,
-            },
-            rods: match keys.spacing {
-                Some(spacing) => HowMany::Spacing(spacing.0),
-                None => HowMany::Number(keys.number),
-            },
-            edges: (keys.edge[0].0, keys.edge[1].0),
-            range: Some((part[0], part[1])),
-            reach: keys.reach,
-            twisting: match keys.twist {
-                TwistWord::Auto => None,
-                TwistWord::On => Some(true),
-                TwistWord::Off => Some(false),
-            },
-            weibull: keys.weibull.unwrap_or(f64::INFINITY),
-            rings: keys.rings,
-            rays: keys.rays,
-            ring_strength: keys.ring_strength,
-            ray_strength: keys.ray_strength,
+    Placement {
+        seed: setting.seed,
+        arrangement: match keys.arrangement {
+            ArrangementWord::PoissonDisk => Arrangement::PoissonDisk,
+            ArrangementWord::Anatomy => Arrangement::Anatomy,
         },
-    )?;
+        rods: match keys.spacing {
+            Some(spacing) => HowMany::Spacing(spacing.0),
+            None => HowMany::Number(keys.number),
+        },
+        edges: (keys.edge[0].0, keys.edge[1].0),
+        range: Some(range),
+        reach: keys.reach,
+        twisting: match keys.twist {
+            TwistWord::Auto => None,
+            TwistWord::On => Some(true),
+            TwistWord::Off => Some(false),
+        },
+        weibull: keys.weibull.unwrap_or(f64::INFINITY),
+        rings: keys.rings,
+        rays: keys.rays,
+        ring_strength: keys.ring_strength,
+        ray_strength: keys.ray_strength,
+    }
+}
+
+/// The scene as a world with bodies, and the hash of what it depends on.
+pub(super) fn prepare(
+    request: &SimulateRequest,
+    input: Option<&Scene>,
+    context: &Context,
+) -> Result<(SetUp, u64), SimulateError> {
+    let setting = &request.scene;
+    let placed = grow(setting, input, context)?.placed;
     let shapes = body_files(request)?;
     let made = set_up(setting, placed.bundle, &placed.along, &shapes)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
@@ -119,6 +159,25 @@ pub(super) fn prepare(
     Ok((made, checksum(&all)))
 }
 
+/// The unbroken bundle of a scene in the scene's axes, and the movement from the stem's world to them.
+///
+/// # Errors
+/// [`SimulateError`] as for a run.
+pub(crate) fn lay(
+    request: &SimulateRequest,
+    grown: &Grown,
+) -> Result<(Bundle, DAffine3), SimulateError> {
+    let shapes = body_files(request)?;
+    let placed = &grown.placed;
+    let made = set_up(
+        &request.scene,
+        placed.bundle.clone(),
+        &placed.along,
+        &shapes,
+    )?;
+    Ok((made.world.bundle, made.laid))
+}
+
 /// The meshes that bodies name.
 pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>, SimulateError> {
     let mut shapes = Vec::new();
@@ -127,7 +186,7 @@ pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>
             shapes.push(None);
             continue;
         }
-        let scene = files::read(&request.beside.join(&body.file), None)?;
+        let scene = files::read(&request.origin.beside.join(&body.file), None)?;
         let mut numbers = std::collections::BTreeMap::new();
         let (mut points, mut triangles): (Vec<DVec3>, Vec<[u32; 3]>) = Default::default();
         for node in &scene.nodes {

@@ -1,0 +1,89 @@
+//! Options of `greenstick skin`.
+
+use super::{Shot, UnitWord};
+use crate::values;
+use clap::Args;
+use std::path::PathBuf;
+
+const SKIN_EXAMPLES: &str = "\
+A film is one .glb of skinned pieces with an animation: the pieces that its last frame leaves. A single frame can be
+written in every mesh format, in pieces as they are at that time.
+
+Examples
+  greenstick simulate three-blocks -o run
+  greenstick skin run -o film.glb                      all frames
+  greenstick skin run -o film.glb --frames 30..60      some of them
+  greenstick skin run -o broken.glb --frame -1         the last frame as a still
+  greenstick skin run --picture broken.png --frame 45
+  greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh";
+
+#[derive(Debug, Args)]
+#[command(after_help = SKIN_EXAMPLES)]
+pub struct SkinOptions {
+    /// Folder of a run, as `greenstick simulate` leaves it
+    pub run: PathBuf,
+    /// Mesh that the run was of, where it was; else the file that it was simulated on
+    pub input: Option<PathBuf>,
+    /// File for the film or the frame
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// One frame, counted from 0; negative from the end
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        allow_hyphen_values = true,
+        conflicts_with = "frames"
+    )]
+    pub frame: Option<i64>,
+    /// Frames of the film, from the first to before the last [default: all]
+    #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
+    pub frames: Option<(usize, usize)>,
+    /// Unit of length in the mesh, where its format has none; also of a frame's file
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+
+    /// Fibre bundles that each rod is parted into, 1 to 1000
+    #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u32).range(1..=1000),
+        help_heading = "Skin")]
+    pub fibres: u32,
+    /// Length of splinters over what shear lag gives; 0 for flat ends
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::amount, help_heading = "Skin")]
+    pub splinters: f64,
+    /// Slabs along the grain for each edge of a rod
+    #[arg(long, value_name = "NUMBER", default_value = "2", value_parser = values::positive, help_heading = "Skin")]
+    pub slabs: f64,
+    /// Keep the faces between rods that hold together, so that every rod is closed by itself
+    #[arg(long, help_heading = "Skin")]
+    pub keep_inner: bool,
+    /// Leave out the bodies that act on the wood
+    #[arg(long, help_heading = "Skin")]
+    pub no_bodies: bool,
+    /// Width of the baked textures, pixels
+    #[arg(long, value_name = "PIXELS", default_value = "1024", value_parser = values::texture_size,
+        help_heading = "Skin")]
+    pub texture_size: u32,
+    /// Most joints of a piece in a film [default: as many as there are]; the report says what error that makes
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Film")]
+    pub max_joints: Option<u32>,
+    /// Most joints that a vertex of a film follows, 1 to 8; many viewers know no more than 4
+    #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u8).range(1..=8),
+        help_heading = "Film")]
+    pub influences: u8,
+
+    /// Picture of the frame
+    #[arg(long, value_name = "FILE.png", requires = "frame", help_heading = "Picture")]
+    pub picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub shot: Shot,
+
+    /// Print the report as JSON
+    #[arg(long, help_heading = "How it is told")]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "How it is told")]
+    pub quiet: bool,
+    /// Threads to use [default: as many as the machine offers]; the output is the same
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "How it is told")]
+    pub threads: Option<u16>,
+}

@@ -1,0 +1,214 @@
+//! `greenstick skin`: from a run's folder to a frame or a film of its skin.
+
+use crate::arguments::SkinOptions;
+use crate::break_wood::{check_png, picture_options, size, use_threads};
+use crate::failure::{Failure, print};
+use crate::progress::{Progress, Stage};
+use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
+use greenstick::files::{self, Output};
+use greenstick::formats::LengthUnit;
+use greenstick::formats::film::{FilmReport, GlbOptions, write_glb};
+use greenstick::simulate::Origin;
+use greenstick::skin::rods::RodSkinOptions;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a> {
+    #[serde(flatten)]
+    skin: &'a SkinReport,
+    film: Option<FilmPart>,
+    files: &'a [(String, usize)],
+    stages: &'a [Stage],
+}
+
+/// What a film's file holds.
+#[derive(Serialize)]
+struct FilmPart {
+    skinned: usize,
+    rigid: usize,
+    joints: usize,
+    largest_error_m: f64,
+}
+
+pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
+    if options.output.is_none() && options.picture.is_none() {
+        return Err(Failure::request("no file is named for the skin")
+            .hint("such as -o film.glb, or --frame -1 --picture broken.png"));
+    }
+    if let Some(path) = &options.picture {
+        check_png(path)?;
+    }
+    use_threads(options.threads)?;
+    let progress = Progress::start(options.quiet);
+    let run = open(options, &progress)?;
+    let (skin, film, files) = match options.frame {
+        Some(number) => still(run, number, options, &progress)?,
+        None => film(run, options, &progress)?,
+    };
+    let stages = progress.finish();
+    let text = if options.json {
+        let film = film.map(|f| FilmPart {
+            skinned: f.skinned,
+            rigid: f.rigid,
+            joints: f.joints,
+            largest_error_m: f.error(),
+        });
+        let full = FullReport {
+            skin: &skin,
+            film,
+            files: &files,
+            stages: &stages,
+        };
+        serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
+    } else {
+        words(&skin, film.as_ref(), &files, &stages)
+    };
+    if !options.quiet || options.json {
+        print(&text)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Opens the run with the mesh that it was of.
+fn open(options: &SkinOptions, progress: &Progress) -> Result<Run, Failure> {
+    progress.stage("read")?;
+    let origin = Origin::read(&options.run).map_err(Failure::request)?;
+    let named = options.input.as_ref().map(|path| (path.clone(), options.unit.map(LengthUnit::from)));
+    let input = named.or(origin.input_file());
+    let mesh = match &input {
+        Some((path, unit)) => Some(files::read(path, *unit)?),
+        None => None,
+    };
+    progress
+        .watch(|context| Run::open(&options.run, mesh.as_ref(), &origin.beside, context))
+        .map_err(failure)
+}
+
+fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
+    FilmOptions {
+        skin: RodSkinOptions {
+            fibres: options.fibres,
+            splinters: options.splinters,
+            slabs: options.slabs,
+            keep_inner: options.keep_inner,
+            seed: run.scene.seed,
+        },
+        texture_width: options.texture_size,
+        bodies: !options.no_bodies,
+    }
+}
+
+type Made = (SkinReport, Option<FilmReport>, Vec<(String, usize)>);
+
+fn still(mut run: Run, number: i64, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+    let count = run.frames() as i64;
+    let number = if number < 0 { count + number } else { number };
+    let number = usize::try_from(number).map_err(|_| {
+        Failure::request(format!("there are {count} frames, counted from 0 or from −1 backwards"))
+    })?;
+    let how = film_options(options, &run);
+    let still = progress
+        .watch(|context| run.still(number, &how, context))
+        .map_err(failure)?;
+    let mut outputs = Vec::new();
+    if let Some(path) = &options.picture {
+        progress.stage("picture")?;
+        let shot = picture_options(&options.shot, options.threads);
+        let picture = progress.watch(|context| run.picture(&still, &shot, context))?;
+        outputs.push(Output {
+            path: path.clone(),
+            bytes: picture.png(),
+        });
+    }
+    progress.stage("write")?;
+    if let Some(path) = &options.output {
+        let unit = options.unit.map_or(LengthUnit::Metre, LengthUnit::from);
+        outputs.extend(files::encode(&still.scene, path, unit)?);
+    }
+    files::write_all(&outputs)?;
+    let files = outputs
+        .iter()
+        .map(|o| (o.path.display().to_string(), o.bytes.len()));
+    Ok((still.report, None, files.collect()))
+}
+
+fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+    let Some(path) = &options.output else {
+        return Err(Failure::request("no file is named for the film").hint("such as -o film.glb"));
+    };
+    if !is_glb(path) {
+        return Err(Failure::request(format!("{}: a film is written as .glb", path.display()))
+            .hint("a single frame, as --frame 10, can be written in every mesh format"));
+    }
+    let how = film_options(options, &run);
+    let count = run.frames();
+    let (from, to) = options.frames.unwrap_or((0, count));
+    let mut made = progress
+        .watch(|context| run.film(from..to, &how, context))
+        .map_err(failure)?;
+    progress.stage("write")?;
+    let glb = GlbOptions {
+        max_joints: options.max_joints.map(|n| n as usize),
+        max_influences: usize::from(options.influences),
+    };
+    let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let written = progress
+        .watch(|context| {
+            files::write_streamed(path, |file| -> Result<FilmReport, FilmError> {
+                Ok(write_glb(&made.film, &mut made.motion, &name, &glb, file, context)?)
+            })
+        })
+        .map_err(failure)?;
+    let files = vec![(path.display().to_string(), written.bytes as usize)];
+    Ok((made.report, Some(written), files))
+}
+
+fn is_glb(path: &Path) -> bool {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    ending.as_deref() == Some("glb")
+}
+
+fn failure(error: FilmError) -> Failure {
+    match error {
+        FilmError::Cancelled(_) => Failure::stopped("stopped; nothing was written"),
+        FilmError::File(e) => e.into(),
+        FilmError::Write(_) => Failure::work(error),
+        FilmError::Work(e) => e.into(),
+        FilmError::Simulate(greenstick::simulate::SimulateError::NoInput) => {
+            Failure::request("the run was of a mesh, and it is not known which")
+                .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
+        }
+        _ => Failure::request(error),
+    }
+}
+
+fn words(
+    skin: &SkinReport,
+    film: Option<&FilmReport>,
+    files: &[(String, usize)],
+    stages: &[Stage],
+) -> String {
+    let mut text = skin.to_string();
+    if let Some(film) = film {
+        let _ = writeln!(
+            text,
+            "film     {} skinned pieces, {} that move as a whole; at most {:.3} mm off the skin of all joints",
+            film.skinned,
+            film.rigid,
+            film.error() * 1e3
+        );
+    }
+    for (file, bytes) in files {
+        let _ = writeln!(text, "wrote    {file}, {}", size(*bytes));
+    }
+    let listed: Vec<String> = stages
+        .iter()
+        .filter(|s| s.seconds >= 0.005)
+        .map(|s| format!("{} {:.2}", s.name, s.seconds))
+        .collect();
+    let _ = writeln!(text, "took     {} s", listed.join(", "));
+    text
+}

@@ -1,0 +1,430 @@
+//! The skin of a simulated run: stills and films of it (Sutherland 2012 §5).
+//!
+//! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
+//! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
+
+mod error;
+mod motion;
+mod report;
+
+pub use error::FilmError;
+pub use motion::RunMotion;
+pub use report::{FilmPiece, SkinReport};
+
+use crate::breaking::inner_wood;
+use crate::looks::{Looks, looks};
+use crate::rods::{bodies, body_material};
+use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
+use glam::{DAffine3, DQuat, DVec2};
+use greenstick_fibre::bodies::Shape;
+use greenstick_fibre::bundle::Bundle;
+use greenstick_fibre::event::Cause;
+use greenstick_fibre::scene::Scene as Setting;
+use greenstick_fibre::store::{Frame, FrameFile};
+use greenstick_fracture::parameters::BreakParameters;
+use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Node, Pose, Scene};
+use greenstick_picture::{Picture, PictureError, PictureOptions};
+use greenstick_skin::rods::{
+    Materials, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
+};
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::StemKind;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// Ring coordinate at which bark begins.
+const BARK: f64 = 0.94;
+/// The texture's square over the section's width.
+const ROOM: f64 = 1.02;
+
+/// How a skin is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmOptions {
+    /// The skin.
+    pub skin: RodSkinOptions,
+    /// Width of the baked textures, pixels (even; half as high); 0 for none.
+    pub texture_width: u32,
+    /// Whether the bodies that act on the wood are shown.
+    pub bodies: bool,
+}
+
+impl Default for FilmOptions {
+    fn default() -> Self {
+        FilmOptions {
+            skin: RodSkinOptions::default(),
+            texture_width: 1024,
+            bodies: true,
+        }
+    }
+}
+
+/// A run that was simulated.
+pub struct Run {
+    /// Its scene.
+    pub scene: Setting,
+    grown: Grown,
+    /// The unbroken bundle in the scene's axes.
+    bundle: Bundle,
+    /// The stem's world to the scene's.
+    laid: DAffine3,
+    shapes: Vec<Shape>,
+    frames: FrameFile<BufReader<File>>,
+    path: PathBuf,
+    causes: BTreeMap<u32, Cause>,
+    looks: Looks,
+    bark: Mesh,
+    tree: Bvh,
+    square: Square,
+}
+
+/// A frame with skin.
+pub struct Still {
+    /// Pieces, then bodies.
+    pub scene: Scene,
+    /// What was made.
+    pub report: SkinReport,
+    /// Index of the material of the wood inside.
+    pub inner: u32,
+}
+
+/// A film with skin.
+pub struct SkinnedFilm {
+    /// Joints, pieces and bodies.
+    pub film: Film,
+    /// How the joints move.
+    pub motion: RunMotion,
+    /// What was made.
+    pub report: SkinReport,
+}
+
+/// Turns the scene's z up to the y up of files.
+fn upright() -> DQuat {
+    DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
+}
+
+impl Run {
+    /// Opens the run in `folder`; `input` is the mesh that it was of, where its scene is of one, and `beside` the folder
+    /// that its bodies' files are named from.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the folder holds no run, or another mesh's.
+    pub fn open(
+        folder: &Path,
+        input: Option<&Scene>,
+        beside: &Path,
+        context: &Context,
+    ) -> Result<Run, FilmError> {
+        let path = folder.join("scene.toml");
+        let text = fs::read_to_string(&path).map_err(|source| FilmError::NoRun {
+            folder: folder.to_owned(),
+            source,
+        })?;
+        let scene = Setting::read(&text).map_err(|e| FilmError::Scene { path, error: e })?;
+        let path = folder.join(simulate::FRAME_FILE);
+        let store = |error| FilmError::Store {
+            path: path.clone(),
+            error,
+        };
+        let file = File::open(&path).map_err(|e| store(e.into()))?;
+        let frames = FrameFile::open(BufReader::new(file)).map_err(store)?;
+        if frames.count() == 0 {
+            return Err(FilmError::NoFrames { path });
+        }
+        let request = SimulateRequest {
+            scene: scene.clone(),
+            origin: Origin::of(None, beside),
+            folder: folder.to_owned(),
+            resume: false,
+        };
+        let shapes = body_shapes(&request)?;
+        let grown = simulate::grow(&scene, input, context)?;
+        let (bundle, laid) = simulate::lay(&request, &grown)?;
+        let causes = simulate::causes(folder)?;
+        let species = Species::find(&scene.wood.species).ok();
+        let parameters = BreakParameters {
+            seed: scene.seed,
+            ..BreakParameters::default()
+        };
+        let looks = looks(&grown.stem, &parameters, species, BARK);
+        let (node, shell) = &grown.shell;
+        let whole = &grown.meshes[*node];
+        let bark = Mesh {
+            positions: whole.positions.clone(),
+            triangles: shell.iter().map(|&t| whole.triangles[t as usize]).collect(),
+            ..Mesh::default()
+        };
+        let tree = Bvh::of_triangles(&bark);
+        let outline = &grown.placed.outline;
+        let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+        let high = outline
+            .iter()
+            .copied()
+            .fold(DVec2::NEG_INFINITY, DVec2::max);
+        Ok(Run {
+            square: Square {
+                middle: 0.5 * (low + high),
+                side: ROOM * (high - low).max_element(),
+            },
+            scene,
+            grown,
+            bundle,
+            laid,
+            shapes,
+            frames,
+            path,
+            causes,
+            looks,
+            bark,
+            tree,
+        })
+    }
+
+    /// Number of whole frames.
+    pub fn frames(&self) -> usize {
+        self.frames.count()
+    }
+
+    /// What its wood looks like.
+    pub fn looks(&self) -> &Looks {
+        &self.looks
+    }
+
+    /// The stem that its rods fill.
+    pub fn stem(&self) -> &greenstick_wood::stem::Stem {
+        &self.grown.stem
+    }
+
+    fn frame(&mut self, number: usize) -> Result<Frame, FilmError> {
+        let count = self.frames.count();
+        let read = self.frames.read(number).map_err(|error| FilmError::Store {
+            path: self.path.clone(),
+            error,
+        })?;
+        read.ok_or(FilmError::NoSuchFrame { number, count })
+    }
+
+    fn wood(&self) -> Wood<'_> {
+        let wood = &self.grown.wood;
+        Wood {
+            stem: &self.grown.stem,
+            laid: self.laid,
+            bundle: &self.bundle,
+            along: &self.grown.placed.along,
+            cells: &self.grown.placed.cells,
+            outline: &self.grown.placed.outline,
+            bark: Some((&self.bark, &self.tree)),
+            pull_out: wood.tension / (4.0 * wood.shear),
+        }
+    }
+
+    /// The skin of what is broken in `frame`, at rest.
+    fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
+        let wood = self.wood();
+        let parting = Parting::of(&wood, frame, &self.causes)?;
+        let proportions = BreakParameters::default().proportions();
+        let board = self.grown.stem.kind == StemKind::Board;
+        let materials = Materials {
+            bark: u32::from(!board) * BARK_MATERIAL,
+            inner: INNER_MATERIAL,
+            square: self.square,
+            zone: &|rho| proportions.zone_at(rho, 0.0).code(),
+        };
+        Ok(rod_skin(&wood, &parting, &materials, options)?)
+    }
+
+    /// The materials of all that is shown.
+    fn materials(&self, options: &FilmOptions, context: &Context) -> Result<Scene, FilmError> {
+        let mut out = Scene::default();
+        if options.texture_width > 0 {
+            inner_wood(
+                &mut out,
+                &self.grown.stem,
+                (self.square.middle, self.square.side),
+                &self.looks,
+                options.texture_width,
+                context,
+            )?;
+        } else {
+            let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
+            out.materials.push(Material {
+                name: "inner_wood".into(),
+                base_color: [r, g, b, 1.0],
+                ..Material::default()
+            });
+        }
+        out.materials.push(crate::branch::bark_material());
+        out.materials.push(body_material());
+        Ok(out)
+    }
+
+    /// Frame `number` as a scene.
+    ///
+    /// # Errors
+    /// [`FilmError`].
+    pub fn still(
+        &mut self,
+        number: usize,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<Still, FilmError> {
+        context.step("skin", 0.0)?;
+        let frame = self.frame(number)?;
+        let skin = self.skin(&frame, &options.skin)?;
+        let poses = frame_poses(&skin.joints, &frame);
+        let mut scene = self.materials(options, context)?;
+        let report = SkinReport::of(&skin, &self.frames, number..number + 1);
+        let film = film_of(skin, &self.scene);
+        let up = upright();
+        let (mut maps, mut placed, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+        let poses: Vec<Pose> = poses.into_iter().map(|p| turned(p, up)).collect();
+        film.maps(&poses, &mut maps);
+        for piece in 0..film.pieces.len() {
+            film.place_piece(piece, &maps, &mut placed);
+            film.place_normals(piece, &maps, &mut normals);
+            let mut mesh = film.pieces[piece].mesh.clone();
+            mesh.positions = placed.clone();
+            if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
+                attribute.data = normals
+                    .iter()
+                    .flat_map(|n| n.as_vec3().to_array())
+                    .collect();
+            }
+            scene.nodes.push(Node {
+                name: film.pieces[piece].name.clone(),
+                transform: DAffine3::IDENTITY,
+                mesh,
+                parent: None,
+            });
+        }
+        if options.bodies {
+            for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
+                node.transform = DAffine3::from_quat(up) * node.transform;
+                scene.nodes.push(node);
+            }
+        }
+        Ok(Still {
+            scene,
+            report,
+            inner: INNER_MATERIAL,
+        })
+    }
+
+    /// A picture of a frame with its skin.
+    ///
+    /// # Errors
+    /// As [`greenstick_picture::render`].
+    pub fn picture(
+        &self,
+        still: &Still,
+        options: &PictureOptions,
+        context: &Context,
+    ) -> Result<Picture, PictureError> {
+        let (stem, looks) = (&self.grown.stem, &self.looks);
+        crate::picture_of_skin(&still.scene, stem, looks, still.inner, options, context)
+    }
+
+    /// All frames of a range as a film, in the pieces that its last frame leaves.
+    ///
+    /// # Errors
+    /// [`FilmError`].
+    pub fn film(
+        mut self,
+        range: std::ops::Range<usize>,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<SkinnedFilm, FilmError> {
+        let count = self.frames.count();
+        if range.is_empty() || range.end > count {
+            return Err(FilmError::NoSuchFrame {
+                number: range.end.saturating_sub(1),
+                count,
+            });
+        }
+        context.step("skin", 0.0)?;
+        let (first, last) = (self.frame(range.start)?, self.frame(range.end - 1)?);
+        let skin = self.skin(&last, &options.skin)?;
+        let materials = self.materials(options, context)?;
+        let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let joints = skin.joints.clone();
+        let mut film = film_of(skin, &self.scene);
+        film.materials = materials.materials;
+        film.textures = materials.textures;
+        film.images = materials.images;
+        let up = upright();
+        let mut moving = Vec::new();
+        if options.bodies {
+            for (mut node, number) in bodies(&first, &self.shapes, BODY_MATERIAL) {
+                node.transform = DAffine3::from_quat(up) * node.transform;
+                let Some(number) = number else {
+                    film.fixed.push(node);
+                    continue;
+                };
+                let (centre, turn) = first.bodies[number];
+                node.name = self
+                    .scene
+                    .body
+                    .get(number)
+                    .map_or(node.name, |b| b.name.clone());
+                film.bodies.push((node, film.joints.len() as u32));
+                film.joints.push(Joint {
+                    name: format!("body_{number}"),
+                    rest: turned(
+                        Pose {
+                            translation: centre,
+                            rotation: turn,
+                        },
+                        up,
+                    ),
+                });
+                moving.push(number);
+            }
+        }
+        let mut motion = RunMotion::new(self.frames, self.path, range, joints, moving, up);
+        report.follow(&film, &mut motion, context)?;
+        Ok(SkinnedFilm {
+            film,
+            motion,
+            report,
+        })
+    }
+}
+
+/// Places in the list of materials.
+const INNER_MATERIAL: u32 = 0;
+const BARK_MATERIAL: u32 = 1;
+const BODY_MATERIAL: u32 = 2;
+
+fn turned(pose: Pose, by: DQuat) -> Pose {
+    Pose {
+        translation: by * pose.translation,
+        rotation: (by * pose.rotation).normalize(),
+    }
+}
+
+/// The pieces and joints of a skin as a film with y up, without materials and bodies.
+fn film_of(skin: RodSkin, scene: &Setting) -> Film {
+    let up = upright();
+    let map = DAffine3::from_quat(up);
+    let mut film = Film {
+        frames_per_second: scene.frames_per_second,
+        ..Film::default()
+    };
+    film.joints = (skin
+        .joints
+        .rest
+        .iter()
+        .zip(skin.joints.vertices())
+        .enumerate())
+    .map(|(joint, (&rest, vertex))| Joint {
+        name: format!("vertex_{vertex}_{joint}"),
+        rest: turned(rest, up),
+    })
+    .collect();
+    film.pieces = skin.pieces;
+    for piece in &mut film.pieces {
+        piece.mesh = piece.mesh.transformed(&map);
+    }
+    film
+}

@@ -1,0 +1,451 @@
+//! Prisms and what joins them: which faces lie open, and which corners of prisms are one vertex.
+
+use super::parting::{Part, Parting};
+use super::section::{Columns, OUTSIDE};
+use super::{RodSkinError, RodSkinOptions, Wood};
+use greenstick_fibre::event::Cause;
+use greenstick_geometry::Unions;
+use greenstick_wood::noise::{line, unit};
+use std::collections::BTreeMap;
+
+/// The most prisms.
+const MOST: usize = 1 << 26;
+/// Corners lie up to this part of a slab off its plane, so that no plane across the grain shows.
+const JITTER: f64 = 0.35;
+/// How far breaks of a rod's fibre bundles lie from the rod's, in lengths of pull-out: shared by the rod, and by each.
+const SCATTER: [f64; 2] = [1.5, 2.0];
+/// The same in widths where a rod was crushed.
+const CRUSHED: f64 = 0.5;
+
+/// Columns times slabs.
+pub(super) struct Complex<'a> {
+    pub columns: &'a Columns,
+    /// Length along the axis of each station between slabs, m.
+    pub stations: Vec<f64>,
+    /// Part of its rod that each prism is of.
+    pub parts: Vec<Part>,
+    /// Whether each side of each prism is joined to the prism beyond it.
+    joined: Vec<bool>,
+    /// Whether each prism is joined to the next one of its column.
+    onward: Vec<bool>,
+    /// First side of each column, and their number at the end.
+    first: Vec<usize>,
+    seed: u64,
+}
+
+/// One corner of a prism, as a number: side `corner` of column `column`, at the station `station`, seen from the slab
+/// below it or above it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub column: usize,
+    pub corner: usize,
+    pub station: usize,
+    pub above: bool,
+}
+
+impl<'a> Complex<'a> {
+    pub fn new(
+        wood: &Wood,
+        columns: &'a Columns,
+        parting: &Parting,
+        options: &RodSkinOptions,
+    ) -> Result<Self, RodSkinError> {
+        let stations = stations(wood, options)?;
+        let slabs = stations.len() - 1;
+        let count = columns.columns.len();
+        if count.saturating_mul(slabs) > MOST {
+            return Err(RodSkinError::TooLarge {
+                prisms: count.saturating_mul(slabs),
+                columns: count,
+                slabs,
+                most: MOST,
+            });
+        }
+        let mut first = vec![0];
+        for column in &columns.columns {
+            first.push(first.last().copied().unwrap_or(0) + column.corners.len());
+        }
+        let mut complex = Complex {
+            columns,
+            parts: Vec::with_capacity(count * slabs),
+            joined: vec![false; first[count] * slabs],
+            onward: vec![false; count * slabs],
+            first,
+            stations,
+            seed: options.seed,
+        };
+        complex.put_parts(wood, parting, options);
+        complex.join(wood, parting);
+        Ok(complex)
+    }
+
+    /// Number of slabs.
+    pub fn slabs(&self) -> usize {
+        self.stations.len() - 1
+    }
+
+    /// Number of a prism.
+    pub fn prism(&self, column: usize, slab: usize) -> usize {
+        column * self.slabs() + slab
+    }
+
+    fn side(&self, column: usize, side: usize, slab: usize) -> usize {
+        (self.first[column] + side) * self.slabs() + slab
+    }
+
+    /// Whether the side of a prism is joined to the prism beyond it.
+    pub fn is_joined(&self, column: usize, side: usize, slab: usize) -> bool {
+        self.joined[self.side(column, side, slab)]
+    }
+
+    /// Whether the prisms below and above a station are joined.
+    pub fn is_whole(&self, column: usize, station: usize) -> bool {
+        station > 0 && station < self.slabs() && self.onward[self.prism(column, station - 1)]
+    }
+
+    /// Length along the axis of a corner at a station, m.
+    pub fn length(&self, corner: u32, station: usize) -> f64 {
+        let s = self.stations[station];
+        if station == 0 || station == self.slabs() {
+            return s;
+        }
+        let slab = self.stations[1] - self.stations[0];
+        let random = unit(self.seed ^ 0x5e7, i64::from(corner), station as i64, 0);
+        s + JITTER * slab * (2.0 * random - 1.0)
+    }
+
+    /// Gives every prism the part of its rod: each column breaks where its rod does, but at a length of its own.
+    fn put_parts(&mut self, wood: &Wood, parting: &Parting, options: &RodSkinOptions) {
+        let slabs = self.slabs();
+        let slab = self.stations[1] - self.stations[0];
+        let start = self.stations[0];
+        for (number, column) in self.columns.columns.iter().enumerate() {
+            let breaks = &parting.breaks[column.rod as usize];
+            let mut at: Vec<usize> = Vec::new();
+            for (k, broken) in breaks.iter().enumerate() {
+                let s = wood.along[broken.vertex as usize];
+                let reach = reach(wood, column.width(), broken.cause) * options.splinters;
+                let (own, shared) = (
+                    unit(options.seed ^ 0x0f1b, number as i64, k as i64, 0),
+                    line(
+                        options.seed ^ 0x70d,
+                        column.centre.x / (3.0 * column.width()).max(1e-9) + 17.0 * k as f64,
+                    ) + line(
+                        options.seed ^ 0x70e,
+                        column.centre.y / (3.0 * column.width()).max(1e-9),
+                    ),
+                );
+                let off = reach * (SCATTER[0] * shared + SCATTER[1] * (2.0 * own - 1.0));
+                // No farther than half way to the rod's next break or end.
+                let vertices = wood.bundle.rod(column.rod as usize);
+                let before = if k > 0 {
+                    breaks[k - 1].vertex as usize
+                } else {
+                    vertices.start
+                };
+                let behind = breaks
+                    .get(k + 1)
+                    .map_or(vertices.end - 1, |b| b.vertex as usize);
+                let (low, high) = (
+                    0.5 * (wood.along[before] + s),
+                    0.5 * (s + wood.along[behind]),
+                );
+                let station = (((s + off).clamp(low, high) - start) / slab).round() as usize;
+                at.push(station.clamp(1, slabs.max(2) - 1));
+            }
+            for k in 0..slabs {
+                // Prism k lies above all stations up to k.
+                let part = at.iter().filter(|&&b| b <= k).count();
+                self.parts.push(part as Part);
+            }
+        }
+    }
+
+    /// Joins prisms of one part of a rod, and those of rods that a bond holds together there.
+    fn join(&mut self, wood: &Wood, parting: &Parting) {
+        let slabs = self.slabs();
+        let bonds = bonds_between(wood);
+        let middle: Vec<f64> = self
+            .stations
+            .windows(2)
+            .map(|w| 0.5 * (w[0] + w[1]))
+            .collect();
+        let columns = self.columns;
+        for (a, column) in columns.columns.iter().enumerate() {
+            for k in 0..slabs.saturating_sub(1) {
+                let prism = self.prism(a, k);
+                self.onward[prism] = self.parts[prism] == self.parts[prism + 1];
+            }
+            for (side, &b) in column.beyond.iter().enumerate() {
+                if b == OUTSIDE {
+                    continue;
+                }
+                let b = b as usize;
+                let (rod, other) = (column.rod, columns.columns[b].rod);
+                let between = bonds.get(&(rod.min(other), rod.max(other)));
+                for (k, &s) in middle.iter().enumerate() {
+                    let parts = (self.parts[self.prism(a, k)], self.parts[self.prism(b, k)]);
+                    let joined = if rod == other {
+                        parts.0 == parts.1
+                    } else {
+                        between.is_some_and(|b| held(b, s, rod, parts, wood, parting))
+                    };
+                    let place = self.side(a, side, k);
+                    self.joined[place] = joined;
+                }
+            }
+        }
+    }
+
+    /// How many corners of prisms there are; [`Complex::number`] numbers them.
+    pub fn corner_count(&self) -> usize {
+        2 * self.first[self.columns.columns.len()] * (self.slabs() + 1)
+    }
+
+    /// Number of a corner of a prism.
+    pub fn number(&self, place: Place) -> u32 {
+        let line = self.first[place.column] + place.corner;
+        (2 * (line * (self.slabs() + 1) + place.station) + usize::from(place.above)) as u32
+    }
+
+    /// Which corners of prisms are one vertex: those that prisms share by joined faces. With `rods_apart` faces between
+    /// rods do not count.
+    pub fn vertices(&self, rods_apart: bool) -> Unions {
+        let mut unions = Unions::new(self.corner_count());
+        for (a, column) in self.columns.columns.iter().enumerate() {
+            let n = column.corners.len();
+            for station in 1..self.slabs() {
+                if self.is_whole(a, station) {
+                    for corner in 0..n {
+                        let at = |above| {
+                            self.number(Place {
+                                column: a,
+                                corner,
+                                station,
+                                above,
+                            })
+                        };
+                        unions.join(at(false), at(true));
+                    }
+                }
+            }
+            for (side, &b) in column.beyond.iter().enumerate() {
+                // Each pair once.
+                if b == OUTSIDE || (b as usize) < a {
+                    continue;
+                }
+                let other = &self.columns.columns[b as usize];
+                if rods_apart && other.rod != column.rod {
+                    continue;
+                }
+                let ends = [column.corners[side], column.corners[(side + 1) % n]];
+                let there = ends.map(|c| other.corners.iter().position(|&o| o == c));
+                for slab in (0..self.slabs()).filter(|&k| self.is_joined(a, side, k)) {
+                    for (k, there) in there.iter().enumerate() {
+                        let Some(there) = *there else { continue };
+                        for (station, above) in [(slab, true), (slab + 1, false)] {
+                            let here = Place {
+                                column: a,
+                                corner: (side + k) % n,
+                                station,
+                                above,
+                            };
+                            let beyond = Place {
+                                column: b as usize,
+                                corner: there,
+                                ..here
+                            };
+                            unions.join(self.number(here), self.number(beyond));
+                        }
+                    }
+                }
+            }
+        }
+        unions
+    }
+
+    /// Joins faces whose corners are all one vertex with those of the face they lie on: a crack that is held all around
+    /// cannot open. Returns how many.
+    pub fn close_held(&mut self, vertices: &mut Unions) -> usize {
+        let (mut sides, mut caps) = (Vec::new(), Vec::new());
+        for a in 0..self.columns.columns.len() {
+            let column = &self.columns.columns[a];
+            for (side, &b) in column.beyond.iter().enumerate() {
+                if b == OUTSIDE {
+                    continue;
+                }
+                for slab in (0..self.slabs()).filter(|&k| !self.is_joined(a, side, k)) {
+                    if self
+                        .corners_of_side(a, side, slab)
+                        .iter()
+                        .all(|&(here, beyond)| {
+                            beyond.is_some_and(|b| vertices.root(here) == vertices.root(b))
+                        })
+                    {
+                        sides.push(self.side(a, side, slab));
+                    }
+                }
+            }
+            for station in (1..self.slabs()).filter(|&s| !self.is_whole(a, s)) {
+                let held = (0..column.corners.len()).all(|corner| {
+                    let at = |above| {
+                        self.number(Place {
+                            column: a,
+                            corner,
+                            station,
+                            above,
+                        })
+                    };
+                    vertices.root(at(false)) == vertices.root(at(true))
+                });
+                if held {
+                    caps.push(self.prism(a, station - 1));
+                }
+            }
+        }
+        sides.iter().for_each(|&s| self.joined[s] = true);
+        caps.iter().for_each(|&c| self.onward[c] = true);
+        sides.len() + caps.len()
+    }
+
+    /// The four corners of a prism's side, each with the one of the prism beyond that lies there: low first and low
+    /// second, high second and high first.
+    pub fn corners_of_side(
+        &self,
+        column: usize,
+        side: usize,
+        slab: usize,
+    ) -> [(u32, Option<u32>); 4] {
+        let own = &self.columns.columns[column];
+        let n = own.corners.len();
+        let beyond = own.beyond[side];
+        [
+            (0, slab, true),
+            (1, slab, true),
+            (1, slab + 1, false),
+            (0, slab + 1, false),
+        ]
+        .map(|(k, station, above)| {
+            let corner = (side + k) % n;
+            let here = Place {
+                column,
+                corner,
+                station,
+                above,
+            };
+            let there = self.columns.columns.get(beyond as usize).and_then(|other| {
+                let corner = other
+                    .corners
+                    .iter()
+                    .position(|&c| c == own.corners[corner])?;
+                Some(self.number(Place {
+                    column: beyond as usize,
+                    corner,
+                    ..here
+                }))
+            });
+            (self.number(here), there)
+        })
+    }
+
+    /// Pieces: sets of prisms that are joined.
+    pub fn pieces(&self, rods_apart: bool) -> Unions {
+        let mut unions = Unions::new(self.parts.len());
+        for (a, column) in self.columns.columns.iter().enumerate() {
+            for slab in 0..self.slabs() {
+                let prism = self.prism(a, slab) as u32;
+                if slab + 1 < self.slabs() && self.onward[prism as usize] {
+                    unions.join(prism, prism + 1);
+                }
+                for (side, &b) in column.beyond.iter().enumerate() {
+                    let apart = rods_apart
+                        && self
+                            .columns
+                            .columns
+                            .get(b as usize)
+                            .is_some_and(|o| o.rod != column.rod);
+                    if !apart && self.is_joined(a, side, slab) {
+                        unions.join(prism, self.prism(b as usize, slab) as u32);
+                    }
+                }
+            }
+        }
+        unions
+    }
+}
+
+/// How far a fibre bundle's break may lie from its rod's, m: the length over which it pulls out, or what crushing does.
+pub(super) fn reach(wood: &Wood, width: f64, cause: Cause) -> f64 {
+    match cause {
+        Cause::Compression => CRUSHED * width,
+        _ => wood.pull_out * width,
+    }
+}
+
+/// Lengths along the axis between slabs, even.
+fn stations(wood: &Wood, options: &RodSkinOptions) -> Result<Vec<f64>, RodSkinError> {
+    if !(options.slabs >= 0.25 && options.slabs <= 64.0) {
+        return Err(RodSkinError::Value {
+            what: "the number of slabs for each edge",
+            value: options.slabs,
+            right: "from 0.25 to 64",
+        });
+    }
+    if !(options.splinters >= 0.0 && options.splinters <= 100.0) {
+        return Err(RodSkinError::Value {
+            what: "the length of splinters",
+            value: options.splinters,
+            right: "from 0 to 100",
+        });
+    }
+    let low = wood.along.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = wood.along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let edges = wood.bundle.vertices() as f64 / wood.bundle.rods() as f64 - 1.0;
+    let count = (edges * options.slabs).round().clamp(2.0, 1e6);
+    let at = |k: usize| low + (high - low) * (k as f64 / count);
+    Ok((0..=count as usize).map(at).collect())
+}
+
+/// The bonds between each two rods: length along the axis (m) and number, along it.
+type Between = BTreeMap<(u32, u32), Vec<(f64, u32)>>;
+
+fn bonds_between(wood: &Wood) -> Between {
+    let bundle = wood.bundle;
+    let mut rod_of = vec![0; bundle.vertices()];
+    for rod in 0..bundle.rods() {
+        rod_of[bundle.rod(rod)].fill(rod as u32);
+    }
+    let mut between = Between::new();
+    let bonds = bundle.bonds.vertex.iter().zip(&bundle.bonds.edge);
+    for (number, (&v, &e)) in bonds.enumerate() {
+        let (a, b) = (rod_of[v as usize], rod_of[e as usize]);
+        let list = between.entry((a.min(b), a.max(b))).or_default();
+        list.push((wood.along[v as usize], number as u32));
+    }
+    for list in between.values_mut() {
+        list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+    between
+}
+
+/// Whether the bond next to length `s` (m) holds `parts` of rod `rod` and the other one together.
+fn held(
+    between: &[(f64, u32)],
+    s: f64,
+    rod: u32,
+    parts: (Part, Part),
+    wood: &Wood,
+    parting: &Parting,
+) -> bool {
+    let k = between.partition_point(|b| b.0 < s);
+    let near = [k.checked_sub(1), Some(k)].into_iter().flatten();
+    let next = near
+        .filter_map(|k| between.get(k))
+        .min_by(|a, b| (a.0 - s).abs().total_cmp(&(b.0 - s).abs()));
+    next.is_some_and(|&(_, bond)| {
+        let vertex = wood.bundle.bonds.vertex[bond as usize] as usize;
+        let own = wood.bundle.rod(rod as usize).contains(&vertex);
+        let wanted = if own { parts } else { (parts.1, parts.0) };
+        parting.holds[bond as usize].contains(&Some(wanted))
+    })
+}

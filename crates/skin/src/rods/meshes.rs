@@ -1,0 +1,246 @@
+//! The open faces as meshes, one for each piece, with normals, texture coordinates, materials and the wood's address.
+
+use super::complex::Complex;
+use super::faces::{Faces, Shows, Triangle, open_faces};
+use super::joints::Joints;
+use super::mend::mend;
+use super::parting::Parting;
+use super::section::columns;
+use super::{RodSkinError, RodSkinOptions, Wood};
+use crate::face::side_grain;
+use glam::{DVec2, DVec3};
+use greenstick_geometry::film::Extra;
+use greenstick_geometry::{Attribute, Binding, Mesh, Skinned};
+use rustc_hash::FxHashMap;
+
+/// Where the texture of the wood inside lies: middle of its square in the section (grain coordinates) and side, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Square {
+    /// Middle, m.
+    pub middle: DVec2,
+    /// Side, m.
+    pub side: f64,
+}
+
+/// What faces are made of.
+#[derive(Clone, Copy)]
+pub struct Materials<'a> {
+    /// Material of the wood inside.
+    pub inner: u32,
+    /// Material of bark that has none of its own.
+    pub bark: u32,
+    /// The wood's texture.
+    pub square: Square,
+    /// Code of the tissue zone at a ring coordinate.
+    pub zone: &'a dyn Fn(f64) -> u8,
+}
+
+/// The skin of a bundle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RodSkin {
+    /// Pieces, the one with the most wood first.
+    pub pieces: Vec<Skinned>,
+    /// Joints that they follow.
+    pub joints: Joints,
+    /// For each piece a prism in it, as the numbers of a column and a slab.
+    pub seeds: Vec<(u32, u32)>,
+    /// Rods (of the unbroken bundle) that each piece has a part of.
+    pub rods: Vec<usize>,
+    /// Edges and vertices in which several sheets of skin met, and were parted.
+    pub mended: (usize, usize),
+}
+
+/// Makes the skin of `wood` where `parting` is broken.
+///
+/// # Errors
+/// [`RodSkinError`] for options out of range.
+pub fn rod_skin(
+    wood: &Wood,
+    parting: &Parting,
+    materials: &Materials,
+    options: &RodSkinOptions,
+) -> Result<RodSkin, RodSkinError> {
+    if options.fibres == 0 || options.fibres > 1000 {
+        return Err(RodSkinError::Value {
+            what: "the number of fibre bundles for each rod",
+            value: f64::from(options.fibres),
+            right: "from 1 to 1000",
+        });
+    }
+    let section = columns(wood.cells, wood.outline, options.fibres, options.seed);
+    let joints = Joints::new(wood, parting);
+    let mut complex = Complex::new(wood, &section, parting, options)?;
+    let mut faces = open_faces(wood, &mut complex, parting, &joints, options);
+    let area: f64 = section.columns.iter().map(|c| c.area).sum();
+    let mended = mend(
+        &mut faces,
+        (area / section.columns.len().max(1) as f64).sqrt(),
+    );
+    let mut pieces = complex.pieces(options.keep_inner);
+    let slabs = complex.slabs();
+    let mut by_piece: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+    for (t, triangle) in faces.triangles.iter().enumerate() {
+        by_piece
+            .entry(pieces.root(triangle.prism))
+            .or_default()
+            .push(t as u32);
+    }
+    let mut rods: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+    for prism in 0..complex.parts.len() {
+        let list = rods.entry(pieces.root(prism as u32)).or_default();
+        let rod = section.columns[prism / slabs].rod;
+        if list.last() != Some(&rod) {
+            list.push(rod);
+        }
+    }
+    let mut all: Vec<(u32, Skinned, f64)> = by_piece
+        .into_iter()
+        .map(|(root, triangles)| {
+            let made = mesh(wood, &faces, &triangles, materials);
+            let volume = made.mesh.volume();
+            (root, made, volume)
+        })
+        .collect();
+    all.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    let digits = all.len().saturating_sub(1).to_string().len().max(3);
+    let mut skin = RodSkin {
+        pieces: Vec::new(),
+        joints,
+        seeds: Vec::new(),
+        rods: Vec::new(),
+        mended,
+    };
+    for (number, (root, mut piece, volume)) in all.into_iter().enumerate() {
+        let mut count = rods.remove(&root).unwrap_or_default();
+        count.sort_unstable();
+        count.dedup();
+        piece.name = format!("piece_{number:0digits$}");
+        piece
+            .extras
+            .insert("volume_m3".into(), Extra::Number(volume));
+        piece
+            .extras
+            .insert("rods".into(), Extra::Integer(count.len() as i64));
+        skin.rods.push(count.len());
+        skin.seeds.push((root / slabs as u32, root % slabs as u32));
+        skin.pieces.push(piece);
+    }
+    Ok(skin)
+}
+
+/// Cosine of the angle between a face's normal and the grain above which it shows end grain.
+const END_GRAIN: f64 = 0.5;
+
+/// Which vertices of a mesh are one: the same vertex of the skin, on faces that are smooth together and show the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Key {
+    vertex: u32,
+    smooth: u32,
+    end: bool,
+}
+
+/// Faces of the outside are smooth together, those of the ends are; every tip is flat.
+const BARK: u32 = u32::MAX;
+const END: u32 = u32::MAX - 1;
+
+fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) -> Skinned {
+    let mut made = Mesh::default();
+    let mut binding = Binding::default();
+    let mut known: FxHashMap<Key, u32> = FxHashMap::default();
+    let mut normals: Vec<DVec3> = Vec::new();
+    let (mut coordinates, mut ring, mut zone, mut grain) = (
+        Vec::<f32>::new(),
+        Vec::<f32>::new(),
+        Vec::<f32>::new(),
+        Vec::<f32>::new(),
+    );
+    let rings = &wood.stem.rings;
+    for &t in triangles {
+        let triangle: Triangle = faces.triangles[t as usize];
+        let corners = triangle.corners.map(|v| &faces.vertices[v as usize]);
+        let [a, b, c] = [0, 1, 2].map(|k: usize| corners[k].rest);
+        let normal = (b - a).cross(c - a);
+        let across =
+            (corners[1].grain - corners[0].grain).cross(corners[2].grain - corners[0].grain);
+        let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
+        let bark = triangle.shows == Shows::Bark;
+        let smooth = match triangle.shows {
+            Shows::Bark => BARK,
+            Shows::End => END,
+            Shows::Side(number) => 2 * number,
+            Shows::Tip => 2 * t + 1,
+        };
+        // All corners of a face read the texture on one side of the seam behind the pith.
+        let middle = (corners[0].grain + corners[1].grain + corners[2].grain) / 3.0;
+        let corners = [0, 1, 2].map(|k| {
+            let vertex = triangle.corners[k];
+            let end = end && !bark;
+            let key = Key {
+                vertex,
+                smooth,
+                end,
+            };
+            let at = *known.entry(key).or_insert_with(|| {
+                let v = corners[k];
+                let (rho, _) = rings.address(v.grain.truncate());
+                let uv = if bark {
+                    bark_coordinates(wood, v.grain, middle)
+                } else if end {
+                    v.grain.truncate() - materials.square.middle + 0.5 * materials.square.side
+                } else {
+                    side_grain(
+                        v.grain,
+                        middle.truncate(),
+                        rings.pith(),
+                        materials.square.side,
+                    )
+                };
+                made.positions.push(v.rest);
+                binding.push(v.follows.iter().copied());
+                normals.push(DVec3::ZERO);
+                coordinates.extend(uv.as_vec2().to_array());
+                ring.push(rho as f32);
+                zone.push(f32::from((materials.zone)(rho)));
+                grain.extend(v.grain.as_vec3().to_array());
+                made.positions.len() as u32 - 1
+            });
+            normals[at as usize] += normal;
+            at
+        });
+        made.triangles.push(corners);
+        made.materials.push(if bark {
+            materials.bark
+        } else {
+            materials.inner
+        });
+    }
+    let normals: Vec<f32> = normals
+        .iter()
+        .flat_map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array())
+        .collect();
+    for (name, width, data) in [
+        ("NORMAL", 3, normals),
+        ("TEXCOORD_0", 2, coordinates),
+        ("_RING", 1, ring),
+        ("_ZONE", 1, zone),
+        ("_GRAIN", 3, grain),
+    ] {
+        made.attributes
+            .insert(name.into(), Attribute { width, data });
+    }
+    Skinned {
+        mesh: made,
+        binding,
+        ..Skinned::default()
+    }
+}
+
+/// Texture coordinates of bark: turns about the pith, and as many along as make them square.
+fn bark_coordinates(wood: &Wood, grain: DVec3, middle: DVec3) -> DVec2 {
+    let pith = wood.stem.rings.pith();
+    let angle = |p: DVec3| libm::atan2(p.y - pith.y, p.x - pith.x);
+    let turn = std::f64::consts::TAU;
+    let (own, face) = (angle(grain), angle(middle));
+    let near = face + (own - face + 1.5 * turn).rem_euclid(turn) - 0.5 * turn;
+    DVec2::new(near / turn, grain.z / (turn * wood.stem.radius))
+}

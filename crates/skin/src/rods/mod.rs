@@ -1,0 +1,119 @@
+//! The skin of a bundle of rods: closed meshes that follow the rods, split where they broke (Sutherland 2012 §5).
+//!
+//! The wood is parted into **prisms**: columns in the section (the rods' Voronoi cells, each of several fibre bundles)
+//! times slabs along the grain. Two prisms that meet are joined where a bond holds their rods together there, or where
+//! they are of one rod that is whole there. Pieces are what hangs together; their surface is every face between prisms
+//! that are not joined. So pieces are closed and oriented whatever breaks, faces inside a piece are not made at all, and
+//! the two sides of a break are the same faces.
+//!
+//! A vertex follows the rods of all prisms that are joined around it, each at the vertex's place along it: the thesis's
+//! associations (vertex–edge with λ, vertex–vertex where λ is 0), of which the mean is what its averaging iterations
+//! tend to. It is linear in the rods' frames, so the skin is linear blend skinning with one joint for each vertex of a
+//! rod. An association goes with its bond, as the prisms then are no longer joined.
+
+mod complex;
+mod faces;
+mod joints;
+mod mend;
+mod meshes;
+mod parting;
+mod section;
+
+pub use joints::{Joints, frame_poses};
+pub use meshes::{Materials, RodSkin, Square, rod_skin};
+pub use parting::{Break, Part, Parting};
+pub use section::{Column, Columns, columns};
+
+use glam::{DAffine3, DVec2};
+use greenstick_fibre::bundle::Bundle;
+use greenstick_fibre::placement::cells::Cell;
+use greenstick_geometry::{Bvh, Mesh};
+use greenstick_wood::stem::Stem;
+
+/// The wood that rods stand for.
+#[derive(Clone, Copy)]
+pub struct Wood<'a> {
+    /// The stem.
+    pub stem: &'a Stem,
+    /// The stem's world to that of the rods.
+    pub laid: DAffine3,
+    /// The unbroken bundle at rest.
+    pub bundle: &'a Bundle,
+    /// Length along the axis of each of its vertices, m.
+    pub along: &'a [f64],
+    /// Cell of each rod in the section of the stem's place, grain coordinates, m.
+    pub cells: &'a [Cell],
+    /// Outline of that section, m, counter-clockwise.
+    pub outline: &'a [DVec2],
+    /// Its bark: a mesh in the stem's world and the tree over its triangles; the outline scaled where `None`.
+    pub bark: Option<(&'a Mesh, &'a Bvh)>,
+    /// Tensile strength along the grain over four times the shear strength: how many of its widths a fibre bundle pulls
+    /// out (shear lag, `ℓ = f_t0 d / 4 f_v`).
+    pub pull_out: f64,
+}
+
+/// How the skin is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RodSkinOptions {
+    /// Fibre bundles that a rod's cell is parted into, about; 1 for the cell itself.
+    pub fibres: u32,
+    /// Length of splinters over that of shear lag; 0 for flat ends at the broken vertices, as in the thesis.
+    pub splinters: f64,
+    /// Slabs for each edge of a rod.
+    pub slabs: f64,
+    /// Whether faces between bonded rods are kept, so that every rod's mesh is closed by itself.
+    pub keep_inner: bool,
+    /// Seed of what is random.
+    pub seed: u64,
+}
+
+impl Default for RodSkinOptions {
+    fn default() -> Self {
+        RodSkinOptions {
+            fibres: 4,
+            splinters: 1.0,
+            slabs: 2.0,
+            keep_inner: false,
+            seed: 1,
+        }
+    }
+}
+
+/// Why there is no skin.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RodSkinError {
+    /// A frame that does not fit the scene's wood.
+    #[error(
+        "{what} of the frame is not of this scene's wood: {problem}; the frames and the scene must be of one run"
+    )]
+    OtherBundle {
+        /// What does not fit.
+        what: &'static str,
+        /// How.
+        problem: String,
+    },
+    /// A number out of range.
+    #[error("{what} is {value}, but it must be {right}")]
+    Value {
+        /// Which.
+        what: &'static str,
+        /// The value found.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// More faces than memory or file formats have room for.
+    #[error(
+        "the skin would have {prisms} parts ({columns} columns of {slabs} slabs), more than {most}; ask for fewer fibres or slabs"
+    )]
+    TooLarge {
+        /// Parts.
+        prisms: usize,
+        /// Columns.
+        columns: usize,
+        /// Slabs.
+        slabs: usize,
+        /// The most that are made.
+        most: usize,
+    },
+}

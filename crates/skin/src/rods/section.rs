@@ -1,0 +1,178 @@
+//! The section of a bundle as columns: the Voronoi cells of the rods, each parted into finer fibre bundles, clipped by
+//! the stem's outline (Sutherland 2012 §5.1.1, with the stem's own contour in place of a hull).
+//!
+//! Columns run along the grain. They share corners: a corner is a line along the grain, and where three columns meet in
+//! one, it is one for all three.
+
+use glam::DVec2;
+use greenstick_fibre::placement::cells::{Cell, cells};
+use greenstick_fibre::placement::points::poisson_disk;
+use std::collections::BTreeMap;
+
+/// The side of a column that lies on the outline.
+pub const OUTSIDE: u32 = u32::MAX;
+
+/// A fibre bundle: part of a rod's cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// The rod of the unbroken bundle that it is a part of.
+    pub rod: u32,
+    /// Corners, counter-clockwise.
+    pub corners: Vec<u32>,
+    /// The column beyond the side from each corner to the next, or [`OUTSIDE`].
+    pub beyond: Vec<u32>,
+    /// Centroid, m.
+    pub centre: DVec2,
+    /// Area, m².
+    pub area: f64,
+}
+
+/// A section parted into columns.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Columns {
+    /// Places of the corners in the section, grain coordinates, m.
+    pub corners: Vec<DVec2>,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// Whether each corner lies on the outline.
+    pub outer: Vec<bool>,
+}
+
+/// Corners nearer to each other than this part of the mean distance between columns are one.
+const SAME: f64 = 1e-4;
+/// Rounds that move points to the centroids of their cells.
+const SETTLING: usize = 2;
+/// Poisson disk samples at distance d lie this dense: n d² over the area.
+const DENSITY: f64 = 0.7;
+
+/// Parts the section with the rods' `cells` and the `outline` (m, counter-clockwise, not closed) into about `fibres`
+/// columns a rod; 1 gives the cells themselves.
+pub fn columns(rods: &[Cell], outline: &[DVec2], fibres: u32, seed: u64) -> Columns {
+    let centres: Vec<DVec2> = rods.iter().map(|c| c.centroid).collect();
+    let area: f64 = rods.iter().map(|c| c.area).sum();
+    let (found, of) = if fibres <= 1 || rods.is_empty() {
+        (rods.to_vec(), (0..rods.len() as u32).collect())
+    } else {
+        let wanted = f64::from(fibres) * rods.len() as f64;
+        let mut points = poisson_disk(outline, (DENSITY * area / wanted).sqrt(), seed);
+        // A rod without a column would have no skin.
+        let mut has = vec![false; rods.len()];
+        for &p in &points {
+            has[nearest(&centres, p)] = true;
+        }
+        points.extend(
+            centres
+                .iter()
+                .zip(&has)
+                .filter(|(_, h)| !**h)
+                .map(|(c, _)| *c),
+        );
+        let of: Vec<u32> = points
+            .iter()
+            .map(|&p| nearest(&centres, p) as u32)
+            .collect();
+        let mut found = cells(outline, &points);
+        for _ in 0..SETTLING {
+            let settled: Vec<DVec2> = found.iter().map(|c| c.centroid).collect();
+            found = cells(outline, &settled);
+        }
+        (found, of)
+    };
+    let spacing = (area / found.len().max(1) as f64).sqrt();
+    weld(&found, &of, outline, SAME * spacing)
+}
+
+/// How far `p` is from a closed outline, m.
+fn distance_to(outline: &[DVec2], p: DVec2) -> f64 {
+    let ends = outline.iter().zip(outline.iter().cycle().skip(1));
+    ends.map(|(&a, &b)| {
+        let side = b - a;
+        let t = (p - a).dot(side) / side.length_squared().max(f64::MIN_POSITIVE);
+        (a + side * t.clamp(0.0, 1.0)).distance(p)
+    })
+    .fold(f64::INFINITY, f64::min)
+}
+
+fn nearest(points: &[DVec2], p: DVec2) -> usize {
+    let far = |q: &DVec2| q.distance_squared(p);
+    let all = points.iter().enumerate();
+    all.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))
+        .map_or(0, |(i, _)| i)
+}
+
+/// Gives corners of different cells that lie at one place one number, and finds each side's other cell.
+fn weld(cells: &[Cell], of: &[u32], outline: &[DVec2], same: f64) -> Columns {
+    let mut made = Columns::default();
+    // Corners by the square of side `same` × 4 that they lie in; those that are one may lie in neighbouring ones.
+    let mut boxes: BTreeMap<(i64, i64), Vec<u32>> = BTreeMap::new();
+    let size = 4.0 * same.max(f64::MIN_POSITIVE);
+    let square = |p: DVec2| ((p.x / size).floor() as i64, (p.y / size).floor() as i64);
+    for (cell, &rod) in cells.iter().zip(of) {
+        let mut corners: Vec<u32> = Vec::new();
+        // The polygon's first corner may be given again at its end.
+        for &p in &cell.corners {
+            let (x, y) = square(p);
+            let near = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (x + i, y + j)));
+            let known = near
+                .filter_map(|b| boxes.get(&b))
+                .flatten()
+                .copied()
+                .find(|&c| made.corners[c as usize].distance_squared(p) <= same * same);
+            let corner = known.unwrap_or_else(|| {
+                made.corners.push(p);
+                let new = made.corners.len() as u32 - 1;
+                boxes.entry((x, y)).or_default().push(new);
+                new
+            });
+            if corners.last() != Some(&corner) {
+                corners.push(corner);
+            }
+        }
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        if corners.len() < 3 {
+            continue;
+        }
+        made.columns.push(Column {
+            rod,
+            beyond: vec![OUTSIDE; corners.len()],
+            corners,
+            centre: cell.centroid,
+            area: cell.area,
+        });
+    }
+    made.outer = made
+        .corners
+        .iter()
+        .map(|&p| distance_to(outline, p) <= same)
+        .collect();
+    let mut sides: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    for (number, column) in made.columns.iter().enumerate() {
+        for (a, b) in column.sides() {
+            sides.insert((a, b), number as u32);
+        }
+    }
+    for column in &mut made.columns {
+        let pairs: Vec<(u32, u32)> = column.sides().collect();
+        for (k, (a, b)) in pairs.into_iter().enumerate() {
+            if let Some(&other) = sides.get(&(b, a)) {
+                column.beyond[k] = other;
+            }
+        }
+    }
+    made
+}
+
+impl Column {
+    /// Sides from corner to corner, counter-clockwise.
+    pub fn sides(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().copied().zip(next.copied())
+    }
+
+    /// Diameter of the circle of the same area, m.
+    pub fn width(&self) -> f64 {
+        2.0 * (self.area / std::f64::consts::PI).sqrt()
+    }
+}
