@@ -9,8 +9,8 @@ use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureOptions;
 use greenstick::simulate::{
-    Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames, load_chart,
-    simulate,
+    Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames,
+    load_chart, simulate,
 };
 use serde::Serialize;
 use std::fmt::Write;

@@ -4,8 +4,8 @@ use crate::arguments::SkinOptions;
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
-use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
 use greenstick::files::{self, Output};
+use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
 use greenstick::formats::LengthUnit;
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb};
 use greenstick::simulate::Origin;
@@ -76,7 +76,10 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 fn open(options: &SkinOptions, progress: &Progress) -> Result<Run, Failure> {
     progress.stage("read")?;
     let origin = Origin::read(&options.run).map_err(Failure::request)?;
-    let named = options.input.as_ref().map(|path| (path.clone(), options.unit.map(LengthUnit::from)));
+    let named = options
+        .input
+        .as_ref()
+        .map(|path| (path.clone(), options.unit.map(LengthUnit::from)));
     let input = named.or(origin.input_file());
     let mesh = match &input {
         Some((path, unit)) => Some(files::read(path, *unit)?),
@@ -103,11 +106,18 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
 
 type Made = (SkinReport, Option<FilmReport>, Vec<(String, usize)>);
 
-fn still(mut run: Run, number: i64, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+fn still(
+    mut run: Run,
+    number: i64,
+    options: &SkinOptions,
+    progress: &Progress,
+) -> Result<Made, Failure> {
     let count = run.frames() as i64;
     let number = if number < 0 { count + number } else { number };
     let number = usize::try_from(number).map_err(|_| {
-        Failure::request(format!("there are {count} frames, counted from 0 or from −1 backwards"))
+        Failure::request(format!(
+            "there are {count} frames, counted from 0 or from −1 backwards"
+        ))
     })?;
     let how = film_options(options, &run);
     let still = progress
@@ -140,8 +150,10 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
         return Err(Failure::request("no file is named for the film").hint("such as -o film.glb"));
     };
     if !is_glb(path) {
-        return Err(Failure::request(format!("{}: a film is written as .glb", path.display()))
-            .hint("a single frame, as --frame 10, can be written in every mesh format"));
+        return Err(
+            Failure::request(format!("{}: a film is written as .glb", path.display()))
+                .hint("a single frame, as --frame 10, can be written in every mesh format"),
+        );
     }
     let how = film_options(options, &run);
     let count = run.frames();
@@ -154,11 +166,20 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
         max_joints: options.max_joints.map(|n| n as usize),
         max_influences: usize::from(options.influences),
     };
-    let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let name = path
+        .file_name()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let written = progress
         .watch(|context| {
             files::write_streamed(path, |file| -> Result<FilmReport, FilmError> {
-                Ok(write_glb(&made.film, &mut made.motion, &name, &glb, file, context)?)
+                Ok(write_glb(
+                    &made.film,
+                    &mut made.motion,
+                    &name,
+                    &glb,
+                    file,
+                    context,
+                )?)
             })
         })
         .map_err(failure)?;

@@ -135,7 +135,11 @@ pub fn resolution(text: &str) -> Result<usize, String> {
 /// Two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {
-        let from = if from.is_empty() { 0 } else { from.parse().ok()? };
+        let from = if from.is_empty() {
+            0
+        } else {
+            from.parse().ok()?
+        };
         Some((from, to.parse().ok()?))
     });
     match parts {

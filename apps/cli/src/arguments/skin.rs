@@ -71,7 +71,12 @@ pub struct SkinOptions {
     pub influences: u8,
 
     /// Picture of the frame
-    #[arg(long, value_name = "FILE.png", requires = "frame", help_heading = "Picture")]
+    #[arg(
+        long,
+        value_name = "FILE.png",
+        requires = "frame",
+        help_heading = "Picture"
+    )]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
     pub shot: Shot,

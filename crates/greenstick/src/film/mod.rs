@@ -5,10 +5,12 @@
 
 mod error;
 mod motion;
+mod pieces;
 mod report;
 
 pub use error::FilmError;
 pub use motion::RunMotion;
+use pieces::Following;
 pub use report::{FilmPiece, SkinReport};
 
 use crate::breaking::inner_wood;
@@ -22,10 +24,11 @@ use greenstick_fibre::event::Cause;
 use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
+use greenstick_geometry::film::Extra;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
+    Materials, Part, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
 };
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
@@ -311,6 +314,28 @@ impl Run {
         })
     }
 
+    /// Follows the pieces of `skin` through the frames, and how far the joints of a vertex lie apart before it breaks.
+    fn follow(
+        &mut self,
+        skin: &RodSkin,
+        range: std::ops::Range<usize>,
+        report: &mut SkinReport,
+        context: &Context,
+    ) -> Result<(), FilmError> {
+        let edge = |parts: &Vec<(u32, Part)>| skin.joints.first_edge(parts[0].0, parts[0].1);
+        let mut following = Following::new(skin.parts.iter().map(edge).collect());
+        let frames = range.len() as f64;
+        for (done, number) in range.enumerate() {
+            context.step("pieces", done as f64 / frames)?;
+            following.see(&self.frame(number)?);
+        }
+        let names: Vec<String> = report.pieces.iter().map(|p| p.name.clone()).collect();
+        for (piece, parted) in report.pieces.iter_mut().zip(following.parted()) {
+            piece.parted = parted.map(|(time, from)| (time, names[from].clone()));
+        }
+        Ok(())
+    }
+
     /// A picture of a frame with its skin.
     ///
     /// # Errors
@@ -348,6 +373,7 @@ impl Run {
         let materials = self.materials(options, context)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
         let joints = skin.joints.clone();
+        self.follow(&skin, range.clone(), &mut report, context)?;
         let mut film = film_of(skin, &self.scene);
         film.materials = materials.materials;
         film.textures = materials.textures;
@@ -381,8 +407,15 @@ impl Run {
                 moving.push(number);
             }
         }
-        let mut motion = RunMotion::new(self.frames, self.path, range, joints, moving, up);
-        report.follow(&film, &mut motion, context)?;
+        for (piece, told) in film.pieces.iter_mut().zip(&report.pieces) {
+            if let Some((time, from)) = &told.parted {
+                piece.extras.insert("parted_s".into(), Extra::Number(*time));
+                piece
+                    .extras
+                    .insert("parted_from".into(), Extra::Text(from.clone()));
+            }
+        }
+        let motion = RunMotion::new(self.frames, self.path, range, joints, moving, up);
         Ok(SkinnedFilm {
             film,
             motion,

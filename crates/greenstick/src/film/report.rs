@@ -1,10 +1,8 @@
 //! What a skin is made of, and how far a film strays from what it shows.
 
-use super::FilmError;
 use greenstick_fibre::store::FrameFile;
 use greenstick_geometry::film::Extra;
-use greenstick_geometry::{Context, Film, Motion, Pose};
-use greenstick_skin::rods::RodSkin;
+use greenstick_skin::rods::{Part, RodSkin};
 use serde::Serialize;
 use std::fmt;
 use std::io::{Read, Seek};
@@ -19,7 +17,9 @@ pub struct FilmPiece {
     pub rods: usize,
     /// Volume at rest, m³.
     pub volume_m3: f64,
-    /// Vertices and triangles.
+    /// When it parted from every larger piece, s, and the piece it parted from; none for what was never with another.
+    pub parted: Option<(f64, String)>,
+    /// Vertices.
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
@@ -42,8 +42,13 @@ pub struct SkinReport {
     pub parted: [usize; 2],
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
-    /// Largest distance between two joints of one broken vertex before it breaks, m, none in a still.
-    pub largest_move_m: Option<f64>,
+}
+
+/// How many rods parts are of; those of one rod follow each other.
+fn rods(parts: &[(u32, Part)]) -> usize {
+    let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
+    rods.dedup();
+    rods.len()
 }
 
 impl SkinReport {
@@ -55,10 +60,11 @@ impl SkinReport {
         let pieces = skin
             .pieces
             .iter()
-            .zip(&skin.rods)
-            .map(|(p, &rods)| FilmPiece {
+            .zip(&skin.parts)
+            .map(|(p, parts)| FilmPiece {
                 name: p.name.clone(),
-                rods,
+                rods: rods(parts),
+                parted: None,
                 volume_m3: match p.extras.get("volume_m3") {
                     Some(Extra::Number(v)) => *v,
                     _ => p.mesh.volume(),
@@ -74,28 +80,7 @@ impl SkinReport {
             joints: skin.joints.count(),
             parted: [skin.mended.0, skin.mended.1],
             pieces: pieces.collect(),
-            largest_move_m: None,
         }
-    }
-
-    /// Follows the film once, to see that every frame can be had and how far anything moves.
-    pub(super) fn follow<M: Motion<Error = FilmError>>(
-        &mut self,
-        film: &Film,
-        motion: &mut M,
-        context: &Context,
-    ) -> Result<(), FilmError> {
-        let mut poses = vec![Pose::IDENTITY; film.joints.len()];
-        let mut most = 0.0f64;
-        for frame in 0..motion.frames() {
-            context.step("skin", frame as f64 / motion.frames() as f64)?;
-            motion.poses(frame, &mut poses)?;
-            for (joint, pose) in film.joints.iter().zip(&poses) {
-                most = most.max(joint.rest.translation.distance(pose.translation));
-            }
-        }
-        self.largest_move_m = Some(most);
-        Ok(())
     }
 }
 
@@ -127,10 +112,14 @@ impl fmt::Display for SkinReport {
         for piece in self.pieces.iter().take(SHOWN) {
             writeln!(
                 f,
-                "piece    {}: {}, {:.2} cm³",
+                "piece    {}: {}, {:.2} cm³{}",
                 piece.name,
                 count(piece.rods, "rod", "rods"),
-                piece.volume_m3 * 1e6
+                piece.volume_m3 * 1e6,
+                match &piece.parted {
+                    Some((time, from)) => format!(", parted from {from} at {time:.3} s"),
+                    None => String::new(),
+                }
             )?;
         }
         if self.pieces.len() > SHOWN {

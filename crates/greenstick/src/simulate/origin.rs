@@ -24,7 +24,11 @@ impl Origin {
     /// everywhere.
     pub fn of(input: Option<(&Path, Option<LengthUnit>)>, beside: &Path) -> Self {
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let beside = if beside.as_os_str().is_empty() { Path::new(".") } else { beside };
+        let beside = if beside.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            beside
+        };
         Origin {
             input: input.map(|(path, _)| whole(path)),
             unit: input.and_then(|(_, unit)| unit).map(|u| u.to_string()),

@@ -5,7 +5,7 @@ use super::section::{Columns, OUTSIDE};
 use super::{RodSkinError, RodSkinOptions, Wood};
 use greenstick_fibre::event::Cause;
 use greenstick_geometry::Unions;
-use greenstick_wood::noise::{line, unit};
+use greenstick_wood::noise::{line, plane, unit};
 use std::collections::BTreeMap;
 
 /// The most prisms.
@@ -110,8 +110,9 @@ impl<'a> Complex<'a> {
             return s;
         }
         let slab = self.stations[1] - self.stations[0];
-        let random = unit(self.seed ^ 0x5e7, i64::from(corner), station as i64, 0);
-        s + JITTER * slab * (2.0 * random - 1.0)
+        // Alike for corners that lie near each other, so that no side of a column is steep.
+        let at = self.columns.corners[corner as usize] / self.columns.spacing;
+        s + JITTER * slab * plane(self.seed ^ 0x5e7 ^ ((station as u64) << 32), at)
     }
 
     /// Gives every prism the part of its rod: each column breaks where its rod does, but at a length of its own.
@@ -347,31 +348,6 @@ impl<'a> Complex<'a> {
             (self.number(here), there)
         })
     }
-
-    /// Pieces: sets of prisms that are joined.
-    pub fn pieces(&self, rods_apart: bool) -> Unions {
-        let mut unions = Unions::new(self.parts.len());
-        for (a, column) in self.columns.columns.iter().enumerate() {
-            for slab in 0..self.slabs() {
-                let prism = self.prism(a, slab) as u32;
-                if slab + 1 < self.slabs() && self.onward[prism as usize] {
-                    unions.join(prism, prism + 1);
-                }
-                for (side, &b) in column.beyond.iter().enumerate() {
-                    let apart = rods_apart
-                        && self
-                            .columns
-                            .columns
-                            .get(b as usize)
-                            .is_some_and(|o| o.rod != column.rod);
-                    if !apart && self.is_joined(a, side, slab) {
-                        unions.join(prism, self.prism(b as usize, slab) as u32);
-                    }
-                }
-            }
-        }
-        unions
-    }
 }
 
 /// How far a fibre bundle's break may lie from its rod's, m: the length over which it pulls out, or what crushing does.
@@ -411,10 +387,7 @@ type Between = BTreeMap<(u32, u32), Vec<(f64, u32)>>;
 
 fn bonds_between(wood: &Wood) -> Between {
     let bundle = wood.bundle;
-    let mut rod_of = vec![0; bundle.vertices()];
-    for rod in 0..bundle.rods() {
-        rod_of[bundle.rod(rod)].fill(rod as u32);
-    }
+    let rod_of = wood.rods_of_vertices();
     let mut between = Between::new();
     let bonds = bundle.bonds.vertex.iter().zip(&bundle.bonds.edge);
     for (number, (&v, &e)) in bonds.enumerate() {

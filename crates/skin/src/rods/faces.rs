@@ -33,6 +33,8 @@ pub(super) struct Vertex {
     pub rest: DVec3,
     /// Joints and weights, which add up to 1.
     pub follows: Vec<(u32, f64)>,
+    /// Whether it lies on a crack, at one place with others.
+    pub cracked: bool,
 }
 
 /// A triangle of the skin.
@@ -54,7 +56,7 @@ pub(super) struct Faces {
 }
 
 /// The sides of a crack lie this part of the distance between columns apart at rest, so that they are two in every file.
-pub(super) const KERF: f64 = 2e-4;
+const KERF: f64 = 2e-4;
 /// Height of a fibre bundle's tip, in lengths of pull-out: least, and most on top.
 const TIP: [f64; 2] = [0.3, 1.0];
 /// How far a tip lies off the middle, in half widths.
@@ -72,7 +74,6 @@ struct Maker<'a, 'b> {
     topology: Unions,
     /// Which corners of prisms follow the same rods.
     bonded: Unions,
-    kerf: f64,
     faces: Faces,
     /// Vertex of each set of corners.
     made: FxHashMap<u32, u32>,
@@ -95,8 +96,6 @@ pub(super) fn open_faces(
         complex.close_held(&mut topology);
         topology.clone()
     };
-    let count = complex.columns.columns.len().max(1);
-    let area: f64 = complex.columns.columns.iter().map(|c| c.area).sum();
     let mut maker = Maker {
         wood,
         complex,
@@ -105,7 +104,6 @@ pub(super) fn open_faces(
         options,
         topology,
         bonded,
-        kerf: KERF * (area / count as f64).sqrt(),
         faces: Faces::default(),
         made: FxHashMap::default(),
         sets: Vec::new(),
@@ -134,7 +132,7 @@ impl Maker<'_, '_> {
                 }
             }
         }
-        self.part_cracks();
+        self.mark_cracks();
     }
 
     fn is_open(&self, a: usize, side: usize, slab: usize) -> bool {
@@ -227,19 +225,15 @@ impl Maker<'_, '_> {
             if slab >= complex.slabs() {
                 continue;
             }
-            let off = if inner {
-                if above { self.kerf } else { -self.kerf }
-            } else {
-                0.0
-            };
             let centre = self.faces.vertices.len() as u32;
             self.sets.push(u32::MAX);
-            let grain = apex + DVec3::Z * off;
+            let grain = apex;
             let part = complex.parts[complex.prism(a, slab)];
             self.faces.vertices.push(Vertex {
                 grain,
                 rest: DVec3::ZERO,
                 follows: self.joints.at(column.rod, part, grain.z).to_vec(),
+                cracked: inner,
             });
             let prism = complex.prism(a, slab) as u32;
             let shows = if inner { Shows::Tip } else { Shows::End };
@@ -316,65 +310,26 @@ impl Maker<'_, '_> {
             grain: across.extend(self.complex.length(corner, place.station)),
             rest: DVec3::ZERO,
             follows: Vec::new(),
+            cracked: false,
         });
         self.sets.push(set);
         self.made.insert(set, new);
         new
     }
 
-    /// Moves vertices at which several sets of prisms meet apart, each towards its own.
-    fn part_cracks(&mut self) {
-        let complex = self.complex;
-        // How many vertices lie at one corner and station.
+    /// Marks vertices that lie at one place with others: they are on cracks.
+    fn mark_cracks(&mut self) {
         let mut count: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         let key = |v: &Vertex| v.grain.to_array().map(f64::to_bits);
-        for (v, &set) in self.faces.vertices.iter().zip(&self.sets) {
-            if set != u32::MAX {
-                *count.entry(key(v)).or_default() += 1;
-            }
+        for v in &self.faces.vertices {
+            *count.entry(key(v)).or_default() += 1;
         }
-        let several: Vec<bool> = (self.faces.vertices.iter().zip(&self.sets))
-            .map(|(v, &set)| set != u32::MAX && count[&key(v)] > 1)
-            .collect();
-        let mut middle = vec![(DVec3::ZERO, 0.0); self.faces.vertices.len()];
-        for (a, column) in complex.columns.columns.iter().enumerate() {
-            for corner in 0..column.corners.len() {
-                for station in 0..=complex.slabs() {
-                    for above in [false, true] {
-                        let slab = if above {
-                            station
-                        } else {
-                            station.wrapping_sub(1)
-                        };
-                        if slab >= complex.slabs() {
-                            continue;
-                        }
-                        let set = self.topology.root(complex.number(Place {
-                            column: a,
-                            corner,
-                            station,
-                            above,
-                        }));
-                        let Some(&v) = self.made.get(&set) else {
-                            continue;
-                        };
-                        if several[v as usize] {
-                            let s = 0.5 * (complex.stations[slab] + complex.stations[slab + 1]);
-                            let sum = &mut middle[v as usize];
-                            *sum = (sum.0 + column.centre.extend(s), sum.1 + 1.0);
-                        }
-                    }
-                }
-            }
-        }
-        for (v, (sum, count)) in self.faces.vertices.iter_mut().zip(middle) {
-            if count > 0.0 {
-                v.grain += (sum / count - v.grain).normalize_or_zero() * self.kerf;
-            }
+        for v in &mut self.faces.vertices {
+            v.cracked = count[&key(v)] > 1;
         }
     }
 
-    /// Gives every vertex its place at rest and the joints that it follows: the mean of the rods that are bonded there.
+    /// Gives every vertex the joints that it follows: the mean of the rods that are bonded there.
     fn bind(&mut self) {
         let complex = self.complex;
         let mut rods: FxHashMap<u32, Vec<(u32, Part)>> = FxHashMap::default();
@@ -419,7 +374,6 @@ impl Maker<'_, '_> {
             }
         }
         for (v, bonded) in self.faces.vertices.iter_mut().zip(of) {
-            v.rest = place(self.wood, v.grain);
             let Some(list) = rods.get(&bonded) else {
                 continue;
             };
@@ -435,6 +389,29 @@ impl Maker<'_, '_> {
             follows.sort_unstable_by_key(|f| f.0);
             v.follows = follows;
         }
+    }
+}
+
+/// Opens cracks by a hair, so that their sides are two in every file, and gives every vertex its place at rest.
+pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
+    let mut inward = vec![DVec3::ZERO; faces.vertices.len()];
+    for triangle in &faces.triangles {
+        if matches!(triangle.shows, Shows::Bark | Shows::End) {
+            continue;
+        }
+        let corners = triangle.corners.map(|v| faces.vertices[v as usize].grain);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for k in 0..3 {
+            let (p, q, r) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            inward[triangle.corners[k] as usize] -= normal * (q - p).angle_between(r - p);
+        }
+    }
+    for (v, inward) in faces.vertices.iter_mut().zip(inward) {
+        if v.cracked && inward.is_finite() {
+            v.grain += inward * (KERF * spacing / inward.length().max(1.0));
+        }
+        v.rest = place(wood, v.grain);
     }
 }
 

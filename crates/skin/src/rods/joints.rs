@@ -74,6 +74,15 @@ impl Joints {
         [(a.0, 1.0 - t), (b.0, t)]
     }
 
+    /// The vertex of the unbroken bundle with which the first edge of a part of a rod begins.
+    pub fn first_edge(&self, rod: u32, part: Part) -> u32 {
+        let joint = self.parts[rod as usize][usize::from(part)][0].0 as usize;
+        match joint.checked_sub(self.own.len()) {
+            Some(k) => self.behind[k].0,
+            None => joint as u32,
+        }
+    }
+
     /// The original vertex of each joint.
     pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
         self.own

@@ -1,23 +1,22 @@
 //! Makes the open faces a manifold: a crack may end in an edge or a vertex, so that several sheets of skin meet in it.
 
-use super::faces::{Faces, KERF, Triangle, Vertex};
+use super::faces::{Faces, Triangle, Vertex};
 use glam::DVec3;
 use greenstick_geometry::Unions;
 use rustc_hash::FxHashMap;
 
-/// Parts edges of more than two triangles, and vertices in which several fans of triangles meet. `along` says which two
-/// triangles of such an edge lie on one sheet. Returns how many edges and vertices were parted.
-pub(super) fn mend(faces: &mut Faces, spacing: f64) -> (usize, usize) {
+/// Parts edges of more than two triangles, and vertices in which several fans of triangles meet. Returns how many.
+pub(super) fn mend(faces: &mut Faces) -> (usize, usize) {
     let mut edges = 0;
     // Halving an edge makes edges of two triangles only; a second round finds none.
     for _ in 0..3 {
-        let parted = part_edges(faces, KERF * spacing);
+        let parted = part_edges(faces);
         edges += parted;
         if parted == 0 {
             break;
         }
     }
-    (edges, part_fans(faces, KERF * spacing))
+    (edges, part_fans(faces))
 }
 
 /// Uses of an edge: triangle, which of its sides, and whether it runs from the smaller vertex to the larger.
@@ -42,7 +41,7 @@ fn edges_of(faces: &Faces) -> Vec<((u32, u32), Uses)> {
 
 /// Pairs the triangles of edges of more than two: about the edge those pair that bound the same wedge of wood. Every pair
 /// but the first gets a vertex of its own in the middle of the edge.
-fn part_edges(faces: &mut Faces, kerf: f64) -> usize {
+fn part_edges(faces: &mut Faces) -> usize {
     let many = edges_of(faces);
     // Which sides of each triangle get which middle.
     let mut halved: FxHashMap<u32, [Option<u32>; 3]> = FxHashMap::default();
@@ -50,26 +49,11 @@ fn part_edges(faces: &mut Faces, kerf: f64) -> usize {
     for ((a, b), uses) in many {
         for pair in wedges(faces, a, b, &uses).into_iter().skip(1) {
             let [p, q] = [a, b].map(|v| &faces.vertices[v as usize]);
-            // Into the wedge: towards the mean of the opposite corners, off the edge.
-            let opposite = pair.iter().map(|&(t, k)| {
-                let corner = faces.triangles[t as usize].corners[(usize::from(k) + 2) % 3];
-                faces.vertices[corner as usize].grain
-            });
-            let middle = 0.5 * (p.grain + q.grain);
-            let toward = opposite.sum::<DVec3>() / pair.len() as f64 - middle;
-            let along = (q.grain - p.grain).normalize_or_zero();
-            let off = toward.reject_from(if along == DVec3::ZERO {
-                DVec3::Z
-            } else {
-                along
-            });
-            let shift = off.normalize_or_zero() * kerf;
-            let follows = blended(&[p, q]);
             let vertex = Vertex {
-                grain: middle + shift,
-                rest: 0.5 * (p.rest + q.rest)
-                    + (rest_of(faces, &pair) - 0.5 * (p.rest + q.rest)).normalize_or_zero() * kerf,
-                follows,
+                grain: 0.5 * (p.grain + q.grain),
+                rest: DVec3::ZERO,
+                follows: blended(&[p, q]),
+                cracked: true,
             };
             let new = faces.vertices.len() as u32;
             faces.vertices.push(vertex);
@@ -85,15 +69,6 @@ fn part_edges(faces: &mut Faces, kerf: f64) -> usize {
         split(faces, t, middles);
     }
     parted
-}
-
-/// Mean of the opposite corners' places at rest.
-fn rest_of(faces: &Faces, pair: &[(u32, u8)]) -> DVec3 {
-    let corner = |&(t, k): &(u32, u8)| {
-        let corner = faces.triangles[t as usize].corners[(usize::from(k) + 2) % 3];
-        faces.vertices[corner as usize].rest
-    };
-    pair.iter().map(corner).sum::<DVec3>() / pair.len() as f64
 }
 
 /// What the middle of several vertices follows.
@@ -125,7 +100,8 @@ fn wedges(faces: &Faces, a: u32, b: u32, uses: &Uses) -> Vec<Vec<(u32, u8)>> {
             (libm::atan2(d.dot(y), d.dot(x)), t, k, forward)
         })
         .collect();
-    around.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    // Of two that lie on each other wood ends at the first and begins at the second.
+    around.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then(q.3.cmp(&p.3)).then(p.1.cmp(&q.1)));
     // A triangle that runs along the axis, seen along it, has its inside clockwise of it, and wood ends there; one that
     // runs back has it counter-clockwise, and wood begins. So each that runs back pairs with the next one along.
     let n = around.len();
@@ -170,7 +146,7 @@ fn split(faces: &mut Faces, t: u32, middles: [Option<u32>; 3]) {
 }
 
 /// Gives each fan of triangles about a vertex a vertex of its own.
-fn part_fans(faces: &mut Faces, kerf: f64) -> usize {
+fn part_fans(faces: &mut Faces) -> usize {
     let mut fans = Unions::new(3 * faces.triangles.len());
     let mut edges: FxHashMap<(u32, u32), (u32, u32)> = FxHashMap::default();
     for (t, triangle) in faces.triangles.iter().enumerate() {
@@ -205,30 +181,12 @@ fn part_fans(faces: &mut Faces, kerf: f64) -> usize {
         }
         let new = *own.entry(fan).or_insert_with(|| {
             parted += 1;
+            faces.vertices[v as usize].cracked = true;
             let vertex = faces.vertices[v as usize].clone();
             faces.vertices.push(vertex);
             faces.vertices.len() as u32 - 1
         });
         faces.triangles[t].corners[k] = new;
     }
-    shift_new(faces, &own, kerf);
     parted
-}
-
-/// Moves the vertices of parted fans towards their fans, so that no two lie at one place.
-fn shift_new(faces: &mut Faces, own: &FxHashMap<u32, u32>, kerf: f64) {
-    let first = own.values().copied().min().unwrap_or(u32::MAX);
-    let mut sums: FxHashMap<u32, (DVec3, f64)> = FxHashMap::default();
-    for triangle in &faces.triangles {
-        for &v in triangle.corners.iter().filter(|&&v| v >= first) {
-            let sum = sums.entry(v).or_default();
-            for &o in &triangle.corners {
-                *sum = (sum.0 + faces.vertices[o as usize].rest, sum.1 + 1.0);
-            }
-        }
-    }
-    for (v, (sum, count)) in sums {
-        let vertex = &mut faces.vertices[v as usize];
-        vertex.rest += (sum / count - vertex.rest).normalize_or_zero() * kerf;
-    }
 }

@@ -1,10 +1,10 @@
 //! The open faces as meshes, one for each piece, with normals, texture coordinates, materials and the wood's address.
 
 use super::complex::Complex;
-use super::faces::{Faces, Shows, Triangle, open_faces};
+use super::faces::{Faces, Shows, Triangle, open_faces, put};
 use super::joints::Joints;
 use super::mend::mend;
-use super::parting::Parting;
+use super::parting::{Part, Parting};
 use super::section::columns;
 use super::{RodSkinError, RodSkinOptions, Wood};
 use crate::face::side_grain;
@@ -42,10 +42,8 @@ pub struct RodSkin {
     pub pieces: Vec<Skinned>,
     /// Joints that they follow.
     pub joints: Joints,
-    /// For each piece a prism in it, as the numbers of a column and a slab.
-    pub seeds: Vec<(u32, u32)>,
-    /// Rods (of the unbroken bundle) that each piece has a part of.
-    pub rods: Vec<usize>,
+    /// The parts of rods that each piece consists of: rod of the unbroken bundle, and part.
+    pub parts: Vec<Vec<(u32, Part)>>,
     /// Edges and vertices in which several sheets of skin met, and were parted.
     pub mended: (usize, usize),
 }
@@ -71,58 +69,50 @@ pub fn rod_skin(
     let joints = Joints::new(wood, parting);
     let mut complex = Complex::new(wood, &section, parting, options)?;
     let mut faces = open_faces(wood, &mut complex, parting, &joints, options);
-    let area: f64 = section.columns.iter().map(|c| c.area).sum();
-    let mended = mend(
-        &mut faces,
-        (area / section.columns.len().max(1) as f64).sqrt(),
-    );
-    let mut pieces = complex.pieces(options.keep_inner);
+    let mended = mend(&mut faces);
+    put(&mut faces, wood, section.spacing);
+    let pieces = parting.pieces(wood);
     let slabs = complex.slabs();
-    let mut by_piece: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+    let mut of_piece: Vec<(Vec<u32>, Vec<(u32, Part)>)> = vec![Default::default(); pieces.count];
     for (t, triangle) in faces.triangles.iter().enumerate() {
-        by_piece
-            .entry(pieces.root(triangle.prism))
-            .or_default()
-            .push(t as u32);
+        let prism = triangle.prism as usize;
+        let piece = pieces.of(section.columns[prism / slabs].rod, complex.parts[prism]);
+        of_piece[piece as usize].0.push(t as u32);
     }
-    let mut rods: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-    for prism in 0..complex.parts.len() {
-        let list = rods.entry(pieces.root(prism as u32)).or_default();
-        let rod = section.columns[prism / slabs].rod;
-        if list.last() != Some(&rod) {
-            list.push(rod);
+    for (rod, breaks) in parting.breaks.iter().enumerate() {
+        for part in 0..=breaks.len() {
+            let part = (rod as u32, part as Part);
+            of_piece[pieces.of(part.0, part.1) as usize].1.push(part);
         }
     }
-    let mut all: Vec<(u32, Skinned, f64)> = by_piece
+    let mut all: Vec<(Skinned, Vec<(u32, Part)>, f64)> = of_piece
         .into_iter()
-        .map(|(root, triangles)| {
+        .filter(|(triangles, _)| !triangles.is_empty())
+        .map(|(triangles, parts)| {
             let made = mesh(wood, &faces, &triangles, materials);
             let volume = made.mesh.volume();
-            (root, made, volume)
+            (made, parts, volume)
         })
         .collect();
-    all.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+    all.sort_by(|a, b| b.2.total_cmp(&a.2));
     let digits = all.len().saturating_sub(1).to_string().len().max(3);
     let mut skin = RodSkin {
         pieces: Vec::new(),
         joints,
-        seeds: Vec::new(),
-        rods: Vec::new(),
+        parts: Vec::new(),
         mended,
     };
-    for (number, (root, mut piece, volume)) in all.into_iter().enumerate() {
-        let mut count = rods.remove(&root).unwrap_or_default();
-        count.sort_unstable();
-        count.dedup();
+    for (number, (mut piece, parts, volume)) in all.into_iter().enumerate() {
         piece.name = format!("piece_{number:0digits$}");
+        let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
+        rods.dedup();
         piece
             .extras
             .insert("volume_m3".into(), Extra::Number(volume));
         piece
             .extras
-            .insert("rods".into(), Extra::Integer(count.len() as i64));
-        skin.rods.push(count.len());
-        skin.seeds.push((root / slabs as u32, root % slabs as u32));
+            .insert("rods".into(), Extra::Integer(rods.len() as i64));
+        skin.parts.push(parts);
         skin.pieces.push(piece);
     }
     Ok(skin)

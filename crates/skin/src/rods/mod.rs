@@ -2,9 +2,9 @@
 //!
 //! The wood is parted into **prisms**: columns in the section (the rods' Voronoi cells, each of several fibre bundles)
 //! times slabs along the grain. Two prisms that meet are joined where a bond holds their rods together there, or where
-//! they are of one rod that is whole there. Pieces are what hangs together; their surface is every face between prisms
-//! that are not joined. So pieces are closed and oriented whatever breaks, faces inside a piece are not made at all, and
-//! the two sides of a break are the same faces.
+//! they are of one rod that is whole there. The skin is every face between prisms that are not joined. So it is closed
+//! and oriented whatever breaks, faces inside whole wood are not made at all, and the two sides of a break are the same
+//! faces. Pieces are what bonds hold together: the connected components of the bond graph.
 //!
 //! A vertex follows the rods of all prisms that are joined around it, each at the vertex's place along it: the thesis's
 //! associations (vertex–edge with λ, vertex–vertex where λ is 0), of which the mean is what its averaging iterations
@@ -21,7 +21,7 @@ mod section;
 
 pub use joints::{Joints, frame_poses};
 pub use meshes::{Materials, RodSkin, Square, rod_skin};
-pub use parting::{Break, Part, Parting};
+pub use parting::{Break, Part, Parting, Pieces};
 pub use section::{Column, Columns, columns};
 
 use glam::{DAffine3, DVec2};
@@ -50,6 +50,17 @@ pub struct Wood<'a> {
     /// Tensile strength along the grain over four times the shear strength: how many of its widths a fibre bundle pulls
     /// out (shear lag, `ℓ = f_t0 d / 4 f_v`).
     pub pull_out: f64,
+}
+
+impl Wood<'_> {
+    /// The rod of each vertex.
+    pub(crate) fn rods_of_vertices(&self) -> Vec<u32> {
+        let mut rod_of = vec![0; self.bundle.vertices()];
+        for rod in 0..self.bundle.rods() {
+            rod_of[self.bundle.rod(rod)].fill(rod as u32);
+        }
+        rod_of
+    }
 }
 
 /// How the skin is made.

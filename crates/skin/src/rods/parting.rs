@@ -4,6 +4,7 @@
 use super::{RodSkinError, Wood};
 use greenstick_fibre::event::Cause;
 use greenstick_fibre::store::Frame;
+use greenstick_geometry::Unions;
 use std::collections::BTreeMap;
 
 /// A place where a rod is broken.
@@ -26,6 +27,24 @@ pub struct Parting {
     /// For each bond of the unbroken bundle the parts that it holds together, of the rod of its vertex and of the rod of
     /// its edge. A bond at a broken vertex holds both parts.
     pub holds: Vec<[Option<(Part, Part)>; 2]>,
+}
+
+/// Which piece each part of each rod is in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pieces {
+    /// Number of each rod's first part.
+    pub first: Vec<u32>,
+    /// Piece of each part.
+    pub number: Vec<u32>,
+    /// How many pieces there are.
+    pub count: usize,
+}
+
+impl Pieces {
+    /// The piece of a part of a rod.
+    pub fn of(&self, rod: u32, part: Part) -> u32 {
+        self.number[self.first[rod as usize] as usize + usize::from(part)]
+    }
 }
 
 impl Parting {
@@ -83,6 +102,44 @@ impl Parting {
             }
         }
         Ok(Parting { breaks, holds })
+    }
+
+    /// The pieces: parts of rods that bonds hold together, as the number of each part's piece. Parts of all rods are
+    /// numbered through, rod by rod; `first` of a rod is the number of its first part. Pieces are numbered in the order
+    /// of their first part.
+    pub fn pieces(&self, wood: &Wood) -> Pieces {
+        let mut first = vec![0];
+        for breaks in &self.breaks {
+            first.push(first.last().copied().unwrap_or(0) + breaks.len() as u32 + 1);
+        }
+        let count = first.pop().unwrap_or(0);
+        let mut unions = Unions::new(count as usize);
+        let rod_of = wood.rods_of_vertices();
+        let bonds = &wood.bundle.bonds;
+        for (bond, holds) in self.holds.iter().enumerate() {
+            let [v, e] = [bonds.vertex[bond], bonds.edge[bond]].map(|v| rod_of[v as usize]);
+            for (a, b) in holds.iter().flatten() {
+                unions.join(
+                    first[v as usize] + u32::from(*a),
+                    first[e as usize] + u32::from(*b),
+                );
+            }
+        }
+        let mut number = vec![u32::MAX; count as usize];
+        let mut pieces = 0;
+        for part in 0..count {
+            let root = unions.root(part) as usize;
+            if number[root] == u32::MAX {
+                number[root] = pieces;
+                pieces += 1;
+            }
+            number[part as usize] = number[root];
+        }
+        Pieces {
+            first,
+            number,
+            count: pieces as usize,
+        }
     }
 
     /// How many rods are broken at least once.

@@ -7,6 +7,7 @@
 use glam::DVec2;
 use greenstick_fibre::placement::cells::{Cell, cells};
 use greenstick_fibre::placement::points::poisson_disk;
+use greenstick_geometry::Unions;
 use std::collections::BTreeMap;
 
 /// The side of a column that lies on the outline.
@@ -36,10 +37,14 @@ pub struct Columns {
     pub columns: Vec<Column>,
     /// Whether each corner lies on the outline.
     pub outer: Vec<bool>,
+    /// Mean distance between columns, m.
+    pub spacing: f64,
 }
 
-/// Corners nearer to each other than this part of the mean distance between columns are one.
-const SAME: f64 = 1e-4;
+/// Corners nearer to each other than this part of the mean distance between columns are the same, computed twice.
+const SAME: f64 = 1e-7;
+/// Corners nearer than this part are drawn together, so that no side is a sliver.
+const NEAR: f64 = 0.03;
 /// Rounds that move points to the centroids of their cells.
 const SETTLING: usize = 2;
 /// Poisson disk samples at distance d lie this dense: n d² over the area.
@@ -79,7 +84,69 @@ pub fn columns(rods: &[Cell], outline: &[DVec2], fibres: u32, seed: u64) -> Colu
         (found, of)
     };
     let spacing = (area / found.len().max(1) as f64).sqrt();
-    weld(&found, &of, outline, SAME * spacing)
+    weld(&found, &of, outline, spacing)
+}
+
+/// The different places of all cells' corners, those nearer than `same` (m) being one, and the number of each corner's.
+fn same_places(cells: &[Cell], same: f64) -> (Vec<DVec2>, Vec<u32>) {
+    let mut places: Vec<DVec2> = Vec::new();
+    let mut number = Vec::new();
+    // By the square of side 4 × `same` that they lie in; those that are one may lie in neighbouring ones.
+    let mut boxes: BTreeMap<(i64, i64), Vec<u32>> = BTreeMap::new();
+    let size = 4.0 * same.max(f64::MIN_POSITIVE);
+    for &p in cells.iter().flat_map(|c| &c.corners) {
+        let (x, y) = ((p.x / size).floor() as i64, (p.y / size).floor() as i64);
+        let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (x + i, y + j)));
+        let known = around
+            .filter_map(|b| boxes.get(&b))
+            .flatten()
+            .copied()
+            .find(|&c| places[c as usize].distance_squared(p) <= same * same);
+        number.push(known.unwrap_or_else(|| {
+            places.push(p);
+            let new = places.len() as u32 - 1;
+            boxes.entry((x, y)).or_default().push(new);
+            new
+        }));
+    }
+    (places, number)
+}
+
+/// For each place the one that stands for it: places no farther apart than `near` (m) are drawn together, the nearest
+/// first, as long as what stands for them all is no larger.
+fn cluster(places: &[DVec2], near: f64) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    order.sort_unstable_by(|&a, &b| {
+        let (p, q) = (places[a as usize], places[b as usize]);
+        p.x.total_cmp(&q.x)
+            .then(p.y.total_cmp(&q.y))
+            .then(a.cmp(&b))
+    });
+    let mut pairs: Vec<(f64, u32, u32)> = Vec::new();
+    for (i, &a) in order.iter().enumerate() {
+        let p = places[a as usize];
+        let beside = order[i + 1..]
+            .iter()
+            .take_while(|&&b| places[b as usize].x - p.x <= near);
+        for &b in beside {
+            let d = p.distance(places[b as usize]);
+            if d <= near {
+                pairs.push((d, a.min(b), a.max(b)));
+            }
+        }
+    }
+    pairs.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+    let mut unions = Unions::new(places.len());
+    let mut bounds: Vec<(DVec2, DVec2)> = places.iter().map(|&p| (p, p)).collect();
+    for (_, a, b) in pairs {
+        let (a, b) = (unions.root(a) as usize, unions.root(b) as usize);
+        let (low, high) = (bounds[a].0.min(bounds[b].0), bounds[a].1.max(bounds[b].1));
+        if a != b && low.distance(high) <= near {
+            unions.join(a as u32, b as u32);
+            bounds[a.min(b)] = (low, high);
+        }
+    }
+    (0..places.len() as u32).map(|i| unions.root(i)).collect()
 }
 
 /// How far `p` is from a closed outline, m.
@@ -101,31 +168,26 @@ fn nearest(points: &[DVec2], p: DVec2) -> usize {
 }
 
 /// Gives corners of different cells that lie at one place one number, and finds each side's other cell.
-fn weld(cells: &[Cell], of: &[u32], outline: &[DVec2], same: f64) -> Columns {
-    let mut made = Columns::default();
-    // Corners by the square of side `same` × 4 that they lie in; those that are one may lie in neighbouring ones.
-    let mut boxes: BTreeMap<(i64, i64), Vec<u32>> = BTreeMap::new();
-    let size = 4.0 * same.max(f64::MIN_POSITIVE);
-    let square = |p: DVec2| ((p.x / size).floor() as i64, (p.y / size).floor() as i64);
+fn weld(cells: &[Cell], of: &[u32], outline: &[DVec2], spacing: f64) -> Columns {
+    let (places, number) = same_places(cells, SAME * spacing);
+    let near = cluster(&places, NEAR * spacing);
+    let mut made = Columns {
+        spacing,
+        ..Columns::default()
+    };
+    let mut named = vec![OUTSIDE; places.len()];
+    let mut at = 0;
     for (cell, &rod) in cells.iter().zip(of) {
         let mut corners: Vec<u32> = Vec::new();
-        // The polygon's first corner may be given again at its end.
-        for &p in &cell.corners {
-            let (x, y) = square(p);
-            let near = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (x + i, y + j)));
-            let known = near
-                .filter_map(|b| boxes.get(&b))
-                .flatten()
-                .copied()
-                .find(|&c| made.corners[c as usize].distance_squared(p) <= same * same);
-            let corner = known.unwrap_or_else(|| {
-                made.corners.push(p);
-                let new = made.corners.len() as u32 - 1;
-                boxes.entry((x, y)).or_default().push(new);
-                new
-            });
-            if corners.last() != Some(&corner) {
-                corners.push(corner);
+        for _ in &cell.corners {
+            let root = near[number[at] as usize] as usize;
+            at += 1;
+            if named[root] == OUTSIDE {
+                named[root] = made.corners.len() as u32;
+                made.corners.push(places[root]);
+            }
+            if corners.last() != Some(&named[root]) {
+                corners.push(named[root]);
             }
         }
         while corners.len() > 1 && corners.first() == corners.last() {
@@ -142,6 +204,7 @@ fn weld(cells: &[Cell], of: &[u32], outline: &[DVec2], same: f64) -> Columns {
             area: cell.area,
         });
     }
+    let same = NEAR * spacing;
     made.outer = made
         .corners
         .iter()
