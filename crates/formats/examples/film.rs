@@ -5,7 +5,9 @@
 mod common;
 
 use common::bundle::{Bend, film};
-use greenstick_formats::film::{GlbOptions, write_glb};
+use greenstick_formats::Encoded;
+use greenstick_formats::film::{GlbOptions, write_glb, write_usd};
+use greenstick_formats::usd::{self, UsdFormat};
 use greenstick_geometry::Context;
 use std::error::Error;
 use std::fs::File;
@@ -34,5 +36,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         let report = write_glb(&film, &mut motion, name, &options, &mut out, &context)?;
         println!("{name}: {:.1?}; {report:?}", start.elapsed());
     }
+    for (name, format) in [
+        ("film.usdc", UsdFormat::Usdc),
+        ("film.usdz", UsdFormat::Usdz),
+    ] {
+        let mut out = BufWriter::new(File::create(folder.join(name))?);
+        let mut motion = Bend::of(&film, frames);
+        let start = Instant::now();
+        let context = Context::quiet();
+        let (report, files) = write_usd(format, &film, &mut motion, name, &mut out, &context)?;
+        println!("{name}: {:.1?}; {report:?}", start.elapsed());
+        save(folder, files)?;
+    }
+    let mut still = common::two_cubes();
+    // What a reference names is to be there.
+    still.textures.truncate(1);
+    still.materials[0].normal_texture = None;
+    for name in ["still.usda", "still.usdc", "still.usdz"] {
+        let format = UsdFormat::of_path(Path::new(name)).ok_or("an ending of USD")?;
+        save(folder, usd::write(format, &still, name)?)?;
+    }
     Ok(())
+}
+
+fn save(folder: &Path, files: Vec<Encoded>) -> std::io::Result<()> {
+    let mut files = files.iter();
+    files.try_for_each(|f| std::fs::write(folder.join(&f.name), &f.bytes))
 }
