@@ -50,12 +50,11 @@ impl Reader<'_> {
         let mut at = 1;
         let longer = |start: usize, at: &mut usize| {
             let mut length = start;
-            while start == 15 {
+            let mut further = start == 15;
+            while further {
                 length += usize::from(packed[*at]);
+                further = packed[*at] == 255;
                 *at += 1;
-                if packed[*at - 1] < 255 {
-                    break;
-                }
             }
             length
         };

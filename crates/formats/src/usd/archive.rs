@@ -9,6 +9,9 @@ const ROOM: u16 = 0x1986;
 /// 1 January 1980, the first day that ZIP knows.
 const DAY: u16 = 0x21;
 
+/// Writes a member; gives the length and the checksum of what it wrote.
+pub type Fill<'f> = &'f mut dyn FnMut(&mut dyn Sink) -> Result<(u64, u32)>;
+
 struct Member {
     name: String,
     crc: u32,
@@ -47,12 +50,8 @@ impl<'a> Archive<'a> {
         })
     }
 
-    /// Adds a member, which `fill` writes; it gives the length and the checksum of what it wrote.
-    pub fn add(
-        &mut self,
-        name: &str,
-        fill: &mut dyn FnMut(&mut dyn Sink) -> Result<(u64, u32)>,
-    ) -> Result<()> {
+    /// Adds a member.
+    pub fn add(&mut self, name: &str, fill: Fill) -> Result<()> {
         let place = self.out.stream_position()? - self.base;
         let before = place + 30 + name.len() as u64;
         let mut room = before.next_multiple_of(ALIGNMENT) - before;

@@ -16,7 +16,7 @@ use crate::assemble::{Surfaces, check_scene};
 use crate::error::{FormatError, InFile};
 use crate::film::Sink;
 use crate::{Encoded, stem};
-use archive::Archive;
+use archive::{Archive, Fill};
 use binary::Crate;
 pub(crate) use film::write_film;
 use glam::DAffine3;
@@ -104,12 +104,7 @@ pub fn write(format: UsdFormat, scene: &Scene, name: &str) -> Result<Vec<Encoded
 }
 
 /// Writes an archive of a layer and its textures; gives its length.
-fn pack(
-    out: &mut dyn Sink,
-    main: &str,
-    fill: &mut dyn FnMut(&mut dyn Sink) -> std::io::Result<(u64, u32)>,
-    files: &[Encoded],
-) -> std::io::Result<u64> {
+fn pack(out: &mut dyn Sink, main: &str, fill: Fill, files: &[Encoded]) -> std::io::Result<u64> {
     let mut archive = Archive::new(out)?;
     archive.add(main, fill)?;
     for file in files {
