@@ -346,7 +346,8 @@ mod tests {
 
     #[test]
     fn faults_are_found() {
-        let broken: [(&str, fn(&mut Film)); 6] = [
+        type Change = fn(&mut Film);
+        let broken: [(&str, Change); 6] = [
             ("frames per second", |f| f.frames_per_second = f64::NAN),
             ("no rigid pose", |f| f.joints[1].rest.rotation.x = 3.0),
             ("bound of 1", |f| f.pieces[0].mesh.positions.truncate(1)),
