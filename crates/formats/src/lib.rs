@@ -16,6 +16,7 @@ mod polygon;
 mod stl;
 mod table;
 mod text;
+pub mod usd;
 pub mod vtk;
 
 pub use cloud::{CloudFile, CloudFormat, Content, InputFormat, read_content};

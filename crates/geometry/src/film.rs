@@ -261,17 +261,28 @@ impl Film {
     }
 
     /// The unit normals of a piece's vertices where the joints have the maps of [`Self::maps`]; empty for a mesh without
-    /// the attribute `NORMAL`. The blended turn is applied as viewers do.
+    /// the attribute `NORMAL`.
     pub fn place_normals(&self, piece: usize, maps: &[DAffine3], out: &mut Vec<DVec3>) {
-        let piece = &self.pieces[piece];
+        let attributes = &self.pieces[piece].mesh.attributes;
+        let normals = attributes.get("NORMAL").filter(|a| a.width == 3);
+        let normals = normals.map_or(&[][..], |a| a.data.as_chunks::<3>().0);
+        self.turn_directions(piece, maps, normals, out);
+    }
+
+    /// Unit vectors at a piece's vertices, given as they are at rest, where the joints have the maps of [`Self::maps`]. The
+    /// blended turn is applied, as viewers do.
+    pub fn turn_directions(
+        &self,
+        piece: usize,
+        maps: &[DAffine3],
+        at_rest: &[[f32; 3]],
+        out: &mut Vec<DVec3>,
+    ) {
+        let binding = &self.pieces[piece].binding;
         out.clear();
-        let Some(normals) = piece.mesh.attributes.get("NORMAL").filter(|a| a.width == 3) else {
-            return;
-        };
-        out.extend((0..piece.binding.vertices()).map(|v| {
-            let n = normals.at(v);
-            let n = DVec3::new(n[0].into(), n[1].into(), n[2].into());
-            let blended = piece.binding.of(v).fold(DMat3::ZERO, |sum, (j, w)| {
+        out.extend(at_rest.iter().enumerate().map(|(v, &n)| {
+            let n = DVec3::from_array(n.map(f64::from));
+            let blended = binding.of(v).fold(DMat3::ZERO, |sum, (j, w)| {
                 sum + maps[j as usize].matrix3 * w
             });
             (blended * n).normalize_or(n)
@@ -335,7 +346,8 @@ mod tests {
 
     #[test]
     fn faults_are_found() {
-        let broken: [(&str, fn(&mut Film)); 6] = [
+        type Change = fn(&mut Film);
+        let broken: [(&str, Change); 6] = [
             ("frames per second", |f| f.frames_per_second = f64::NAN),
             ("no rigid pose", |f| f.joints[1].rest.rotation.x = 3.0),
             ("bound of 1", |f| f.pieces[0].mesh.positions.truncate(1)),

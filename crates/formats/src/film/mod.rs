@@ -8,7 +8,8 @@ mod reel;
 pub(crate) use reel::Reel;
 
 use crate::error::{FormatError, InFile};
-use crate::gltf;
+use crate::usd::{self, UsdFormat};
+use crate::{Encoded, gltf};
 use greenstick_geometry::{Cancelled, Context, Film, Motion};
 use std::error::Error;
 use std::io::{Seek, Write};
@@ -130,6 +131,26 @@ pub fn write_glb<M: Motion, W: Write + Seek>(
 ) -> Result<FilmReport, FilmError> {
     let mut reel = Reel::new(film, motion, name)?;
     gltf::write_film(film, &mut reel, options, out, context)
+}
+
+/// Writes a `.usdc` or `.usdz` with points, normals and extents over time, from where `out` stands; gives the files of the
+/// textures too, where they are not in it. Exact but for the 32 bits of its numbers.
+///
+/// Pieces that follow one joint alone, and bodies, are meshes that move as a whole. What is said of pieces is in
+/// properties named `userProperties:…`. `name` is the file's name, after which the textures and the stage are named.
+///
+/// # Errors
+/// As [`write_glb`]; [`FilmError::Format`] for [`UsdFormat::Usda`], which is for stills.
+pub fn write_usd<M: Motion, W: Write + Seek>(
+    format: UsdFormat,
+    film: &Film,
+    motion: &mut M,
+    name: &str,
+    out: &mut W,
+    context: &Context,
+) -> Result<(FilmReport, Vec<Encoded>), FilmError> {
+    let mut reel = Reel::new(film, motion, name)?;
+    usd::write_film(format, film, &mut reel, out, context)
 }
 
 /// Refuses films that break their own rules, so that writers can index freely.

@@ -18,4 +18,5 @@ mod write_material;
 
 pub(crate) use film::write_film;
 pub(crate) use read::read;
+pub(crate) use vertices::attributes as ready_attributes;
 pub(crate) use write::write;

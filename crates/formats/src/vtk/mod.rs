@@ -1,12 +1,17 @@
-//! VTK's XML files, for ParaView: image data (`.vti`), points (`.vtp`) and lists of files (`.vtm`).
+//! VTK's XML files, for ParaView: image data (`.vti`), points and lines (`.vtp`), lists of files (`.vtm`) and of files over
+//! time (`.pvd`).
 //!
 //! Arrays are appended raw and compressed with zlib in blocks (*VTK File Formats*, "XML file formats"), 64-bit headers.
 
 mod image;
+mod lines;
 mod points;
 
 pub use image::{Image, ImageArray, ImageNumber, compress, write_image, write_multiblock};
+pub use lines::{Field, Polylines, collection, lines};
 pub(crate) use points::write_points;
+
+use greenstick_geometry::Values;
 
 /// Uncompressed bytes of a block of an array that is compressed here.
 const BLOCK: usize = 1 << 18;
@@ -56,6 +61,40 @@ impl<'a> Appended<'a> {
         }
         bytes.extend_from_slice(AFTER.as_bytes());
         bytes
+    }
+}
+
+/// An array in compressed blocks.
+struct Packed {
+    blocks: Vec<Vec<u8>>,
+    last: usize,
+}
+
+impl Packed {
+    fn of(bytes: &[u8]) -> Self {
+        Packed {
+            blocks: bytes.chunks(BLOCK).map(compress).collect(),
+            last: match bytes.len() % BLOCK {
+                0 => BLOCK,
+                rest => rest,
+            },
+        }
+    }
+}
+
+/// Adds an array: its entry, a line of the text, and its numbers.
+fn add<'a>(text: &mut String, appended: &mut Appended<'a>, entry: &str, packed: &'a Packed) {
+    let blocks = packed.blocks.iter().map(Vec::as_slice).collect();
+    let offset = appended.push(blocks, BLOCK, packed.last);
+    *text += &format!("        <DataArray {entry} format=\"appended\" offset=\"{offset}\"/>\n");
+}
+
+/// VTK's name of a type of numbers, and the numbers as bytes.
+fn bytes_of(values: &Values) -> (&'static str, Vec<u8>) {
+    match values {
+        Values::U8(v) => ("UInt8", v.clone()),
+        Values::U32(v) => ("UInt32", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
+        Values::F64(v) => ("Float64", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
     }
 }
 

@@ -1,27 +1,9 @@
 //! Points with data: every row of a table a vertex, every other column an array.
 
-use super::{Appended, BLOCK, compress, escaped, opening};
+use super::{Appended, Packed, add, bytes_of, escaped, opening};
 use crate::error::{FormatError, InFile};
 use crate::table::places;
-use greenstick_geometry::{Table, Values};
-
-/// An array in compressed blocks.
-struct Packed {
-    blocks: Vec<Vec<u8>>,
-    last: usize,
-}
-
-impl Packed {
-    fn of(bytes: &[u8]) -> Self {
-        Packed {
-            blocks: bytes.chunks(BLOCK).map(compress).collect(),
-            last: match bytes.len() % BLOCK {
-                0 => BLOCK,
-                rest => rest,
-            },
-        }
-    }
-}
+use greenstick_geometry::Table;
 
 pub(crate) fn write_points(table: &Table, file: InFile) -> Result<Vec<u8>, FormatError> {
     let [x, y, z] = places(table, file)?;
@@ -31,11 +13,7 @@ pub(crate) fn write_points(table: &Table, file: InFile) -> Result<Vec<u8>, Forma
         if matches!(column.name.as_str(), "x" | "y" | "z") {
             continue;
         }
-        let (kind, bytes) = match &column.values {
-            Values::U8(v) => ("UInt8", v.clone()),
-            Values::U32(v) => ("UInt32", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
-            Values::F64(v) => ("Float64", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
-        };
+        let (kind, bytes) = bytes_of(&column.values);
         let entry = format!("type=\"{kind}\" Name=\"{}\"", escaped(&column.heading()));
         arrays.push((entry, Packed::of(&bytes)));
     }
@@ -79,10 +57,4 @@ pub(crate) fn write_points(table: &Table, file: InFile) -> Result<Vec<u8>, Forma
     );
     text += "      </Verts>\n    </Piece>\n  </PolyData>\n";
     Ok(appended.finish(text))
-}
-
-fn add<'a>(text: &mut String, appended: &mut Appended<'a>, entry: &str, packed: &'a Packed) {
-    let blocks = packed.blocks.iter().map(Vec::as_slice).collect();
-    let offset = appended.push(blocks, BLOCK, packed.last);
-    *text += &format!("        <DataArray {entry} format=\"appended\" offset=\"{offset}\"/>\n");
 }

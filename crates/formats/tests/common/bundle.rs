@@ -216,7 +216,7 @@ impl Motion for Bend {
                 Some(1) => (DQuat::IDENTITY, rest.translation + DVec3::X * -0.1 * t),
                 Some(_) => (DQuat::IDENTITY, rest.translation),
             };
-            let sign = if frame % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if frame.is_multiple_of(2) { 1.0 } else { -1.0 };
             *pose = Pose {
                 translation: place,
                 rotation: turn * rest.rotation * sign,

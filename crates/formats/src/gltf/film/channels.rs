@@ -152,7 +152,7 @@ impl Plan {
         }
         builder.push(
             "animations",
-            json!({ "name": "break", "channels": channels, "samplers": samplers }),
+            json!({ "name": "film", "channels": channels, "samplers": samplers }),
         );
     }
 
