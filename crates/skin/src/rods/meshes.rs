@@ -65,7 +65,13 @@ pub fn rod_skin(
             right: "from 1 to 1000",
         });
     }
-    let section = columns(wood.cells, wood.outline, options.fibres, options.seed);
+    let section = columns(
+        wood.cells,
+        wood.outline,
+        &wood.bonded(),
+        options.fibres,
+        options.seed,
+    );
     let joints = Joints::new(wood, parting);
     let mut complex = Complex::new(wood, &section, parting, options)?;
     let mut faces = open_faces(wood, &mut complex, parting, &joints, options);
@@ -73,7 +79,7 @@ pub fn rod_skin(
     put(&mut faces, wood, section.spacing);
     let pieces = parting.pieces(wood);
     let slabs = complex.slabs();
-    let mut of_piece: Vec<(Vec<u32>, Vec<(u32, Part)>)> = vec![Default::default(); pieces.count];
+    let mut of_piece = vec![(Vec::new(), Vec::new()); pieces.count];
     for (t, triangle) in faces.triangles.iter().enumerate() {
         let prism = triangle.prism as usize;
         let piece = pieces.of(section.columns[prism / slabs].rod, complex.parts[prism]);
@@ -85,10 +91,10 @@ pub fn rod_skin(
             of_piece[pieces.of(part.0, part.1) as usize].1.push(part);
         }
     }
-    let mut all: Vec<(Skinned, Vec<(u32, Part)>, f64)> = of_piece
+    let mut all: Vec<_> = of_piece
         .into_iter()
         .filter(|(triangles, _)| !triangles.is_empty())
-        .map(|(triangles, parts)| {
+        .map(|(triangles, parts): (Vec<u32>, Vec<(u32, Part)>)| {
             let made = mesh(wood, &faces, &triangles, materials);
             let volume = made.mesh.volume();
             (made, parts, volume)

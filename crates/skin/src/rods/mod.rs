@@ -22,7 +22,7 @@ mod section;
 pub use joints::{Joints, frame_poses};
 pub use meshes::{Materials, RodSkin, Square, rod_skin};
 pub use parting::{Break, Part, Parting, Pieces};
-pub use section::{Column, Columns, columns};
+pub use section::{Bonded, Column, Columns, columns};
 
 use glam::{DAffine3, DVec2};
 use greenstick_fibre::bundle::Bundle;
@@ -60,6 +60,16 @@ impl Wood<'_> {
             rod_of[self.bundle.rod(rod)].fill(rod as u32);
         }
         rod_of
+    }
+
+    /// The pairs of rods that are bonded.
+    pub fn bonded(&self) -> Bonded {
+        let rod_of = self.rods_of_vertices();
+        let bonds = self.bundle.bonds.vertex.iter().zip(&self.bundle.bonds.edge);
+        bonds
+            .map(|(&v, &e)| (rod_of[v as usize], rod_of[e as usize]))
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect()
     }
 }
 

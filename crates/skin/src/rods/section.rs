@@ -8,7 +8,7 @@ use glam::DVec2;
 use greenstick_fibre::placement::cells::{Cell, cells};
 use greenstick_fibre::placement::points::poisson_disk;
 use greenstick_geometry::Unions;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The side of a column that lies on the outline.
 pub const OUTSIDE: u32 = u32::MAX;
@@ -50,9 +50,19 @@ const SETTLING: usize = 2;
 /// Poisson disk samples at distance d lie this dense: n d² over the area.
 const DENSITY: f64 = 0.7;
 
+/// Pairs of rods with bonds between them, the smaller number first.
+pub type Bonded = BTreeSet<(u32, u32)>;
+
 /// Parts the section with the rods' `cells` and the `outline` (m, counter-clockwise, not closed) into about `fibres`
-/// columns a rod; 1 gives the cells themselves.
-pub fn columns(rods: &[Cell], outline: &[DVec2], fibres: u32, seed: u64) -> Columns {
+/// columns a rod; 1 gives the cells themselves. Columns are given to rods so that neighbours are `bonded` where that can
+/// be had.
+pub fn columns(
+    rods: &[Cell],
+    outline: &[DVec2],
+    bonded: &Bonded,
+    fibres: u32,
+    seed: u64,
+) -> Columns {
     let centres: Vec<DVec2> = rods.iter().map(|c| c.centroid).collect();
     let area: f64 = rods.iter().map(|c| c.area).sum();
     let (found, of) = if fibres <= 1 || rods.is_empty() {
@@ -84,7 +94,48 @@ pub fn columns(rods: &[Cell], outline: &[DVec2], fibres: u32, seed: u64) -> Colu
         (found, of)
     };
     let spacing = (area / found.len().max(1) as f64).sqrt();
-    weld(&found, &of, outline, spacing)
+    let mut made = weld(&found, &of, outline, spacing);
+    made.hand_over(bonded, rods.len());
+    made
+}
+
+/// Rounds in which columns between rods that were never bonded are given to others.
+const ROUNDS: usize = 8;
+
+impl Columns {
+    /// Where columns of two rods meet that were never bonded, because the border between rods follows their columns,
+    /// gives one of the columns to a rod beside it that is bonded with more of its neighbours.
+    fn hand_over(&mut self, bonded: &Bonded, rods: usize) {
+        let mut left = vec![0u32; rods];
+        self.columns.iter().for_each(|c| left[c.rod as usize] += 1);
+        for _ in 0..ROUNDS {
+            let mut changed = false;
+            for a in 0..self.columns.len() {
+                let beside: Vec<u32> = (self.columns[a].beyond.iter())
+                    .filter_map(|&b| self.columns.get(b as usize))
+                    .map(|c| c.rod)
+                    .collect();
+                let strange = |rod: u32| {
+                    let apart = |&o: &u32| o != rod && !bonded.contains(&(o.min(rod), o.max(rod)));
+                    beside.iter().copied().filter(apart).count()
+                };
+                let own = self.columns[a].rod;
+                let (now, best) = (strange(own), beside.iter().map(|&r| (strange(r), r)).min());
+                if let Some((fewer, rod)) = best
+                    && fewer < now
+                    && left[own as usize] > 1
+                {
+                    left[own as usize] -= 1;
+                    left[rod as usize] += 1;
+                    self.columns[a].rod = rod;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
 }
 
 /// The different places of all cells' corners, those nearer than `same` (m) being one, and the number of each corner's.
