@@ -1,5 +1,6 @@
-//! Converts a mesh file: `convert INPUT OUTPUT [UNIT]`, where UNIT is mm, cm or m, in both files.
+//! Converts a mesh file: `convert INPUT OUTPUT [UNIT]`, where UNIT is mm, cm or m, in both files; OUTPUT may be USD too.
 
+use greenstick_formats::usd::{self, UsdFormat};
 use greenstick_formats::{Format, LengthUnit, read, write};
 use std::error::Error;
 use std::path::Path;
@@ -34,12 +35,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = read(format_of(input)?, &bytes, &name_of(input), unit, &resolve)?;
     let reading = start.elapsed();
     let start = Instant::now();
-    let files = write(
-        format_of(output)?,
-        &scene,
-        &name_of(output),
-        unit.unwrap_or_default(),
-    )?;
+    let files = match UsdFormat::of_path(output) {
+        Some(format) => usd::write(format, &scene, &name_of(output))?,
+        None => write(
+            format_of(output)?,
+            &scene,
+            &name_of(output),
+            unit.unwrap_or_default(),
+        )?,
+    };
     let writing = start.elapsed();
     for file in files {
         std::fs::write(folder(output).join(file.name), file.bytes)?;

@@ -303,6 +303,46 @@ fn the_error_that_is_stated_is_the_error_that_is_there() {
 }
 
 #[test]
+fn joints_that_move_as_one_need_one() {
+    /// Two groups of joints, each of which moves as a rigid body.
+    struct Groups(Film);
+    impl Motion for Groups {
+        type Error = std::convert::Infallible;
+        fn frames(&self) -> usize {
+            9
+        }
+        fn time(&self, frame: usize) -> f64 {
+            frame as f64
+        }
+        fn poses(&mut self, frame: usize, poses: &mut [Pose]) -> Result<(), Self::Error> {
+            for (k, (pose, joint)) in poses.iter_mut().zip(&self.0.joints).enumerate() {
+                let side = if k < 17 { 0.3 } else { -0.2 };
+                let turn = DQuat::from_rotation_x(side * frame as f64);
+                *pose = Pose {
+                    translation: turn * joint.rest.translation + DVec3::X * side,
+                    rotation: turn * joint.rest.rotation,
+                };
+            }
+            Ok(())
+        }
+    }
+    let film = film(30, 40, 5);
+    for (most, exact) in [(2, true), (1, false)] {
+        let options = GlbOptions {
+            max_joints: Some(most),
+            ..GlbOptions::default()
+        };
+        let mut out = Cursor::new(Vec::new());
+        let mut motion = Groups(film.clone());
+        let context = Context::quiet();
+        let report = write_glb(&film, &mut motion, "x", &options, &mut out, &context).unwrap();
+        assert_eq!(report.reductions[0].joints, [30, most]);
+        // Weights are rounded to 32 bits.
+        assert_eq!(report.error() < 1e-6, exact, "{}", report.error());
+    }
+}
+
+#[test]
 fn long_films_are_written_block_by_block() {
     // More poses than a block holds.
     let film = film(700, 20, 3);

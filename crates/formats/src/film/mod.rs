@@ -52,8 +52,8 @@ impl<T: Write + Seek> Sink for T {}
 /// How to write a glTF film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GlbOptions {
-    /// Most joints of a skin; `None` for as many as there are. Skins with more lose those whose motion another joint
-    /// has most nearly.
+    /// Most joints of a skin; `None` for as many as there are. In skins with more those that move least in their own way
+    /// go, and what followed them follows a blend of two others.
     pub max_joints: Option<usize>,
     /// Most joints that a vertex follows, 1 to 8. Many viewers know no more than 4.
     pub max_influences: usize,

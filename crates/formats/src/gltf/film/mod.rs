@@ -2,6 +2,7 @@
 //! does it. The frames are walked through twice, or three times where joints have to be merged.
 
 mod channels;
+mod merge;
 mod skin;
 
 use super::write::{Builder, write_mesh, write_nodes};

@@ -1,5 +1,6 @@
 //! Which joints the vertices of a piece follow in the file: at most so many in a skin and for a vertex (§3.7.3.3).
 
+use super::merge::{Shares, merge};
 use crate::film::Reduction;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Film, Skinned};
@@ -51,12 +52,13 @@ pub struct Limits {
 pub fn bind(film: &Film, number: usize, limits: Limits, samples: &[Vec<DAffine3>]) -> Bound {
     let piece = &film.pieces[number];
     let used = piece.binding.used();
-    let stands_for = if used.len() > limits.joints {
+    let stands_for: Vec<Shares> = if used.len() > limits.joints {
         merge(piece, &used, limits.joints, samples)
     } else {
-        (0..used.len()).collect()
+        (0..used.len()).map(|k| [(k, 1.0), (k, 0.0)]).collect()
     };
-    let mut kept: Vec<usize> = stands_for.clone();
+    let shares = stands_for.iter().flatten();
+    let mut kept: Vec<usize> = shares.filter(|s| s.1 > 0.0).map(|s| s.0).collect();
     kept.sort_unstable();
     kept.dedup();
     let mut slot_of = vec![0_u16; used.len()];
@@ -84,7 +86,7 @@ pub fn bind(film: &Film, number: usize, limits: Limits, samples: &[Vec<DAffine3>
 fn entries(
     piece: &Skinned,
     used: &[u32],
-    stands_for: &[usize],
+    stands_for: &[Shares],
     slot_of: &[u16],
     most: usize,
 ) -> (Skin, usize) {
@@ -103,10 +105,12 @@ fn entries(
             let Ok(k) = used.binary_search(&joint) else {
                 continue;
             };
-            let slot = slot_of[stands_for[k]];
-            match own.iter_mut().find(|e| e.0 == slot) {
-                Some(entry) => entry.1 += weight,
-                None => own.push((slot, weight)),
+            for (other, share) in stands_for[k].into_iter().filter(|s| s.1 > 0.0) {
+                let slot = slot_of[other];
+                match own.iter_mut().find(|e| e.0 == slot) {
+                    Some(entry) => entry.1 += weight * share,
+                    None => own.push((slot, weight * share)),
+                }
             }
         }
         own.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
@@ -132,92 +136,6 @@ fn entries(
         skin.starts.push(skin.weights.len() as u32);
     }
     (skin, capped)
-}
-
-/// For each joint in `used` the one that stands for it, so that `most` are left: the joints that differ most from those
-/// chosen before are chosen one by one (Gonzalez 1985, "Clustering to minimize the maximum intercluster distance", at
-/// most twice the least possible), each other one follows the nearest.
-fn merge(piece: &Skinned, used: &[u32], most: usize, samples: &[Vec<DAffine3>]) -> Vec<usize> {
-    let probes = probes(piece, used);
-    // How far the vertices of k would move if they followed j.
-    let distance = |k: usize, j: usize| {
-        let (own, other) = (used[k] as usize, used[j] as usize);
-        let away = samples.iter().flat_map(|maps| {
-            let (own, other) = (maps[own], maps[other]);
-            probes[k]
-                .points
-                .map(|p| own.transform_point3(p).distance(other.transform_point3(p)))
-        });
-        probes[k].weight * away.fold(0.0, f64::max)
-    };
-    let first = (0..used.len())
-        .rev()
-        .max_by(|&a, &b| probes[a].total.total_cmp(&probes[b].total))
-        .unwrap_or(0);
-    let mut stands_for = vec![first; used.len()];
-    let mut away: Vec<f64> = (0..used.len()).map(|k| distance(k, first)).collect();
-    for _ in 1..most {
-        let farthest = (0..used.len())
-            .rev()
-            .max_by(|&a, &b| away[a].total_cmp(&away[b]))
-            .unwrap_or(0);
-        if away[farthest] == 0.0 {
-            break;
-        }
-        for k in 0..used.len() {
-            let d = if k == farthest {
-                0.0
-            } else {
-                distance(k, farthest)
-            };
-            if d < away[k] {
-                (away[k], stands_for[k]) = (d, farthest);
-            }
-        }
-    }
-    stands_for
-}
-
-/// Where a joint has its say.
-#[derive(Clone, Copy, Default)]
-struct Probe {
-    /// The middle of its vertices, and points beside it as far as they are wide: four points tell a map.
-    points: [DVec3; 4],
-    /// Its largest weight in a vertex.
-    weight: f64,
-    /// Its weights in all.
-    total: f64,
-}
-
-fn probes(piece: &Skinned, used: &[u32]) -> Vec<Probe> {
-    let mut probes = vec![Probe::default(); used.len()];
-    let mut squares = vec![0.0; used.len()];
-    let entries = |v: usize| {
-        let known = move |(j, w): (u32, f64)| Some((used.binary_search(&j).ok()?, w));
-        piece.binding.of(v).filter_map(known)
-    };
-    for (v, &p) in piece.mesh.positions.iter().enumerate() {
-        for (k, w) in entries(v) {
-            probes[k].points[0] += p * w;
-            probes[k].total += w;
-            probes[k].weight = probes[k].weight.max(w);
-        }
-    }
-    for probe in &mut probes {
-        probe.points = [probe.points[0] / probe.total; 4];
-    }
-    for (v, &p) in piece.mesh.positions.iter().enumerate() {
-        for (k, w) in entries(v) {
-            squares[k] += w * p.distance_squared(probes[k].points[0]);
-        }
-    }
-    for (probe, square) in probes.iter_mut().zip(squares) {
-        let radius: f64 = f64::sqrt(square / probe.total);
-        for (point, axis) in probe.points[1..].iter_mut().zip(DVec3::AXES) {
-            *point += axis * radius;
-        }
-    }
-    probes
 }
 
 /// Compares what is written with what should be, in a frame with these maps; where it is worse than before, the reduction
