@@ -6,19 +6,22 @@ use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
-use greenstick::formats::LengthUnit;
-use greenstick::formats::film::{FilmReport, GlbOptions, write_glb};
+use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
+use greenstick::formats::usd::UsdFormat;
+use greenstick::formats::{Encoded, LengthUnit};
+use greenstick::geometry::Scene;
 use greenstick::simulate::Origin;
 use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
     #[serde(flatten)]
-    skin: &'a SkinReport,
+    skin: Option<&'a SkinReport>,
     film: Option<FilmPart>,
     files: &'a [(String, usize)],
     stages: &'a [Stage],
@@ -57,14 +60,14 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
             largest_error_m: f.error(),
         });
         let full = FullReport {
-            skin: &skin,
+            skin: skin.as_ref(),
             film,
             files: &files,
             stages: &stages,
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
-        words(&skin, film.as_ref(), &files, &stages)
+        words(skin.as_ref(), film.as_ref(), &files, &stages)
     };
     if !options.quiet || options.json {
         print(&text)?;
@@ -104,7 +107,8 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
     }
 }
 
-type Made = (SkinReport, Option<FilmReport>, Vec<(String, usize)>);
+/// The skin, the film's file, and the files with their sizes in bytes.
+type Made = (Option<SkinReport>, Option<FilmReport>, Vec<(String, usize)>);
 
 fn still(
     mut run: Run,
@@ -136,28 +140,36 @@ fn still(
     progress.stage("write")?;
     if let Some(path) = &options.output {
         let unit = options.unit.map_or(LengthUnit::Metre, LengthUnit::from);
-        outputs.extend(files::encode(&still.scene, path, unit)?);
+        outputs.extend(match UsdFormat::of_path(path) {
+            Some(format) => encode_usd(format, &still.scene, path)?,
+            None => files::encode(&still.scene, path, unit)?,
+        });
     }
     files::write_all(&outputs)?;
     let files = outputs
         .iter()
         .map(|o| (o.path.display().to_string(), o.bytes.len()));
-    Ok((still.report, None, files.collect()))
+    Ok((Some(still.report), None, files.collect()))
 }
 
 fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
     let Some(path) = &options.output else {
         return Err(Failure::request("no file is named for the film").hint("such as -o film.glb"));
     };
-    if !is_glb(path) {
-        return Err(
-            Failure::request(format!("{}: a film is written as .glb", path.display()))
-                .hint("a single frame, as --frame 10, can be written in every mesh format"),
-        );
+    let ending = ending(path);
+    let usd = UsdFormat::of_path(path).filter(|&f| f != UsdFormat::Usda);
+    if usd.is_none() && ending != "glb" && ending != "pvd" {
+        return Err(Failure::request(format!(
+            "{}: a film is written as .glb, .usdc, .usdz or, for ParaView, .pvd",
+            path.display()
+        ))
+        .hint("a single frame, as --frame 10, can be written in every mesh format"));
     }
     let how = film_options(options, &run);
-    let count = run.frames();
-    let (from, to) = options.frames.unwrap_or((0, count));
+    let (from, to) = options.frames.unwrap_or((0, run.frames()));
+    if ending == "pvd" {
+        return series(run, from..to, path, progress);
+    }
     let mut made = progress
         .watch(|context| run.film(from..to, &how, context))
         .map_err(failure)?;
@@ -169,27 +181,80 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
     let name = path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let written = progress
+    let (film, motion) = (&made.film, &mut made.motion);
+    let (written, beside) = progress
         .watch(|context| {
-            files::write_streamed(path, |file| -> Result<FilmReport, FilmError> {
-                Ok(write_glb(
-                    &made.film,
-                    &mut made.motion,
-                    &name,
-                    &glb,
-                    file,
-                    context,
-                )?)
+            files::write_streamed(path, |file| -> Result<_, FilmError> {
+                Ok(match usd {
+                    Some(format) => write_usd(format, film, motion, &name, file, context)?,
+                    None => (
+                        write_glb(film, motion, &name, &glb, file, context)?,
+                        Vec::new(),
+                    ),
+                })
             })
         })
         .map_err(failure)?;
-    let files = vec![(path.display().to_string(), written.bytes as usize)];
-    Ok((made.report, Some(written), files))
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside: Vec<Output> = beside.into_iter().map(|f| in_folder(folder, f)).collect();
+    files::write_all(&beside)?;
+    let mut files = vec![(path.display().to_string(), written.bytes as usize)];
+    files.extend(
+        beside
+            .iter()
+            .map(|o| (o.path.display().to_string(), o.bytes.len())),
+    );
+    Ok((Some(made.report), Some(written), files))
 }
 
-fn is_glb(path: &Path) -> bool {
+fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Output>, Failure> {
+    let name = path
+        .file_name()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let files = greenstick::formats::usd::write(format, scene, &name).map_err(Failure::work)?;
+    Ok(files.into_iter().map(|f| in_folder(folder, f)).collect())
+}
+
+/// Rods and bonds as a series of VTK files beside `path`.
+fn series(
+    mut run: Run,
+    range: Range<usize>,
+    path: &Path,
+    progress: &Progress,
+) -> Result<Made, Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let name = path
+        .file_stem()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let mut bytes = 0;
+    let count = progress
+        .watch(|context| {
+            let put = |file: Encoded| {
+                bytes += file.bytes.len();
+                Ok(files::write_all(&[in_folder(folder, file)])?)
+            };
+            run.series(range, &name, put, context)
+        })
+        .map_err(failure)?;
+    let told = format!(
+        "{} with the {} files that it lists",
+        path.display(),
+        count - 1
+    );
+    Ok((None, None, vec![(told, bytes)]))
+}
+
+fn in_folder(folder: &Path, file: Encoded) -> Output {
+    Output {
+        path: folder.join(file.name),
+        bytes: file.bytes,
+    }
+}
+
+fn ending(path: &Path) -> String {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    ending.as_deref() == Some("glb")
+    ending.unwrap_or_default()
 }
 
 fn failure(error: FilmError) -> Failure {
@@ -207,12 +272,12 @@ fn failure(error: FilmError) -> Failure {
 }
 
 fn words(
-    skin: &SkinReport,
+    skin: Option<&SkinReport>,
     film: Option<&FilmReport>,
     files: &[(String, usize)],
     stages: &[Stage],
 ) -> String {
-    let mut text = skin.to_string();
+    let mut text = skin.map_or_else(String::new, ToString::to_string);
     if let Some(film) = film {
         let _ = writeln!(
             text,

@@ -17,17 +17,25 @@ const AROUND: u32 = 192;
 
 /// The built-in branch as a scene.
 pub fn built_in_branch() -> Scene {
-    let options = BranchOptions::default();
+    branch(&BranchOptions::default())
+}
+
+/// A branch like the built-in one, of other dimensions.
+pub(crate) fn branch(options: &BranchOptions) -> Scene {
     let turns = options.length / (0.5 * TAU * options.diameter);
     let node = Node {
         name: "branch".into(),
         transform: DAffine3::IDENTITY,
-        mesh: primitive::branch(&options),
+        mesh: primitive::branch(options),
         parent: None,
     };
-    // It is the same for all branches, and takes longer than the rest.
+    // It takes longer than the rest, and most branches are the built-in one.
     static BAKED: OnceLock<Vec<u8>> = OnceLock::new();
-    let png = BAKED.get_or_init(|| bake(&options, turns)).clone();
+    let png = if *options == BranchOptions::default() {
+        BAKED.get_or_init(|| bake(options, turns)).clone()
+    } else {
+        bake(options, turns)
+    };
     let bark = Material {
         name: OWN_BARK.into(),
         base_color: [FACTOR[0], FACTOR[1], FACTOR[2], 1.0],

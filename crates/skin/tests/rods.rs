@@ -60,6 +60,7 @@ fn wood(grown: &Grown) -> Wood<'_> {
 const MATERIALS: Materials = Materials {
     inner: 0,
     bark: 1,
+    own: 2,
     square: Square {
         middle: DVec2::ZERO,
         side: 0.1,

@@ -7,13 +7,14 @@ mod error;
 mod motion;
 mod pieces;
 mod report;
+mod series;
 
 pub use error::FilmError;
 pub use motion::RunMotion;
 use pieces::Following;
 pub use report::{FilmPiece, SkinReport};
 
-use crate::breaking::inner_wood;
+use crate::breaking::{inner_wood, part_of};
 use crate::looks::{Looks, looks};
 use crate::rods::{bodies, body_material};
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
@@ -152,12 +153,9 @@ impl Run {
         };
         let looks = looks(&grown.stem, &parameters, species, BARK);
         let (node, shell) = &grown.shell;
-        let whole = &grown.meshes[*node];
-        let bark = Mesh {
-            positions: whole.positions.clone(),
-            triangles: shell.iter().map(|&t| whole.triangles[t as usize]).collect(),
-            ..Mesh::default()
-        };
+        let node = &grown.scene.nodes[*node];
+        let shell = shell.iter().map(|&t| t as usize);
+        let bark = part_of(&node.mesh, shell).transformed(&node.transform);
         let tree = Bvh::of_triangles(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
@@ -230,6 +228,7 @@ impl Run {
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
             bark: u32::from(!board) * BARK_MATERIAL,
+            own: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
@@ -259,6 +258,29 @@ impl Run {
         }
         out.materials.push(crate::branch::bark_material());
         out.materials.push(body_material());
+        // Those of the input behind ours.
+        let input = &self.grown.scene;
+        let (textures, images) = (out.textures.len(), out.images.len());
+        out.images.extend(input.images.iter().cloned());
+        out.textures.extend(input.textures.iter().map(|texture| {
+            let mut texture = texture.clone();
+            texture.image = texture.image.map(|i| i + images);
+            texture.alternatives.iter_mut().for_each(|a| a.1 += images);
+            texture
+        }));
+        out.materials.extend(input.materials.iter().map(|material| {
+            let mut material = material.clone();
+            for reference in [
+                &mut material.base_color_texture,
+                &mut material.metallic_roughness_texture,
+                &mut material.normal_texture,
+                &mut material.occlusion_texture,
+                &mut material.emissive_texture,
+            ] {
+                reference.iter_mut().for_each(|r| r.texture += textures);
+            }
+            material
+        }));
         Ok(out)
     }
 
@@ -288,6 +310,8 @@ impl Run {
             film.place_normals(piece, &maps, &mut normals);
             let mut mesh = film.pieces[piece].mesh.clone();
             mesh.positions = placed.clone();
+            // Tangents would have to be turned too; viewers make their own from normals and texture coordinates.
+            mesh.attributes.remove("TANGENT");
             if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
                 attribute.data = normals
                     .iter()
@@ -428,6 +452,7 @@ impl Run {
 const INNER_MATERIAL: u32 = 0;
 const BARK_MATERIAL: u32 = 1;
 const BODY_MATERIAL: u32 = 2;
+const OWN_MATERIALS: u32 = 3;
 
 fn turned(pose: Pose, by: DQuat) -> Pose {
     Pose {

@@ -10,36 +10,42 @@ use greenstick_fibre::scene::{
     ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
 };
 use greenstick_fibre::store::checksum;
-use greenstick_geometry::{Context, Mesh, Scene};
+use greenstick_geometry::{Context, Scene};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Place, Stem, StemOptions, find};
 
-/// The mesh of the scene's stem in the world, m, and where on it.
-fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Vec<Mesh>, Place), SimulateError> {
+/// The scene of the scene's stem, m, and where on it.
+fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), SimulateError> {
     let stem = &setting.stem;
     let mesh = match stem.kind {
-        StemWord::Branch => primitive::branch(&BranchOptions {
-            length: stem.length.0,
-            diameter: stem.diameter.0,
-            ..BranchOptions::default()
-        }),
+        StemWord::Branch => {
+            let options = BranchOptions {
+                length: stem.length.0,
+                diameter: stem.diameter.0,
+                ..BranchOptions::default()
+            };
+            return Ok((crate::branch::branch(&options), Place::parse("0.5", 1.0)?));
+        }
         StemWord::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
         StemWord::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
         StemWord::Input => {
             let scene = input.ok_or(SimulateError::NoInput)?;
-            let world = scene.nodes.iter().map(|n| Mesh {
-                positions: (n.mesh.positions.iter())
-                    .map(|&p| n.transform.transform_point3(p))
-                    .collect(),
-                triangles: n.mesh.triangles.clone(),
-                ..Mesh::default()
-            });
-            return Ok((world.collect(), Place::parse(&stem.at, 1.0)?));
+            return Ok((scene.clone(), Place::parse(&stem.at, 1.0)?));
         }
     };
-    Ok((vec![mesh], Place::parse("0.5", 1.0)?))
+    let node = greenstick_geometry::Node {
+        name: "stem".into(),
+        transform: DAffine3::IDENTITY,
+        mesh,
+        parent: None,
+    };
+    let scene = Scene {
+        nodes: vec![node],
+        ..Scene::default()
+    };
+    Ok((scene, Place::parse("0.5", 1.0)?))
 }
 
 /// The wood of a scene: a stem filled with rods, before it is laid into the scene.
@@ -47,9 +53,9 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Vec<Mesh>, Place)
 pub struct Grown {
     /// The stem.
     pub stem: Stem,
-    /// What the stem was found in, and which triangles of which mesh are its shell.
-    pub meshes: Vec<Mesh>,
-    /// Index of the mesh that the stem is part of, and its triangles.
+    /// What the stem was found in.
+    pub scene: Scene,
+    /// Index of the node that the stem is part of, and its triangles.
     pub shell: (usize, Vec<u32>),
     /// The rods.
     pub placed: Placed,
@@ -69,8 +75,13 @@ pub fn grow(
     setting.check()?;
     let wood = wood(setting)?;
     context.step("stem", 0.0)?;
-    let (meshes, at) = meshes(setting, input)?;
-    let found = find(&meshes, &at, &StemOptions::default(), context)?;
+    let (scene, at) = meshes(setting, input)?;
+    let found = find(
+        &crate::prepare::in_world(&scene),
+        &at,
+        &StemOptions::default(),
+        context,
+    )?;
     let (from, to) = found.stem.usable;
     let part = setting.stem.part.map(|p| from + p * (to - from));
     context.step("rods", 0.0)?;
@@ -78,7 +89,7 @@ pub fn grow(
     Ok(Grown {
         stem: found.stem,
         shell: (found.node, found.shell),
-        meshes,
+        scene,
         placed,
         wood,
     })

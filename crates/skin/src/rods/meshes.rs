@@ -1,5 +1,6 @@
 //! The open faces as meshes, one for each piece, with normals, texture coordinates, materials and the wood's address.
 
+use super::bark::Bark;
 use super::complex::Complex;
 use super::faces::{Faces, Shows, Triangle, open_faces, put};
 use super::joints::Joints;
@@ -10,6 +11,7 @@ use super::{RodSkinError, RodSkinOptions, Wood};
 use crate::face::side_grain;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::film::Extra;
+use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Binding, Mesh, Skinned};
 use rustc_hash::FxHashMap;
 
@@ -29,6 +31,8 @@ pub struct Materials<'a> {
     pub inner: u32,
     /// Material of bark that has none of its own.
     pub bark: u32,
+    /// What is added to the materials of the bark's mesh.
+    pub own: u32,
     /// The wood's texture.
     pub square: Square,
     /// Code of the tissue zone at a ring coordinate.
@@ -133,6 +137,8 @@ struct Key {
     vertex: u32,
     smooth: u32,
     end: bool,
+    /// Bits of the texture coordinates of bark.
+    coordinates: [u64; 2],
 }
 
 /// Faces of the outside are smooth together, those of the ends are; every tip is flat.
@@ -151,14 +157,13 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
         Vec::<f32>::new(),
     );
     let rings = &wood.stem.rings;
+    let own = Bark::of(wood);
+    let mut colors: Vec<f32> = Vec::new();
     for &t in triangles {
         let triangle: Triangle = faces.triangles[t as usize];
         let corners = triangle.corners.map(|v| &faces.vertices[v as usize]);
-        let [a, b, c] = [0, 1, 2].map(|k: usize| corners[k].rest);
+        let [a, b, c] = corners.map(|v| v.rest);
         let normal = (b - a).cross(c - a);
-        let across =
-            (corners[1].grain - corners[0].grain).cross(corners[2].grain - corners[0].grain);
-        let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
         let bark = triangle.shows == Shows::Bark;
         let smooth = match triangle.shows {
             Shows::Bark => BARK,
@@ -166,31 +171,27 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
             Shows::Side(number) => 2 * number,
             Shows::Tip => 2 * t + 1,
         };
-        // All corners of a face read the texture on one side of the seam behind the pith.
-        let middle = (corners[0].grain + corners[1].grain + corners[2].grain) / 3.0;
+        let looks = own
+            .as_ref()
+            .filter(|_| bark)
+            .and_then(|o| o.face([a, b, c]));
+        let (coordinate, end) = texture(wood, materials, corners.map(|v| v.grain), bark);
         let corners = [0, 1, 2].map(|k| {
-            let vertex = triangle.corners[k];
-            let end = end && !bark;
+            let look = looks.map(|(_, looks)| looks[k]);
+            let uv = look.map_or(coordinate[k], |l| l.coordinates);
             let key = Key {
-                vertex,
+                vertex: triangle.corners[k],
                 smooth,
                 end,
+                coordinates: if bark {
+                    uv.to_array().map(f64::to_bits)
+                } else {
+                    [0; 2]
+                },
             };
             let at = *known.entry(key).or_insert_with(|| {
                 let v = corners[k];
                 let (rho, _) = rings.address(v.grain.truncate());
-                let uv = if bark {
-                    bark_coordinates(wood, v.grain, middle)
-                } else if end {
-                    v.grain.truncate() - materials.square.middle + 0.5 * materials.square.side
-                } else {
-                    side_grain(
-                        v.grain,
-                        middle.truncate(),
-                        rings.pith(),
-                        materials.square.side,
-                    )
-                };
                 made.positions.push(v.rest);
                 binding.push(v.follows.iter().copied());
                 normals.push(DVec3::ZERO);
@@ -198,24 +199,28 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
                 ring.push(rho as f32);
                 zone.push(f32::from((materials.zone)(rho)));
                 grain.extend(v.grain.as_vec3().to_array());
+                colors.extend(look.and_then(|l| l.color).unwrap_or([1.0; 4]));
                 made.positions.len() as u32 - 1
             });
             normals[at as usize] += normal;
             at
         });
         made.triangles.push(corners);
-        made.materials.push(if bark {
-            materials.bark
-        } else {
-            materials.inner
+        made.materials.push(match looks {
+            Some((material, _)) if material != NO_MATERIAL => materials.own + material,
+            _ if bark => materials.bark,
+            _ => materials.inner,
         });
     }
-    let normals: Vec<f32> = normals
+    let normals: Vec<DVec3> = normals.iter().map(|n| n.normalize_or(DVec3::Z)).collect();
+    let tangents = tangents(&made, &normals, &coordinates);
+    let normals = normals
         .iter()
-        .flat_map(|n| n.normalize_or(DVec3::Z).as_vec3().to_array())
+        .flat_map(|n| n.as_vec3().to_array())
         .collect();
     for (name, width, data) in [
         ("NORMAL", 3, normals),
+        ("TANGENT", 4, tangents),
         ("TEXCOORD_0", 2, coordinates),
         ("_RING", 1, ring),
         ("_ZONE", 1, zone),
@@ -224,11 +229,82 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
         made.attributes
             .insert(name.into(), Attribute { width, data });
     }
+    if own.is_some_and(|o| o.has_colors()) {
+        let color = Attribute {
+            width: 4,
+            data: colors,
+        };
+        made.attributes.insert("COLOR_0".into(), color);
+    }
     Skinned {
         mesh: made,
         binding,
         ..Skinned::default()
     }
+}
+
+/// Texture coordinates of a face's corners, and whether it is end grain.
+fn texture(
+    wood: &Wood,
+    materials: &Materials,
+    grain: [DVec3; 3],
+    bark: bool,
+) -> ([DVec2; 3], bool) {
+    // All corners of a face read the texture on one side of the seam behind the pith.
+    let middle = (grain[0] + grain[1] + grain[2]) / 3.0;
+    if bark {
+        return (grain.map(|g| bark_coordinates(wood, g, middle)), false);
+    }
+    let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
+    let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
+    let Square {
+        middle: square,
+        side,
+    } = materials.square;
+    let pith = wood.stem.rings.pith();
+    let one = |g: DVec3| {
+        if end {
+            g.truncate() - square + 0.5 * side
+        } else {
+            side_grain(g, middle.truncate(), pith, side)
+        }
+    };
+    (grain.map(one), end)
+}
+
+/// Tangents of all vertices as glTF has them: along the first texture coordinate, and the sign of the second's direction.
+fn tangents(mesh: &Mesh, normals: &[DVec3], coordinates: &[f32]) -> Vec<f32> {
+    let mut sums = vec![[DVec3::ZERO; 2]; normals.len()];
+    let at = |v: u32| {
+        let k = 2 * v as usize;
+        DVec2::new(coordinates[k].into(), coordinates[k + 1].into())
+    };
+    for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let [p, q, r] = mesh.corners(t);
+        let (e, f) = (q - p, r - p);
+        let (u, v) = (at(b) - at(a), at(c) - at(a));
+        let sign = u.perp_dot(v).signum();
+        for corner in [a, b, c] {
+            let sum = &mut sums[corner as usize];
+            sum[0] += (e * v.y - f * u.y) * sign;
+            sum[1] += (f * u.x - e * v.x) * sign;
+        }
+    }
+    (sums.iter().zip(normals))
+        .flat_map(|(&[along, other], &n)| {
+            let t = along.reject_from_normalized(n);
+            let t = t
+                .try_normalize()
+                .unwrap_or_else(|| n.any_orthonormal_vector());
+            let sign = if n.cross(t).dot(other) < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            let [x, y, z] = t.as_vec3().to_array();
+            [x, y, z, sign]
+        })
+        .collect()
 }
 
 /// Texture coordinates of bark: turns about the pith, and as many along as make them square.

@@ -11,6 +11,7 @@
 //! tend to. It is linear in the rods' frames, so the skin is linear blend skinning with one joint for each vertex of a
 //! rod. An association goes with its bond, as the prisms then are no longer joined.
 
+mod bark;
 mod complex;
 mod faces;
 mod joints;
@@ -45,7 +46,8 @@ pub struct Wood<'a> {
     pub cells: &'a [Cell],
     /// Outline of that section, m, counter-clockwise.
     pub outline: &'a [DVec2],
-    /// Its bark: a mesh in the stem's world and the tree over its triangles; the outline scaled where `None`.
+    /// Its bark: a mesh in the stem's world, whose texture coordinates, colours and materials the outside keeps, and the
+    /// tree over its triangles; the outline scaled where `None`.
     pub bark: Option<(&'a Mesh, &'a Bvh)>,
     /// Tensile strength along the grain over four times the shear strength: how many of its widths a fibre bundle pulls
     /// out (shear lag, `ℓ = f_t0 d / 4 f_v`).
