@@ -14,6 +14,7 @@ mod simulate;
 mod skin;
 mod species;
 mod values;
+mod video;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

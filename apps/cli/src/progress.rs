@@ -70,17 +70,33 @@ impl Progress {
         })
     }
 
-    /// Begins a stage of the program's own.
+    /// Does a piece of work of which no progress is told, only that it can be stopped.
+    pub fn silently<T>(&self, work: impl FnOnce(&Context) -> T) -> T {
+        work(&Context {
+            cancel: &STOP,
+            progress: &|_, _| (),
+        })
+    }
+
+    /// Tells how far a stage of the program's own is, 0 to 1.
     ///
     /// # Errors
     /// Where the user asked to stop.
-    pub fn stage(&self, name: &str) -> Result<(), Failure> {
-        self.tell(name, 0.0);
+    pub fn part(&self, name: &str, fraction: f64) -> Result<(), Failure> {
+        self.tell(name, fraction);
         if STOP.load(Ordering::Relaxed) {
             self.clear();
             return Err(Cancelled.into());
         }
         Ok(())
+    }
+
+    /// Begins a stage of the program's own.
+    ///
+    /// # Errors
+    /// Where the user asked to stop.
+    pub fn stage(&self, name: &str) -> Result<(), Failure> {
+        self.part(name, 0.0)
     }
 
     fn tell(&self, stage: &str, fraction: f64) {

@@ -1,9 +1,10 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
-use crate::arguments::SimulateOptions;
+use crate::arguments::{SimulateOptions, SkinOptions};
 use crate::break_wood::{picture_options, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
+use crate::skin::{self, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
 use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
@@ -56,9 +57,15 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
             return Ok(ExitCode::SUCCESS);
         }
     }
-    let Some(folder) = &options.output else {
+    let Some(output) = &options.output else {
         return Err(Failure::request("no folder is named for the results").hint("such as -o run"));
     };
+    // A film is made of a run, whose folder is beside it.
+    let film = is_film(output).then(|| output.with_extension("run"));
+    let folder = film.as_ref().unwrap_or(output);
+    if film.is_some() {
+        files::check_writable(output)?;
+    }
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
     let unit = options.unit.map(LengthUnit::from);
@@ -112,7 +119,12 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if !options.quiet || options.json {
         print(&text)?;
     }
-    Ok(ExitCode::SUCCESS)
+    // One report in JSON is enough.
+    let quiet = options.quiet || options.json;
+    match film.and_then(|run| SkinOptions::film(&run, output, quiet)) {
+        Some(film) => skin::run(&film),
+        None => Ok(ExitCode::SUCCESS),
+    }
 }
 
 fn list(json: bool) -> Result<ExitCode, Failure> {

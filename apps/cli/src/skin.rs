@@ -4,8 +4,9 @@ use crate::arguments::SkinOptions;
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
+use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use greenstick::files::{self, Output};
-use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
+use greenstick::film::{FilmError, FilmOptions, Run, SkinReport, SkinnedFilm};
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
@@ -36,8 +37,13 @@ struct FilmPart {
     largest_error_m: f64,
 }
 
+/// Whether an ending is that of a film of the skin.
+pub fn is_film(path: &Path) -> bool {
+    matches!(ending(path).as_str(), "glb" | "usdc" | "usdz") || is_video(&ending(path))
+}
+
 pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
-    if options.output.is_none() && options.picture.is_none() {
+    if options.output.is_none() && options.picture.is_none() && options.pictures.is_none() {
         return Err(Failure::request("no file is named for the skin")
             .hint("such as -o film.glb, or --frame -1 --picture broken.png"));
     }
@@ -131,7 +137,8 @@ fn still(
     if let Some(path) = &options.picture {
         progress.stage("picture")?;
         let shot = picture_options(&options.shot, options.threads);
-        let picture = progress.watch(|context| run.picture(&still, &shot, context))?;
+        let picture =
+            progress.watch(|context| run.picture(&still.scene, still.inner, &shot, context))?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
@@ -152,27 +159,45 @@ fn still(
     Ok((Some(still.report), None, files.collect()))
 }
 
-fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+    let how = film_options(options, &run);
+    let (from, to) = options.frames.unwrap_or((0, run.frames()));
     let Some(path) = &options.output else {
-        return Err(Failure::request("no file is named for the film").hint("such as -o film.glb"));
+        let mut made = skinned(&mut run, from..to, &how, progress)?;
+        let files = frame_pictures(&run, &mut made, options, progress)?;
+        return Ok((Some(made.report), None, files));
     };
     let ending = ending(path);
     let usd = UsdFormat::of_path(path).filter(|&f| f != UsdFormat::Usda);
-    if usd.is_none() && ending != "glb" && ending != "pvd" {
+    if usd.is_none() && ending != "glb" && ending != "pvd" && !is_video(&ending) {
         return Err(Failure::request(format!(
-            "{}: a film is written as .glb, .usdc, .usdz or, for ParaView, .pvd",
+            "{}: a film is written as .glb, .usdc, .usdz, .mp4, .webm or, for ParaView, .pvd",
             path.display()
         ))
         .hint("a single frame, as --frame 10, can be written in every mesh format"));
     }
-    let how = film_options(options, &run);
-    let (from, to) = options.frames.unwrap_or((0, run.frames()));
     if ending == "pvd" {
         return series(run, from..to, path, progress);
     }
-    let mut made = progress
-        .watch(|context| run.film(from..to, &how, context))
-        .map_err(failure)?;
+    if is_video(&ending) {
+        check_ffmpeg()?;
+    }
+    let mut made = skinned(&mut run, from..to, &how, progress)?;
+    let mut shown = frame_pictures(&run, &mut made, options, progress)?;
+    if is_video(&ending) {
+        let scratch = Scratch::beside(path)?;
+        let folder = match &options.pictures {
+            Some(folder) => folder.clone(),
+            None => {
+                pictures(&run, &mut made, &scratch.0, options, progress)?;
+                scratch.0.clone()
+            }
+        };
+        progress.stage("video")?;
+        let bytes = encode(&folder, run.scene.frames_per_second, path, &ending)?;
+        shown.push((path.display().to_string(), bytes));
+        return Ok((Some(made.report), None, shown));
+    }
     progress.stage("write")?;
     let glb = GlbOptions {
         max_joints: options.max_joints.map(|n| n as usize),
@@ -204,7 +229,39 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
             .iter()
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
+    files.append(&mut shown);
     Ok((Some(made.report), Some(written), files))
+}
+
+fn skinned(
+    run: &mut Run,
+    range: Range<usize>,
+    how: &FilmOptions,
+    progress: &Progress,
+) -> Result<SkinnedFilm, Failure> {
+    progress
+        .watch(|context| run.film(range, how, context))
+        .map_err(failure)
+}
+
+/// Pictures of all frames, where they are asked for.
+fn frame_pictures(
+    run: &Run,
+    made: &mut SkinnedFilm,
+    options: &SkinOptions,
+    progress: &Progress,
+) -> Result<Vec<(String, usize)>, Failure> {
+    let Some(folder) = &options.pictures else {
+        return Ok(Vec::new());
+    };
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::work(format!("{}: cannot be made: {e}", folder.display())))?;
+    let all = pictures(run, made, folder, options, progress)?;
+    let bytes = all.iter().map(|f| f.1).sum();
+    Ok(vec![(
+        format!("{} pictures in {}", all.len(), folder.display()),
+        bytes,
+    )])
 }
 
 fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Output>, Failure> {
@@ -257,7 +314,7 @@ fn ending(path: &Path) -> String {
     ending.unwrap_or_default()
 }
 
-fn failure(error: FilmError) -> Failure {
+pub fn failure(error: FilmError) -> Failure {
     match error {
         FilmError::Cancelled(_) => Failure::stopped("stopped; nothing was written"),
         FilmError::File(e) => e.into(),

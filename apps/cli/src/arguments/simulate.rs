@@ -9,6 +9,7 @@ Examples
   greenstick simulate --list
   greenstick simulate three-blocks -o run --seed 2
   greenstick simulate three-blocks -o run --seed 2 --resume    goes on where it was stopped
+  greenstick simulate three-blocks -o film.glb                 the run in film.run, and its skin as a film
   greenstick simulate bend pole.ply -o bent                    the scene on a mesh
   greenstick simulate bend --save-scene mine.toml              to change it";
 
@@ -19,7 +20,8 @@ pub struct SimulateOptions {
     pub scene: Option<String>,
     /// Mesh that takes the place of the scene's stem
     pub input: Option<PathBuf>,
-    /// Folder for everything that is written; made where it is not there
+    /// Folder for everything that is written, made where it is not there; or a film (.glb, .usdc, .usdz, .mp4, .webm),
+    /// and the folder is named after it, ending in .run
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
     /// Go on from the folder's checkpoint

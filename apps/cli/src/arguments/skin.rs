@@ -1,18 +1,21 @@
 //! Options of `greenstick skin`.
 
-use super::{Shot, UnitWord};
+use super::{Arguments, Command, Shot, UnitWord};
 use crate::values;
-use clap::Args;
-use std::path::PathBuf;
+use clap::{Args, Parser};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 const SKIN_EXAMPLES: &str = "\
-A film is one .glb of skinned pieces with an animation: the pieces that its last frame leaves. A single frame can be
-written in every mesh format, in pieces as they are at that time.
+A film is one .glb of skinned pieces with an animation, or a .usdc or .usdz with points over time: the pieces that its
+last frame leaves. As .pvd it is the rods and bonds, a series for ParaView; as .mp4 or .webm it is a video, made by ffmpeg
+where that is installed. A single frame can be written in every mesh format and as .usda, in pieces as they are then.
 
 Examples
   greenstick simulate three-blocks -o run
   greenstick skin run -o film.glb                      all frames
   greenstick skin run -o film.glb --frames 30..60      some of them
+  greenstick skin run --pictures frames --picture-size 640x480 --samples 8
   greenstick skin run -o broken.glb --frame -1         the last frame as a still
   greenstick skin run --picture broken.png --frame 45
   greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh";
@@ -70,6 +73,14 @@ pub struct SkinOptions {
         help_heading = "Film")]
     pub influences: u8,
 
+    /// Folder for a picture of every frame of a film; made where it is not there
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        conflicts_with = "frame",
+        help_heading = "Picture"
+    )]
+    pub pictures: Option<PathBuf>,
     /// Picture of the frame
     #[arg(
         long,
@@ -91,4 +102,18 @@ pub struct SkinOptions {
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
         help_heading = "How it is told")]
     pub threads: Option<u16>,
+}
+
+impl SkinOptions {
+    /// Those of the film `output` of a run in `run`, with all else at its default.
+    pub fn film(run: &Path, output: &Path, quiet: bool) -> Option<Box<Self>> {
+        let words = ["greenstick", "skin", "-o"].map(OsStr::new);
+        let mut words = words.to_vec();
+        words.extend([output.as_os_str(), run.as_os_str()]);
+        words.extend(quiet.then_some(OsStr::new("--quiet")));
+        match Arguments::try_parse_from(words).map(|a| a.command) {
+            Ok(Command::Skin(options)) => Some(options),
+            _ => None,
+        }
+    }
 }

@@ -18,7 +18,7 @@ use crate::breaking::{inner_wood, part_of};
 use crate::looks::{Looks, looks};
 use crate::rods::{bodies, body_material};
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
-use glam::{DAffine3, DQuat, DVec2};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
 use greenstick_fibre::bundle::Bundle;
 use greenstick_fibre::event::Cause;
@@ -26,7 +26,7 @@ use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Node, Pose, Scene};
+use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Motion, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
     Materials, Part, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
@@ -101,6 +101,98 @@ pub struct SkinnedFilm {
     pub motion: RunMotion,
     /// What was made.
     pub report: SkinReport,
+    /// Index of the material of the wood inside.
+    pub inner: u32,
+}
+
+impl SkinnedFilm {
+    /// The film's frame `number`, counted from its first, as a scene.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the frame cannot be read.
+    pub fn at(&mut self, number: usize) -> Result<Scene, FilmError> {
+        let film = &self.film;
+        let mut poses = vec![Pose::IDENTITY; film.joints.len()];
+        self.motion.poses(number, &mut poses)?;
+        let mut nodes = posed(film, &poses);
+        nodes.extend(film.fixed.iter().cloned());
+        let mut maps = Vec::new();
+        film.maps(&poses, &mut maps);
+        nodes.extend(film.bodies.iter().map(|(node, joint)| Node {
+            transform: maps[*joint as usize] * node.transform,
+            ..node.clone()
+        }));
+        Ok(Scene {
+            nodes,
+            materials: film.materials.clone(),
+            textures: film.textures.clone(),
+            images: film.images.clone(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// The corners of the box that holds all joints in all frames, m.
+    ///
+    /// # Errors
+    /// [`FilmError`] where a frame cannot be read.
+    pub fn bounds(&mut self) -> Result<Vec<DVec3>, FilmError> {
+        let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for frame in 0..self.motion.frames() {
+            self.motion.poses(frame, &mut poses)?;
+            for pose in &poses {
+                low = low.min(pose.translation);
+                high = high.max(pose.translation);
+            }
+        }
+        let corner = |k: usize| {
+            let pick = |axis: usize| {
+                if k & (1 << axis) == 0 {
+                    low[axis]
+                } else {
+                    high[axis]
+                }
+            };
+            DVec3::new(pick(0), pick(1), pick(2))
+        };
+        Ok((0..8).map(corner).collect())
+    }
+}
+
+/// The pieces of a film where its joints have these poses.
+fn posed(film: &Film, poses: &[Pose]) -> Vec<Node> {
+    let (mut maps, mut normals) = (Vec::new(), Vec::new());
+    film.maps(poses, &mut maps);
+    let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
+        let mut mesh = piece.mesh.clone();
+        film.place_piece(number, &maps, &mut mesh.positions);
+        film.place_normals(number, &maps, &mut normals);
+        // Tangents would have to be turned too; viewers make their own from normals and texture coordinates.
+        mesh.attributes.remove("TANGENT");
+        if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
+            attribute.data = normals
+                .iter()
+                .flat_map(|n| n.as_vec3().to_array())
+                .collect();
+        }
+        Node {
+            name: piece.name.clone(),
+            transform: DAffine3::IDENTITY,
+            mesh,
+            parent: None,
+        }
+    };
+    film.pieces.iter().enumerate().map(piece).collect()
+}
+
+/// Opens the frames of a run.
+fn open_frames(path: &Path) -> Result<FrameFile<BufReader<File>>, FilmError> {
+    let store = |error| FilmError::Store {
+        path: path.to_owned(),
+        error,
+    };
+    let file = File::open(path).map_err(|e| store(e.into()))?;
+    FrameFile::open(BufReader::new(file)).map_err(store)
 }
 
 /// Turns the scene's z up to the y up of files.
@@ -127,12 +219,7 @@ impl Run {
         })?;
         let scene = Setting::read(&text).map_err(|e| FilmError::Scene { path, error: e })?;
         let path = folder.join(simulate::FRAME_FILE);
-        let store = |error| FilmError::Store {
-            path: path.clone(),
-            error,
-        };
-        let file = File::open(&path).map_err(|e| store(e.into()))?;
-        let frames = FrameFile::open(BufReader::new(file)).map_err(store)?;
+        let frames = open_frames(&path)?;
         if frames.count() == 0 {
             return Err(FilmError::NoFrames { path });
         }
@@ -155,7 +242,10 @@ impl Run {
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
-        let bark = part_of(&node.mesh, shell).transformed(&node.transform);
+        let mut bark = part_of(&node.mesh, shell).transformed(&node.transform);
+        if grown.scene.materials.is_empty() {
+            bark.materials.clear();
+        }
         let tree = Bvh::of_triangles(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
@@ -302,29 +392,8 @@ impl Run {
         let report = SkinReport::of(&skin, &self.frames, number..number + 1);
         let film = film_of(skin, &self.scene);
         let up = upright();
-        let (mut maps, mut placed, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         let poses: Vec<Pose> = poses.into_iter().map(|p| turned(p, up)).collect();
-        film.maps(&poses, &mut maps);
-        for piece in 0..film.pieces.len() {
-            film.place_piece(piece, &maps, &mut placed);
-            film.place_normals(piece, &maps, &mut normals);
-            let mut mesh = film.pieces[piece].mesh.clone();
-            mesh.positions = placed.clone();
-            // Tangents would have to be turned too; viewers make their own from normals and texture coordinates.
-            mesh.attributes.remove("TANGENT");
-            if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
-                attribute.data = normals
-                    .iter()
-                    .flat_map(|n| n.as_vec3().to_array())
-                    .collect();
-            }
-            scene.nodes.push(Node {
-                name: film.pieces[piece].name.clone(),
-                transform: DAffine3::IDENTITY,
-                mesh,
-                parent: None,
-            });
-        }
+        scene.nodes = posed(&film, &poses);
         if options.bodies {
             for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
@@ -360,18 +429,25 @@ impl Run {
         Ok(())
     }
 
-    /// A picture of a frame with its skin.
+    /// A picture of a frame with its skin, whose wood inside has the material `inner`.
     ///
     /// # Errors
     /// As [`greenstick_picture::render`].
     pub fn picture(
         &self,
-        still: &Still,
+        scene: &Scene,
+        inner: u32,
         options: &PictureOptions,
         context: &Context,
     ) -> Result<Picture, PictureError> {
-        let (stem, looks) = (&self.grown.stem, &self.looks);
-        crate::picture_of_skin(&still.scene, stem, looks, still.inner, options, context)
+        crate::picture_of_skin(
+            scene,
+            &self.grown.stem,
+            &self.looks,
+            inner,
+            options,
+            context,
+        )
     }
 
     /// All frames of a range as a film, in the pieces that its last frame leaves.
@@ -379,7 +455,7 @@ impl Run {
     /// # Errors
     /// [`FilmError`].
     pub fn film(
-        mut self,
+        &mut self,
         range: std::ops::Range<usize>,
         options: &FilmOptions,
         context: &Context,
@@ -439,11 +515,13 @@ impl Run {
                     .insert("parted_from".into(), Extra::Text(from.clone()));
             }
         }
-        let motion = RunMotion::new(self.frames, self.path, range, joints, moving, up);
+        let frames = open_frames(&self.path)?;
+        let motion = RunMotion::new(frames, self.path.clone(), range, joints, moving, up);
         Ok(SkinnedFilm {
             film,
             motion,
             report,
+            inner: INNER_MATERIAL,
         })
     }
 }

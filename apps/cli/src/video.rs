@@ -1,0 +1,125 @@
+//! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
+
+use crate::arguments::SkinOptions;
+use crate::break_wood::picture_options;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::skin::failure;
+use greenstick::files::{self, Output};
+use greenstick::film::{Run, SkinnedFilm};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Endings of videos, with the encoder of each.
+const ENCODERS: [(&str, &[&str]); 2] = [
+    ("mp4", &["-c:v", "libx264", "-crf", "18"]),
+    ("webm", &["-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0"]),
+];
+
+/// Whether an ending is that of a video.
+pub fn is_video(ending: &str) -> bool {
+    ENCODERS.iter().any(|e| e.0 == ending)
+}
+
+/// Fails where ffmpeg cannot be run.
+pub fn check_ffmpeg() -> Result<(), Failure> {
+    let asked = Command::new("ffmpeg").arg("-version").output();
+    match asked {
+        Ok(told) if told.status.success() => Ok(()),
+        _ => Err(
+            Failure::work("videos are made by ffmpeg, which cannot be run here")
+                .hint("install it, or ask for the frames as pictures: --pictures FOLDER"),
+        ),
+    }
+}
+
+/// Takes a picture of every frame into `folder`, which must be there; returns the files.
+pub fn pictures(
+    run: &Run,
+    film: &mut SkinnedFilm,
+    folder: &Path,
+    options: &SkinOptions,
+    progress: &Progress,
+) -> Result<Vec<(String, usize)>, Failure> {
+    let mut shot = picture_options(&options.shot, options.threads);
+    shot.shown = film.bounds().map_err(failure)?;
+    let count = film.report.frames;
+    let mut made = Vec::new();
+    for number in 0..count {
+        progress.part("pictures", number as f64 / count as f64)?;
+        let scene = film.at(number).map_err(failure)?;
+        // The rendering of one frame tells no progress of its own.
+        let picture =
+            progress.silently(|context| run.picture(&scene, film.inner, &shot, context))?;
+        let path = folder.join(format!("frame_{number:05}.png"));
+        let bytes = picture.png();
+        made.push((path.display().to_string(), bytes.len()));
+        files::write_all(&[Output { path, bytes }])?;
+    }
+    Ok(made)
+}
+
+/// Makes a video of the pictures in `folder`, beside its place first.
+pub fn encode(
+    folder: &Path,
+    frames_per_second: f64,
+    path: &Path,
+    ending: &str,
+) -> Result<usize, Failure> {
+    let encoder = ENCODERS
+        .iter()
+        .find(|e| e.0 == ending)
+        .map_or(&[][..], |e| e.1);
+    let beside = folder.join(format!("video.{ending}"));
+    let told = Command::new("ffmpeg")
+        .args(["-y", "-loglevel", "error", "-framerate"])
+        .arg(frames_per_second.to_string())
+        .arg("-i")
+        .arg(folder.join("frame_%05d.png"))
+        .args(encoder)
+        .args([
+            "-pix_fmt",
+            "yuv420p",
+            "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        ])
+        .arg(&beside)
+        .output()
+        .map_err(|e| Failure::work(format!("ffmpeg cannot be run: {e}")))?;
+    if !told.status.success() {
+        let says = String::from_utf8_lossy(&told.stderr);
+        return Err(Failure::work(format!("ffmpeg failed: {}", says.trim())));
+    }
+    let bytes =
+        fs::read(&beside).map_err(|e| Failure::work(format!("ffmpeg left no video: {e}")))?;
+    let length = bytes.len();
+    files::write_all(&[Output {
+        path: path.to_owned(),
+        bytes,
+    }])?;
+    Ok(length)
+}
+
+/// A folder that is gone with all in it when it is no longer needed.
+pub struct Scratch(pub PathBuf);
+
+impl Scratch {
+    /// One beside `path`.
+    pub fn beside(path: &Path) -> Result<Scratch, Failure> {
+        let name = path
+            .file_name()
+            .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let folder = path.with_file_name(format!(".{name}-{}", std::process::id()));
+        fs::create_dir(&folder)
+            .map_err(|e| Failure::work(format!("{}: cannot be made: {e}", folder.display())))?;
+        Ok(Scratch(folder))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What cannot be removed stays; there is nobody left to tell.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,167 @@
+//! `greenstick skin`: films and frames of a run that breaks, and what is refused.
+
+mod support;
+
+use serde_json::Value;
+use std::fs;
+use support::Folder;
+
+/// A stick whose end is pressed down until it breaks; a blink.
+const SCENE: &str = "duration = 0.012\nframes_per_second = 250.0\nrows_per_second = 1000.0\n\
+[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+[wood]\nstiffness = 0.002\n[rods]\nnumber = 12\nedge = [\"4 mm\", \"5 mm\"]\ntwist = \"off\"\nweibull = 5.0\n\
+[[clamp]]\nto = 0.2\n\
+[[body]]\nname = \"press\"\nat = 0.9\ntouch = [0, 0, 1]\nvelocity = [0, 0, -1.5]\n";
+
+const SMALL: [&str; 3] = ["--texture-size", "64", "--json"];
+
+fn simulated() -> Folder {
+    let folder = Folder::new();
+    fs::write(folder.0.join("small.toml"), SCENE).unwrap();
+    let run = folder.run(&["simulate", "small.toml", "-o", "run", "--no-pictures"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    folder
+}
+
+fn report(folder: &Folder, arguments: &[&str]) -> Value {
+    let run = folder.run(&[&["skin", "run"], &SMALL[..], arguments].concat());
+    assert_eq!(run.code, 0, "{}", run.err);
+    serde_json::from_str(&run.out).unwrap()
+}
+
+/// The JSON of a GLB.
+fn glb(bytes: &[u8]) -> Value {
+    assert!(bytes.starts_with(b"glTF"));
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+}
+
+#[test]
+fn a_run_becomes_a_film_in_every_format_and_the_same_bytes_with_one_thread() {
+    let folder = simulated();
+    let told = report(&folder, &["-o", "film.glb"]);
+    assert_eq!(told["frames"], 4);
+    let pieces = told["pieces"].as_array().unwrap();
+    assert!(pieces.len() > 1, "nothing parted: {told}");
+    let first = folder.read("film.glb");
+    let json = glb(&first);
+    assert_eq!(json["animations"].as_array().unwrap().len(), 1);
+    assert_eq!(
+        json["skins"].as_array().map(Vec::len),
+        told["film"]["skinned"].as_u64().map(|n| n as usize)
+    );
+    let named = |name: &str| {
+        json["nodes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|n| n["name"] == name)
+    };
+    assert!(named("piece_000") && named("press"));
+    // What is parted was one before, and its extras say when it went.
+    let parted = pieces[1]["parted"].as_array().unwrap();
+    assert!(
+        parted[0].as_f64().unwrap() <= 0.012 && parted[1] == "piece_000",
+        "{told}"
+    );
+    report(&folder, &["-o", "film.glb", "--threads", "1"]);
+    assert_eq!(first, folder.read("film.glb"));
+    report(&folder, &["-o", "film.usdc"]);
+    assert!(folder.read("film.usdc").starts_with(b"PXR-USDC"));
+    report(&folder, &["-o", "film.pvd", "--frames", "1..3"]);
+    let list = String::from_utf8(folder.read("film.pvd")).unwrap();
+    assert_eq!(list.matches("<DataSet").count(), 4);
+    assert!(folder.read("film_00002_bonds.vtp").starts_with(b"<?xml"));
+}
+
+#[test]
+fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
+    let folder = simulated();
+    let told = report(&folder, &["-o", "last.glb", "--frame", "-1"]);
+    let checked = folder.run(&["check", "last.glb", "--json", "--fast"]);
+    let checked: Value = serde_json::from_str(&checked.out).unwrap();
+    let mut meshes = 0;
+    for mesh in checked[0]["meshes"].as_array().unwrap() {
+        assert!(mesh["closed"] == true && mesh["oriented"] == true, "{mesh}");
+        meshes += 1;
+    }
+    assert_eq!(meshes, told["pieces"].as_array().unwrap().len() + 1);
+    let run = folder.run(&[
+        "simulate",
+        "small.toml",
+        "-o",
+        "both.glb",
+        "--no-pictures",
+        "-q",
+    ]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(folder.0.join("both.run/frames.gsf").is_file());
+    assert_eq!(
+        glb(&folder.read("both.glb"))["animations"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+    // A scene in which nothing breaks is one piece.
+    let told = report(&folder, &["-o", "first.glb", "--frames", "0..1"]);
+    assert_eq!(told["pieces"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn what_is_cut_short_is_told_and_what_is_wrong_is_refused() {
+    let folder = simulated();
+    let path = folder.0.join("run/frames.gsf");
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() - 100]).unwrap();
+    let told = report(&folder, &["-o", "film.glb"]);
+    assert_eq!(told["frames"], 3);
+    assert!(told["bytes_left"].as_u64().unwrap() > 1000, "{told}");
+    let whole = folder.run(&["skin", "run", "-o", "film.glb", "--texture-size", "64"]);
+    assert!(whole.out.contains("cut short"), "{}", whole.out);
+    let wrong: [(&[&str], &str); 7] = [
+        (&["skin", "run"], "no file is named"),
+        (&["skin", "nowhere", "-o", "a.glb"], "holds no simulation"),
+        (
+            &["skin", "run", "-o", "a.glb", "--frame", "99"],
+            "no frame 99",
+        ),
+        (
+            &["skin", "run", "-o", "a.glb", "--frames", "2..9"],
+            "no frame 8",
+        ),
+        (&["skin", "run", "-o", "a.obj"], "a film is written as"),
+        (&["skin", "run", "-o", "a.glb", "--fibres", "0"], "--fibres"),
+        (&["skin", "run", "-o", "there/a.glb"], "no folder there"),
+    ];
+    for (arguments, says) in wrong {
+        let run = folder.run(arguments);
+        assert!(
+            run.code == 2 || run.code == 1,
+            "{arguments:?}: {}",
+            run.code
+        );
+        assert!(run.err.contains(says), "{arguments:?}: {}", run.err);
+        assert!(!folder.0.join("a.glb").exists());
+    }
+    // Frames of another scene's wood.
+    let scene = fs::read_to_string(folder.0.join("run/scene.toml")).unwrap();
+    fs::write(
+        folder.0.join("run/scene.toml"),
+        scene.replace("number = 12", "number = 9"),
+    )
+    .unwrap();
+    let run = folder.run(&["skin", "run", "-o", "a.glb"]);
+    assert!(
+        run.code == 2 && run.err.contains("not of this scene's wood"),
+        "{}",
+        run.err
+    );
+    fs::write(&path, b"GSFRAMES").unwrap();
+    let run = folder.run(&["skin", "run", "-o", "a.glb"]);
+    assert!(
+        run.code == 2 && run.err.contains("frames.gsf"),
+        "{}",
+        run.err
+    );
+}
