@@ -44,6 +44,7 @@ mod hang;
 mod kept;
 mod looks;
 mod model;
+mod outwards;
 mod pictures;
 mod prepare;
 mod refine;
