@@ -120,16 +120,29 @@ fn surfaced(
     Ok((bark.mesh, bark.place, bark.centreline, report))
 }
 
-/// Points of the meshes of a scene as a cloud: the vertices, and where triangles are wide also points on them, so that a
-/// mesh with holes can be treated as a scan.
+/// Points on the meshes of a scene, at least: of thin boards narrow sides show, too.
+const SAMPLED: f64 = 50_000.0;
+
+/// Points of the meshes of a scene as a cloud, so that a mesh with holes can be treated as a scan: the vertices, and where
+/// triangles are wide also points on them. Normals are those of the triangles.
 pub fn cloud_of(scene: &Scene) -> CloudFile {
     let mut cloud = PointCloud::default();
-    for node in &scene.nodes {
-        let mesh = node.mesh.transformed(&node.transform);
-        let step = spacing(&mesh.positions);
-        cloud.points.extend(&mesh.positions);
-        for t in 0..mesh.triangles.len() {
+    let meshes: Vec<Mesh> = scene
+        .nodes
+        .iter()
+        .map(|node| node.mesh.transformed(&node.transform))
+        .collect();
+    let area: f64 = meshes.iter().map(Mesh::area).sum();
+    for mesh in &meshes {
+        let step = spacing(&mesh.positions).min((area / SAMPLED).sqrt());
+        let mut vertices = vec![DVec3::ZERO; mesh.positions.len()];
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.corners(t);
+            let across = (b - a).cross(c - a);
+            triangle
+                .iter()
+                .for_each(|&v| vertices[v as usize] += across);
+            let normal = across.normalize_or_zero();
             let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
             // A triangle of a hundred steps has five thousand points; wider ones get no more.
             let parts = if step > 0.0 {
@@ -144,7 +157,15 @@ pub fn cloud_of(scene: &Scene) -> CloudFile {
                         (j as f64 + 1.0 / 3.0) / parts as f64,
                     );
                     cloud.points.push(a + (b - a) * u + (c - a) * v);
+                    cloud.normals.push(normal);
                 }
+            }
+        }
+        // Vertices that no triangle has are no surface.
+        for (p, n) in mesh.positions.iter().zip(vertices) {
+            if let Some(normal) = n.try_normalize() {
+                cloud.points.push(*p);
+                cloud.normals.push(normal);
             }
         }
     }

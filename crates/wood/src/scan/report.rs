@@ -84,8 +84,8 @@ pub struct ScannedBark {
 pub enum ScanError {
     /// Nowhere do sections look like a stem's.
     #[error(
-        "no stem found among the {points} points: nowhere do they lie on a tube that is longer than wide; \
-         a point of the limb, as a place, tells where to look"
+        "no stem found among the {points} points: nowhere do they lie on a tube that is longer than wide, nor are they \
+         squared timber with four flat sides; a point of the limb, as a place, tells where to look"
     )]
     NoStem {
         /// Points searched.

@@ -83,6 +83,48 @@ fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
 }
 
 #[test]
+fn a_deeply_fluted_log_is_found_and_keeps_its_flutes() {
+    let (base, along) = (
+        DVec3::new(1.0, 2.0, 0.5),
+        DVec3::new(0.1, 0.2, 1.0).normalize(),
+    );
+    let (x, y) = along.any_orthonormal_pair();
+    let form = |a: f64| RADIUS * (1.0 + 0.12 * libm::cos(5.0 * a) + 0.06 * libm::cos(9.0 * a));
+    let points = (0..60_000)
+        .map(|i| {
+            let a = std::f64::consts::TAU * noise::unit(51, i, 0, 0);
+            let radius = form(a) + NOISE * normal(52, i);
+            let out = x * libm::cos(a) + y * libm::sin(a);
+            base + along * (2.0 * noise::unit(53, i, 0, 0)) + out * radius
+        })
+        .collect();
+    let cloud = PointCloud {
+        points,
+        ..PointCloud::default()
+    };
+    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let report = &bark.report;
+    assert!(
+        report.stem_length_m > 1.8 && report.strangers < 60,
+        "{report:?}"
+    );
+    assert!(report.noise_m < 1.5 * NOISE, "{report:?}");
+    let check = bark.mesh.check();
+    assert!(check.is_solid(), "{check}");
+    // The integral of r² / 2 over the girth.
+    let area = std::f64::consts::PI * RADIUS * RADIUS * (1.0 + (0.0144 + 0.0036) / 2.0);
+    let volume = bark.mesh.volume() / report.stem_length_m;
+    assert!((volume / area - 1.0).abs() < 0.01, "{volume} {area}");
+    for p in &bark.mesh.positions {
+        let d = *p - base;
+        let off = d.reject_from_normalized(along);
+        let expected = form(libm::atan2(off.dot(y), off.dot(x)));
+        let cap = off.length() < 0.5 * RADIUS;
+        assert!(cap || (off.length() - expected).abs() < 4.0 * NOISE, "{p}");
+    }
+}
+
+#[test]
 fn half_a_cylinder_is_completed_and_told_or_refused() {
     let (cloud, base, along) = cylinder(20_000, 0.5);
     let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
