@@ -33,8 +33,8 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
         };
         files::check_folder(folder, main)?;
     }
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     match &options.species {
         Some(species) => {
             let request = BendRequest {
@@ -106,7 +106,7 @@ fn tell<T: Serialize + Display>(
             .collect();
     }
     let stages = progress.finish();
-    let text = if options.json {
+    let text = if options.telling.json {
         let full = FullReport {
             report,
             outputs: &written,
@@ -122,7 +122,7 @@ fn tell<T: Serialize + Display>(
         let _ = writeln!(text, "took      {seconds:.2} s");
         text
     };
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)

@@ -9,7 +9,7 @@ use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::picture::{PictureOptions, View};
-use greenstick::wood::stem::{Place, StemOptions};
+use greenstick::wood::stem::Place;
 use greenstick::{BreakReport, BreakRequest};
 use serde::Serialize;
 use std::fmt::Write;
@@ -46,8 +46,8 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let unit = options.unit.map(LengthUnit::from);
     let targets = targets(options)?;
     let mut request = request(options, unit.unwrap_or_default())?;
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let source = read(options, request.place, unit, &progress)?;
     targets.check(&source.files)?;
     request.place = source.place;
@@ -73,7 +73,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     }
     if let Some(path) = &targets.picture {
         progress.stage("picture")?;
-        let how = picture_options(&options.shot, options.threads);
+        let how = picture_options(&options.shot, options.telling.threads);
         let picture =
             progress.watch(|context| greenstick::picture_of_break(&broken, &how, context))?;
         outputs.push(Output {
@@ -92,7 +92,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     files::check_distinct(&paths, &source.files)?;
     files::write_all(&outputs)?;
     let stages = progress.finish();
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         let written: Vec<Written> = outputs
             .iter()
             .map(|o| Written {
@@ -100,7 +100,12 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
                 bytes: o.bytes.len(),
             })
             .collect();
-        print(&told(&broken.report, &written, &stages, options.json)?)?;
+        print(&told(
+            &broken.report,
+            &written,
+            &stages,
+            options.telling.json,
+        )?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -197,17 +202,9 @@ pub fn doubt_about_unit(
 
 fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {
     let place = values::place(&options.at, unit).map_err(Failure::request)?;
-    let pith = options
-        .pith
-        .as_ref()
-        .map(|text| values::pith(text, unit).map_err(Failure::request))
-        .transpose()?;
     Ok(BreakRequest {
         place,
-        stem: StemOptions {
-            pith,
-            kind: options.kind.map(Into::into),
-        },
+        stem: options.stem.options(unit)?,
         recipe: recipe(options)?,
         part: options.part,
         fray: options.fray,

@@ -34,7 +34,7 @@ struct Listed {
 
 pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.list {
-        return list(options.json);
+        return list(options.telling.json);
     }
     if options.markdown {
         print(&Scene::reference_markdown())?;
@@ -59,8 +59,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let Some(folder) = &options.output else {
         return Err(Failure::request("no folder is named for the results").hint("such as -o run"));
     };
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let unit = options.unit.map(LengthUnit::from);
     let input = match &options.input {
         Some(path) => {
@@ -86,7 +86,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         ))
     })?;
     let stages = progress.finish();
-    let text = if options.json {
+    let text = if options.telling.json {
         let full = FullReport {
             report: &report,
             pictures: &pictures,
@@ -108,7 +108,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         let _ = writeln!(text, "took     {} s", listed.join(", "));
         text
     };
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -215,7 +215,7 @@ fn pictures(
         let scene = greenstick::rods_scene(frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
-            ..picture_options(&options.shot, options.threads)
+            ..picture_options(&options.shot, options.telling.threads)
         };
         let picture =
             progress.watch(|context| greenstick::picture_of_scene(&scene, &how, context))?;

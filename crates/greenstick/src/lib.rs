@@ -37,6 +37,7 @@ mod branch;
 mod breaking;
 mod cracking;
 mod cracks;
+mod erosion;
 mod error;
 pub mod files;
 mod fray;
