@@ -79,7 +79,9 @@ impl Lattice {
         let mut first = 0;
         let mut part = [0.0; 3];
         for k in 0..3 {
-            let base = q[k].floor().clamp(0.0, (self.size[k] - 2) as f64);
+            // Of edges there is one less than of nodes.
+            let last = self.size[k] - 2 - usize::from(half == Some(k));
+            let base = q[k].floor().clamp(0.0, last as f64);
             part[k] = (q[k] - base).clamp(0.0, 1.0);
             first += base as usize * strides[k];
         }
@@ -131,7 +133,8 @@ pub fn poisson(
         halvings += 1;
     }
     let coarse = cell * f64::from(1 << halvings);
-    let cells = (extent / coarse).ceil().to_array().map(|n| n as usize);
+    let cells = (extent / coarse).ceil().to_array();
+    let cells = cells.map(|n| (n as usize).max(2));
     let middle = 0.5 * (low + high);
     let mut values: Option<(Lattice, Vec<f64>)> = None;
     for level in 0..=halvings {
@@ -356,6 +359,36 @@ mod tests {
             "{}",
             mesh.volume()
         );
+    }
+
+    #[test]
+    fn a_long_body_comes_back_and_can_be_cut_off() {
+        // Twelve times as long as wide: thinner than a cell of the coarsest grid.
+        let long = DVec3::new(1.0, 1.0, 12.0);
+        let (points, normals): (Vec<DVec3>, Vec<DVec3>) = (0..30_000)
+            .map(|i| {
+                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 30_000.0;
+                let angle = f64::from(i) * 2.399_963_229_728_653;
+                let r = (1.0 - z * z).sqrt();
+                let n = DVec3::new(r * angle.cos(), r * angle.sin(), z);
+                (n * long, (n / long).normalize())
+            })
+            .unzip();
+        let mesh = made(&points, &normals, 0.15);
+        let volume = 16.0 * std::f64::consts::PI;
+        assert!(
+            (mesh.volume() / volume - 1.0).abs() < 0.02,
+            "{}",
+            mesh.volume()
+        );
+        let half = poisson(&points, &normals, 0.15, |p| p.z, &Context::quiet()).unwrap();
+        assert!(half.check().is_solid());
+        assert!(
+            (2.0 * half.volume() / volume - 1.0).abs() < 0.02,
+            "{}",
+            half.volume()
+        );
+        assert!(half.positions.iter().all(|p| p.z > -0.1));
     }
 
     #[test]
