@@ -1,8 +1,9 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
 use crate::arguments::AnatomyOptions;
-use crate::break_wood::{Written, doubt_about_unit, size, use_threads};
+use crate::break_wood::{doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
+use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
 use crate::values;
@@ -70,13 +71,7 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let outputs = files::write_folder(&options.output, inside.files)?;
     let stages = progress.finish();
     if options.telling.reports() {
-        let written: Vec<Written> = outputs
-            .iter()
-            .map(|o| Written {
-                path: o.path.display().to_string(),
-                bytes: o.bytes.len(),
-            })
-            .collect();
+        let written = written(&outputs);
         print(&told(
             &inside.report,
             source.scan.as_ref(),
@@ -160,11 +155,6 @@ fn told(
         let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
     }
     let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let listed: Vec<String> = stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    let _ = writeln!(text, "time      {total:.2} s: {}", listed.join(", "));
+    let _ = writeln!(text, "time      {total:.2} s: {}", spent(stages));
     Ok(text)
 }

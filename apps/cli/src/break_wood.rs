@@ -2,6 +2,7 @@
 
 use crate::arguments::{BreakOptions, Shot, UnitWord};
 use crate::failure::{Failure, print};
+use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
 use crate::values;
@@ -24,13 +25,6 @@ struct Targets {
     pieces: Option<PathBuf>,
     picture: Option<PathBuf>,
     recipe: Option<PathBuf>,
-}
-
-/// A file that was written.
-#[derive(Serialize)]
-pub struct Written {
-    pub path: String,
-    pub bytes: usize,
 }
 
 /// The library's report, the files and the time.
@@ -93,13 +87,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     files::write_all(&outputs)?;
     let stages = progress.finish();
     if options.telling.reports() {
-        let written: Vec<Written> = outputs
-            .iter()
-            .map(|o| Written {
-                path: o.path.display().to_string(),
-                bytes: o.bytes.len(),
-            })
-            .collect();
+        let written = written(&outputs);
         print(&told(
             &broken.report,
             &written,
@@ -310,12 +298,7 @@ fn told(
         let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
     }
     let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let listed: Vec<String> = stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    let _ = writeln!(text, "time     {total:.2} s: {}", listed.join(", "));
+    let _ = writeln!(text, "time     {total:.2} s: {}", spent(stages));
     Ok(text)
 }
 

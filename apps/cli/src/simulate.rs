@@ -3,6 +3,7 @@
 use crate::arguments::SimulateOptions;
 use crate::break_wood::{picture_options, use_threads};
 use crate::failure::{Failure, print};
+use crate::outcome::spent;
 use crate::progress::{Progress, Stage};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
 use greenstick::files::{self, Output};
@@ -100,12 +101,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         for file in report.files.iter().chain(&pictures) {
             let _ = writeln!(text, "wrote    {file}");
         }
-        let listed: Vec<String> = stages
-            .iter()
-            .filter(|s| s.seconds >= 0.005)
-            .map(|s| format!("{} {:.2}", s.name, s.seconds))
-            .collect();
-        let _ = writeln!(text, "took     {} s", listed.join(", "));
+        let _ = writeln!(text, "took     {} s", spent(&stages));
         text
     };
     if options.telling.reports() {
