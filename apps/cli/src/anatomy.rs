@@ -1,16 +1,17 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
-use crate::arguments::{AnatomyOptions, RingsByWord, ScheduleWord};
-use crate::break_wood::{Written, doubt_about_unit, size, use_threads};
+use crate::arguments::AnatomyOptions;
+use crate::break_wood::{doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
+use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
 use crate::values;
-use greenstick::anatomy::{AnatomyReport, AnatomyRequest, Erosion, RingsBy};
+use greenstick::anatomy::{AnatomyReport, AnatomyRequest};
 use greenstick::files;
 use greenstick::formats::LengthUnit;
 use greenstick::scanning::ScannedReport;
-use greenstick::wood::stem::{Place, StemOptions};
+use greenstick::wood::stem::Place;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -44,8 +45,8 @@ struct Told<'a> {
 pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let unit = options.unit.map(LengthUnit::from);
     let mut request = request(options, unit.unwrap_or_default())?;
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let source = load(options, request.place, unit, &progress)?;
     request.place = source.place;
     files::check_folder(&options.output, MAIN)?;
@@ -69,20 +70,14 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     files::check_distinct(&planned, &source.files)?;
     let outputs = files::write_folder(&options.output, inside.files)?;
     let stages = progress.finish();
-    if !options.quiet || options.json {
-        let written: Vec<Written> = outputs
-            .iter()
-            .map(|o| Written {
-                path: o.path.display().to_string(),
-                bytes: o.bytes.len(),
-            })
-            .collect();
+    if options.telling.reports() {
+        let written = written(&outputs);
         print(&told(
             &inside.report,
             source.scan.as_ref(),
             &written,
             &stages,
-            options.json,
+            options.telling.json,
         )?)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -107,20 +102,12 @@ fn load(
 }
 
 fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest, Failure> {
-    let pith = options
-        .pith
-        .as_ref()
-        .map(|text| values::pith(text, unit).map_err(Failure::request))
-        .transpose()?;
     Ok(AnatomyRequest {
         place: values::place(&options.at, unit).map_err(Failure::request)?,
-        stem: StemOptions {
-            pith,
-            kind: options.kind.map(Into::into),
-        },
+        stem: options.stem.options(unit)?,
         species: options.species.clone(),
         resolution: options.resolution,
-        rings_by: rings_by(options)?,
+        rings_by: options.source.rings_by(options.rings.map(|_| "--rings"))?,
         rings: options.rings,
         sectors: options.sectors,
         layers: options.layers,
@@ -130,30 +117,6 @@ fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest,
         colours: options.colours.into(),
         parts: options.only.iter().map(|&word| word.into()).collect(),
     })
-}
-
-fn rings_by(options: &AnatomyOptions) -> Result<RingsBy, Failure> {
-    let of_erosion = [
-        ("--schedule", options.schedule.is_some()),
-        ("--inner-circle", options.inner_circle.is_some()),
-    ];
-    if options.rings_by == RingsByWord::Field {
-        return match of_erosion.into_iter().find(|option| option.1) {
-            Some((option, _)) => Err(Failure::request(format!(
-                "{option} is of an erosion; say --rings-by erosion with it"
-            ))),
-            None => Ok(RingsBy::Field),
-        };
-    }
-    if options.rings.is_some() {
-        return Err(Failure::request(
-            "--rings: an erosion makes its own number of rings, by its --schedule and the --resolution; leave it out",
-        ));
-    }
-    Ok(RingsBy::Erosion(Erosion {
-        schedule: options.schedule.unwrap_or(ScheduleWord::Alternating).into(),
-        inner_circle: options.inner_circle,
-    }))
 }
 
 fn told(
@@ -192,11 +155,6 @@ fn told(
         let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
     }
     let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let listed: Vec<String> = stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    let _ = writeln!(text, "time      {total:.2} s: {}", listed.join(", "));
+    let _ = writeln!(text, "time      {total:.2} s: {}", spent(stages));
     Ok(text)
 }

@@ -2,11 +2,13 @@
 
 mod anatomy;
 mod bend_test;
+mod shared;
 mod simulate;
 mod skin;
 
-pub use anatomy::{AnatomyOptions, RingsByWord, ScheduleWord};
+pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
+pub use shared::{KnownStem, RingSource, Telling};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 
@@ -99,7 +101,9 @@ The section is a JSON file with an `outer_contour` [[x, y], ...] and, if known, 
 Examples
   greenstick rings section.json --rings 24 -o rings.json --picture rings.png
   greenstick rings section.json --widths 4.1,3.8,3.9,2.7 -o rings.json
-  greenstick rings section.json --pith 878,901 --compare";
+  greenstick rings section.json --pith 878,901 --compare
+  greenstick rings section.json --rings-by erosion --inner-circle 0.4 --picture rings.png
+  greenstick rings section.json --rings-by erosion --kernels 4*3/5,3/9 --resolution 256 -o rings.json";
 
 #[derive(Debug, Args)]
 #[command(after_help = RINGS_EXAMPLES)]
@@ -145,6 +149,11 @@ pub struct RingsOptions {
     /// Width and height of the picture, pixels
     #[arg(long, value_name = "N", default_value_t = 900, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub picture_size: u32,
+    #[command(flatten)]
+    pub source: RingSource,
+    /// Pixels along each side of the picture that is eroded, 32 to 512 [default: 512]
+    #[arg(long, value_name = "NUMBER", value_parser = values::resolution, help_heading = "Where rings come from")]
+    pub resolution: Option<usize>,
 }
 
 #[derive(Debug, Args)]
@@ -211,17 +220,8 @@ pub struct BreakOptions {
     #[command(flatten)]
     pub scan: ScanArguments,
 
-    /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
-    #[arg(
-        long,
-        value_name = "POINT",
-        allow_hyphen_values = true,
-        help_heading = "What it is"
-    )]
-    pub pith: Option<String>,
-    /// What the stem is; else judged by its section
-    #[arg(long, help_heading = "What it is")]
-    pub kind: Option<KindWord>,
+    #[command(flatten)]
+    pub stem: KnownStem,
 
     /// Move the pieces apart by this length, such as 3cm
     #[arg(long, value_name = "DISTANCE", default_value = "0", value_parser = values::distance,
@@ -241,16 +241,8 @@ pub struct BreakOptions {
     #[command(flatten)]
     pub shot: Shot,
 
-    /// Print the report as JSON
-    #[arg(long, help_heading = "How it is told")]
-    pub json: bool,
-    /// Print nothing but errors
-    #[arg(short, long, help_heading = "How it is told")]
-    pub quiet: bool,
-    /// Threads to use [default: as many as the machine offers]; the output is the same
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "How it is told")]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub telling: Telling,
 }
 
 /// How a picture is taken.

@@ -1,8 +1,9 @@
 //! `greenstick bend-test`: bending tests of species beside the tables.
 
 use crate::arguments::BendTestOptions;
-use crate::break_wood::{Written, use_threads};
+use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
+use crate::outcome::{Written, written};
 use crate::progress::{Progress, Stage};
 use greenstick::bending::{
     BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
@@ -33,8 +34,8 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
         };
         files::check_folder(folder, main)?;
     }
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     match &options.species {
         Some(species) => {
             let request = BendRequest {
@@ -93,36 +94,30 @@ fn tell<T: Serialize + Display>(
     progress: &Progress,
     make: impl FnOnce() -> Result<Vec<Encoded>, BendingError>,
 ) -> Result<ExitCode, Failure> {
-    let mut written = Vec::new();
+    let mut listed = Vec::new();
     if let Some(folder) = &options.output {
         progress.stage("write")?;
         let outputs = files::write_folder(folder, make().map_err(failure)?)?;
-        written = outputs
-            .iter()
-            .map(|o| Written {
-                path: o.path.display().to_string(),
-                bytes: o.bytes.len(),
-            })
-            .collect();
+        listed = written(&outputs);
     }
     let stages = progress.finish();
-    let text = if options.json {
+    let text = if options.telling.json {
         let full = FullReport {
             report,
-            outputs: &written,
+            outputs: &listed,
             stages: &stages,
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
         let mut text = report.to_string();
-        for file in &written {
+        for file in &listed {
             let _ = writeln!(text, "wrote     {}", file.path);
         }
         let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
         let _ = writeln!(text, "took      {seconds:.2} s");
         text
     };
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)

@@ -2,6 +2,7 @@
 
 use crate::arguments::{BreakOptions, Shot, UnitWord};
 use crate::failure::{Failure, print};
+use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, Stage};
 use crate::scan::{self, Loaded};
 use crate::values;
@@ -9,7 +10,7 @@ use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::picture::{PictureOptions, View};
-use greenstick::wood::stem::{Place, StemOptions};
+use greenstick::wood::stem::Place;
 use greenstick::{BreakReport, BreakRequest};
 use serde::Serialize;
 use std::fmt::Write;
@@ -26,13 +27,6 @@ struct Targets {
     recipe: Option<PathBuf>,
 }
 
-/// A file that was written.
-#[derive(Serialize)]
-pub struct Written {
-    pub path: String,
-    pub bytes: usize,
-}
-
 /// The library's report, the files and the time.
 #[derive(Serialize)]
 struct FullReport<'a> {
@@ -46,8 +40,8 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let unit = options.unit.map(LengthUnit::from);
     let targets = targets(options)?;
     let mut request = request(options, unit.unwrap_or_default())?;
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let source = read(options, request.place, unit, &progress)?;
     targets.check(&source.files)?;
     request.place = source.place;
@@ -73,7 +67,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     }
     if let Some(path) = &targets.picture {
         progress.stage("picture")?;
-        let how = picture_options(&options.shot, options.threads);
+        let how = picture_options(&options.shot, options.telling.threads);
         let picture =
             progress.watch(|context| greenstick::picture_of_break(&broken, &how, context))?;
         outputs.push(Output {
@@ -92,15 +86,14 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     files::check_distinct(&paths, &source.files)?;
     files::write_all(&outputs)?;
     let stages = progress.finish();
-    if !options.quiet || options.json {
-        let written: Vec<Written> = outputs
-            .iter()
-            .map(|o| Written {
-                path: o.path.display().to_string(),
-                bytes: o.bytes.len(),
-            })
-            .collect();
-        print(&told(&broken.report, &written, &stages, options.json)?)?;
+    if options.telling.reports() {
+        let written = written(&outputs);
+        print(&told(
+            &broken.report,
+            &written,
+            &stages,
+            options.telling.json,
+        )?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -197,17 +190,9 @@ pub fn doubt_about_unit(
 
 fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {
     let place = values::place(&options.at, unit).map_err(Failure::request)?;
-    let pith = options
-        .pith
-        .as_ref()
-        .map(|text| values::pith(text, unit).map_err(Failure::request))
-        .transpose()?;
     Ok(BreakRequest {
         place,
-        stem: StemOptions {
-            pith,
-            kind: options.kind.map(Into::into),
-        },
+        stem: options.stem.options(unit)?,
         recipe: recipe(options)?,
         part: options.part,
         fray: options.fray,
@@ -313,12 +298,7 @@ fn told(
         let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
     }
     let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let listed: Vec<String> = stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    let _ = writeln!(text, "time     {total:.2} s: {}", listed.join(", "));
+    let _ = writeln!(text, "time     {total:.2} s: {}", spent(stages));
     Ok(text)
 }
 

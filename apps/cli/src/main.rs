@@ -7,6 +7,7 @@ mod break_wood;
 mod failure;
 mod inspect;
 mod list;
+mod outcome;
 mod progress;
 mod rings;
 mod scan;

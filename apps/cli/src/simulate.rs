@@ -3,6 +3,7 @@
 use crate::arguments::{SimulateOptions, SkinOptions};
 use crate::break_wood::{picture_options, use_threads};
 use crate::failure::{Failure, print};
+use crate::outcome::spent;
 use crate::progress::{Progress, Stage};
 use crate::skin::{self, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
@@ -35,7 +36,7 @@ struct Listed {
 
 pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.list {
-        return list(options.json);
+        return list(options.telling.json);
     }
     if options.markdown {
         print(&Scene::reference_markdown())?;
@@ -66,8 +67,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if film.is_some() {
         files::check_writable(output)?;
     }
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let unit = options.unit.map(LengthUnit::from);
     let input = match &options.input {
         Some(path) => {
@@ -94,7 +95,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         ))
     })?;
     let stages = progress.finish();
-    let text = if options.json {
+    let text = if options.telling.json {
         let full = FullReport {
             report: &report,
             pictures: &pictures,
@@ -108,19 +109,14 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         for file in report.files.iter().chain(&pictures) {
             let _ = writeln!(text, "wrote    {file}");
         }
-        let listed: Vec<String> = stages
-            .iter()
-            .filter(|s| s.seconds >= 0.005)
-            .map(|s| format!("{} {:.2}", s.name, s.seconds))
-            .collect();
-        let _ = writeln!(text, "took     {} s", listed.join(", "));
+        let _ = writeln!(text, "took     {} s", spent(&stages));
         text
     };
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         print(&text)?;
     }
     // One report in JSON is enough.
-    let quiet = options.quiet || options.json;
+    let quiet = options.telling.quiet || options.telling.json;
     match film.and_then(|run| SkinOptions::film(&run, output, quiet)) {
         Some(film) => skin::run(&film),
         None => Ok(ExitCode::SUCCESS),
@@ -228,7 +224,7 @@ fn pictures(
         let scene = greenstick::rods_scene(frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
-            ..picture_options(&options.shot, options.threads)
+            ..picture_options(&options.shot, options.telling.threads)
         };
         let picture =
             progress.watch(|context| greenstick::picture_of_scene(&scene, &how, context))?;

@@ -3,6 +3,7 @@
 use crate::arguments::SkinOptions;
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
+use crate::outcome::spent;
 use crate::progress::{Progress, Stage};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use greenstick::files::{self, Output};
@@ -50,15 +51,15 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         check_png(path)?;
     }
-    use_threads(options.threads)?;
-    let progress = Progress::start(options.quiet);
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
     let run = open(options, &progress)?;
     let (skin, film, files) = match options.frame {
         Some(number) => still(run, number, options, &progress)?,
         None => film(run, options, &progress)?,
     };
     let stages = progress.finish();
-    let text = if options.json {
+    let text = if options.telling.json {
         let film = film.map(|f| FilmPart {
             skinned: f.skinned,
             rigid: f.rigid,
@@ -75,7 +76,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     } else {
         words(skin.as_ref(), film.as_ref(), &files, &stages)
     };
-    if !options.quiet || options.json {
+    if options.telling.reports() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -136,7 +137,7 @@ fn still(
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
         progress.stage("picture")?;
-        let shot = picture_options(&options.shot, options.threads);
+        let shot = picture_options(&options.shot, options.telling.threads);
         let picture =
             progress.watch(|context| run.picture(&still.scene, still.inner, &shot, context))?;
         outputs.push(Output {
@@ -347,11 +348,6 @@ fn words(
     for (file, bytes) in files {
         let _ = writeln!(text, "wrote    {file}, {}", size(*bytes));
     }
-    let listed: Vec<String> = stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    let _ = writeln!(text, "took     {} s", listed.join(", "));
+    let _ = writeln!(text, "took     {} s", spent(stages));
     text
 }

@@ -121,14 +121,12 @@ pub fn texture_size(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Voxels along the side of a segment, 32 to 512.
+/// Voxels along the side of a segment or pixels along that of a section, 32 to 512.
 pub fn resolution(text: &str) -> Result<usize, String> {
     let (least, most) = greenstick::wood::anatomy::RESOLUTIONS;
     match text.parse::<usize>() {
         Ok(x) if (least..=most).contains(&x) => Ok(x),
-        _ => Err(format!(
-            "expected a number of voxels from {least} to {most}"
-        )),
+        _ => Err(format!("expected a number from {least} to {most}")),
     }
 }
 

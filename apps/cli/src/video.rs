@@ -42,7 +42,7 @@ pub fn pictures(
     options: &SkinOptions,
     progress: &Progress,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = picture_options(&options.shot, options.threads);
+    let mut shot = picture_options(&options.shot, options.telling.threads);
     shot.shown = film.bounds().map_err(failure)?;
     let count = film.report.frames;
     let mut made = Vec::new();

@@ -97,6 +97,12 @@ fn eroded_rings_are_those_of_the_publication() {
         (&report["rings"], &report["rings_by"]),
         (&11.into(), &"erosion, alternating".into())
     );
+    // The same kernels as a list.
+    let done = run(" --kernels 3");
+    assert_eq!(done.code, 0, "{}", done.err);
+    let listed = numbers(&folder, "in/anatomy.json");
+    assert_eq!(listed["rings_by"], "erosion, kernels 3/3");
+    assert_eq!(listed["sections"], report["sections"]);
     let done = run(" --schedule figure-6");
     assert_eq!(done.code, 0, "{}", done.err);
     let wide = numbers(&folder, "in/anatomy.json");

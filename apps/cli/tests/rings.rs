@@ -66,6 +66,45 @@ fn rings_of_a_circle_are_circles() {
 }
 
 #[test]
+fn eroded_rings_are_as_wide_as_their_kernels() {
+    let folder = Folder::new();
+    let corners = [[-100, -100], [100, -100], [100, 100], [-100, 100]];
+    let square: Value =
+        json!({"outer_contour": corners, "pith": [0, 0], "rings": [{"points": corners}]});
+    folder.write("square.json", square.to_string());
+    let base =
+        "rings square.json --rings-by erosion --resolution 104 -o r.json --compare --picture p.png";
+    let run = |more: &str| {
+        let arguments = format!("{base}{more}");
+        let run = folder.run(&arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!(run.code, 0, "{}", run.err);
+        let made: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+        made["rings"].as_array().unwrap().clone()
+    };
+    // Half the width of a ring's square: the greatest coordinate of its contour.
+    let half = |ring: &Value, axis: usize| {
+        let points = ring["points"].as_array().unwrap().iter();
+        points
+            .map(|p| p[axis].as_f64().unwrap())
+            .fold(0.0, f64::max)
+    };
+    // The square is 100 pixels of 2 wide: a kernel K takes (K - 1) / 2 pixels off each side.
+    let rings = run(" --kernels 3/5,2*5/9,3/21");
+    let halves: Vec<f64> = rings.iter().map(|r| half(r, 0)).collect();
+    assert_eq!(halves, [4.0, 26.0, 48.0, 70.0, 82.0, 94.0, 100.0]);
+    // Twice as wide along x.
+    let wide = run(" --kernels 5x3/5x3");
+    let [x, y] = [0, 1].map(|axis| 100.0 - half(&wide[wide.len() - 2], axis));
+    assert_eq!((x, y), (8.0, 4.0));
+    // Two fronts: the innermost ring is the inner circle, of 0.4 mean radii, with two passes of a pixel about it.
+    let both = run(" --inner-circle 0.4");
+    let grown =
+        both[0]["mean_radius"].as_f64().unwrap() - 0.4 * 200.0 / std::f64::consts::PI.sqrt();
+    assert!((3.0..6.0).contains(&grown), "{grown}");
+    assert!(folder.read("p.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
 fn bad_sections_are_refused_with_the_field() {
     let folder = Folder::new();
     let with = |field: &str, value: Value| {
@@ -108,6 +147,17 @@ fn bad_sections_are_refused_with_the_field() {
         ("good.json --rings 3 --radii 4", "--radii"),
         ("good.json --picture p.jpg", "png"),
         ("good.json -o good.json", "good.json"),
+        ("good.json --kernels 3", "--rings-by erosion"),
+        ("good.json --resolution 64", "--rings-by erosion"),
+        ("good.json --rings-by erosion --rings 9", "--rings"),
+        (
+            "good.json --rings-by erosion --kernels 3/1",
+            "only the pixel itself",
+        ),
+        (
+            "good.json --rings-by erosion --inner-circle 1",
+            "less than 1",
+        ),
     ] {
         let mut words = vec!["rings"];
         words.extend(arguments.split(' '));

@@ -81,3 +81,20 @@ fn half_a_cloud_is_refused_where_more_is_asked_for() {
     assert!(run.err.contains("of 2 points are left"), "{}", run.err);
     assert_eq!(folder.names(), ["a.xyz", "b.xyz"]);
 }
+
+#[test]
+fn a_board_as_a_scan_is_squared_timber() {
+    let folder = Folder::new();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/");
+    let board = format!("{data}homecart_cutting_board.gltf");
+    let run = folder.quick(&[&board, "--as-scan", "-o", "b.glb", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    // 681.6 mm wide and 25.4 mm thick between the file's own bounds.
+    let notes = report["scan"]["notes"].to_string();
+    assert!(
+        notes.contains("squared timber of 68") && notes.contains(" × 25 mm"),
+        "{notes}"
+    );
+    assert_eq!(report["place"]["kind"], "board");
+}

@@ -4,11 +4,14 @@ mod clean;
 mod eigen;
 mod neighbours;
 mod normals;
+mod poisson;
+mod tetrahedra;
 
 pub use clean::{CleanError, CleanOptions, CleanReport, CleanStep, clean, spacing};
 pub use eigen::eigen;
 pub use neighbours::Neighbours;
 pub use normals::{normals, orient_along_tree, orient_from};
+pub use poisson::{MOST_NODES, PoissonError, poisson};
 
 use glam::DVec3;
 

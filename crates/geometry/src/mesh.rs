@@ -121,6 +121,11 @@ impl Mesh {
         }
         if map.matrix3.determinant() < 0.0 {
             mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            // The fourth number of a tangent is the hand of the texture's axes.
+            if let Some(tangents) = mesh.attributes.get_mut("TANGENT").filter(|t| t.width == 4) {
+                let hands = tangents.data.iter_mut().skip(3).step_by(4);
+                hands.for_each(|w| *w = -*w);
+            }
         }
         mesh
     }

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::kept::Kept;
+use crate::outwards::{turn_outwards, unmirror};
 use crate::refine::Refined;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::Solid;
@@ -38,11 +39,12 @@ pub struct Prepared {
 /// # Errors
 /// [`Error::Stem`] where there is no stem that can be broken.
 pub fn prepare(
-    scene: Scene,
+    mut scene: Scene,
     place: &Place,
     options: &StemOptions,
     context: &Context,
 ) -> Result<Prepared, Error> {
+    scene.nodes.iter_mut().for_each(unmirror);
     let mut found = find(&in_world(&scene), place, options, context)?;
     let (layers, free) = LayeredGrain::of(&found.stem);
     found.stem.usable = free;
@@ -64,7 +66,7 @@ pub(crate) fn in_world(scene: &Scene) -> Vec<Mesh> {
 /// Takes a found stem to grain space.
 pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
     let transform = scene.nodes[found.node].transform;
-    let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
+    let mut mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
     let (points, count) = mesh.points();
     let mut grain = vec![DVec3::NAN; count];
     for &t in &found.limb {
@@ -75,6 +77,7 @@ pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> 
             }
         }
     }
+    turn_outwards(&mut mesh, &points, &grain, &mut found);
     let mut refined = Refined {
         mesh,
         points,

@@ -1,5 +1,10 @@
 //! Annual rings of one section: a JSON file with its outline goes in, one with its rings comes out (Forests 2023 §3.3).
 
+mod eroded;
+
+pub use eroded::ErodedRings;
+
+use crate::erosion::InnerCircleError;
 use glam::DVec2;
 use greenstick_picture::Picture;
 use greenstick_wood::rings::{RingError, RingField, RingList, likely_pith};
@@ -37,6 +42,17 @@ pub enum RingsError {
     /// The outline, pith or rings do not go together.
     #[error(transparent)]
     Rings(#[from] RingError),
+    /// The circle that an erosion starts from is not in the section.
+    #[error(transparent)]
+    InnerCircle(#[from] InnerCircleError),
+    /// The section is too small for its pixels.
+    #[error(
+        "no pass takes anything off the section at {resolution} × {resolution} pixels; expected a wider outline or more pixels"
+    )]
+    Uneroded {
+        /// Pixels along a side.
+        resolution: usize,
+    },
     /// Nothing to compare with.
     #[error("there are no annotated `rings` in the section to compare with")]
     Nothing,
@@ -75,7 +91,7 @@ pub struct RingComparison {
     /// Its mean radius about the pith, in the file's units.
     pub mean_radius: f64,
     /// Root mean square of the radial distances over the mean radius, %.
-    pub field_percent: f64,
+    pub model_percent: f64,
     /// The same for the outline made smaller.
     pub outline_percent: f64,
     /// The same for a circle about the pith.
@@ -153,6 +169,17 @@ impl Section {
     /// # Errors
     /// [`RingsError::Rings`] where they do not fit into the outline.
     pub fn rings(self, list: &RingList, pith: Option<DVec2>) -> Result<Rings, RingsError> {
+        let (field, guessed) = self.field(pith)?;
+        Ok(Rings {
+            coordinates: field.coordinates(list)?,
+            guessed,
+            field,
+            section: self,
+        })
+    }
+
+    /// The field about `pith`, or the file's pith, or a guessed one; whether it was guessed.
+    fn field(&self, pith: Option<DVec2>) -> Result<(RingField, bool), RingsError> {
         let given = pith.or(self.pith);
         // The first attempt says what is wrong with the outline before a pith is looked for in it.
         let first = given.or(self.outline.first().copied()).unwrap_or_default();
@@ -162,88 +189,56 @@ impl Section {
             }
             other => other?,
         };
-        Ok(Rings {
-            coordinates: field.coordinates(list)?,
-            guessed: given.is_none(),
-            field,
-            section: self,
-        })
+        Ok((field, given.is_none()))
     }
-}
 
-impl Rings {
-    /// The section's file with these rings in place of its own.
-    pub fn json(&self) -> String {
+    /// Least and greatest coordinates of the outline.
+    fn reach(&self) -> (DVec2, DVec2) {
+        self.outline
+            .iter()
+            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), &p| {
+                (a.min(p), b.max(p))
+            })
+    }
+
+    /// Its file with other rings, each a mean radius and a curve, from the pith outwards.
+    fn json(
+        &self,
+        how: &str,
+        pith: DVec2,
+        guessed: bool,
+        rings: impl Iterator<Item = (f64, Vec<DVec2>)>,
+    ) -> String {
         let round = |p: DVec2| [p.x, p.y].map(|v| (v * 1e4).round() / 1e4);
         let list = |curve: &[DVec2]| curve.iter().map(|&p| round(p)).collect::<Vec<_>>();
-        let rings: Vec<Value> = self
-            .coordinates
-            .iter()
+        let rings: Vec<Value> = rings
             .enumerate()
-            .map(|(i, &ring)| {
+            .map(|(i, (mean_radius, curve))| {
                 json!({
                     "label": (i + 1).to_string(),
-                    "mean_radius": self.field.mean_radius(ring),
-                    "points": list(&self.field.curve(ring, POINTS)),
+                    "mean_radius": mean_radius,
+                    "points": list(&curve),
                 })
             })
             .collect();
-        let mut file = self.section.rest.clone();
+        let mut file = self.rest.clone();
         // What was said of the annotated rings is not true of these.
-        for stale in ["stats", "kind"] {
-            file.remove(stale);
-        }
-        file.insert(
-            "kind".into(),
-            json!("rings of a model, from the outline and the pith"),
-        );
-        file.insert("units".into(), json!(self.section.units));
-        let axis = if self.section.upwards { "up" } else { "down" };
+        file.remove("stats");
+        file.insert("kind".into(), json!(how));
+        file.insert("units".into(), json!(self.units));
+        let axis = if self.upwards { "up" } else { "down" };
         file.insert("y_axis".into(), json!(axis));
-        file.insert("pith".into(), json!(round(self.field.pith())));
-        file.insert("pith_guessed".into(), json!(self.guessed));
-        file.insert("outer_contour".into(), json!(list(&self.section.outline)));
+        file.insert("pith".into(), json!(round(pith)));
+        file.insert("pith_guessed".into(), json!(guessed));
+        file.insert("outer_contour".into(), json!(list(&self.outline)));
         file.insert("rings".into(), Value::Array(rings));
         Value::Object(file).to_string() + "\n"
     }
 
-    /// The file's own rings, each beside the model's ring of the same mean radius.
-    ///
-    /// # Errors
-    /// [`RingsError::Nothing`] where the file has none.
-    pub fn compare(&self) -> Result<Vec<RingComparison>, RingsError> {
-        if self.section.annotated.is_empty() {
-            return Err(RingsError::Nothing);
-        }
-        let pith = self.field.pith();
-        let outer = radii(&self.section.outline, pith);
-        let compare = |(label, curve): &(String, Vec<DVec2>)| {
-            let real = radii(curve, pith);
-            let mean_radius = real.iter().sum::<f64>() / POINTS as f64;
-            let ring = self.field.ring_of_mean_radius(mean_radius);
-            let curve = self.field.curve(ring, POINTS);
-            let model: Vec<f64> = curve.iter().map(|p| p.distance(pith)).collect();
-            RingComparison {
-                label: label.clone(),
-                mean_radius,
-                field_percent: deviation(&model, &real),
-                outline_percent: deviation(&outer, &real),
-                circle_percent: deviation(&[1.0; POINTS], &real),
-            }
-        };
-        Ok(self.section.annotated.iter().map(compare).collect())
-    }
-
-    /// A picture, `size` pixels wide and high: light earlywood, dark latewood, as it lies in the file.
-    pub fn picture(&self, size: u32) -> Picture {
+    /// A picture, `size` pixels wide and high, as it lies in the file, of places' colours (sRGB).
+    fn picture(&self, size: u32, colour: impl Fn(DVec2) -> [f64; 3]) -> Picture {
         let size = size.max(1);
-        let reach = self
-            .section
-            .outline
-            .iter()
-            .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), &p| {
-                (a.min(p), b.max(p))
-            });
+        let reach = self.reach();
         let (middle, extent) = (
             (reach.0 + reach.1) * 0.5,
             (reach.1 - reach.0).max_element() * 1.06,
@@ -259,10 +254,10 @@ impl Rings {
                             - 0.5
                     };
                     let mut p = DVec2::new(at(x, i % SAMPLES), at(y, i / SAMPLES)) * extent;
-                    if self.section.upwards {
+                    if self.upwards {
                         p.y = -p.y;
                     }
-                    for (sum, c) in sum.iter_mut().zip(self.colour(middle + p)) {
+                    for (sum, c) in sum.iter_mut().zip(colour(middle + p)) {
                         *sum += c / f64::from(SAMPLES * SAMPLES);
                     }
                 }
@@ -274,6 +269,61 @@ impl Rings {
             height: size,
             rgb,
         }
+    }
+}
+
+/// The annotated rings of a section, each beside a model's ring: `model` gives radii of one of about a mean radius.
+fn comparison(
+    section: &Section,
+    pith: DVec2,
+    model: impl Fn(f64) -> Vec<f64>,
+) -> Result<Vec<RingComparison>, RingsError> {
+    if section.annotated.is_empty() {
+        return Err(RingsError::Nothing);
+    }
+    let outer = radii(&section.outline, pith);
+    let compare = |(label, curve): &(String, Vec<DVec2>)| {
+        let real = radii(curve, pith);
+        let mean_radius = real.iter().sum::<f64>() / POINTS as f64;
+        RingComparison {
+            label: label.clone(),
+            mean_radius,
+            model_percent: deviation(&model(mean_radius), &real),
+            outline_percent: deviation(&outer, &real),
+            circle_percent: deviation(&[1.0; POINTS], &real),
+        }
+    };
+    Ok(section.annotated.iter().map(compare).collect())
+}
+
+impl Rings {
+    /// The section's file with these rings in place of its own.
+    pub fn json(&self) -> String {
+        let rings = self
+            .coordinates
+            .iter()
+            .map(|&ring| (self.field.mean_radius(ring), self.field.curve(ring, POINTS)));
+        let how = "rings of a model, from the outline and the pith";
+        self.section
+            .json(how, self.field.pith(), self.guessed, rings)
+    }
+
+    /// The file's own rings, each beside the model's ring of the same mean radius.
+    ///
+    /// # Errors
+    /// [`RingsError::Nothing`] where the file has none.
+    pub fn compare(&self) -> Result<Vec<RingComparison>, RingsError> {
+        let pith = self.field.pith();
+        comparison(&self.section, pith, |mean_radius| {
+            let ring = self.field.ring_of_mean_radius(mean_radius);
+            let curve = self.field.curve(ring, POINTS);
+            curve.iter().map(|p| p.distance(pith)).collect()
+        })
+    }
+
+    /// A picture, `size` pixels wide and high: light earlywood, dark latewood, as it lies in the file.
+    pub fn picture(&self, size: u32) -> Picture {
+        self.section.picture(size, |p| self.colour(p))
     }
 
     /// The colour of a place, sRGB.

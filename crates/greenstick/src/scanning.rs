@@ -3,7 +3,7 @@
 use crate::Error;
 use glam::{DAffine3, DVec3};
 use greenstick_formats::CloudFile;
-use greenstick_geometry::cloud::{CleanError, CleanOptions, CleanReport, clean, spacing};
+use greenstick_geometry::cloud::{CleanError, CleanOptions, CleanReport, clean};
 use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene};
 use greenstick_wood::scan::{ScanError, ScanOptions, ScanReport, scanned_bark};
 use greenstick_wood::stem::Place;
@@ -120,31 +120,40 @@ fn surfaced(
     Ok((bark.mesh, bark.place, bark.centreline, report))
 }
 
-/// Points of the meshes of a scene as a cloud: the vertices, and where triangles are wide also points on them, so that a
-/// mesh with holes can be treated as a scan.
+/// Points on the triangles of a scene, about; more where there are more triangles. Of thin boards narrow sides show, too.
+const SAMPLED: f64 = 50_000.0;
+
+/// Points of the meshes of a scene as a cloud, so that a mesh with holes can be treated as a scan: the vertices, and on
+/// every triangle as many as its area asks for, one at least. Normals are those of the triangles.
 pub fn cloud_of(scene: &Scene) -> CloudFile {
     let mut cloud = PointCloud::default();
-    for node in &scene.nodes {
-        let mesh = node.mesh.transformed(&node.transform);
-        let step = spacing(&mesh.positions);
-        cloud.points.extend(&mesh.positions);
-        for t in 0..mesh.triangles.len() {
+    let meshes: Vec<Mesh> = scene
+        .nodes
+        .iter()
+        .map(|node| node.mesh.transformed(&node.transform))
+        .collect();
+    let share = meshes.iter().map(Mesh::area).sum::<f64>() / SAMPLED;
+    for mesh in &meshes {
+        let mut vertices = vec![DVec3::ZERO; mesh.positions.len()];
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.corners(t);
-            let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
-            // A triangle of a hundred steps has five thousand points; wider ones get no more.
-            let parts = if step > 0.0 {
-                (side / step).ceil().clamp(1.0, 100.0) as usize
-            } else {
-                1
-            };
-            for i in 0..parts {
-                for j in 0..parts - i {
-                    let (u, v) = (
-                        (i as f64 + 1.0 / 3.0) / parts as f64,
-                        (j as f64 + 1.0 / 3.0) / parts as f64,
-                    );
-                    cloud.points.push(a + (b - a) * u + (c - a) * v);
-                }
+            let across = (b - a).cross(c - a);
+            for &v in triangle {
+                vertices[v as usize] += across;
+            }
+            let normal = across.normalize_or_zero();
+            let count = (0.5 * across.length() / share).round().clamp(1.0, SAMPLED) as u32;
+            for i in 0..count {
+                let (u, v) = spread(i);
+                cloud.points.push(a + (b - a) * u + (c - a) * v);
+                cloud.normals.push(normal);
+            }
+        }
+        // Vertices that no triangle has are no surface.
+        for (p, n) in mesh.positions.iter().zip(vertices) {
+            if let Some(normal) = n.try_normalize() {
+                cloud.points.push(*p);
+                cloud.normals.push(normal);
             }
         }
     }
@@ -152,6 +161,19 @@ pub fn cloud_of(scene: &Scene) -> CloudFile {
         cloud,
         origin: DVec3::ZERO,
         notes: scene.notes.clone(),
+    }
+}
+
+/// Place `i` of places that cover a triangle evenly, along two of its sides: a sequence of low discrepancy (Roberts 2018)
+/// in the square, folded at its diagonal. The first is the middle.
+fn spread(i: u32) -> (f64, f64) {
+    const STEPS: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
+    let third = 1.0 / 3.0;
+    let [u, v] = [STEPS.0, STEPS.1].map(|step| (third + step * f64::from(i)).fract());
+    if u + v <= 1.0 {
+        (u, v)
+    } else {
+        (1.0 - u, 1.0 - v)
     }
 }
 

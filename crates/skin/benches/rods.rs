@@ -70,7 +70,13 @@ fn main() {
         };
         let bonds = chosen(1, bundle.bonds.len(), 5.0 * part);
         let splits = chosen(2, bundle.vertices(), part);
-        break_up(&mut bundle, &mut state, &mut Loads::default(), &bonds, &splits);
+        break_up(
+            &mut bundle,
+            &mut state,
+            &mut Loads::default(),
+            &bonds,
+            &splits,
+        );
         let frame = Frame::of(&bundle, &state, &[]);
         let parting = Parting::of(&wood, &frame, &BTreeMap::new()).expect("it is its own");
         let square = Square {

@@ -1,10 +1,10 @@
 //! Options of `greenstick anatomy`.
 
-use super::{KindWord, UnitWord};
+use super::{KnownStem, RingSource, Telling, UnitWord};
 use crate::scan::ScanArguments;
 use crate::values;
 use clap::{Args, ValueEnum};
-use greenstick::anatomy::{ErosionSchedule, Part, RingColours};
+use greenstick::anatomy::{Part, RingColours};
 use greenstick::wood::anatomy::Bundles;
 use std::path::PathBuf;
 
@@ -21,6 +21,7 @@ Examples
   greenstick anatomy -o inside
   greenstick anatomy pole.ply --unit mm -o inside --resolution 512 --rings 30
   greenstick anatomy pole.ply --unit mm -o inside --rings-by erosion --schedule eccentric --inner-circle 0.4
+  greenstick anatomy pole.ply --unit mm -o inside --rings-by erosion --kernels 4*3/5,5x3+1+0/7
   greenstick anatomy tree.glb --at 0.3,2.1,-0.4 -o limb --only particles,surface --bundles equal-area";
 
 #[derive(Debug, Args)]
@@ -53,16 +54,6 @@ pub struct AnatomyOptions {
     #[arg(long, value_name = "NUMBER", default_value = "128", help_heading = "How finely",
         value_parser = values::resolution)]
     pub resolution: usize,
-    /// Where rings come from
-    #[arg(long, default_value = "field", help_heading = "How finely")]
-    pub rings_by: RingsByWord,
-    /// Kernels of the erosion [default: alternating]
-    #[arg(long, help_heading = "How finely")]
-    pub schedule: Option<ScheduleWord>,
-    /// Also erode from a circle about the pith outwards, until both fronts meet: its radius as a share of the section's
-    /// mean one, as in the publication's Fig. 7. With any schedule, the eccentric one included
-    #[arg(long, value_name = "SHARE", value_parser = values::positive, help_heading = "How finely")]
-    pub inner_circle: Option<f64>,
     /// Annual rings; as many as make rings of the usual width where absent. An erosion makes its own number
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = "How finely")]
     pub rings: Option<u16>,
@@ -87,17 +78,8 @@ pub struct AnatomyOptions {
     /// Species, by common or scientific name
     #[arg(long, value_name = "NAME", help_heading = "What it is")]
     pub species: Option<String>,
-    /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
-    #[arg(
-        long,
-        value_name = "POINT",
-        allow_hyphen_values = true,
-        help_heading = "What it is"
-    )]
-    pub pith: Option<String>,
-    /// What the stem is; else judged by its section
-    #[arg(long, help_heading = "What it is")]
-    pub kind: Option<KindWord>,
+    #[command(flatten)]
+    pub stem: KnownStem,
     /// Colours of rings
     #[arg(
         long,
@@ -106,17 +88,10 @@ pub struct AnatomyOptions {
         help_heading = "What it is"
     )]
     pub colours: ColoursWord,
-
-    /// Print the report as JSON; the lists by layer are in anatomy.json
-    #[arg(long, help_heading = "How it is told")]
-    pub json: bool,
-    /// Print nothing but errors
-    #[arg(short, long, help_heading = "How it is told")]
-    pub quiet: bool,
-    /// Threads to use [default: as many as the machine offers]; the output is the same
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "How it is told")]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub source: RingSource,
+    #[command(flatten)]
+    pub telling: Telling,
 }
 
 /// Parts of a stem's inside.
@@ -172,39 +147,6 @@ impl From<BundlesWord> for Bundles {
         match word {
             BundlesWord::Fixed => Bundles::Fixed,
             BundlesWord::EqualArea => Bundles::EqualArea,
-        }
-    }
-}
-
-/// Where rings come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum RingsByWord {
-    #[value(help = "a continuous field, round at the pith and like the outline outside")]
-    Field,
-    #[value(help = "erosion of the voxels, as published")]
-    Erosion,
-}
-
-/// Schedules of an erosion.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ScheduleWord {
-    #[value(help = "every pass takes a voxel, as in the publication's Fig. 5 and Table 1")]
-    Alternating,
-    #[value(
-        name = "figure-6",
-        help = "rings of different widths, as in its Fig. 6"
-    )]
-    Figure6,
-    #[value(help = "twice as wide along one direction, as in its Fig. 8")]
-    Eccentric,
-}
-
-impl From<ScheduleWord> for ErosionSchedule {
-    fn from(word: ScheduleWord) -> Self {
-        match word {
-            ScheduleWord::Alternating => ErosionSchedule::Alternating,
-            ScheduleWord::Figure6 => ErosionSchedule::Figure6,
-            ScheduleWord::Eccentric => ErosionSchedule::Eccentric,
         }
     }
 }

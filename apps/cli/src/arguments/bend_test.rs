@@ -1,5 +1,6 @@
 //! Options of `greenstick bend-test`.
 
+use super::Telling;
 use crate::values;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -104,14 +105,6 @@ pub struct BendTestOptions {
     )]
     pub end: Option<f64>,
 
-    /// Print the report as JSON
-    #[arg(long, help_heading = "How it is told")]
-    pub json: bool,
-    /// Print nothing but errors
-    #[arg(short, long, help_heading = "How it is told")]
-    pub quiet: bool,
-    /// Threads to use [default: as many as the machine offers]; the output is the same
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "How it is told")]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub telling: Telling,
 }

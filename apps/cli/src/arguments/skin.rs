@@ -1,6 +1,6 @@
 //! Options of `greenstick skin`.
 
-use super::{Arguments, Command, Shot, UnitWord};
+use super::{Arguments, Command, Shot, Telling, UnitWord};
 use crate::values;
 use clap::{Args, Parser};
 use std::ffi::OsStr;
@@ -92,16 +92,8 @@ pub struct SkinOptions {
     #[command(flatten)]
     pub shot: Shot,
 
-    /// Print the report as JSON
-    #[arg(long, help_heading = "How it is told")]
-    pub json: bool,
-    /// Print nothing but errors
-    #[arg(short, long, help_heading = "How it is told")]
-    pub quiet: bool,
-    /// Threads to use [default: as many as the machine offers]; the output is the same
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
-        help_heading = "How it is told")]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub telling: Telling,
 }
 
 impl SkinOptions {

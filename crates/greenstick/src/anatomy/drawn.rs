@@ -5,18 +5,19 @@
 
 use super::{RingColours, Work, paint};
 use crate::Error;
+use crate::erosion::{Erosion, Fronts};
 use glam::DVec2;
 use greenstick_geometry::Bitmap;
 use greenstick_wood::anatomy::{Anatomy, Grid, RingNumbers, Section, field_passes, fill};
 use greenstick_wood::appearance::WoodAppearance;
-use greenstick_wood::rings::{self, Circle, Kind, Schedule};
+use greenstick_wood::rings::{self, Kind};
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::Proportions;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Where rings come from.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum RingsBy {
     /// The continuous field, of any number of rings, whatever the resolution.
     #[default]
@@ -25,103 +26,37 @@ pub enum RingsBy {
     Erosion(Erosion),
 }
 
-/// An erosion of sections.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Erosion {
-    /// Its kernels.
-    pub schedule: ErosionSchedule,
-    /// Radius of a circle about the pith, in mean radii of the section (above 0, below 1), from which a second front runs
-    /// outwards: Fig. 7. `None`: only the contour's runs inwards.
-    pub inner_circle: Option<f64>,
-}
-
-/// A published order of kernels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErosionSchedule {
-    /// Every pass takes a pixel: Fig. 5 and Table 1.
-    Alternating,
-    /// Rings of different widths, from the bark inwards: Fig. 6, made for 256 voxels and widened for twice as many.
-    Figure6,
-    /// Twice as fast along the section's x and moved along it: Fig. 8, which gives no numbers.
-    Eccentric,
-}
-
-/// Resolution for which Fig. 6 gives its kernels.
-const FIGURE_6: usize = 256;
 /// Sections along the stem in which rings are counted beforehand.
 const COUNTED: usize = 96;
 
 impl RingsBy {
     /// `field`, or `erosion` with its schedule and its circle.
-    pub(super) fn name(self) -> String {
-        let RingsBy::Erosion(erosion) = self else {
-            return "field".to_owned();
-        };
-        let schedule = match erosion.schedule {
-            ErosionSchedule::Alternating => "alternating",
-            ErosionSchedule::Figure6 => "figure 6",
-            ErosionSchedule::Eccentric => "eccentric",
-        };
-        match erosion.inner_circle {
-            Some(share) => format!("erosion, {schedule}, and from a circle of {share} radii"),
-            None => format!("erosion, {schedule}"),
+    pub(super) fn name(&self) -> String {
+        match self {
+            RingsBy::Field => "field".to_owned(),
+            RingsBy::Erosion(erosion) => erosion.to_string(),
         }
     }
 
     /// The fronts of an erosion at a resolution.
-    pub(super) fn fronts(self, resolution: usize) -> Result<Option<Fronts>, Error> {
-        let RingsBy::Erosion(erosion) = self else {
-            return Ok(None);
-        };
-        let schedule = match erosion.schedule {
-            ErosionSchedule::Alternating => Schedule::thinnest(),
-            ErosionSchedule::Figure6 => {
-                let factor = (resolution / FIGURE_6).max(1) as u32;
-                Schedule::figure_6().scaled(factor)
-            }
-            ErosionSchedule::Eccentric => Schedule::thinnest().eccentric(2, (1, 0)),
-        };
-        if let Some(share) = erosion.inner_circle
-            && !(share > 0.0 && share < 1.0)
-        {
-            return Err(Error::Amount(format!(
-                "an inner circle of {share} mean radii; expected more than 0 and less than 1"
-            )));
+    pub(super) fn fronts(&self, resolution: usize) -> Result<Option<Fronts>, Error> {
+        match self {
+            RingsBy::Field => Ok(None),
+            RingsBy::Erosion(erosion) => match erosion.fronts(resolution) {
+                Ok(fronts) => Ok(Some(fronts)),
+                Err(error) => Err(Error::Amount(error.to_string())),
+            },
         }
-        Ok(Some(Fronts {
-            outward: erosion
-                .inner_circle
-                .map(|share| (schedule.clone().outwards(), share)),
-            inward: schedule,
-        }))
     }
 }
 
-/// What runs through a section and leaves rings behind.
-pub(super) struct Fronts {
-    inward: Schedule,
-    /// From a circle about the pith, whose radius is a share of the section's mean one.
-    outward: Option<(Schedule, f64)>,
-}
-
-impl Fronts {
-    /// The pass of every pixel of a section, row by row, and the kinds of passes 1 to the last.
-    fn passes(&self, map: &Bitmap, section: &Section, grid: &Grid) -> (Vec<u16>, Vec<Kind>) {
-        let Some((outward, share)) = &self.outward else {
-            let passes = rings::passes(map, &self.inward);
-            let last = usize::from(last(&passes));
-            let kinds = (1..=last).map(|n| self.inward.pass(n).kind).collect();
-            return (passes, kinds);
-        };
-        // The middle of pixel 0 lies half a pixel within the grid's edge.
-        let edge = 0.5 * grid.count as f64 - 0.5;
-        let circle = Circle {
-            centre: section.field.pith() / grid.pixel + DVec2::splat(edge),
-            radius: share * (section.outline.area / std::f64::consts::PI).sqrt() / grid.pixel,
-        };
-        let made = rings::two_sided(map, &self.inward, outward, circle);
-        (made.passes, made.kinds)
-    }
+/// The pass of every pixel of a section, row by row, and the kinds of passes 1 to the last.
+fn passes(fronts: &Fronts, map: &Bitmap, section: &Section, grid: &Grid) -> (Vec<u16>, Vec<Kind>) {
+    // The middle of pixel 0 lies half a pixel within the grid's edge.
+    let edge = 0.5 * grid.count as f64 - 0.5;
+    let pith = section.field.pith() / grid.pixel + DVec2::splat(edge);
+    let radius = (section.outline.area / std::f64::consts::PI).sqrt() / grid.pixel;
+    fronts.passes(map, pith, radius)
 }
 
 /// The largest number of rings that an erosion makes in a section of the stem.
@@ -138,7 +73,7 @@ pub(super) fn count_rings(anatomy: &Anatomy, fronts: &Fronts) -> Result<u16, Err
         .filter_map(|k| anatomy.section(length * (k as f64 + 0.5) / COUNTED as f64))
         .map(|section| {
             let map = fill(&anatomy.grid, &section.outline.loops);
-            let (_, kinds) = fronts.passes(&map, &section, &anatomy.grid);
+            let (_, kinds) = passes(fronts, &map, &section, &anatomy.grid);
             rings::rings_of(kinds.into_iter())
                 .last()
                 .copied()
@@ -146,16 +81,6 @@ pub(super) fn count_rings(anatomy: &Anatomy, fronts: &Fronts) -> Result<u16, Err
         })
         .max();
     Ok(most.unwrap_or(0).max(1))
-}
-
-/// The highest number of a pass.
-fn last(passes: &[u16]) -> u16 {
-    passes
-        .iter()
-        .copied()
-        .filter(|&p| p < rings::NEVER)
-        .max()
-        .unwrap_or(0)
 }
 
 /// A section's pixels.
@@ -189,7 +114,7 @@ impl Work<'_> {
                 palette: Cow::Borrowed(&self.palette),
             };
         };
-        let (mut passes, kinds) = fronts.passes(&map, section, grid);
+        let (mut passes, kinds) = passes(fronts, &map, section, grid);
         let last = kinds.len() as u16;
         for p in &mut passes {
             // What no pass took, which no published schedule leaves, is the pith's.

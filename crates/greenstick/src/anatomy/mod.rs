@@ -7,10 +7,12 @@ mod particles;
 mod report;
 mod volume;
 
-pub use drawn::{Erosion, ErosionSchedule, RingsBy};
+pub use crate::erosion::{Erosion, ErosionSchedule, InnerCircleError};
+pub use drawn::RingsBy;
 pub use report::{AnatomyReport, RingRows, SectionReport, SegmentReport};
 
 use crate::Error;
+use crate::erosion::Fronts;
 use crate::looks::looks;
 use drawn::Look;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
@@ -154,7 +156,7 @@ struct Work<'a> {
     request: &'a AnatomyRequest,
     look: Look,
     /// The erosion that rings come from, where they come from one.
-    erosion: Option<drawn::Fronts>,
+    erosion: Option<Fronts>,
     /// Of rings by the field.
     numbers: RingNumbers,
     /// Colour of each pass, sRGB.

@@ -163,7 +163,8 @@ pub(super) fn report(
             "particles lie between {low:.3} and {high:.3} m, where sections are whole"
         ));
     }
-    let mesh_volume = closed_volume(&shell).1;
+    // Of a mesh that is inside out, too.
+    let mesh_volume = closed_volume(&shell).1.map(f64::abs);
     let voxel_volume = (!segments.is_empty()).then(|| segments.iter().map(|s| s.volume_m3).sum());
     if let (Some(mesh), Some(voxels)) = (mesh_volume, voxel_volume) {
         let off: f64 = 100.0 * (voxels / mesh - 1.0);

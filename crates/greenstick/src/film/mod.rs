@@ -167,8 +167,16 @@ fn posed(film: &Film, poses: &[Pose]) -> Vec<Node> {
         let mut mesh = piece.mesh.clone();
         film.place_piece(number, &maps, &mut mesh.positions);
         film.place_normals(number, &maps, &mut normals);
-        // Tangents would have to be turned too; viewers make their own from normals and texture coordinates.
-        mesh.attributes.remove("TANGENT");
+        if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
+            let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
+                .map(|&[x, y, z, _]| [x, y, z])
+                .collect();
+            let mut turned = Vec::new();
+            film.turn_directions(number, &maps, &at_rest, &mut turned);
+            for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
+                to[..3].copy_from_slice(&t.as_vec3().to_array());
+            }
+        }
         if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
             attribute.data = normals
                 .iter()

@@ -4,6 +4,7 @@
 pub mod erosion;
 mod field;
 mod kernel;
+mod kernels;
 mod pith;
 mod schedule;
 mod series;
@@ -11,6 +12,7 @@ mod series;
 pub use erosion::{Circle, NEVER, TwoSided, erode, passes, passes_of_all, two_sided};
 pub use field::RingField;
 pub use kernel::Kernel;
+pub use kernels::KernelsError;
 pub use pith::likely_pith;
 pub use schedule::{Kind, Pass, Schedule, ScheduleError, rings_of};
 pub use series::{RingError, RingList};

@@ -143,6 +143,11 @@ impl Schedule {
         &self.passes[self.repeat_from + (index - count) % (count - self.repeat_from)]
     }
 
+    /// The passes before any repeats.
+    pub fn passes(&self) -> &[Pass] {
+        &self.passes
+    }
+
     /// Passes after which the schedule has been seen whole, counted from any pass on.
     pub(super) fn period(&self) -> usize {
         self.passes.len()

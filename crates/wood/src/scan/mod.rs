@@ -3,10 +3,11 @@
 //!
 //! The stem is found and followed by circles (`trace`); its points get an address (angle, length, radius), and where a
 //! ray from the pith meets the bark once, the bark is a surface over (angle, length) at the scan's own resolution, which
-//! closes holes and completes a girth that was seen in part.
+//! closes holes and completes a girth that was seen in part. Elsewhere it is made by screened Poisson reconstruction.
 
 mod circle;
 mod field;
+mod folded;
 mod points;
 mod report;
 mod section;
@@ -99,7 +100,17 @@ pub fn scanned_bark(
     if tube && addressed.strangers > addressed.points.len() {
         return Err(none());
     }
-    let mut bark = surface::bark(&addressed, &followed, at, options)?;
+    let mut bark = match surface::bark(&addressed, &followed, at, options) {
+        Err(ScanError::NotStarShaped {
+            from, to, share, ..
+        }) if tube => {
+            let mut bark = folded::bark(cloud, &followed, at, options, context)?;
+            bark.report.folded = addressed.folded(0.0, followed.axis.length());
+            bark.report.notes.push(folded::note(from, to, share));
+            bark
+        }
+        made => made?,
+    };
     if tube && bark.report.noise_m > CROWN * bark.report.radius_m {
         return Err(none());
     }

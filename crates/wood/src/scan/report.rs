@@ -1,6 +1,7 @@
 //! What is asked of a scan, what was found, and what can go wrong.
 
 use crate::stem::Place;
+use greenstick_geometry::cloud::PoissonError;
 use greenstick_geometry::{Cancelled, Mesh};
 
 /// How the bark of a scan is made.
@@ -84,8 +85,8 @@ pub struct ScannedBark {
 pub enum ScanError {
     /// Nowhere do sections look like a stem's.
     #[error(
-        "no stem found among the {points} points: nowhere do they lie on a tube that is longer than wide; \
-         a point of the limb, as a place, tells where to look"
+        "no stem found among the {points} points: nowhere do they lie on a tube that is longer than wide, nor are they \
+         squared timber with four flat sides; a point of the limb, as a place, tells where to look"
     )]
     NoStem {
         /// Points searched.
@@ -127,7 +128,7 @@ pub enum ScanError {
     /// A ray from the pith meets the bark more than once in too many places.
     #[error(
         "from {from:.2} to {to:.2} m along the stem a ray from the pith meets {:.0} % of the sections' parts more than once \
-         (loose bark, folds, a hollow): there the bark is no surface over angle and length, and no other is made; expected \
+         (loose bark, folds, a hollow): there the bark is no surface over angle and length; expected \
          at most {:.0} %, or a place elsewhere on the stem", .share * 100.0, .most * 100.0
     )]
     NotStarShaped {
@@ -143,7 +144,19 @@ pub enum ScanError {
     /// An option out of its range.
     #[error("the least cover is {0}; expected a share from 0 to 1")]
     LeastCover(f64),
+    /// Folded bark could not be closed.
+    #[error("the folded bark could not be closed: {0}")]
+    Surface(PoissonError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PoissonError> for ScanError {
+    fn from(error: PoissonError) -> Self {
+        match error {
+            PoissonError::Cancelled(cancelled) => cancelled.into(),
+            other => ScanError::Surface(other),
+        }
+    }
 }

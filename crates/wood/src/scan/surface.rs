@@ -36,7 +36,8 @@ pub(super) fn bark(
     }
     let length = followed.axis.length();
     let cover = covers(addressed, followed);
-    let span = span(addressed, &cover, at, length, options.least_cover)?;
+    let least = options.least_cover;
+    let span = span(addressed, &cover, at, length, least, MOST_FOLDED)?;
     let mean_cover = cover
         .iter()
         .map(|c| c.share * (c.to_m - c.from_m))
@@ -99,7 +100,7 @@ fn rows_in(field: &Field, span: (f64, f64)) -> Vec<usize> {
 }
 
 /// The share of the girth that was seen, part by part: of sectors so wide that chance leaves hardly one empty.
-fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
+pub(super) fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
     let length = followed.axis.length();
     let mean = followed.mean_radius();
     let slabs = ((length / mean).round() as usize).clamp(2, 20_000);
@@ -132,23 +133,24 @@ fn covers(addressed: &Addressed, followed: &Followed) -> Vec<Cover> {
         .collect()
 }
 
-/// The parts about a place of which enough was seen, and that are a surface over angle and length.
-fn span(
+/// The parts about a place of which enough was seen, and of which no more than a share is folded.
+pub(super) fn span(
     addressed: &Addressed,
     cover: &[Cover],
     at: f64,
     length: f64,
     least: f64,
+    most: f64,
 ) -> Result<(f64, f64), ScanError> {
     let k = ((at / PART) as usize).min(cover.len() - 1);
     let folded = |k: usize| addressed.folded(cover[k].from_m, cover[k].to_m);
-    let enough = |k: usize| cover[k].share >= least && folded(k) <= MOST_FOLDED;
-    if folded(k) > MOST_FOLDED {
+    let enough = |k: usize| cover[k].share >= least && folded(k) <= most;
+    if folded(k) > most {
         return Err(ScanError::NotStarShaped {
             from: cover[k].from_m,
             to: cover[k].to_m,
             share: folded(k),
-            most: MOST_FOLDED,
+            most,
         });
     }
     if !enough(k) {

@@ -24,6 +24,8 @@ const SQUARE: f64 = 0.7;
 const ON_SIDES: f64 = 0.7;
 /// Distance from a side, in halves of the thickness, up to which a point lies on it.
 const TOLERANCE: f64 = 0.1;
+/// Distance from the outermost points of a side, in distances of opposite sides, up to which others are looked at.
+const NEAR_SIDE: f64 = 0.15;
 /// Length over width, at least.
 const LONG: f64 = 1.2;
 
@@ -111,31 +113,57 @@ fn turned(grain: DVec3, directions: &[DVec3]) -> Option<DMat3> {
 
 /// The planes of the four sides, those of the first direction before those of the second.
 fn four_sides(points: &[DVec3], directions: &[DVec3], frame: DMat3) -> Option<Vec<Side>> {
-    let mut sides = Vec::new();
-    for across in [frame.x_axis, frame.y_axis] {
-        let own: Vec<&DVec3> = points
+    let pairs = [frame.x_axis, frame.y_axis].map(|across| {
+        let own: Vec<DVec3> = points
             .iter()
             .zip(directions)
             .filter(|(_, n)| n.dot(across).abs() > ALONG)
-            .map(|(p, _)| p)
+            .map(|(p, _)| *p)
             .collect();
-        let (low, high) = quantiles(own.iter().map(|p| p.dot(across)).collect(), 0.02);
+        let reach = quantiles(own.iter().map(|p| p.dot(across)).collect(), 0.02);
+        (across, own, reach)
+    });
+    let thickness = pairs
+        .iter()
+        .map(|(_, _, (low, high))| high - low)
+        .fold(f64::INFINITY, f64::min);
+    let mut sides = Vec::new();
+    for (across, own, (low, high)) in pairs {
         for (sign, at) in [(1.0, high), (-1.0, low)] {
-            let near = 0.15 * (high - low);
+            let near = NEAR_SIDE * (high - low);
             let on: Vec<DVec3> = own
                 .iter()
-                .map(|p| **p)
+                .copied()
                 .filter(|p| (p.dot(across) - at).abs() < near)
                 .collect();
-            sides.push(side(&on, across * sign, frame.z_axis)?);
+            let outward = across * sign;
+            // Steps and notches may make a side of several planes: then that of most points is taken.
+            let found = side(&on, &on, outward, frame.z_axis).or_else(|| {
+                let most = densest(&on, across, NEAR_SIDE * thickness);
+                side(&on, &most, outward, frame.z_axis)
+            });
+            sides.push(found?);
         }
     }
     Some(sides)
 }
 
-/// The plane through points that look one way: by least squares, of those near a first one once more.
-fn side(points: &[DVec3], outward: DVec3, grain: DVec3) -> Option<Side> {
-    let mut on = points.to_vec();
+/// The points of that layer across a direction, `width` thick, which holds most of them.
+fn densest(points: &[DVec3], across: DVec3, width: f64) -> Vec<DVec3> {
+    let mut sorted: Vec<(f64, DVec3)> = points.iter().map(|p| (p.dot(across), *p)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let layer = |i: usize| {
+        let end = sorted.partition_point(|p| p.0 <= sorted[i].0 + width);
+        i..end
+    };
+    let best = (0..sorted.len()).map(layer).max_by_key(|l| l.len());
+    sorted[best.unwrap_or(0..0)].iter().map(|p| p.1).collect()
+}
+
+/// The plane through points that look one way: by least squares of the first ones, then of all that are near the plane
+/// so far.
+fn side(points: &[DVec3], first: &[DVec3], outward: DVec3, grain: DVec3) -> Option<Side> {
+    let mut on = first.to_vec();
     let mut fitted = (outward, 0.0);
     for _ in 0..3 {
         if on.len() < 12 {
