@@ -5,8 +5,11 @@
 //! one place, and no sum depends on how the work was shared out, so that the same bytes come out of any number of
 //! threads. Work is shared with `rayon` in the caller's pool.
 
+mod linear;
 mod wide;
 
+pub(crate) use linear::NONE as NO_MOTION;
+pub(crate) use wide::lanes::Row;
 pub use wide::lanes::Level;
 
 use crate::bundle::Bundle;
@@ -19,8 +22,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use wide::bonds::BondTable;
-use wide::lanes::{Pair, Row, WIDTH};
+use wide::lanes::{Pair, WIDTH};
 use wide::rods::{self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
+use wide::slopes::Slopes;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
 const GRAIN: usize = 32 * BLOCK;
@@ -128,6 +132,8 @@ pub struct Evaluator {
     /// Per edge: sums over its bonds of forces on their vertices and on y₁.
     edge_force: Vec<Pair>,
     framed: Vec<FramedGradient>,
+    /// The bonds made linear, where that was asked for.
+    slopes: Vec<Slopes>,
 }
 
 const NO_MASS: Masses = Masses {
@@ -159,6 +165,7 @@ impl Evaluator {
             bond_force: Vec::new(),
             edge_force: Vec::new(),
             framed: Vec::new(),
+            slopes: Vec::new(),
         };
         made.derive(bundle);
         made
@@ -302,11 +309,8 @@ impl Evaluator {
         }
     }
 
-    /// Computes the forces of bonds.
-    fn bond_pass(&mut self, state: &State) {
-        if self.bonds.is_empty() {
-            return;
-        }
+    /// Puts places into rows.
+    fn fill_places(&mut self, state: &State) {
         let p = &state.position;
         let fill = |(k, rows): (usize, &mut [Row])| {
             let range = k * GRAIN..k * GRAIN + rows.len();
@@ -326,6 +330,14 @@ impl Evaluator {
         } else {
             self.position.chunks_mut(GRAIN).enumerate().for_each(fill);
         }
+    }
+
+    /// Computes the forces of bonds.
+    fn bond_pass(&mut self, state: &State) {
+        if self.bonds.is_empty() {
+            return;
+        }
+        self.fill_places(state);
         self.bonds.forces(
             self.level,
             &self.position,

@@ -36,7 +36,7 @@ const MANNER: Manner = Manner {
     iterations: 6,
     accuracy: 5e-2,
     take_last: true,
-    one_matrix: false,
+    one_matrix: true,
 };
 
 /// The interactive solver.
@@ -117,6 +117,7 @@ impl Interactive {
         let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
         let broken = world.fracture_loss;
         predict(world, dt);
+        self.newton.renew();
         let mut touches = Vec::new();
         let mut reaction = Vectors::default();
         for round in 0..=ROUNDS {

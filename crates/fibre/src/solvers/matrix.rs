@@ -138,6 +138,13 @@ impl Envelope {
         self.values[at] += value;
     }
 
+    /// Adds to entries of a row from `column` on, which must lie in the envelope.
+    #[inline]
+    pub fn add_row(&mut self, row: usize, column: usize, values: &[f64]) {
+        let at = self.start[row] + column - self.first_of(row);
+        axpy(&mut self.values[at..at + values.len()], values, 1.0);
+    }
+
     /// The entry on the diagonal.
     pub fn diagonal(&self, row: usize) -> f64 {
         self.values[self.start[row + 1] - 1]

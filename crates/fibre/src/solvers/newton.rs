@@ -35,6 +35,10 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
+/// Moments count as couples so far apart, m.
+pub(super) const ARM: f64 = 1e-3;
+/// Linear systems are solved no further than to this part of the tolerance.
+const ENOUGH: f64 = 0.3;
 
 /// What makes a stage of a time step of an equilibrium: M (x − `ahead`)/h² = F − c M (x − `behind`)/h.
 #[derive(Debug, Clone)]
@@ -83,6 +87,8 @@ pub(crate) struct Newton {
     grips: Vec<Held>,
     touches: Vec<Touch>,
     scale: f64,
+    /// Whether the preconditioner is to be made anew.
+    stale: bool,
 }
 
 /// How linear systems are solved.
@@ -114,7 +120,7 @@ pub(crate) struct Manner {
     pub accuracy: f64,
     /// Whether the last iterate is taken where they do not suffice.
     pub take_last: bool,
-    /// Whether the matrix of the first iteration serves them all, as long as contacts stay.
+    /// Whether the preconditioner of the first iteration after [`Newton::renew`] serves all that follow.
     pub one_matrix: bool,
 }
 
@@ -154,7 +160,9 @@ pub(super) struct Problem<'a> {
     pub prescribed: &'a [f64],
     /// Accuracy of the solution.
     pub accuracy: f64,
-    /// Whether the matrix is made anew.
+    /// Unbalanced forces of the solution that are small enough in any case, N.
+    pub enough: f64,
+    /// Whether the matrix, or what stands for it, is made anew.
     pub fresh: bool,
 }
 
@@ -167,11 +175,17 @@ impl Newton {
         }
     }
 
+    /// Lets the preconditioner be made anew.
+    pub fn renew(&mut self) {
+        self.stale = true;
+    }
+
     /// Makes everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &Bundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
             return;
         }
+        self.stale = true;
         self.generation = Some(bundle.generation);
         self.grips = grips.iter().map(|g| resolve(g, bundle)).collect();
         let n = bundle.vertices();
@@ -254,7 +268,6 @@ impl Newton {
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
-        let mut touching = 0;
         let mut tolerance = self.manner.tolerance * self.scale;
         while iterations == 0 && moved || worst > tolerance {
             if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
@@ -268,9 +281,8 @@ impl Newton {
                     tolerance,
                 });
             }
-            let fresh =
-                !self.manner.one_matrix || iterations == 0 || self.touches.len() != touching;
-            touching = self.touches.len();
+            let fresh = !self.manner.one_matrix || self.stale;
+            self.stale = false;
             let step = self.direction(goal, base, &state, &prescribed, fresh);
             let slope: f64 = step
                 .iter()
@@ -461,7 +473,6 @@ impl Newton {
 
     /// The largest unbalanced force; moments count as couples a millimetre apart.
     fn worst(&self) -> f64 {
-        const ARM: f64 = 1e-3;
         let mut worst = 0.0f64;
         for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
             if !h {
@@ -545,12 +556,14 @@ impl Newton {
             held: &self.held,
             prescribed,
             accuracy: self.manner.accuracy,
+            enough: ENOUGH * self.manner.tolerance * self.scale,
             fresh,
         };
-        match &mut self.linear {
-            Linear::Direct(direct) => direct.solve(&problem),
-            Linear::Three(system) => system.solve(&problem),
-            Linear::Four(system) => system.solve(&problem),
+        match (&mut self.linear, &mut self.evaluator) {
+            (Linear::Three(system), Some(evaluator)) => system.solve(&problem, evaluator),
+            (Linear::Four(system), Some(evaluator)) => system.solve(&problem, evaluator),
+            (Linear::Direct(direct), _) => direct.solve(&problem),
+            _ => vec![0.0; self.residual.len()],
         }
     }
 }

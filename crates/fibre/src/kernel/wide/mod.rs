@@ -5,5 +5,6 @@
 pub mod bonds;
 pub mod lanes;
 pub mod rods;
+pub mod slopes;
 #[cfg(target_arch = "x86_64")]
 pub mod x86;
