@@ -241,6 +241,14 @@ pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Ve
 /// Breaks all that is in `queue`, notes it in the world's events, and renumbers whatever named a vertex. Returns for each
 /// vertex of the bundle now which it was before.
 pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) -> Vec<u32> {
+    note(world, queue);
+    let bonds = queue.iter().filter(|b| b.bond).map(|b| b.number).collect();
+    let splits = queue.iter().filter(|b| !b.bond).map(|b| b.number).collect();
+    take_out(world, contacts, bonds, splits)
+}
+
+/// Notes in the world's events, and as energy lost, that all in `queue` breaks.
+pub(crate) fn note(world: &mut World, queue: &[Break]) {
     let cause = match world.failure.bonds {
         BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
         BondCriterion::Griffith => Cause::Griffith,
@@ -289,8 +297,16 @@ pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) ->
         world.fracture_loss += event.energy;
         world.events.push(event);
     }
-    let mut bonds: Vec<u32> = queue.iter().filter(|b| b.bond).map(|b| b.number).collect();
-    let mut splits: Vec<u32> = queue.iter().filter(|b| !b.bond).map(|b| b.number).collect();
+}
+
+/// Takes `bonds` out and splits rods at the vertices `splits`, and renumbers whatever named a vertex. Returns for each
+/// vertex of the bundle now which it was before.
+pub(crate) fn take_out(
+    world: &mut World,
+    contacts: &mut dyn Contacts,
+    mut bonds: Vec<u32>,
+    mut splits: Vec<u32>,
+) -> Vec<u32> {
     bonds.sort_unstable();
     splits.sort_unstable();
     let before = topology::break_up(

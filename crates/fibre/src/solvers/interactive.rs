@@ -18,14 +18,17 @@ use crate::error::SolverError;
 use crate::failure::{self, Break, Failure};
 use crate::solver::{Advance, Contacts, Solver, World};
 use crate::state::State;
-use crate::topology;
+use crate::bundle::Bundle;
 use crate::vectors::Vectors;
 
 /// The step where none is given, s.
 pub const STEP: f64 = 1.0 / 30.0;
-/// Breaking rounds in a step.
-const ROUNDS: usize = 1;
-/// What breaks in one round: what is overstressed by this part of what the most overstressed is.
+/// Part of a step in which cracks run, and how long that is at most, s.
+const RUNNING: f64 = 0.125;
+const LONGEST: f64 = 4e-3;
+/// Steps in it while something breaks.
+const SHORT: f64 = 32.0;
+/// What breaks at once: what is overstressed by this part of what the most overstressed is.
 const PART: f64 = 0.7;
 /// Most that a prediction moves anything, in shortest edges.
 const FARTHEST: f64 = 0.5;
@@ -37,6 +40,13 @@ const MANNER: Manner = Manner {
     accuracy: 5e-2,
     take_last: true,
     one_matrix: true,
+};
+
+/// The same while something breaks.
+const ROUGH: Manner = Manner {
+    iterations: 2,
+    accuracy: 0.1,
+    ..MANNER
 };
 
 /// The interactive solver.
@@ -113,51 +123,146 @@ impl Interactive {
         dt: f64,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let mut old = world.state.clone();
         let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
         let broken = world.fracture_loss;
-        predict(world, dt);
+        let mut book = Book::default();
         self.newton.renew();
-        let mut touches = Vec::new();
-        let mut reaction = Vectors::default();
-        for round in 0..=ROUNDS {
-            let found = self.equilibrium(world, &old, contacts, dt)?;
-            world.state = found.state;
-            (touches, reaction) = (found.touches, found.reaction);
-            if round == ROUNDS || !self.find_broken(&world.failure, world) {
-                break;
-            }
-            let before = failure::apply(world, contacts, &self.queue);
-            topology::split_state(&mut old, &before);
+        self.newton.set_manner(MANNER);
+        let start = world.state.clone();
+        let found = self.predicted(world, &start, contacts, dt)?;
+        if self.find_broken(&world.failure, &world.bundle, &found.state) {
+            self.break_on(world, contacts, found, dt, &mut book)?;
+        } else {
+            take(world, contacts, found, dt, &mut book);
         }
-        let bundle = &world.bundle;
-        for v in 0..bundle.vertices() {
-            let way = world.state.position.get(v) - old.position.get(v);
-            world.state.velocity.set(v, way / dt);
-            world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
-        }
-        world.state.time = old.time + dt;
-        world.state.step = old.step + 1;
-        let yielded = commit_yield(world, &old);
-        world.fracture_loss += yielded;
-        let book = contacts.accept(&old, old.time + dt, &touches);
-        let (work, damped) = work(world, &old, &reaction, dt);
-        let after = energies(&world.bundle, &world.state).total() + book.stored;
-        report.work += work;
-        report.damped += damped;
+        let after = energies(&world.bundle, &world.state).total() + contacts.stored();
+        report.work += book.work;
+        report.damped += book.damped;
         report.dissipated +=
-            stored + work + book.work - book.lost - damped - (world.fracture_loss - broken) - after;
-        report.steps += 1;
+            stored + book.work + book.given - book.damped - (world.fracture_loss - broken) - after;
+        report.steps += book.steps;
         Ok(())
     }
 
-    /// Looks for what breaks in this round.
-    fn find_broken(&mut self, failure: &Failure, world: &World) -> bool {
-        failure::detect(failure, &world.bundle, &world.state, &mut self.queue);
+    /// A step at whose end, `trial`, something breaks: most of it as it is, and the rest in steps so short that cracks run
+    /// on from one to the next.
+    fn break_on(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        trial: Found,
+        dt: f64,
+        book: &mut Book,
+    ) -> Result<(), SolverError> {
+        let short = f64::min(dt * RUNNING, LONGEST) / SHORT;
+        let mut left = SHORT;
+        let start = world.state.clone();
+        let far = dt - short * left;
+        // Between its ends a step is nearly straight.
+        world.state = trial.state;
+        for v in 0..world.bundle.vertices() {
+            let (a, b) = (start.position.get(v), world.state.position.get(v));
+            world.state.position.set(v, a.lerp(b, far / dt));
+            world.state.angle[v] =
+                start.angle[v] + (world.state.angle[v] - start.angle[v]) * far / dt;
+        }
+        world.state.carry_frames(&world.bundle);
+        let found = self.equilibrium(world, &start, contacts, far)?;
+        world.state = start;
+        take(world, contacts, found, far, book);
+        self.newton.set_manner(ROUGH);
+        // Bonds without stiffness, which are taken out at the end or where rods break.
+        let mut weak = Vec::new();
+        let mut length = 1.0;
+        while left > 0.0 {
+            if self.find_broken(&world.failure, &world.bundle, &world.state) {
+                self.let_break(world, contacts, &mut weak);
+                length = 1.0;
+            } else {
+                length *= 2.0;
+            }
+            length = f64::min(length, left);
+            left -= length;
+            let now = world.state.clone();
+            let found = self.predicted(world, &now, contacts, length * short)?;
+            take(world, contacts, found, length * short, book);
+        }
+        if !weak.is_empty() {
+            failure::take_out(world, contacts, weak, Vec::new());
+        }
+        Ok(())
+    }
+
+    /// Breaks what is in the queue. Bonds lose their stiffness, and are taken out with the next rod that breaks.
+    fn let_break(&mut self, world: &mut World, contacts: &mut dyn Contacts, weak: &mut Vec<u32>) {
+        failure::note(world, &self.queue);
+        let numbers = |bond: bool| -> Vec<u32> {
+            let all = self.queue.iter().filter(|b| b.bond == bond);
+            all.map(|b| b.number).collect()
+        };
+        let (bonds, splits) = (numbers(true), numbers(false));
+        for &b in &bonds {
+            world.bundle.bonds.transverse[b as usize] = 0.0;
+            world.bundle.bonds.shear[b as usize] = 0.0;
+        }
+        self.newton.weaken(&bonds);
+        weak.extend(bonds);
+        if !splits.is_empty() {
+            failure::take_out(world, contacts, std::mem::take(weak), splits);
+        }
+    }
+
+    /// The equilibrium at the end of a step of `dt` from `from`, the world's state, looked for from where its motion leads.
+    fn predicted(
+        &mut self,
+        world: &mut World,
+        from: &State,
+        contacts: &mut dyn Contacts,
+        dt: f64,
+    ) -> Result<Found, SolverError> {
+        predict(world, dt);
+        let found = self.equilibrium(world, from, contacts, dt);
+        world.state.clone_from(from);
+        found
+    }
+
+    /// Looks for what breaks in a state.
+    fn find_broken(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> bool {
+        failure::detect(failure, bundle, state, &mut self.queue);
         let most = self.queue.first().map_or(0.0, |b| b.demand);
         self.queue.retain(|b| b.demand >= PART * most);
         !self.queue.is_empty()
     }
+}
+
+/// What steps did, J.
+#[derive(Debug, Clone, Copy, Default)]
+struct Book {
+    steps: u64,
+    work: f64,
+    damped: f64,
+    /// Work of bodies less friction.
+    given: f64,
+}
+
+/// Takes what was found at the end of a step of `dt` from the world's state.
+fn take(world: &mut World, contacts: &mut dyn Contacts, found: Found, dt: f64, book: &mut Book) {
+    let old = std::mem::replace(&mut world.state, found.state);
+    for v in 0..world.bundle.vertices() {
+        let way = world.state.position.get(v) - old.position.get(v);
+        world.state.velocity.set(v, way / dt);
+        world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
+    }
+    world.state.time = old.time + dt;
+    world.state.step = old.step + 1;
+    let yielded = commit_yield(world, &old);
+    world.fracture_loss += yielded;
+    let met = contacts.accept(&old, old.time + dt, &found.touches);
+    let (work, damped) = work(world, &old, &found.reaction, dt);
+    book.given += met.work - met.lost;
+    book.work += work;
+    book.damped += damped;
+    book.steps += 1;
 }
 
 /// Moves everything on as it moves: where equilibria follow each other evenly the next one is near there. Not where

@@ -175,6 +175,18 @@ impl Newton {
         }
     }
 
+    /// Goes on in another manner.
+    pub fn set_manner(&mut self, manner: Manner) {
+        self.manner = manner;
+    }
+
+    /// Takes the stiffness of bonds `broken` of the bundle that this was prepared for.
+    pub fn weaken(&mut self, broken: &[u32]) {
+        if let Some(evaluator) = &mut self.evaluator {
+            evaluator.weaken(broken);
+        }
+    }
+
     /// Lets the preconditioner be made anew.
     pub fn renew(&mut self) {
         self.stale = true;
