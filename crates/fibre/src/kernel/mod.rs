@@ -6,6 +6,7 @@
 //! threads. Work is shared with `rayon` in the caller's pool.
 
 mod linear;
+mod watch;
 mod wide;
 
 pub(crate) use linear::NONE as NO_MOTION;
@@ -25,6 +26,7 @@ use wide::bonds::BondTable;
 use wide::lanes::{Pair, WIDTH};
 use wide::rods::{self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
 use wide::slopes::Slopes;
+use watch::Watch;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
 const GRAIN: usize = 32 * BLOCK;
@@ -134,6 +136,7 @@ pub struct Evaluator {
     framed: Vec<FramedGradient>,
     /// The bonds made linear, where that was asked for.
     slopes: Vec<Slopes>,
+    watch: Watch,
 }
 
 const NO_MASS: Masses = Masses {
@@ -166,6 +169,7 @@ impl Evaluator {
             edge_force: Vec::new(),
             framed: Vec::new(),
             slopes: Vec::new(),
+            watch: Watch::default(),
         };
         made.derive(bundle);
         made

@@ -228,9 +228,10 @@ impl Interactive {
 
     /// Looks for what breaks in a state.
     fn find_broken(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> bool {
-        failure::detect(failure, bundle, state, &mut self.queue);
-        let most = self.queue.first().map_or(0.0, |b| b.demand);
-        self.queue.retain(|b| b.demand >= PART * most);
+        let queue = self.newton.detect(failure, bundle, state);
+        let most = queue.first().map_or(0.0, |b| b.demand);
+        queue.retain(|b| b.demand >= PART * most);
+        self.queue.clone_from(queue);
         !self.queue.is_empty()
     }
 }

@@ -15,6 +15,7 @@ use super::iterative::System;
 use crate::bundle::Bundle;
 use crate::energy::{Forces, rod};
 use crate::error::SolverError;
+use crate::failure::{self, Break, Failure};
 use crate::frames;
 use crate::kernel::Evaluator;
 use crate::loads::Loads;
@@ -89,6 +90,7 @@ pub(crate) struct Newton {
     scale: f64,
     /// Whether the preconditioner is to be made anew.
     stale: bool,
+    breaks: failure::Room,
 }
 
 /// How linear systems are solved.
@@ -185,6 +187,20 @@ impl Newton {
         if let Some(evaluator) = &mut self.evaluator {
             evaluator.weaken(broken);
         }
+    }
+
+    /// What fails in a state of the bundle that this was prepared for.
+    pub fn detect(
+        &mut self,
+        failure: &Failure,
+        bundle: &Bundle,
+        state: &State,
+    ) -> &mut Vec<Break> {
+        match &mut self.evaluator {
+            Some(evaluator) => self.breaks.detect(failure, bundle, state, evaluator),
+            None => failure::detect(failure, bundle, state, &mut self.breaks.queue),
+        }
+        &mut self.breaks.queue
     }
 
     /// Lets the preconditioner be made anew.

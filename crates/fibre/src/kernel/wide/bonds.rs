@@ -23,7 +23,7 @@ struct Task {
 pub(super) struct Eight {
     pub(super) t: [f64; WIDTH],
     pub(super) inverse_distance: [f64; WIDTH],
-    rest_cosine: [f64; WIDTH],
+    pub(super) rest_cosine: [f64; WIDTH],
     pub(super) transverse: [f64; WIDTH],
     /// 2 S.
     pub(super) shear: [f64; WIDTH],
@@ -60,8 +60,9 @@ pub(crate) struct BondTable {
     /// How many bonds there are, with what fills up tasks.
     count: usize,
     pub(super) eights: Vec<Eight>,
-    /// Where the bundle's bonds are.
+    /// Where the bundle's bonds are, and which is at each place.
     index: Vec<u32>,
+    bond: Vec<u32>,
     /// Where the forces of the bundle's bonds are.
     place: Vec<u32>,
     /// First bond and edge of every task, and the ends of the last.
@@ -77,6 +78,7 @@ impl BondTable {
             vertices: n,
             place: vec![0; b.len()],
             index: Vec::new(),
+            bond: Vec::new(),
             ..BondTable::default()
         };
         let mut before = None;
@@ -112,6 +114,10 @@ impl BondTable {
         }
         made.index.clone_from(&made.place);
         made.fill_up();
+        made.bond = vec![u32::MAX; made.count];
+        for (bond, &place) in made.index.iter().enumerate() {
+            made.bond[place as usize] = bond as u32;
+        }
         made.tasks.push(Task {
             bond: made.count,
             edge: n as u32,
@@ -220,6 +226,11 @@ impl BondTable {
                 || self.share_tasks(middle..tasks.end, f1, s1, work),
             );
         }
+    }
+
+    /// The bundle's bond at a place of the table; none where it is filled up.
+    pub(crate) fn bond(&self, place: usize) -> Option<u32> {
+        Some(self.bond[place]).filter(|b| *b != u32::MAX)
     }
 
     /// Takes the stiffness of bonds `broken` of the bundle that this was made of.

@@ -6,5 +6,6 @@ pub mod bonds;
 pub mod lanes;
 pub mod rods;
 pub mod slopes;
+pub mod watch;
 #[cfg(target_arch = "x86_64")]
 pub mod x86;
