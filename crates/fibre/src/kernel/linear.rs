@@ -1,9 +1,9 @@
 //! What a small motion meets in bonds: the evaluator's part of linear systems ([`super::wide::slopes`]).
 
+use super::Evaluator;
 use super::wide::bonds::BondTable;
 use super::wide::lanes::{Row, WIDTH};
 use super::wide::slopes::{Slope, Slopes};
-use super::Evaluator;
 use crate::bundle::Bundle;
 use crate::state::State;
 
@@ -13,8 +13,7 @@ pub(crate) const NONE: Row = Row([0.0; 4]);
 impl Evaluator {
     /// Makes the bonds linear about a state.
     pub(crate) fn linearise(&mut self, state: &State) {
-        self.slopes
-            .resize(self.bonds.len() / WIDTH, Slopes::NONE);
+        self.slopes.resize(self.bonds.len() / WIDTH, Slopes::NONE);
         if !self.bonds.is_empty() {
             self.fill_places(state);
             let (level, slopes) = (self.level, &mut self.slopes);
@@ -117,8 +116,7 @@ mod tests {
             for r in 0..made.count {
                 for c in 0..made.count {
                     let f = made.freedoms[c] as usize;
-                    expected[made.freedoms[r] as usize] +=
-                        made.matrix[r][c] * x[f / 3].0[f % 3];
+                    expected[made.freedoms[r] as usize] += made.matrix[r][c] * x[f / 3].0[f % 3];
                 }
             }
         }

@@ -10,8 +10,10 @@ mod watch;
 mod wide;
 
 pub(crate) use linear::NONE as NO_MOTION;
-pub(crate) use wide::lanes::Row;
 pub use wide::lanes::Level;
+pub(crate) use wide::lanes::Row;
+pub(crate) use wide::outer::{Block, Line, add_outer};
+pub(crate) use wide::slopes::Slope;
 
 use crate::bundle::Bundle;
 use crate::energy::Forces;
@@ -22,11 +24,11 @@ use crate::vectors::Vectors;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use watch::Watch;
 use wide::bonds::BondTable;
 use wide::lanes::{Pair, WIDTH};
 use wide::rods::{self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
 use wide::slopes::Slopes;
-use watch::Watch;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
 const GRAIN: usize = 32 * BLOCK;

@@ -13,21 +13,19 @@
 
 use super::newton::{Found, Goal, Inertia, Manner, Newton};
 use super::quasi_static::commit_yield;
+use crate::bundle::Bundle;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
 use crate::failure::{self, Break, Failure};
 use crate::solver::{Advance, Contacts, Solver, World};
 use crate::state::State;
-use crate::bundle::Bundle;
+use crate::topology;
 use crate::vectors::Vectors;
 
 /// The step where none is given, s.
 pub const STEP: f64 = 1.0 / 30.0;
-/// Part of a step in which cracks run, and how long that is at most, s.
-const RUNNING: f64 = 0.125;
-const LONGEST: f64 = 4e-3;
-/// Steps in it while something breaks.
-const SHORT: f64 = 32.0;
+/// Breaking rounds in a step.
+const ROUNDS: usize = 1;
 /// What breaks at once: what is overstressed by this part of what the most overstressed is.
 const PART: f64 = 0.7;
 /// Most that a prediction moves anything, in shortest edges.
@@ -40,13 +38,6 @@ const MANNER: Manner = Manner {
     accuracy: 5e-2,
     take_last: true,
     one_matrix: true,
-};
-
-/// The same while something breaks.
-const ROUGH: Manner = Manner {
-    iterations: 2,
-    accuracy: 0.1,
-    ..MANNER
 };
 
 /// The interactive solver.
@@ -125,15 +116,28 @@ impl Interactive {
     ) -> Result<(), SolverError> {
         let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
         let broken = world.fracture_loss;
-        let mut book = Book::default();
+        let mut old = world.state.clone();
+        predict(world, dt);
         self.newton.renew();
-        self.newton.set_manner(MANNER);
-        let start = world.state.clone();
-        let found = self.predicted(world, &start, contacts, dt)?;
-        if self.find_broken(&world.failure, &world.bundle, &found.state) {
-            self.break_on(world, contacts, found, dt, &mut book)?;
-        } else {
-            take(world, contacts, found, dt, &mut book);
+        // Bonds without stiffness, which are taken out at the end or with the next rod that breaks.
+        let mut weak = Vec::new();
+        let mut round = 0;
+        let found = loop {
+            let found = self.equilibrium(world, &old, contacts, dt)?;
+            if round == ROUNDS || !self.find_broken(&world.failure, &world.bundle, &found.state) {
+                break found;
+            }
+            round += 1;
+            world.state = found.state;
+            if let Some(before) = self.let_break(world, contacts, &mut weak) {
+                topology::split_state(&mut old, &before);
+            }
+        };
+        world.state = old;
+        let mut book = Book::default();
+        take(world, contacts, found, dt, &mut book);
+        if !weak.is_empty() {
+            failure::take_out(world, contacts, weak, Vec::new());
         }
         let after = energies(&world.bundle, &world.state).total() + contacts.stored();
         report.work += book.work;
@@ -144,57 +148,14 @@ impl Interactive {
         Ok(())
     }
 
-    /// A step at whose end, `trial`, something breaks: most of it as it is, and the rest in steps so short that cracks run
-    /// on from one to the next.
-    fn break_on(
+    /// Breaks what is in the queue. Bonds lose their stiffness, and are taken out with the next rod that breaks.
+    /// Returns for each vertex which it was before, where that changes.
+    fn let_break(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        trial: Found,
-        dt: f64,
-        book: &mut Book,
-    ) -> Result<(), SolverError> {
-        let short = f64::min(dt * RUNNING, LONGEST) / SHORT;
-        let mut left = SHORT;
-        let start = world.state.clone();
-        let far = dt - short * left;
-        // Between its ends a step is nearly straight.
-        world.state = trial.state;
-        for v in 0..world.bundle.vertices() {
-            let (a, b) = (start.position.get(v), world.state.position.get(v));
-            world.state.position.set(v, a.lerp(b, far / dt));
-            world.state.angle[v] =
-                start.angle[v] + (world.state.angle[v] - start.angle[v]) * far / dt;
-        }
-        world.state.carry_frames(&world.bundle);
-        let found = self.equilibrium(world, &start, contacts, far)?;
-        world.state = start;
-        take(world, contacts, found, far, book);
-        self.newton.set_manner(ROUGH);
-        // Bonds without stiffness, which are taken out at the end or where rods break.
-        let mut weak = Vec::new();
-        let mut length = 1.0;
-        while left > 0.0 {
-            if self.find_broken(&world.failure, &world.bundle, &world.state) {
-                self.let_break(world, contacts, &mut weak);
-                length = 1.0;
-            } else {
-                length *= 2.0;
-            }
-            length = f64::min(length, left);
-            left -= length;
-            let now = world.state.clone();
-            let found = self.predicted(world, &now, contacts, length * short)?;
-            take(world, contacts, found, length * short, book);
-        }
-        if !weak.is_empty() {
-            failure::take_out(world, contacts, weak, Vec::new());
-        }
-        Ok(())
-    }
-
-    /// Breaks what is in the queue. Bonds lose their stiffness, and are taken out with the next rod that breaks.
-    fn let_break(&mut self, world: &mut World, contacts: &mut dyn Contacts, weak: &mut Vec<u32>) {
+        weak: &mut Vec<u32>,
+    ) -> Option<Vec<u32>> {
         failure::note(world, &self.queue);
         let numbers = |bond: bool| -> Vec<u32> {
             let all = self.queue.iter().filter(|b| b.bond == bond);
@@ -205,25 +166,13 @@ impl Interactive {
             world.bundle.bonds.transverse[b as usize] = 0.0;
             world.bundle.bonds.shear[b as usize] = 0.0;
         }
-        self.newton.weaken(&bonds);
+        self.newton.weaken(&world.bundle, &bonds);
         weak.extend(bonds);
-        if !splits.is_empty() {
-            failure::take_out(world, contacts, std::mem::take(weak), splits);
+        if splits.is_empty() {
+            return None;
         }
-    }
-
-    /// The equilibrium at the end of a step of `dt` from `from`, the world's state, looked for from where its motion leads.
-    fn predicted(
-        &mut self,
-        world: &mut World,
-        from: &State,
-        contacts: &mut dyn Contacts,
-        dt: f64,
-    ) -> Result<Found, SolverError> {
-        predict(world, dt);
-        let found = self.equilibrium(world, from, contacts, dt);
-        world.state.clone_from(from);
-        found
+        let weak = std::mem::take(weak);
+        Some(failure::take_out(world, contacts, weak, splits))
     }
 
     /// Looks for what breaks in a state.

@@ -16,10 +16,13 @@ use super::direct::touch_block;
 use super::lines::Lines;
 use super::newton::{ARM, Problem};
 use super::sections::Sections;
+use super::wide;
 use crate::bundle::Bundle;
-use crate::energy::{Curvature, ElementHessian, framed, rod};
+use crate::energy::{ElementHessian, framed};
 use crate::kernel::{Evaluator, NO_MOTION, Row};
 use crate::solver::Touch;
+use crate::state::State;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Column of a block.
@@ -85,13 +88,20 @@ impl<const B: usize> System<B> {
         self.sections.prepare(bundle);
     }
 
+    /// The same, where bonds have lost their stiffness.
+    pub fn weakened(&mut self, bundle: &Bundle) {
+        self.sections.prepare(bundle);
+    }
+
     /// The step of a problem: `prescribed` where held, else what balances the linearised forces.
     pub fn solve(&mut self, problem: &Problem, evaluator: &mut Evaluator) -> Vec<f64> {
         let n = problem.bundle.vertices();
         let node = |of: &[f64], v: usize| {
-            Row(std::array::from_fn(|a| {
-                if a < B { of[v * B + a] } else { 0.0 }
-            }))
+            Row(std::array::from_fn(
+                |a| {
+                    if a < B { of[v * B + a] } else { 0.0 }
+                },
+            ))
         };
         let free = |v: usize| {
             Row(std::array::from_fn(|a| {
@@ -177,19 +187,16 @@ impl<const B: usize> System<B> {
     }
 
     /// `out` = matrix × `x`, but for what is not free.
-    fn multiply(
-        &self,
-        bundle: &Bundle,
-        evaluator: &mut Evaluator,
-        x: &[Row],
-        out: &mut [Row],
-    ) {
+    fn multiply(&self, bundle: &Bundle, evaluator: &mut Evaluator, x: &[Row], out: &mut [Row]) {
         evaluator.meet(x);
         let (evaluator, band) = (&*evaluator, &self.band);
         out.par_chunks_mut(GRAIN).enumerate().for_each(|(k, out)| {
             let first = k * GRAIN;
             evaluator.gather_met(bundle, first, out);
-            pulp::Arch::new().dispatch(|| multiply_band(band, x, first, out));
+            wide(
+                #[inline(always)]
+                || multiply_band(band, x, first, out),
+            );
         });
         for push in &self.pushes {
             let along = |of: &[(usize, f64)]| {
@@ -258,15 +265,18 @@ impl<const B: usize> System<B> {
         rayon::join(
             || {
                 whole.clone_from(band);
-                pulp::Arch::new().dispatch(|| {
-                    evaluator.each_slope(
-                        #[inline(always)]
-                        |slope| {
-                            add_own(&slope.nodes, &slope.length, whole);
-                            add_own(&slope.nodes, &slope.cosine, whole);
-                        },
-                    );
-                });
+                wide(
+                    #[inline(always)]
+                    || {
+                        evaluator.each_slope(
+                            #[inline(always)]
+                            |slope| {
+                                add_own(&slope.nodes, &slope.length, whole);
+                                add_own(&slope.nodes, &slope.cosine, whole);
+                            },
+                        );
+                    },
+                );
                 // Contacts between rods with twice their blocks on the diagonal, which are never less than they.
                 let between = touches.iter().filter(|t| t.other.is_some());
                 between.for_each(|t| add_touch(t, 2.0, whole));
@@ -333,23 +343,15 @@ fn add_rods<const B: usize>(problem: &Problem, start: usize, band: &mut [Blocks<
     for v in start..start + band.len() {
         if bundle.is_edge(v) {
             let yields = state.plastic_strain[v] != problem.plastic[v];
-            // Tension stiffens a string; pressure is left out, as what it softens can be more than there is.
-            let kind = if rod::strain(bundle, state, v) > 0.0 && !yields {
-                Curvature::Exact
-            } else {
-                Curvature::GaussNewton
-            };
-            let by = if yields { YIELDING } else { 1.0 };
-            let made = rod::stretch_hessian(bundle, state, v, kind);
-            add_element(&made, 2, by, &mut band[v - start..]);
+            add_stretch(bundle, state, v, yields, &mut band[v - start..]);
         }
         if bundle.bend[v] > 0.0 || bundle.twist[v] > 0.0 {
-            let made = if bundle.twisting {
-                framed::hessian(bundle, state, v)
+            let band = &mut band[v - 1 - start..];
+            if bundle.twisting {
+                add_element(&framed::hessian(bundle, state, v), 3, band);
             } else {
-                rod::bend_hessian(bundle, state, v, Curvature::GaussNewton)
-            };
-            add_element(&made, 3, 1.0, &mut band[v - 1 - start..]);
+                add_bend(bundle, state, v, band);
+            }
         }
     }
     for (i, blocks) in band.iter_mut().enumerate() {
@@ -365,13 +367,69 @@ fn add_rods<const B: usize>(problem: &Problem, start: usize, band: &mut [Blocks<
     }
 }
 
-/// Adds the Hessian of an element of `count` vertices, whose first has the first blocks.
-fn add_element<const B: usize>(
-    hessian: &ElementHessian,
-    count: usize,
-    by: f64,
+/// Adds an edge: k/l t tᵀ, and where it is in tension what stiffens a string. Pressure is left out, as what it softens can
+/// be more than there is.
+fn add_stretch<const B: usize>(
+    bundle: &Bundle,
+    state: &State,
+    edge: usize,
+    yields: bool,
     band: &mut [Blocks<B>],
 ) {
+    let e = state.edge(edge);
+    let length = e.length();
+    let (k, rest) = (bundle.stretch[edge], bundle.rest_length[edge]);
+    let strain = length / rest - 1.0 - state.plastic_strain[edge];
+    let taut = if strain > 0.0 && !yields {
+        k * strain / length
+    } else {
+        0.0
+    };
+    let along = if yields { YIELDING } else { 1.0 } * k / rest - taut;
+    let t = (e / length).to_array();
+    for b in 0..3 {
+        for a in 0..3 {
+            let v = along * t[a] * t[b] + if a == b { taut } else { 0.0 };
+            band[0][0][b][a] += v;
+            band[0][1][b][a] -= v;
+            band[1][0][b][a] += v;
+        }
+    }
+}
+
+/// Adds bending without twist: the Gauss–Newton part of [`rod::bend_hessian`], 2 c Gᵀ G with the gradient G of κb by the
+/// three vertices.
+fn add_bend<const B: usize>(bundle: &Bundle, state: &State, vertex: usize, band: &mut [Blocks<B>]) {
+    let (a, b) = (state.edge(vertex - 1), state.edge(vertex));
+    let (la, lb) = (bundle.rest_length[vertex - 1], bundle.rest_length[vertex]);
+    let d = 1.0 / (la * lb + a.dot(b));
+    let kb = a.cross(b) * (2.0 * d);
+    let root = (2.0 * bundle.bend[vertex] / (la + lb)).sqrt() * d;
+    let (two_a, two_b) = (a * (2.0 * root), b * (2.0 * root));
+    let (ka, kb) = (a.to_array(), kb * root);
+    let kb_by = b.to_array();
+    let unit = [DVec3::X, DVec3::Y, DVec3::Z];
+    // Columns of ∂κb/∂a and ∂κb/∂b.
+    let by_a: [DVec3; 3] = std::array::from_fn(|i| unit[i].cross(two_b) - kb * kb_by[i]);
+    let by_b: [DVec3; 3] = std::array::from_fn(|i| two_a.cross(unit[i]) - kb * ka[i]);
+    let by: [[DVec3; 3]; 3] = [
+        by_a.map(|v| -v),
+        std::array::from_fn(|i| by_a[i] - by_b[i]),
+        by_b,
+    ];
+    for u in 0..3 {
+        for v in u..3 {
+            for column in 0..3 {
+                for row in 0..3 {
+                    band[u][v - u][column][row] += by[u][row].dot(by[v][column]);
+                }
+            }
+        }
+    }
+}
+
+/// Adds the Hessian of an element of `count` vertices, whose first has the first blocks.
+fn add_element<const B: usize>(hessian: &ElementHessian, count: usize, band: &mut [Blocks<B>]) {
     // Freedoms are those of places by vertex, then angles of the first two edges.
     let of = |f: usize| {
         if f < 3 * count {
@@ -385,7 +443,7 @@ fn add_element<const B: usize>(
         for row in 0..hessian.count {
             let (a, alpha) = of(row);
             if a <= b {
-                band[a][b - a][beta][alpha] += by * hessian.matrix[row][column];
+                band[a][b - a][beta][alpha] += hessian.matrix[row][column];
             }
         }
     }
@@ -450,4 +508,51 @@ fn dot(a: &[Row], b: &[Row]) -> f64 {
         sum += (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::energy::{Curvature, rod};
+    use crate::{Rod, RodMaterial};
+
+    #[test]
+    fn elements_are_those_of_the_energies() {
+        let material = RodMaterial::solid(1e-6, 1e10, 1e9, 600.0);
+        let at = [[0.0, 0.0, 0.0], [0.1, 0.0, 4.0], [0.5, 0.3, 7.9]];
+        let place = |scale: f64| at.map(|p| DVec3::from_array(p) * scale);
+        let straight = (0..3).map(|i| DVec3::Z * 4e-3 * f64::from(i)).collect();
+        let bundle = Bundle::new(&[Rod::new(straight, material)], false).unwrap();
+        let mut state = State::at_rest(&bundle);
+        for (stretched, kind) in [(1.1e-3, Curvature::Exact), (0.9e-3, Curvature::GaussNewton)] {
+            for (v, p) in place(stretched).into_iter().enumerate() {
+                state.position.set(v, p);
+            }
+            let mut band: Vec<Blocks<3>> = vec![[[[0.0; 4]; 3]; 3]; 3];
+            add_stretch(&bundle, &state, 0, false, &mut band);
+            add_bend(&bundle, &state, 1, &mut band);
+            let mut expected = [[0.0; 9]; 9];
+            for made in [
+                rod::stretch_hessian(&bundle, &state, 0, kind),
+                rod::bend_hessian(&bundle, &state, 1, Curvature::GaussNewton),
+            ] {
+                for r in 0..made.count {
+                    for c in 0..made.count {
+                        let (row, column) = (made.freedoms[r], made.freedoms[c]);
+                        expected[row as usize][column as usize] += made.matrix[r][c];
+                    }
+                }
+            }
+            let largest = expected[2][2].abs();
+            for (row, of) in expected.iter().enumerate() {
+                for (column, e) in of.iter().enumerate() {
+                    let (u, v) = (row / 3, column / 3);
+                    if u <= v {
+                        let found = band[u][v - u][column % 3][row % 3];
+                        assert!((found - e).abs() < 1e-12 * largest, "{row} {column}");
+                    }
+                }
+            }
+        }
+    }
 }

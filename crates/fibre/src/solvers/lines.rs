@@ -6,6 +6,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::iterative::Blocks;
+use super::wide;
 use crate::bundle::Bundle;
 use crate::kernel::Row;
 use rayon::prelude::*;
@@ -41,9 +42,7 @@ impl<const B: usize> Lines<B> {
         self.groups = (0..bundle.rods())
             .step_by(LANES)
             .map(|rod| Group {
-                first: std::array::from_fn(|l| {
-                    bundle.first[(rod + l).min(bundle.rods())] as usize
-                }),
+                first: std::array::from_fn(|l| bundle.first[(rod + l).min(bundle.rods())] as usize),
                 factor: Vec::new(),
                 band: Vec::new(),
             })
@@ -57,15 +56,18 @@ impl<const B: usize> Lines<B> {
             .with_min_len(GRAIN)
             .for_each(|group| {
                 group.fill(value);
-                pulp::Arch::new().dispatch(|| {
-                    if B == 3 {
-                        cholesky::<8>(&mut group.band);
-                        group.keep::<8>();
-                    } else {
-                        cholesky::<11>(&mut group.band);
-                        group.keep::<11>();
-                    }
-                });
+                wide(
+                    #[inline(always)]
+                    || {
+                        if B == 3 {
+                            cholesky::<8>(&mut group.band);
+                            group.keep::<8>();
+                        } else {
+                            cholesky::<11>(&mut group.band);
+                            group.keep::<11>();
+                        }
+                    },
+                );
             });
     }
 
@@ -91,13 +93,16 @@ impl<const B: usize> Lines<B> {
                         (0..B).for_each(|a| x[i * B + a][l] = r[v].0[a]);
                     }
                 }
-                pulp::Arch::new().dispatch(|| {
-                    if B == 3 {
-                        substitute::<8>(&group.factor, &mut x, longest * B);
-                    } else {
-                        substitute::<11>(&group.factor, &mut x, longest * B);
-                    }
-                });
+                wide(
+                    #[inline(always)]
+                    || {
+                        if B == 3 {
+                            substitute::<8>(&group.factor, &mut x, longest * B);
+                        } else {
+                            substitute::<11>(&group.factor, &mut x, longest * B);
+                        }
+                    },
+                );
                 for l in 0..LANES {
                     for (i, v) in (group.first[l]..group.first[l + 1]).enumerate() {
                         let node = |a: usize| if a < B { x[i * B + a][l] } else { 0.0 };
@@ -188,7 +193,7 @@ fn cholesky<const W: usize>(band: &mut [[Lane; MOST]]) {
 }
 
 #[inline(always)]
-fn wide(v: &[f32; LANES]) -> Lane {
+fn double(v: &[f32; LANES]) -> Lane {
     std::array::from_fn(|l| f64::from(v[l]))
 }
 
@@ -199,7 +204,7 @@ fn substitute<const W: usize>(factor: &[[f32; LANES]], x: &mut [Lane], rows: usi
         let part = &mut x[i..i + W + 1];
         let v = part[0];
         for k in 1..=W {
-            let c = wide(&column[k]);
+            let c = double(&column[k]);
             for l in 0..LANES {
                 part[k][l] -= c[l] * v[l];
             }
@@ -211,12 +216,12 @@ fn substitute<const W: usize>(factor: &[[f32; LANES]], x: &mut [Lane], rows: usi
         let part = &mut x[i..i + W + 1];
         let mut sums = [[0.0; LANES]; 2];
         for k in 1..=W {
-            let c = wide(&column[k]);
+            let c = double(&column[k]);
             for l in 0..LANES {
                 sums[k % 2][l] += c[l] * part[k][l];
             }
         }
-        let inverse = wide(&column[0]);
+        let inverse = double(&column[0]);
         for l in 0..LANES {
             part[0][l] = part[0][l] * inverse[l] - (sums[0][l] + sums[1][l]);
         }

@@ -30,6 +30,25 @@ pub use quasi_static::QuasiStatic;
 use crate::error::SolverError;
 use crate::solver::{Advance, World};
 
+/// Work that is compiled for the widest registers there are.
+struct Wide<F>(F);
+
+impl<R, F: FnMut() -> R> pulp::WithSimd for Wide<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) -> R {
+        (self.0)()
+    }
+}
+
+/// Does `work` with the widest registers there are. Only what is always inlined takes part: mark the closure itself too. (A
+/// closure that is handed to `pulp` as it is gets called through a function that is compiled for every processor.)
+#[inline(always)]
+fn wide<R>(work: impl FnMut() -> R) -> R {
+    pulp::Arch::new().dispatch(Wide(work))
+}
+
 /// Checks a duration to advance by.
 fn check_duration(duration: f64) -> Result<(), SolverError> {
     if duration >= 0.0 && duration.is_finite() {

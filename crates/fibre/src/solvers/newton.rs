@@ -177,25 +177,21 @@ impl Newton {
         }
     }
 
-    /// Goes on in another manner.
-    pub fn set_manner(&mut self, manner: Manner) {
-        self.manner = manner;
-    }
-
-    /// Takes the stiffness of bonds `broken` of the bundle that this was prepared for.
-    pub fn weaken(&mut self, broken: &[u32]) {
+    /// Takes the stiffness of bonds `broken` of the bundle that this was prepared for; in `bundle` they have none already.
+    pub fn weaken(&mut self, bundle: &Bundle, broken: &[u32]) {
         if let Some(evaluator) = &mut self.evaluator {
             evaluator.weaken(broken);
         }
+        match &mut self.linear {
+            Linear::Direct(_) => {}
+            Linear::Three(system) => system.weakened(bundle),
+            Linear::Four(system) => system.weakened(bundle),
+        }
+        self.stale = true;
     }
 
     /// What fails in a state of the bundle that this was prepared for.
-    pub fn detect(
-        &mut self,
-        failure: &Failure,
-        bundle: &Bundle,
-        state: &State,
-    ) -> &mut Vec<Break> {
+    pub fn detect(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> &mut Vec<Break> {
         match &mut self.evaluator {
             Some(evaluator) => self.breaks.detect(failure, bundle, state, evaluator),
             None => failure::detect(failure, bundle, state, &mut self.breaks.queue),

@@ -7,8 +7,9 @@
 
 use super::iterative::{Blocks, Column};
 use super::matrix::Envelope;
+use super::wide;
 use crate::bundle::Bundle;
-use crate::kernel::{Evaluator, Row};
+use crate::kernel::{Block, Evaluator, Line, Row, Slope, add_outer};
 use glam::DVec3;
 
 /// No piece.
@@ -19,10 +20,6 @@ const FREEDOMS: usize = 9;
 const LEAST: u32 = 5;
 /// Added to the diagonal, of itself: pieces all of whose vertices lie in a line do not tell all freedoms apart.
 const RIDGE: f64 = 1e-9;
-
-/// Motion or force of a piece, filled up to whole registers.
-type Whole = [f64; 16];
-type Block = [Whole; FREEDOMS];
 
 /// Pieces and the matrix of their freedoms.
 #[derive(Debug, Clone, Default)]
@@ -61,9 +58,9 @@ impl Sections {
                 join(v - 1, v + 1);
             }
         }
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            join(v as usize, e as usize);
-            join(v as usize, e as usize + 1);
+        for (v, e) in live_bonds(bundle) {
+            join(v, e);
+            join(v, e + 1);
         }
         let pairs = (lowest.iter().enumerate())
             .flat_map(|(p, &low)| (0..3).map(move |k| (3 * p as u32 + k, 3 * low)));
@@ -94,9 +91,9 @@ impl Sections {
                 parent[a.max(b) as usize] = a.min(b);
             }
         };
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            join(v as usize, e as usize);
-            join(v as usize, e as usize + 1);
+        for (v, e) in live_bonds(bundle) {
+            join(v, e);
+            join(v, e + 1);
         }
         for j in (0..n).filter(|&j| bundle.is_edge(j)) {
             join(j, j + 1);
@@ -154,29 +151,28 @@ impl Sections {
             blocks: &mut self.blocks,
         };
         pairs.blocks.fill([[0.0; 16]; FREEDOMS]);
-        pulp::Arch::new().dispatch(|| {
-            for (v, blocks) in band.iter().enumerate() {
-                for (k, block) in blocks.iter().enumerate() {
-                    let c = v + k;
-                    if c < band.len() && piece[v] != NONE && piece[c] != NONE {
-                        pairs.add_block(
-                            [piece[v], piece[c]],
-                            [&weight[v], &weight[c]],
-                            block,
-                            k == 0,
-                        );
+        wide(
+            #[inline(always)]
+            || {
+                for (v, blocks) in band.iter().enumerate() {
+                    for (k, block) in blocks.iter().enumerate() {
+                        let c = v + k;
+                        if c < band.len() && piece[v] != NONE && piece[c] != NONE {
+                            pairs.add_block(
+                                [piece[v], piece[c]],
+                                [&weight[v], &weight[c]],
+                                block,
+                                k == 0,
+                            );
+                        }
                     }
                 }
-            }
-            bonds.each_slope(
-                #[inline(always)]
-                |slope| {
-                    for gradient in [&slope.length, &slope.cosine] {
-                        pairs.add_slope(piece, weight, free, &slope.nodes, gradient);
-                    }
-                },
-            );
-        });
+                bonds.each_slope(
+                    #[inline(always)]
+                    |slope| pairs.add_slope(piece, weight, free, slope),
+                );
+            },
+        );
         let matrix = &mut self.matrix;
         matrix.clear();
         for (p, &(low, at)) in self.lowest.iter().enumerate() {
@@ -271,20 +267,13 @@ impl Pairs<'_> {
         }
     }
 
-    /// Adds g gᵀ of a bond's gradient by its three vertices.
+    /// Adds g gᵀ of a bond's two gradients by its three vertices.
     #[inline(always)]
-    fn add_slope(
-        &mut self,
-        piece: &[u32],
-        weight: &[[f64; 3]],
-        free: &[Row],
-        nodes: &[u32; 3],
-        gradient: &[Column; 3],
-    ) {
+    fn add_slope(&mut self, piece: &[u32], weight: &[[f64; 3]], free: &[Row], slope: &Slope) {
         let mut pieces = [NONE; 3];
-        let mut sums: [Whole; 3] = [[0.0; 16]; 3];
-        for (&node, g) in nodes.iter().zip(gradient) {
-            let v = node as usize;
+        let mut sums: [[Line; 2]; 3] = [[[0.0; 16]; 2]; 3];
+        for n in 0..3 {
+            let v = slope.nodes[n] as usize;
             let p = piece[v];
             if p == NONE {
                 continue;
@@ -294,9 +283,12 @@ impl Pairs<'_> {
                 at += 1;
             }
             pieces[at] = p;
-            for (s, w) in weight[v].iter().enumerate() {
+            let held = &free[v].0;
+            for s in 0..3 {
                 for a in 0..3 {
-                    sums[at][3 * s + a] += w * free[v].0[a] * g[a];
+                    let w = weight[v][s] * held[a];
+                    sums[at][0][3 * s + a] += w * slope.length[n][a];
+                    sums[at][1][3 * s + a] += w * slope.cosine[n][a];
                 }
             }
         }
@@ -306,14 +298,18 @@ impl Pairs<'_> {
                     continue;
                 }
                 let block = self.block(pieces[i], pieces[k]);
-                for a in 0..FREEDOMS {
-                    for b in 0..16 {
-                        block[a][b] += sums[i][a] * sums[k][b];
-                    }
-                }
+                add_outer(block, &sums[i], &sums[k]);
             }
         }
     }
+}
+
+/// Vertices and edges of bonds that have stiffness.
+fn live_bonds(bundle: &Bundle) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let b = &bundle.bonds;
+    (0..b.len())
+        .filter(|&i| b.transverse[i] > 0.0 || b.shear[i] > 0.0)
+        .map(|i| (b.vertex[i] as usize, b.edge[i] as usize))
 }
 
 /// The direction in which most rods run.

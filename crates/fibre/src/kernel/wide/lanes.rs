@@ -81,7 +81,10 @@ impl Lanes for Plain {
     }
     #[inline(always)]
     unsafe fn store_single(self, to: *mut f32) {
-        unsafe { to.cast::<[f32; WIDTH]>().write_unaligned(self.0.map(|v| v as f32)) }
+        unsafe {
+            to.cast::<[f32; WIDTH]>()
+                .write_unaligned(self.0.map(|v| v as f32))
+        }
     }
     #[inline(always)]
     unsafe fn add(self, b: Self) -> Self {

@@ -4,6 +4,7 @@
 
 pub mod bonds;
 pub mod lanes;
+pub mod outer;
 pub mod rods;
 pub mod slopes;
 pub mod watch;
