@@ -11,13 +11,14 @@
 //! still then breaks in the next. So a crack that runs in microseconds takes a few pictures. Implicit Euler
 //! lets vibration that is fast against the picture die out, which is told as [`Advance::dissipated`].
 
+use super::Stepwise;
 use super::newton::{Found, Goal, Inertia, Manner, Newton};
 use super::quasi_static::commit_yield;
 use crate::bundle::Bundle;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
 use crate::failure::{self, Break, Failure};
-use crate::solver::{Advance, Contacts, Solver, World};
+use crate::solver::{Advance, Contacts, World};
 use crate::state::State;
 use crate::topology;
 use crate::vectors::Vectors;
@@ -28,6 +29,8 @@ pub const STEP: f64 = 1.0 / 30.0;
 const ROUNDS: usize = 1;
 /// What breaks at once: what is overstressed by this part of what the most overstressed is.
 const PART: f64 = 0.7;
+/// What is overstressed by this breaks in any case: a load that grows faster than steps follow must not outrun it.
+const MUCH: f64 = 1.3;
 /// Most that a prediction moves anything, in shortest edges.
 const FARTHEST: f64 = 0.5;
 /// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
@@ -107,7 +110,7 @@ impl Interactive {
         Ok(found)
     }
 
-    fn one_step(
+    fn picture(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
@@ -179,7 +182,7 @@ impl Interactive {
     fn find_broken(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> bool {
         let queue = self.newton.detect(failure, bundle, state);
         let most = queue.first().map_or(0.0, |b| b.demand);
-        queue.retain(|b| b.demand >= PART * most);
+        queue.retain(|b| b.demand >= f64::min(PART * most, MUCH));
         self.queue.clone_from(queue);
         !self.queue.is_empty()
     }
@@ -265,24 +268,21 @@ fn work(world: &World, old: &State, reaction: &Vectors, dt: f64) -> (f64, f64) {
     (work, damped * loads.damping * dt)
 }
 
-impl Solver for Interactive {
-    fn name(&self) -> &'static str {
-        "interactive"
+impl Stepwise for Interactive {
+    const NAME: &'static str = "interactive";
+    const USUAL: f64 = STEP;
+
+    fn given(&self) -> Option<f64> {
+        self.given
     }
 
-    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        super::given_step(self.given, STEP)
-    }
-
-    fn advance(
+    fn one_step(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        duration: f64,
-    ) -> Result<Advance, SolverError> {
-        let step = self.step(world)?;
-        super::advance_evenly(world, duration, step, |world, dt, report| {
-            self.one_step(world, contacts, dt, report)
-        })
+        dt: f64,
+        report: &mut Advance,
+    ) -> Result<(), SolverError> {
+        self.picture(world, contacts, dt, report)
     }
 }

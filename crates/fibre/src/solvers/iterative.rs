@@ -14,7 +14,7 @@
 
 use super::direct::touch_block;
 use super::lines::Lines;
-use super::newton::{ARM, Problem};
+use super::newton::Problem;
 use super::sections::Sections;
 use super::wide;
 use crate::bundle::Bundle;
@@ -150,7 +150,7 @@ impl<const B: usize> System<B> {
         let mut rz = dot(r, z);
         let goal = problem.accuracy * problem.accuracy * rz;
         for _ in 0..MOST {
-            if rz <= goal || !rz.is_finite() || largest(r) <= problem.enough {
+            if rz <= goal || !rz.is_finite() {
                 return;
             }
             self.iterations += 1;
@@ -478,18 +478,6 @@ fn add_touch<const B: usize>(touch: &Touch, by: f64, band: &mut [Blocks<B>]) {
             }
         }
     }
-}
-
-/// The largest force, and moment as a couple.
-fn largest(r: &[Row]) -> f64 {
-    let mut most = [0.0f64; 4];
-    for r in r {
-        for a in 0..4 {
-            let v = r.0[a].abs();
-            most[a] = if v > most[a] { v } else { most[a] };
-        }
-    }
-    most[0].max(most[1]).max(most[2]).max(most[3] / ARM)
 }
 
 fn mask(of: &mut [Row], free: &[Row]) {

@@ -37,9 +37,7 @@ const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
 /// Moments count as couples so far apart, m.
-pub(super) const ARM: f64 = 1e-3;
-/// Linear systems are solved no further than to this part of the tolerance.
-const ENOUGH: f64 = 0.3;
+const ARM: f64 = 1e-3;
 
 /// What makes a stage of a time step of an equilibrium: M (x − `ahead`)/h² = F − c M (x − `behind`)/h.
 #[derive(Debug, Clone)]
@@ -162,8 +160,6 @@ pub(super) struct Problem<'a> {
     pub prescribed: &'a [f64],
     /// Accuracy of the solution.
     pub accuracy: f64,
-    /// Unbalanced forces of the solution that are small enough in any case, N.
-    pub enough: f64,
     /// Whether the matrix, or what stands for it, is made anew.
     pub fresh: bool,
 }
@@ -293,7 +289,9 @@ impl Newton {
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
         let mut tolerance = self.manner.tolerance * self.scale;
-        while iterations == 0 && moved || worst > tolerance {
+        // A load on all vertices is small at each: a tolerance that is coarse would not see it.
+        let at_least = usize::from(moved || self.manner.take_last);
+        while iterations < at_least || worst > tolerance {
             if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
                 break;
             }
@@ -580,7 +578,6 @@ impl Newton {
             held: &self.held,
             prescribed,
             accuracy: self.manner.accuracy,
-            enough: ENOUGH * self.manner.tolerance * self.scale,
             fresh,
         };
         match (&mut self.linear, &mut self.evaluator) {
