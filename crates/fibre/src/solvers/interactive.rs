@@ -14,10 +14,9 @@
 use super::Stepwise;
 use super::newton::{Found, Goal, Inertia, Manner, Newton};
 use super::quasi_static::commit_yield;
-use crate::bundle::Bundle;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
-use crate::failure::{self, Break, Failure};
+use crate::failure::{self, Break};
 use crate::solver::{Advance, Contacts, World};
 use crate::state::State;
 use crate::topology;
@@ -127,7 +126,7 @@ impl Interactive {
         let mut round = 0;
         let found = loop {
             let found = self.equilibrium(world, &old, contacts, dt)?;
-            if round == ROUNDS || !self.find_broken(&world.failure, &world.bundle, &found.state) {
+            if round == ROUNDS || !self.find_broken(world, &found) {
                 break found;
             }
             round += 1;
@@ -178,11 +177,14 @@ impl Interactive {
         Some(failure::take_out(world, contacts, weak, splits))
     }
 
-    /// Looks for what breaks in a state.
-    fn find_broken(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> bool {
-        let queue = self.newton.detect(failure, bundle, state);
-        let most = queue.first().map_or(0.0, |b| b.demand);
-        queue.retain(|b| b.demand >= f64::min(PART * most, MUCH));
+    /// Looks for what breaks at the end of a step. Where forces are not balanced yet, overstress may be no more than that.
+    fn find_broken(&mut self, world: &World, found: &Found) -> bool {
+        let queue = self
+            .newton
+            .detect(&world.failure, &world.bundle, &found.state);
+        let most = PART * queue.first().map_or(0.0, |b| b.demand);
+        let enough = if found.settled { most.min(MUCH) } else { most };
+        queue.retain(|b| b.demand >= enough);
         self.queue.clone_from(queue);
         !self.queue.is_empty()
     }

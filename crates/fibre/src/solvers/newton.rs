@@ -70,6 +70,8 @@ pub(crate) struct Found {
     /// Contacts.
     pub touches: Vec<Touch>,
     pub iterations: usize,
+    /// Whether forces are balanced as exactly as was asked for.
+    pub settled: bool,
 }
 
 /// The method, with what it keeps between steps.
@@ -363,6 +365,7 @@ impl Newton {
             reaction,
             touches: std::mem::take(&mut self.touches),
             iterations,
+            settled: worst <= tolerance,
         })
     }
 
