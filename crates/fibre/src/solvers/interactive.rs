@@ -36,7 +36,7 @@ const FARTHEST: f64 = 0.5;
 const MANNER: Manner = Manner {
     forgetful: true,
     tolerance: 1e-2,
-    iterations: 6,
+    iterations: 3,
     accuracy: 5e-2,
     take_last: true,
     one_matrix: true,
