@@ -261,7 +261,9 @@ fn a_load_on_all_vertices_is_taken_up() {
         world.loads.damping = 50.0;
         for k in 1..=60 {
             world.loads.gravity = DVec3::Y * (-1000.0 * f64::from(k) / 60.0);
-            solver.advance(&mut world, &mut NoContacts, 1.0 / 30.0).unwrap();
+            solver
+                .advance(&mut world, &mut NoContacts, 1.0 / 30.0)
+                .unwrap();
         }
         let ends = (0..world.bundle.rods()).map(|r| world.bundle.rod(r).end - 1);
         let moved = |v: usize| world.bundle.rest.y[v] - world.state.position.y[v];
