@@ -169,6 +169,49 @@ fn stream(threads: usize) -> f64 {
     32.0 * n as f64 / seconds * 1e-9
 }
 
+/// Bytes that this process holds in memory, from Linux; 0 elsewhere.
+fn held() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages = text.split_whitespace().nth(1).and_then(|p| p.parse().ok());
+    pages.unwrap_or(0.0) * 4096.0
+}
+
+/// Time of a step and memory of a world and its solver, by the number of rods: both grow with it.
+fn growth() {
+    println!(
+        "\n{:<34}{:>9}{:>12}{:>12}{:>12}",
+        "all bonds, explicit steps", "rods", "ms a step", "us a rod", "kB a rod"
+    );
+    for side in [100, 173, 316] {
+        let before = held();
+        let made = bundle(side, true);
+        let rods = (side * side) as f64;
+        let mut world = World::new(made);
+        let mut solver = Explicit::new(None);
+        let step = solver.step(&world).unwrap();
+        let mut run = |count: f64| {
+            let clock = Clock::Thread;
+            let start = clock.seconds();
+            solver
+                .advance(&mut world, &mut NoContacts, count * step)
+                .unwrap();
+            clock.seconds() - start
+        };
+        run(1.0);
+        let memory = held() - before;
+        let least = (0..5).fold(f64::INFINITY, |least, _| least.min(run(9.0) - run(1.0)));
+        let a_step = least / 8.0;
+        println!(
+            "{:<34}{:>9}{:>12.2}{:>12.3}{:>12.1}",
+            "",
+            side * side,
+            1e3 * a_step,
+            1e6 * a_step / rods,
+            1e-3 * memory / rods
+        );
+    }
+}
+
 fn main() {
     let part = std::env::args().skip(1).find(|a| !a.starts_with('-'));
     println!(
@@ -203,5 +246,11 @@ fn main() {
             }
             show(format!("explicit steps, {what}"), &|t| steps(&made, t));
         }
+    }
+    if part.is_none_or(|p| "growth".contains(p.as_str())) {
+        in_threads(1, || {
+            growth();
+            0.0
+        });
     }
 }

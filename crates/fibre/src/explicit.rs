@@ -44,7 +44,7 @@ pub struct Explicit {
     sums: Vec<f64>,
     /// Energy of a strain of rounding, J.
     rounding: f64,
-    queue: Vec<failure::Break>,
+    breaks: failure::Room,
 }
 
 impl Explicit {
@@ -61,7 +61,7 @@ impl Explicit {
             inverse_inertia: Vec::new(),
             sums: Vec::new(),
             rounding: 0.0,
-            queue: Vec::new(),
+            breaks: failure::Room::default(),
         }
     }
 
@@ -275,7 +275,9 @@ impl Explicit {
         }
         state.time += dt;
         state.step += 1;
-        failure::after_step(world, contacts, &mut self.queue);
+        if let Some(evaluator) = &mut self.evaluator {
+            failure::after_step(world, contacts, evaluator, &mut self.breaks);
+        }
         Ok(())
     }
 

@@ -4,9 +4,11 @@ use crate::bundle::Bundle;
 use crate::energy;
 use crate::error::LoadError;
 use crate::event::{Cause, Event, EventKind};
+use crate::kernel::Evaluator;
 use crate::solver::{Contacts, World};
 use crate::state::State;
 use crate::topology;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// When a bond breaks.
@@ -101,18 +103,45 @@ pub fn rod_demand(bundle: &Bundle, state: &State, vertex: usize, diameter: f64) 
     if bundle.bend[vertex] <= 0.0 {
         return 0.0;
     }
-    let stretch = 1.0
-        + 0.5
-            * (energy::rod::strain(bundle, state, vertex - 1)
-                + energy::rod::strain(bundle, state, vertex));
+    let before = Side::of(bundle, state, vertex - 1);
+    let after = Side::of(bundle, state, vertex);
     let curvature = if bundle.twisting {
         energy::framed::curvature_change(bundle, state, vertex)
     } else {
-        // One over the radius of the circle through the three vertices.
-        let (a, b) = (state.edge(vertex - 1), state.edge(vertex));
-        2.0 * a.cross(b).length() / (a.length() * b.length() * (a + b).length())
+        before.curvature(&after)
     };
-    (stretch * (1.0 + 0.5 * diameter * curvature) - 1.0) / bundle.tension_limit[vertex]
+    before.strain_at_skin(&after, curvature, diameter) / bundle.tension_limit[vertex]
+}
+
+/// An edge at one side of a vertex.
+struct Side {
+    edge: DVec3,
+    length: f64,
+    strain: f64,
+}
+
+impl Side {
+    fn of(bundle: &Bundle, state: &State, edge: usize) -> Self {
+        let (vector, rest) = (state.edge(edge), bundle.rest_length[edge]);
+        let length = vector.length();
+        Side {
+            edge: vector,
+            length,
+            strain: length / rest - 1.0 - state.plastic_strain[edge],
+        }
+    }
+
+    /// One over the radius of the circle through the three vertices of two edges, 1/m.
+    fn curvature(&self, next: &Side) -> f64 {
+        let across = (self.edge + next.edge).length();
+        2.0 * self.edge.cross(next.edge).length() / (self.length * next.length * across)
+    }
+
+    /// Stretch × bending ratio, less 1.
+    fn strain_at_skin(&self, next: &Side, curvature: f64, diameter: f64) -> f64 {
+        let stretch = 1.0 + 0.5 * (self.strain + next.strain);
+        stretch * (1.0 + 0.5 * diameter * curvature) - 1.0
+    }
 }
 
 /// How near a bond is to breaking: demand over strength.
@@ -184,29 +213,78 @@ fn yield_rods(bundle: &Bundle, state: &mut State, events: &mut Vec<Event>) -> f6
 
 /// Fills `queue` with what fails in a state, the most overstressed first, and in order of number where alike.
 pub fn detect(failure: &Failure, bundle: &Bundle, state: &State, queue: &mut Vec<Break>) {
+    let all = 0..bundle.bonds.len() as u32;
+    detect_among(failure, bundle, state, all, queue);
+}
+
+/// Room in which a solver looks for what fails.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Room {
+    /// What fails.
+    pub queue: Vec<Break>,
+    suspects: Vec<u32>,
+}
+
+impl Room {
+    /// The same as [`detect`], with the help of the bundle's evaluator, which looks at most bonds in passing.
+    pub fn detect(
+        &mut self,
+        failure: &Failure,
+        bundle: &Bundle,
+        state: &State,
+        evaluator: &mut Evaluator,
+    ) {
+        if failure.bonds == BondCriterion::Never {
+            self.suspects.clear();
+        } else {
+            evaluator.suspects(bundle, state, failure.bonds, &mut self.suspects);
+        }
+        let suspects = self.suspects.iter().copied();
+        detect_among(failure, bundle, state, suspects, &mut self.queue);
+    }
+}
+
+fn detect_among(
+    failure: &Failure,
+    bundle: &Bundle,
+    state: &State,
+    bonds: impl Iterator<Item = u32>,
+    queue: &mut Vec<Break>,
+) {
     queue.clear();
     if failure.rods_break {
+        let mut push = |vertex: usize, demand: f64| {
+            if demand >= 1.0 {
+                queue.push(Break {
+                    demand,
+                    bond: false,
+                    number: vertex as u32,
+                });
+            }
+        };
         for rod in 0..bundle.rods() {
-            for vertex in bundle.rod(rod) {
-                let demand = rod_demand(bundle, state, vertex, bundle.diameter[rod]);
-                if demand >= 1.0 {
-                    queue.push(Break {
-                        demand,
-                        bond: false,
-                        number: vertex as u32,
-                    });
-                }
+            let (range, diameter) = (bundle.rod(rod), bundle.diameter[rod]);
+            if bundle.twisting {
+                range.for_each(|v| push(v, rod_demand(bundle, state, v, diameter)));
+                continue;
+            }
+            let mut before = Side::of(bundle, state, range.start);
+            for v in range.start + 1..range.end - 1 {
+                let after = Side::of(bundle, state, v);
+                let strain = before.strain_at_skin(&after, before.curvature(&after), diameter);
+                push(v, strain / bundle.tension_limit[v]);
+                before = after;
             }
         }
     }
     if failure.bonds != BondCriterion::Never {
-        for bond in 0..bundle.bonds.len() {
-            let demand = bond_demand(failure.bonds, bundle, state, bond);
+        for number in bonds {
+            let demand = bond_demand(failure.bonds, bundle, state, number as usize);
             if demand >= 1.0 {
                 queue.push(Break {
                     demand,
                     bond: true,
-                    number: bond as u32,
+                    number,
                 });
             }
         }
@@ -216,9 +294,14 @@ pub fn detect(failure: &Failure, bundle: &Bundle, state: &State, queue: &mut Vec
     queue.truncate(failure.at_once as usize);
 }
 
-/// Finds what fails in the world's state and lets it, in a fixed order. `queue` is room to work in. Returns whether
-/// anything broke, so that the bundle has changed.
-pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Vec<Break>) -> bool {
+/// Finds what fails in the world's state and lets it, in a fixed order. Returns whether anything broke, so that the bundle
+/// has changed.
+pub(crate) fn after_step(
+    world: &mut World,
+    contacts: &mut dyn Contacts,
+    evaluator: &mut Evaluator,
+    room: &mut Room,
+) -> bool {
     let failure = world.failure;
     if !world
         .state
@@ -230,17 +313,25 @@ pub fn after_step(world: &mut World, contacts: &mut dyn Contacts, queue: &mut Ve
     if failure.rods_yield {
         world.fracture_loss += yield_rods(&world.bundle, &mut world.state, &mut world.events);
     }
-    detect(&failure, &world.bundle, &world.state, queue);
-    if queue.is_empty() {
+    room.detect(&failure, &world.bundle, &world.state, evaluator);
+    if room.queue.is_empty() {
         return false;
     }
-    apply(world, contacts, queue);
+    apply(world, contacts, &room.queue);
     true
 }
 
 /// Breaks all that is in `queue`, notes it in the world's events, and renumbers whatever named a vertex. Returns for each
 /// vertex of the bundle now which it was before.
 pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) -> Vec<u32> {
+    note(world, queue);
+    let bonds = queue.iter().filter(|b| b.bond).map(|b| b.number).collect();
+    let splits = queue.iter().filter(|b| !b.bond).map(|b| b.number).collect();
+    take_out(world, contacts, bonds, splits)
+}
+
+/// Notes in the world's events, and as energy lost, that all in `queue` breaks.
+pub(crate) fn note(world: &mut World, queue: &[Break]) {
     let cause = match world.failure.bonds {
         BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
         BondCriterion::Griffith => Cause::Griffith,
@@ -289,8 +380,16 @@ pub fn apply(world: &mut World, contacts: &mut dyn Contacts, queue: &[Break]) ->
         world.fracture_loss += event.energy;
         world.events.push(event);
     }
-    let mut bonds: Vec<u32> = queue.iter().filter(|b| b.bond).map(|b| b.number).collect();
-    let mut splits: Vec<u32> = queue.iter().filter(|b| !b.bond).map(|b| b.number).collect();
+}
+
+/// Takes `bonds` out and splits rods at the vertices `splits`, and renumbers whatever named a vertex. Returns for each
+/// vertex of the bundle now which it was before.
+pub(crate) fn take_out(
+    world: &mut World,
+    contacts: &mut dyn Contacts,
+    mut bonds: Vec<u32>,
+    mut splits: Vec<u32>,
+) -> Vec<u32> {
     bonds.sort_unstable();
     splits.sort_unstable();
     let before = topology::break_up(

@@ -251,3 +251,28 @@ fn solvers_agree_on_the_force_at_first_break() {
         }
     }
 }
+
+#[test]
+fn a_load_on_all_vertices_is_taken_up() {
+    // Small at each vertex against the force in a rod, so that a tolerance could miss it.
+    let sag = |solver: &mut dyn Solver| {
+        let mut world = scene();
+        world.failure = Failure::default();
+        world.loads.damping = 50.0;
+        for k in 1..=60 {
+            world.loads.gravity = DVec3::Y * (-1000.0 * f64::from(k) / 60.0);
+            solver
+                .advance(&mut world, &mut NoContacts, 1.0 / 30.0)
+                .unwrap();
+        }
+        let ends = (0..world.bundle.rods()).map(|r| world.bundle.rod(r).end - 1);
+        let moved = |v: usize| world.bundle.rest.y[v] - world.state.position.y[v];
+        ends.clone().map(moved).sum::<f64>() / ends.count() as f64
+    };
+    let exact = sag(&mut QuasiStatic::new(Some(1.0 / 30.0)));
+    let found = sag(&mut Interactive::new(Some(1.0 / 30.0)));
+    assert!(
+        exact > 1e-4 && (found / exact - 1.0).abs() < 0.01,
+        "{found} for {exact}"
+    );
+}

@@ -5,9 +5,15 @@
 //! one place, and no sum depends on how the work was shared out, so that the same bytes come out of any number of
 //! threads. Work is shared with `rayon` in the caller's pool.
 
+mod linear;
+mod watch;
 mod wide;
 
+pub(crate) use linear::NONE as NO_MOTION;
 pub use wide::lanes::Level;
+pub(crate) use wide::lanes::Row;
+pub(crate) use wide::outer::{Block, Line, add_outer};
+pub(crate) use wide::slopes::Slope;
 
 use crate::bundle::Bundle;
 use crate::energy::Forces;
@@ -18,9 +24,11 @@ use crate::vectors::Vectors;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use watch::Watch;
 use wide::bonds::BondTable;
-use wide::lanes::{Pair, Row, WIDTH};
+use wide::lanes::{Pair, WIDTH};
 use wide::rods::{self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness};
+use wide::slopes::Slopes;
 
 /// Vertices that one task takes: a multiple of [`BLOCK`], and long against what starting a task costs.
 const GRAIN: usize = 32 * BLOCK;
@@ -128,6 +136,9 @@ pub struct Evaluator {
     /// Per edge: sums over its bonds of forces on their vertices and on y₁.
     edge_force: Vec<Pair>,
     framed: Vec<FramedGradient>,
+    /// The bonds made linear, where that was asked for.
+    slopes: Vec<Slopes>,
+    watch: Watch,
 }
 
 const NO_MASS: Masses = Masses {
@@ -159,6 +170,8 @@ impl Evaluator {
             bond_force: Vec::new(),
             edge_force: Vec::new(),
             framed: Vec::new(),
+            slopes: Vec::new(),
+            watch: Watch::default(),
         };
         made.derive(bundle);
         made
@@ -302,11 +315,8 @@ impl Evaluator {
         }
     }
 
-    /// Computes the forces of bonds.
-    fn bond_pass(&mut self, state: &State) {
-        if self.bonds.is_empty() {
-            return;
-        }
+    /// Puts places into rows.
+    fn fill_places(&mut self, state: &State) {
         let p = &state.position;
         let fill = |(k, rows): (usize, &mut [Row])| {
             let range = k * GRAIN..k * GRAIN + rows.len();
@@ -326,6 +336,14 @@ impl Evaluator {
         } else {
             self.position.chunks_mut(GRAIN).enumerate().for_each(fill);
         }
+    }
+
+    /// Computes the forces of bonds.
+    fn bond_pass(&mut self, state: &State) {
+        if self.bonds.is_empty() {
+            return;
+        }
+        self.fill_places(state);
         self.bonds.forces(
             self.level,
             &self.position,

@@ -5,12 +5,13 @@
 //! dies out. What dies is measured: [`Advance::dissipated`] is the energy before the step, with the work of loads and
 //! clamps as the method itself integrates them, less damping, yielding and the energy after.
 
+use super::Stepwise;
 use super::newton::{EXACT, Found, Goal, Inertia, Newton};
 use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
 use crate::failure::{self, Break};
-use crate::solver::{Advance, Contacts, Solver, Touch, World};
+use crate::solver::{Advance, Contacts, Touch, World};
 use crate::state::State;
 use crate::vectors::Vectors;
 
@@ -152,7 +153,7 @@ impl Implicit {
     }
 
     /// A step, or its halves where it does not settle.
-    fn one_step(
+    fn step_or_halves(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
@@ -165,7 +166,8 @@ impl Implicit {
             Err(SolverError::NotConverged { .. }) if halved < HALVINGS => {
                 let saved = world.clone();
                 for _ in 0..2 {
-                    if let Err(error) = self.one_step(world, contacts, 0.5 * dt, halved + 1, report)
+                    if let Err(error) =
+                        self.step_or_halves(world, contacts, 0.5 * dt, halved + 1, report)
                     {
                         *world = saved;
                         return Err(error);
@@ -202,32 +204,29 @@ impl Implicit {
     }
 }
 
-impl Solver for Implicit {
-    fn name(&self) -> &'static str {
-        "implicit"
+impl Stepwise for Implicit {
+    const NAME: &'static str = "implicit";
+    const USUAL: f64 = STEP;
+
+    fn given(&self) -> Option<f64> {
+        self.given
     }
 
-    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        super::given_step(self.given, STEP)
-    }
-
-    fn advance(
+    fn one_step(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        duration: f64,
-    ) -> Result<Advance, SolverError> {
-        let step = self.step(world)?;
-        super::advance_evenly(world, duration, step, |world, dt, report| {
-            self.one_step(world, contacts, dt, 0, report)
-        })
+        dt: f64,
+        report: &mut Advance,
+    ) -> Result<(), SolverError> {
+        self.step_or_halves(world, contacts, dt, 0, report)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bundle, NoContacts, Rod, RodMaterial};
+    use crate::{Bundle, NoContacts, Rod, RodMaterial, Solver};
     use glam::DVec3;
 
     /// A rod that swings in its first mode of stretch, of period T, at steps of T/`steps`: the part of its energy that is

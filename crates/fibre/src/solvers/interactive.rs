@@ -8,15 +8,17 @@
 //! picture has time for.
 //!
 //! What is overstressed at the end of a step breaks, and the same step is done again from where it is; what would break
-//! still then breaks in the next. So a crack that runs in microseconds takes a few pictures. Implicit Euler
+//! still then breaks in the next. So a crack that runs in microseconds takes a few pictures. Bonds that break lose their
+//! stiffness until the step ends, so that nothing has to be numbered anew but where a rod breaks. Implicit Euler
 //! lets vibration that is fast against the picture die out, which is told as [`Advance::dissipated`].
 
+use super::Stepwise;
 use super::newton::{Found, Goal, Inertia, Manner, Newton};
 use super::quasi_static::commit_yield;
 use crate::energy::{Forces, energies};
 use crate::error::SolverError;
-use crate::failure::{self, Break, Failure};
-use crate::solver::{Advance, Contacts, Solver, World};
+use crate::failure::{self, Break};
+use crate::solver::{Advance, Contacts, World};
 use crate::state::State;
 use crate::topology;
 use crate::vectors::Vectors;
@@ -25,18 +27,20 @@ use crate::vectors::Vectors;
 pub const STEP: f64 = 1.0 / 30.0;
 /// Breaking rounds in a step.
 const ROUNDS: usize = 1;
-/// What breaks in one round: what is overstressed by this part of what the most overstressed is.
+/// What breaks at once: what is overstressed by this part of what the most overstressed is.
 const PART: f64 = 0.7;
+/// What is overstressed by this breaks in any case: a load that grows faster than steps follow must not outrun it.
+const MUCH: f64 = 1.3;
 /// Most that a prediction moves anything, in shortest edges.
 const FARTHEST: f64 = 0.5;
 /// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
 const MANNER: Manner = Manner {
     forgetful: true,
     tolerance: 1e-2,
-    iterations: 6,
-    accuracy: 5e-2,
+    iterations: 3,
+    accuracy: 0.1,
     take_last: true,
-    one_matrix: false,
+    one_matrix: true,
 };
 
 /// The interactive solver.
@@ -106,57 +110,115 @@ impl Interactive {
         Ok(found)
     }
 
-    fn one_step(
+    fn picture(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
         dt: f64,
         report: &mut Advance,
     ) -> Result<(), SolverError> {
-        let mut old = world.state.clone();
         let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
         let broken = world.fracture_loss;
+        let mut old = world.state.clone();
         predict(world, dt);
-        let mut touches = Vec::new();
-        let mut reaction = Vectors::default();
-        for round in 0..=ROUNDS {
+        self.newton.renew();
+        // Bonds without stiffness, which are taken out at the end or with the next rod that breaks.
+        let mut weak = Vec::new();
+        let mut round = 0;
+        let found = loop {
             let found = self.equilibrium(world, &old, contacts, dt)?;
-            world.state = found.state;
-            (touches, reaction) = (found.touches, found.reaction);
-            if round == ROUNDS || !self.find_broken(&world.failure, world) {
-                break;
+            if round == ROUNDS || !self.find_broken(world, &found) {
+                break found;
             }
-            let before = failure::apply(world, contacts, &self.queue);
-            topology::split_state(&mut old, &before);
+            round += 1;
+            world.state = found.state;
+            if let Some(before) = self.let_break(world, contacts, &mut weak) {
+                topology::split_state(&mut old, &before);
+            }
+        };
+        world.state = old;
+        let mut book = Book::default();
+        take(world, contacts, found, dt, &mut book);
+        if !weak.is_empty() {
+            failure::take_out(world, contacts, weak, Vec::new());
         }
-        let bundle = &world.bundle;
-        for v in 0..bundle.vertices() {
-            let way = world.state.position.get(v) - old.position.get(v);
-            world.state.velocity.set(v, way / dt);
-            world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
-        }
-        world.state.time = old.time + dt;
-        world.state.step = old.step + 1;
-        let yielded = commit_yield(world, &old);
-        world.fracture_loss += yielded;
-        let book = contacts.accept(&old, old.time + dt, &touches);
-        let (work, damped) = work(world, &old, &reaction, dt);
-        let after = energies(&world.bundle, &world.state).total() + book.stored;
-        report.work += work;
-        report.damped += damped;
+        let after = energies(&world.bundle, &world.state).total() + contacts.stored();
+        report.work += book.work;
+        report.damped += book.damped;
         report.dissipated +=
-            stored + work + book.work - book.lost - damped - (world.fracture_loss - broken) - after;
-        report.steps += 1;
+            stored + book.work + book.given - book.damped - (world.fracture_loss - broken) - after;
+        report.steps += book.steps;
         Ok(())
     }
 
-    /// Looks for what breaks in this round.
-    fn find_broken(&mut self, failure: &Failure, world: &World) -> bool {
-        failure::detect(failure, &world.bundle, &world.state, &mut self.queue);
-        let most = self.queue.first().map_or(0.0, |b| b.demand);
-        self.queue.retain(|b| b.demand >= PART * most);
+    /// Breaks what is in the queue. Bonds lose their stiffness, and are taken out with the next rod that breaks.
+    /// Returns for each vertex which it was before, where that changes.
+    fn let_break(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        weak: &mut Vec<u32>,
+    ) -> Option<Vec<u32>> {
+        failure::note(world, &self.queue);
+        let numbers = |bond: bool| -> Vec<u32> {
+            let all = self.queue.iter().filter(|b| b.bond == bond);
+            all.map(|b| b.number).collect()
+        };
+        let (bonds, splits) = (numbers(true), numbers(false));
+        for &b in &bonds {
+            world.bundle.bonds.transverse[b as usize] = 0.0;
+            world.bundle.bonds.shear[b as usize] = 0.0;
+        }
+        self.newton.weaken(&world.bundle, &bonds);
+        weak.extend(bonds);
+        if splits.is_empty() {
+            return None;
+        }
+        let weak = std::mem::take(weak);
+        Some(failure::take_out(world, contacts, weak, splits))
+    }
+
+    /// Looks for what breaks at the end of a step. Where forces are not balanced yet, overstress may be no more than that.
+    fn find_broken(&mut self, world: &World, found: &Found) -> bool {
+        let queue = self
+            .newton
+            .detect(&world.failure, &world.bundle, &found.state);
+        let most = PART * queue.first().map_or(0.0, |b| b.demand);
+        let enough = if found.settled { most.min(MUCH) } else { most };
+        queue.retain(|b| b.demand >= enough);
+        self.queue.clone_from(queue);
         !self.queue.is_empty()
     }
+}
+
+/// What steps did, J.
+#[derive(Debug, Clone, Copy, Default)]
+struct Book {
+    steps: u64,
+    work: f64,
+    damped: f64,
+    /// Work of bodies less friction.
+    given: f64,
+}
+
+/// Takes what was found at the end of a step of `dt` from the world's state.
+fn take(world: &mut World, contacts: &mut dyn Contacts, found: Found, dt: f64, book: &mut Book) {
+    let old = std::mem::replace(&mut world.state, found.state);
+    for v in 0..world.bundle.vertices() {
+        let way = world.state.position.get(v) - old.position.get(v);
+        world.state.velocity.set(v, way / dt);
+        world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
+    }
+    world.state.time = old.time + dt;
+    world.state.step = old.step + 1;
+    let yielded = commit_yield(world, &old);
+    world.fracture_loss += yielded;
+    let met = contacts.accept(&old, old.time + dt, &found.touches);
+    let (work, damped) = work(world, &old, &found.reaction, dt);
+    book.given += met.work - met.lost;
+    book.work += work;
+    book.damped += damped;
+    book.steps += 1;
 }
 
 /// Moves everything on as it moves: where equilibria follow each other evenly the next one is near there. Not where
@@ -209,24 +271,21 @@ fn work(world: &World, old: &State, reaction: &Vectors, dt: f64) -> (f64, f64) {
     (work, damped * loads.damping * dt)
 }
 
-impl Solver for Interactive {
-    fn name(&self) -> &'static str {
-        "interactive"
+impl Stepwise for Interactive {
+    const NAME: &'static str = "interactive";
+    const USUAL: f64 = STEP;
+
+    fn given(&self) -> Option<f64> {
+        self.given
     }
 
-    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        super::given_step(self.given, STEP)
-    }
-
-    fn advance(
+    fn one_step(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        duration: f64,
-    ) -> Result<Advance, SolverError> {
-        let step = self.step(world)?;
-        super::advance_evenly(world, duration, step, |world, dt, report| {
-            self.one_step(world, contacts, dt, report)
-        })
+        dt: f64,
+        report: &mut Advance,
+    ) -> Result<(), SolverError> {
+        self.picture(world, contacts, dt, report)
     }
 }

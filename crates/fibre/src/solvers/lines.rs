@@ -1,29 +1,29 @@
-//! Rods solved exactly along themselves: of the matrix of a bundle the blocks between vertices of one rod that are at
-//! most two apart, as a band, in Cholesky's factors.
+//! Rods solved exactly along themselves: the blocks between vertices of one rod that are at most two apart, as a band, in
+//! Cholesky's factors. Rods lie side by side in the lanes of a register. Factors are rounded to half the width, which
+//! leaves what they stand for symmetric and positive, and halves what a solution has to read.
 
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::iterative::Node;
+use super::iterative::Blocks;
+use super::wide;
 use crate::bundle::Bundle;
+use crate::kernel::Row;
 use rayon::prelude::*;
 
-/// Rods that are solved side by side, in the lanes of a register.
-const LANES: usize = 4;
+/// Rods that are solved side by side.
+const LANES: usize = 8;
 /// Groups of rods that one task takes.
-const GRAIN: usize = 4;
-/// Most entries below the diagonal: of three blocks of four.
-const MOST: usize = 11;
+const GRAIN: usize = 2;
+/// Entries of a row of the widest band: the diagonal and what is below it.
+const MOST: usize = 12;
 
-/// The inverse of a pivot, and the column below it, of all lanes.
-type Pivot = ([f64; LANES], [[f64; LANES]; MOST]);
+type Lane = [f64; LANES];
 
 /// Bands of all rods, with `B` freedoms at a vertex.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lines<const B: usize> {
     groups: Vec<Group>,
-    /// Per vertex: entries of the blocks with itself and the next two; `u32::MAX` for none.
-    entries: Vec<[u32; 3]>,
 }
 
 /// Rods that lie one after another in the bundle.
@@ -31,67 +31,48 @@ pub(super) struct Lines<const B: usize> {
 struct Group {
     /// First vertex of each rod, and that after the last rod's last; empty lanes have no vertices.
     first: [usize; LANES + 1],
-    /// Per freedom of the longest rod; 0 behind the ends of the others.
-    factor: Vec<Pivot>,
+    /// Per freedom of the longest rod: the inverse of the pivot and the column below it; 0 behind the ends of others.
+    factor: Vec<[f32; LANES]>,
+    /// Room for a band.
+    band: Vec<[Lane; MOST]>,
 }
 
 impl<const B: usize> Lines<B> {
-    pub fn prepare(&mut self, bundle: &Bundle, first: &[u32], column: &[u32]) {
-        self.entries.clear();
-        for rod in 0..bundle.rods() {
-            for v in bundle.rod(rod) {
-                let row = first[v] as usize..first[v + 1] as usize;
-                self.entries.push([0, 1, 2].map(|k| {
-                    let inside = v + k < bundle.first[rod + 1] as usize;
-                    let found = column[row.clone()].binary_search(&((v + k) as u32));
-                    match found {
-                        Ok(at) if inside => (row.start + at) as u32,
-                        _ => u32::MAX,
-                    }
-                }));
-            }
-        }
+    pub fn prepare(&mut self, bundle: &Bundle) {
         self.groups = (0..bundle.rods())
             .step_by(LANES)
-            .map(|rod| {
-                let first =
-                    std::array::from_fn(|l| bundle.first[(rod + l).min(bundle.rods())] as usize);
-                Group {
-                    first,
-                    factor: Vec::new(),
-                }
+            .map(|rod| Group {
+                first: std::array::from_fn(|l| bundle.first[(rod + l).min(bundle.rods())] as usize),
+                factor: Vec::new(),
+                band: Vec::new(),
             })
             .collect();
     }
 
-    /// Factors the bands of a matrix of blocks.
-    pub fn factor(&mut self, value: &[[[f64; 4]; B]]) {
-        let entries = &self.entries;
-        let mut band: Vec<(f64, [f64; MOST])> = Vec::new();
-        for group in &mut self.groups {
-            let longest = group.first.windows(2).map(|r| r[1] - r[0]).max();
-            group.factor.clear();
-            group.factor.resize(
-                longest.unwrap_or(0) * B,
-                ([0.0; LANES], [[0.0; LANES]; MOST]),
-            );
-            for l in 0..LANES {
-                let (start, end) = (group.first[l], group.first[l + 1]);
-                band.clear();
-                for i in 0..(end - start) * B {
-                    band.push(column::<B>(entries, value, start + i / B, i % B));
-                }
-                cholesky(&mut band, 3 * B - 1);
-                for (into, (pivot, column)) in group.factor.iter_mut().zip(&band) {
-                    into.0[l] = *pivot;
-                    (0..MOST).for_each(|k| into.1[k][l] = column[k]);
-                }
-            }
-        }
+    /// Factors the bands.
+    pub fn factor(&mut self, value: &[Blocks<B>]) {
+        self.groups
+            .par_iter_mut()
+            .with_min_len(GRAIN)
+            .for_each(|group| {
+                group.fill(value);
+                wide(
+                    #[inline(always)]
+                    || {
+                        if B == 3 {
+                            cholesky::<8>(&mut group.band);
+                            group.keep::<8>();
+                        } else {
+                            cholesky::<11>(&mut group.band);
+                            group.keep::<11>();
+                        }
+                    },
+                );
+            });
     }
 
     /// `z` = inverse of the bands × `r`.
-    pub fn solve(&self, r: &[Node], z: &mut [Node]) {
+    pub fn solve(&self, r: &[Row], z: &mut [Row]) {
         let mut left = z;
         let mut parts = Vec::new();
         for groups in self.groups.chunks(GRAIN) {
@@ -103,25 +84,29 @@ impl<const B: usize> Lines<B> {
         parts.into_par_iter().for_each(|(groups, from, own)| {
             let mut x = Vec::new();
             for group in groups {
+                let longest = group.longest();
                 x.clear();
                 // Room for the columns of the last rows.
-                x.resize(group.factor.len() + MOST, [0.0; LANES]);
+                x.resize(longest * B + MOST, [0.0; LANES]);
                 for l in 0..LANES {
                     for (i, v) in (group.first[l]..group.first[l + 1]).enumerate() {
-                        (0..B).for_each(|a| x[i * B + a][l] = r[v][a]);
+                        (0..B).for_each(|a| x[i * B + a][l] = r[v].0[a]);
                     }
                 }
-                pulp::Arch::new().dispatch(|| {
-                    if B == 3 {
-                        substitute::<8>(&group.factor, &mut x);
-                    } else {
-                        substitute::<MOST>(&group.factor, &mut x);
-                    }
-                });
+                wide(
+                    #[inline(always)]
+                    || {
+                        if B == 3 {
+                            substitute::<8>(&group.factor, &mut x, longest * B);
+                        } else {
+                            substitute::<11>(&group.factor, &mut x, longest * B);
+                        }
+                    },
+                );
                 for l in 0..LANES {
                     for (i, v) in (group.first[l]..group.first[l + 1]).enumerate() {
                         let node = |a: usize| if a < B { x[i * B + a][l] } else { 0.0 };
-                        own[v - from] = std::array::from_fn(node);
+                        own[v - from].0 = std::array::from_fn(node);
                     }
                 }
             }
@@ -129,78 +114,116 @@ impl<const B: usize> Lines<B> {
     }
 }
 
-/// Freedom `a` of vertex `v`: its diagonal entry and the column below it. The matrix is symmetric: its row to the right is
-/// the column below.
-fn column<const B: usize>(
-    entries: &[[u32; 3]],
-    value: &[[[f64; 4]; B]],
-    v: usize,
-    a: usize,
-) -> (f64, [f64; MOST]) {
-    let mut made = (0.0, [0.0; MOST]);
-    for k in 0..3 {
-        let at = entries[v][k];
-        if at == u32::MAX {
-            continue;
-        }
-        for b in 0..B {
-            let entry = value[at as usize][b][a];
-            match (k * B + b).cmp(&a) {
-                std::cmp::Ordering::Equal => made.0 = entry,
-                std::cmp::Ordering::Greater => made.1[k * B + b - a - 1] = entry,
-                std::cmp::Ordering::Less => {}
+impl Group {
+    fn longest(&self) -> usize {
+        let lengths = self.first.windows(2).map(|r| r[1] - r[0]);
+        lengths.max().unwrap_or(0)
+    }
+
+    /// Takes the rods' blocks into the band. The matrix is symmetric: a row to the right is the column below.
+    fn fill<const B: usize>(&mut self, value: &[Blocks<B>]) {
+        let rows = self.longest() * B;
+        self.band.clear();
+        self.band.resize(rows, [[0.0; LANES]; MOST]);
+        for l in 0..LANES {
+            let (start, end) = (self.first[l], self.first[l + 1]);
+            for v in start..end {
+                for (k, block) in value[v].iter().enumerate() {
+                    if v + k >= end {
+                        break;
+                    }
+                    for a in 0..B {
+                        let row = &mut self.band[(v - start) * B + a];
+                        for b in if k == 0 { a } else { 0 }..B {
+                            row[k * B + b - a][l] = block[b][a];
+                        }
+                    }
+                }
             }
         }
     }
-    made
+
+    #[inline(always)]
+    fn keep<const W: usize>(&mut self) {
+        self.factor.clear();
+        for row in &self.band {
+            let kept = row[..=W].iter().map(|lane| lane.map(|v| v as f32));
+            self.factor.extend(kept);
+        }
+    }
 }
 
-/// Factors a band of `width` entries below the diagonal. A pivot that is not positive leaves its freedom out.
-fn cholesky(band: &mut [(f64, [f64; MOST])], width: usize) {
+/// Factors bands of `W` entries below the diagonal: of each row the inverse of the pivot and the column of L, whose
+/// diagonal is 1. A pivot that is not positive leaves its freedom out.
+#[inline(always)]
+fn cholesky<const W: usize>(band: &mut [[Lane; MOST]]) {
     let n = band.len();
     for i in 0..n {
         let (done, rest) = band.split_at_mut(i + 1);
-        let (pivot, column) = &mut done[i];
-        if !(*pivot > 0.0 && pivot.is_finite()) {
-            (*pivot, *column) = (0.0, [0.0; MOST]);
-            continue;
+        let row = &mut done[i];
+        let mut inverse = [0.0; LANES];
+        for l in 0..LANES {
+            let pivot = row[0][l];
+            inverse[l] = if pivot > 0.0 && pivot.is_finite() {
+                1.0 / pivot
+            } else {
+                0.0
+            };
         }
-        let inverse = 1.0 / *pivot;
-        for k in 0..width.min(n - 1 - i) {
-            let by = column[k] * inverse;
-            let (diagonal, below) = &mut rest[k];
-            *diagonal -= by * column[k];
-            for m in k + 1..width {
-                below[m - k - 1] -= by * column[m];
+        let own = *row;
+        for k in 0..W.min(n - 1 - i) {
+            let mut by = own[1 + k];
+            for l in 0..LANES {
+                by[l] *= inverse[l];
+            }
+            let below = &mut rest[k];
+            for m in k..W {
+                for l in 0..LANES {
+                    below[m - k][l] -= by[l] * own[1 + m][l];
+                }
             }
         }
-        // Columns of L, whose diagonal is 1.
-        column.iter_mut().for_each(|c| *c *= inverse);
-        *pivot = inverse;
+        row[0] = inverse;
+        for k in 0..W {
+            for l in 0..LANES {
+                row[1 + k][l] *= inverse[l];
+            }
+        }
     }
 }
 
 #[inline(always)]
-fn substitute<const W: usize>(factor: &[Pivot], x: &mut [[f64; LANES]]) {
-    for (i, (_, column)) in factor.iter().enumerate() {
-        let v = x[i];
-        for k in 0..W {
+fn double(v: &[f32; LANES]) -> Lane {
+    std::array::from_fn(|l| f64::from(v[l]))
+}
+
+#[inline(always)]
+fn substitute<const W: usize>(factor: &[[f32; LANES]], x: &mut [Lane], rows: usize) {
+    for i in 0..rows {
+        let column = &factor[i * (W + 1)..(i + 1) * (W + 1)];
+        let part = &mut x[i..i + W + 1];
+        let v = part[0];
+        for k in 1..=W {
+            let c = double(&column[k]);
             for l in 0..LANES {
-                x[i + 1 + k][l] -= column[k][l] * v[l];
+                part[k][l] -= c[l] * v[l];
             }
         }
     }
-    let n = factor.len();
-    x[n..].fill([0.0; LANES]);
-    for (i, (inverse, column)) in factor.iter().enumerate().rev() {
+    x[rows..].fill([0.0; LANES]);
+    for i in (0..rows).rev() {
+        let column = &factor[i * (W + 1)..(i + 1) * (W + 1)];
+        let part = &mut x[i..i + W + 1];
         let mut sums = [[0.0; LANES]; 2];
-        for k in 0..W {
+        for k in 1..=W {
+            let c = double(&column[k]);
             for l in 0..LANES {
-                sums[k % 2][l] += column[k][l] * x[i + 1 + k][l];
+                sums[k % 2][l] += c[l] * part[k][l];
             }
         }
+        let inverse = double(&column[0]);
         for l in 0..LANES {
-            x[i][l] = x[i][l] * inverse[l] - (sums[0][l] + sums[1][l]);
+            part[0][l] = part[0][l] * inverse[l] - (sums[0][l] + sums[1][l]);
         }
     }
 }

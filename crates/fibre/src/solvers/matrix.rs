@@ -8,6 +8,7 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
+use super::wide;
 use std::collections::VecDeque;
 
 /// Lanes of sums.
@@ -138,6 +139,13 @@ impl Envelope {
         self.values[at] += value;
     }
 
+    /// Adds to entries of a row from `column` on, which must lie in the envelope.
+    #[inline]
+    pub fn add_row(&mut self, row: usize, column: usize, values: &[f64]) {
+        let at = self.start[row] + column - self.first_of(row);
+        axpy(&mut self.values[at..at + values.len()], values, 1.0);
+    }
+
     /// The entry on the diagonal.
     pub fn diagonal(&self, row: usize) -> f64 {
         self.values[self.start[row + 1] - 1]
@@ -145,15 +153,18 @@ impl Envelope {
 
     /// `out` = matrix × `x`.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        pulp::Arch::new().dispatch(|| {
-            out.fill(0.0);
-            for i in 0..self.rows() {
-                let (f, row) = (self.first_of(i), self.row(i));
-                let (last, below) = (row[row.len() - 1], &row[..row.len() - 1]);
-                out[i] += dot(below, &x[f..i]) + last * x[i];
-                axpy(&mut out[f..i], below, x[i]);
-            }
-        });
+        wide(
+            #[inline(always)]
+            || {
+                out.fill(0.0);
+                for i in 0..self.rows() {
+                    let (f, row) = (self.first_of(i), self.row(i));
+                    let (last, below) = (row[row.len() - 1], &row[..row.len() - 1]);
+                    out[i] += dot(below, &x[f..i]) + last * x[i];
+                    axpy(&mut out[f..i], below, x[i]);
+                }
+            },
+        );
     }
 
     /// Takes rows and columns out of the system: zero, with 1 on the diagonal.
@@ -180,10 +191,13 @@ impl Envelope {
     /// # Errors
     /// The row of the pivot.
     pub fn factor(&mut self) -> Result<(), usize> {
-        pulp::Arch::new().dispatch(|| match self.block {
-            3 => self.factor_blocks::<3>(),
-            _ => self.factor_blocks::<4>(),
-        })
+        wide(
+            #[inline(always)]
+            || match self.block {
+                3 => self.factor_blocks::<3>(),
+                _ => self.factor_blocks::<4>(),
+            },
+        )
     }
 
     #[inline(always)]
@@ -255,20 +269,23 @@ impl Envelope {
 
     /// Solves with the factor that [`Envelope::factor`] made, in place.
     pub fn solve(&self, x: &mut [f64]) {
-        pulp::Arch::new().dispatch(|| {
-            for i in 0..self.rows() {
-                let (f, row) = (self.first_of(i), self.row(i));
-                let last = row.len() - 1;
-                x[i] = (x[i] - dot(&row[..last], &x[f..i])) / row[last];
-            }
-            for i in (0..self.rows()).rev() {
-                let (f, row) = (self.first_of(i), self.row(i));
-                let last = row.len() - 1;
-                x[i] /= row[last];
-                let v = -x[i];
-                axpy(&mut x[f..i], &row[..last], v);
-            }
-        });
+        wide(
+            #[inline(always)]
+            || {
+                for i in 0..self.rows() {
+                    let (f, row) = (self.first_of(i), self.row(i));
+                    let last = row.len() - 1;
+                    x[i] = (x[i] - dot(&row[..last], &x[f..i])) / row[last];
+                }
+                for i in (0..self.rows()).rev() {
+                    let (f, row) = (self.first_of(i), self.row(i));
+                    let last = row.len() - 1;
+                    x[i] /= row[last];
+                    let v = -x[i];
+                    axpy(&mut x[f..i], &row[..last], v);
+                }
+            },
+        );
     }
 }
 

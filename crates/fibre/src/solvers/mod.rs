@@ -28,7 +28,68 @@ pub use interactive::Interactive;
 pub use quasi_static::QuasiStatic;
 
 use crate::error::SolverError;
-use crate::solver::{Advance, World};
+use crate::solver::{Advance, Contacts, Solver, World};
+
+/// Work that is compiled for the widest registers there are.
+struct Wide<F>(F);
+
+impl<R, F: FnMut() -> R> pulp::WithSimd for Wide<F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) -> R {
+        (self.0)()
+    }
+}
+
+/// Does `work` with the widest registers there are. Only what is always inlined takes part: mark the closure itself too. (A
+/// closure that is handed to `pulp` as it is gets called through a function that is compiled for every processor.)
+#[inline(always)]
+fn wide<R>(work: impl FnMut() -> R) -> R {
+    pulp::Arch::new().dispatch(Wide(work))
+}
+
+/// A solver that goes from step to step, all of one length.
+pub(crate) trait Stepwise {
+    /// As of [`Solver::name`].
+    const NAME: &'static str;
+    /// The step where none is given, s.
+    const USUAL: f64;
+
+    /// The step that was given, s.
+    fn given(&self) -> Option<f64>;
+
+    /// Takes a step of `dt` seconds and adds to the report what it did.
+    fn one_step(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        dt: f64,
+        report: &mut Advance,
+    ) -> Result<(), SolverError>;
+}
+
+impl<T: Stepwise> Solver for T {
+    fn name(&self) -> &'static str {
+        T::NAME
+    }
+
+    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
+        given_step(self.given(), T::USUAL)
+    }
+
+    fn advance(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        duration: f64,
+    ) -> Result<Advance, SolverError> {
+        let step = self.step(world)?;
+        advance_evenly(world, duration, step, |world, dt, report| {
+            self.one_step(world, contacts, dt, report)
+        })
+    }
+}
 
 /// Checks a duration to advance by.
 fn check_duration(duration: f64) -> Result<(), SolverError> {

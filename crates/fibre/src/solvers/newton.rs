@@ -15,6 +15,7 @@ use super::iterative::System;
 use crate::bundle::Bundle;
 use crate::energy::{Forces, rod};
 use crate::error::SolverError;
+use crate::failure::{self, Break, Failure};
 use crate::frames;
 use crate::kernel::Evaluator;
 use crate::loads::Loads;
@@ -35,6 +36,8 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
+/// Moments count as couples so far apart, m.
+const ARM: f64 = 1e-3;
 
 /// What makes a stage of a time step of an equilibrium: M (x − `ahead`)/h² = F − c M (x − `behind`)/h.
 #[derive(Debug, Clone)]
@@ -67,6 +70,8 @@ pub(crate) struct Found {
     /// Contacts.
     pub touches: Vec<Touch>,
     pub iterations: usize,
+    /// Whether forces are balanced as exactly as was asked for.
+    pub settled: bool,
 }
 
 /// The method, with what it keeps between steps.
@@ -83,6 +88,9 @@ pub(crate) struct Newton {
     grips: Vec<Held>,
     touches: Vec<Touch>,
     scale: f64,
+    /// Whether the preconditioner is to be made anew.
+    stale: bool,
+    breaks: failure::Room,
 }
 
 /// How linear systems are solved.
@@ -114,7 +122,7 @@ pub(crate) struct Manner {
     pub accuracy: f64,
     /// Whether the last iterate is taken where they do not suffice.
     pub take_last: bool,
-    /// Whether the matrix of the first iteration serves them all, as long as contacts stay.
+    /// Whether the preconditioner of the first iteration after [`Newton::renew`] serves all that follow.
     pub one_matrix: bool,
 }
 
@@ -154,7 +162,7 @@ pub(super) struct Problem<'a> {
     pub prescribed: &'a [f64],
     /// Accuracy of the solution.
     pub accuracy: f64,
-    /// Whether the matrix is made anew.
+    /// Whether the matrix, or what stands for it, is made anew.
     pub fresh: bool,
 }
 
@@ -167,11 +175,39 @@ impl Newton {
         }
     }
 
+    /// Takes the stiffness of bonds `broken` of the bundle that this was prepared for; in `bundle` they have none already.
+    pub fn weaken(&mut self, bundle: &Bundle, broken: &[u32]) {
+        if let Some(evaluator) = &mut self.evaluator {
+            evaluator.weaken(broken);
+        }
+        match &mut self.linear {
+            Linear::Direct(_) => {}
+            Linear::Three(system) => system.weakened(bundle),
+            Linear::Four(system) => system.weakened(bundle),
+        }
+        self.stale = true;
+    }
+
+    /// What fails in a state of the bundle that this was prepared for.
+    pub fn detect(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> &mut Vec<Break> {
+        match &mut self.evaluator {
+            Some(evaluator) => self.breaks.detect(failure, bundle, state, evaluator),
+            None => failure::detect(failure, bundle, state, &mut self.breaks.queue),
+        }
+        &mut self.breaks.queue
+    }
+
+    /// Lets the preconditioner be made anew.
+    pub fn renew(&mut self) {
+        self.stale = true;
+    }
+
     /// Makes everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &Bundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
             return;
         }
+        self.stale = true;
         self.generation = Some(bundle.generation);
         self.grips = grips.iter().map(|g| resolve(g, bundle)).collect();
         let n = bundle.vertices();
@@ -254,9 +290,10 @@ impl Newton {
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
         let moved = prescribed.iter().any(|d| *d != 0.0);
-        let mut touching = 0;
         let mut tolerance = self.manner.tolerance * self.scale;
-        while iterations == 0 && moved || worst > tolerance {
+        // A load on all vertices is small at each: a tolerance that is coarse would not see it.
+        let at_least = usize::from(moved || self.manner.take_last);
+        while iterations < at_least || worst > tolerance {
             if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
                 break;
             }
@@ -268,9 +305,8 @@ impl Newton {
                     tolerance,
                 });
             }
-            let fresh =
-                !self.manner.one_matrix || iterations == 0 || self.touches.len() != touching;
-            touching = self.touches.len();
+            let fresh = !self.manner.one_matrix || self.stale;
+            self.stale = false;
             let step = self.direction(goal, base, &state, &prescribed, fresh);
             let slope: f64 = step
                 .iter()
@@ -329,6 +365,7 @@ impl Newton {
             reaction,
             touches: std::mem::take(&mut self.touches),
             iterations,
+            settled: worst <= tolerance,
         })
     }
 
@@ -461,7 +498,6 @@ impl Newton {
 
     /// The largest unbalanced force; moments count as couples a millimetre apart.
     fn worst(&self) -> f64 {
-        const ARM: f64 = 1e-3;
         let mut worst = 0.0f64;
         for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
             if !h {
@@ -547,10 +583,11 @@ impl Newton {
             accuracy: self.manner.accuracy,
             fresh,
         };
-        match &mut self.linear {
-            Linear::Direct(direct) => direct.solve(&problem),
-            Linear::Three(system) => system.solve(&problem),
-            Linear::Four(system) => system.solve(&problem),
+        match (&mut self.linear, &mut self.evaluator) {
+            (Linear::Three(system), Some(evaluator)) => system.solve(&problem, evaluator),
+            (Linear::Four(system), Some(evaluator)) => system.solve(&problem, evaluator),
+            (Linear::Direct(direct), _) => direct.solve(&problem),
+            _ => vec![0.0; self.residual.len()],
         }
     }
 }

@@ -5,9 +5,11 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::iterative::Node;
+use super::iterative::{Blocks, Column};
 use super::matrix::Envelope;
+use super::wide;
 use crate::bundle::Bundle;
+use crate::kernel::{Block, Evaluator, Line, Row, Slope, add_outer};
 use glam::DVec3;
 
 /// No piece.
@@ -19,8 +21,6 @@ const LEAST: u32 = 5;
 /// Added to the diagonal, of itself: pieces all of whose vertices lie in a line do not tell all freedoms apart.
 const RIDGE: f64 = 1e-9;
 
-type Block = [[f64; FREEDOMS]; FREEDOMS];
-
 /// Pieces and the matrix of their freedoms.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sections {
@@ -31,64 +31,47 @@ pub(super) struct Sections {
     count: usize,
     /// Whether the matrix is factored.
     ready: bool,
-    /// Pairs of pieces, the first not below the second.
-    pairs: Vec<(u32, u32)>,
-    /// Per block of the fine matrix that joins a pair: the pair.
-    slots: Vec<u32>,
-    /// The same: its place, row and column.
-    entries: Vec<[u32; 3]>,
+    /// Per piece: the lowest that it is joined to, and where the blocks of these pairs begin.
+    lowest: Vec<(u32, u32)>,
     blocks: Vec<Block>,
     matrix: Envelope,
 }
 
 impl Sections {
-    /// Makes everything that depends on which rods and bonds there are, for a matrix whose rows begin at `first` and have
-    /// their blocks in `column`.
-    pub fn prepare(&mut self, bundle: &Bundle, first: &[u32], column: &[u32]) {
+    /// Makes everything that depends on which rods and bonds there are.
+    pub fn prepare(&mut self, bundle: &Bundle) {
         let n = bundle.vertices();
         let axis = main_axis(bundle);
-        let before = std::mem::take(&mut self.piece);
         self.find_pieces(bundle, &slabs(bundle, axis));
-        let piece = &self.piece;
-        let pair = |v: usize, c: usize| {
-            let (a, b) = (piece[v], piece[c]);
-            (a != NONE && b != NONE).then(|| u64::from(a.max(b)) << 32 | u64::from(a.min(b)))
-        };
-        let mut all: Vec<u64> = (0..n).filter_map(|v| pair(v, v)).collect();
-        for v in (0..n).filter(|&v| bundle.is_edge(v)) {
-            all.extend(pair(v, v + 1));
-            if bundle.bend[v] > 0.0 {
-                all.extend(pair(v - 1, v + 1));
-            }
-        }
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            all.extend(pair(v as usize, e as usize));
-            all.extend(pair(v as usize, e as usize + 1));
-        }
-        all.sort_unstable();
-        all.dedup();
-        let pairs: Vec<(u32, u32)> = all.iter().map(|p| ((p >> 32) as u32, *p as u32)).collect();
-        if before == self.piece && pairs == self.pairs {
-            return;
-        }
-        self.pairs = pairs;
-        self.entries.clear();
-        self.slots.clear();
-        for v in 0..n {
-            for k in first[v]..first[v + 1] {
-                let c = column[k as usize] as usize;
-                let found = pair(v, c).filter(|_| piece[v] >= piece[c]);
-                if let Some(at) = found.and_then(|p| all.binary_search(&p).ok()) {
-                    self.slots.push(at as u32);
-                    self.entries.push([k, v as u32, c as u32]);
-                }
-            }
-        }
         self.find_weights(bundle, axis);
-        self.blocks = vec![[[0.0; FREEDOMS]; FREEDOMS]; self.pairs.len()];
-        let fine = (self.pairs.iter())
-            .flat_map(|&(a, b)| (0..9).map(move |k| (3 * a + k / 3, 3 * b + k % 3)));
-        self.matrix = Envelope::zeros(3, 3 * self.count, fine);
+        let mut lowest: Vec<u32> = (0..self.count as u32).collect();
+        let mut join = |u: usize, v: usize| {
+            let (a, b) = (self.piece[u], self.piece[v]);
+            if a != NONE && b != NONE {
+                let row = &mut lowest[a.max(b) as usize];
+                *row = (*row).min(a.min(b));
+            }
+        };
+        for v in (0..n).filter(|&v| bundle.is_edge(v)) {
+            join(v, v + 1);
+            if bundle.bend[v] > 0.0 {
+                join(v - 1, v + 1);
+            }
+        }
+        for (v, e) in live_bonds(bundle) {
+            join(v, e);
+            join(v, e + 1);
+        }
+        let pairs = (lowest.iter().enumerate())
+            .flat_map(|(p, &low)| (0..3).map(move |k| (3 * p as u32 + k, 3 * low)));
+        self.matrix = Envelope::zeros(3, 3 * self.count, pairs);
+        let mut next = 0;
+        self.lowest.clear();
+        for (p, low) in lowest.into_iter().enumerate() {
+            self.lowest.push((low, next));
+            next += p as u32 - low + 1;
+        }
+        self.blocks = vec![[[0.0; 16]; FREEDOMS]; next as usize];
     }
 
     /// Pieces: vertices of one slab that bonds join.
@@ -108,9 +91,9 @@ impl Sections {
                 parent[a.max(b) as usize] = a.min(b);
             }
         };
-        for (&v, &e) in bundle.bonds.vertex.iter().zip(&bundle.bonds.edge) {
-            join(v as usize, e as usize);
-            join(v as usize, e as usize + 1);
+        for (v, e) in live_bonds(bundle) {
+            join(v, e);
+            join(v, e + 1);
         }
         for j in (0..n).filter(|&j| bundle.is_edge(j)) {
             join(j, j + 1);
@@ -160,48 +143,56 @@ impl Sections {
             .collect();
     }
 
-    /// Sums a matrix of blocks to that of the pieces, and factors it.
-    pub fn factor<const B: usize>(&mut self, value: &[[[f64; 4]; B]]) {
-        self.blocks
-            .iter_mut()
-            .for_each(|b| *b = [[0.0; FREEDOMS]; FREEDOMS]);
-        for (&slot, &[k, v, c]) in self.slots.iter().zip(&self.entries) {
-            let (left, right) = (&self.weight[v as usize], &self.weight[c as usize]);
-            let fine = &value[k as usize];
-            let block = &mut self.blocks[slot as usize];
-            for (s, l) in left.iter().enumerate() {
-                for (t, r) in right.iter().enumerate() {
-                    let w = l * r;
-                    for a in 0..3 {
-                        for b in 0..3 {
-                            block[3 * s + a][3 * t + b] += w * fine[b][a];
+    /// Sums rods' blocks and bonds to the matrix of the pieces, and factors it. Freedoms whose `free` is 0 are held.
+    pub fn factor<const B: usize>(&mut self, band: &[Blocks<B>], bonds: &Evaluator, free: &[Row]) {
+        let (piece, weight) = (&self.piece, &self.weight);
+        let mut pairs = Pairs {
+            lowest: &self.lowest,
+            blocks: &mut self.blocks,
+        };
+        pairs.blocks.fill([[0.0; 16]; FREEDOMS]);
+        wide(
+            #[inline(always)]
+            || {
+                for (v, blocks) in band.iter().enumerate() {
+                    for (k, block) in blocks.iter().enumerate() {
+                        let c = v + k;
+                        if c < band.len() && piece[v] != NONE && piece[c] != NONE {
+                            pairs.add_block(
+                                [piece[v], piece[c]],
+                                [&weight[v], &weight[c]],
+                                block,
+                                k == 0,
+                            );
                         }
                     }
                 }
-            }
-        }
-        self.matrix.clear();
-        for (&(p, q), block) in self.pairs.iter().zip(&self.blocks) {
-            let (row, column) = (p as usize * FREEDOMS, q as usize * FREEDOMS);
-            for a in 0..FREEDOMS {
-                for b in 0..FREEDOMS {
-                    if column + b <= row + a {
-                        let more = if row + a == column + b {
-                            1.0 + RIDGE
-                        } else {
-                            1.0
-                        };
-                        self.matrix.add(row + a, column + b, more * block[a][b]);
-                    }
+                bonds.each_slope(
+                    #[inline(always)]
+                    |slope| pairs.add_slope(piece, weight, free, slope),
+                );
+            },
+        );
+        let matrix = &mut self.matrix;
+        matrix.clear();
+        for (p, &(low, at)) in self.lowest.iter().enumerate() {
+            for (q, block) in (low as usize..=p).zip(&self.blocks[at as usize..]) {
+                for (a, row) in block.iter().enumerate() {
+                    let count = if p == q { a + 1 } else { FREEDOMS };
+                    matrix.add_row(p * FREEDOMS + a, q * FREEDOMS, &row[..count]);
                 }
             }
+        }
+        for row in 0..matrix.rows() {
+            let more = RIDGE * matrix.diagonal(row);
+            matrix.add(row, row, more);
         }
         // Without it rods alone still solve.
         self.ready = self.count > 0 && self.matrix.factor().is_ok();
     }
 
     /// The pieces' motion under forces `r`.
-    pub fn solve(&self, r: &[Node]) -> Vec<f64> {
+    pub fn solve(&self, r: &[Row]) -> Vec<f64> {
         if !self.ready {
             return Vec::new();
         }
@@ -210,7 +201,7 @@ impl Sections {
             if p != NONE {
                 let at = p as usize * FREEDOMS;
                 for (s, w) in self.weight[v].iter().enumerate() {
-                    (0..3).for_each(|a| sums[at + 3 * s + a] += w * r[v][a]);
+                    (0..3).for_each(|a| sums[at + 3 * s + a] += w * r[v].0[a]);
                 }
             }
         }
@@ -219,7 +210,7 @@ impl Sections {
     }
 
     /// Adds the pieces' motion to vertices.
-    pub fn add(&self, motion: &[f64], z: &mut [Node]) {
+    pub fn add(&self, motion: &[f64], z: &mut [Row]) {
         if motion.is_empty() {
             return;
         }
@@ -227,11 +218,98 @@ impl Sections {
             if p != NONE {
                 let at = p as usize * FREEDOMS;
                 for (s, w) in self.weight[v].iter().enumerate() {
-                    (0..3).for_each(|a| z[v][a] += w * motion[at + 3 * s + a]);
+                    (0..3).for_each(|a| z[v].0[a] += w * motion[at + 3 * s + a]);
                 }
             }
         }
     }
+}
+
+/// Blocks of pairs of pieces, the first not below the second.
+struct Pairs<'a> {
+    lowest: &'a [(u32, u32)],
+    blocks: &'a mut [Block],
+}
+
+impl Pairs<'_> {
+    #[inline(always)]
+    fn block(&mut self, p: u32, q: u32) -> &mut Block {
+        let (low, at) = self.lowest[p as usize];
+        &mut self.blocks[(at + q - low) as usize]
+    }
+
+    /// Adds a block of the matrix between two vertices and its mirror image, of one vertex the block alone. Of a piece with
+    /// itself only what is on and below the diagonal is whole.
+    #[inline(always)]
+    fn add_block<const B: usize>(
+        &mut self,
+        [p, q]: [u32; 2],
+        [left, right]: [&[f64; 3]; 2],
+        block: &[Column; B],
+        own: bool,
+    ) {
+        let sum = self.block(p.max(q), p.min(q));
+        for (s, l) in left.iter().enumerate() {
+            for (t, r) in right.iter().enumerate() {
+                let w = l * r;
+                for a in 0..3 {
+                    for b in 0..3 {
+                        let (row, column, v) = (3 * s + a, 3 * t + b, w * block[b][a]);
+                        if p >= q {
+                            sum[row][column] += v;
+                        }
+                        if p < q || p == q && !own {
+                            sum[column][row] += v;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds g gᵀ of a bond's two gradients by its three vertices.
+    #[inline(always)]
+    fn add_slope(&mut self, piece: &[u32], weight: &[[f64; 3]], free: &[Row], slope: &Slope) {
+        let mut pieces = [NONE; 3];
+        let mut sums: [[Line; 2]; 3] = [[[0.0; 16]; 2]; 3];
+        for n in 0..3 {
+            let v = slope.nodes[n] as usize;
+            let p = piece[v];
+            if p == NONE {
+                continue;
+            }
+            let mut at = 0;
+            while pieces[at] != p && pieces[at] != NONE {
+                at += 1;
+            }
+            pieces[at] = p;
+            let held = &free[v].0;
+            for s in 0..3 {
+                for a in 0..3 {
+                    let w = weight[v][s] * held[a];
+                    sums[at][0][3 * s + a] += w * slope.length[n][a];
+                    sums[at][1][3 * s + a] += w * slope.cosine[n][a];
+                }
+            }
+        }
+        for i in 0..3 {
+            for k in 0..3 {
+                if pieces[i] == NONE || pieces[k] > pieces[i] {
+                    continue;
+                }
+                let block = self.block(pieces[i], pieces[k]);
+                add_outer(block, &sums[i], &sums[k]);
+            }
+        }
+    }
+}
+
+/// Vertices and edges of bonds that have stiffness.
+fn live_bonds(bundle: &Bundle) -> impl Iterator<Item = (usize, usize)> + '_ {
+    let b = &bundle.bonds;
+    (0..b.len())
+        .filter(|&i| b.transverse[i] > 0.0 || b.shear[i] > 0.0)
+        .map(|i| (b.vertex[i] as usize, b.edge[i] as usize))
 }
 
 /// The direction in which most rods run.

@@ -172,6 +172,15 @@ impl BendReport {
                 load_n: e.load,
             })
         };
+        let rupture = compared(outcome.modulus_of_rupture, Property::ModulusOfRupture);
+        let source = match (&species.green_source, rupture.basis) {
+            (Some(green), Some(Basis::TableGreen)) => green.clone(),
+            // Between the two rows.
+            (Some(green), Some(Basis::Equation | Basis::EquationBelowRange)) => {
+                format!("{} and {green}", species.source)
+            }
+            _ => species.source.clone(),
+        };
         let last = outcome.points.last().copied().unwrap_or_default();
         let ended = if outcome.came_apart {
             "no equilibrium was left after the last break"
@@ -185,7 +194,7 @@ impl BendReport {
             version: 1,
             species: species.name.clone(),
             scientific_name: species.scientific_name.clone(),
-            source: species.source.clone(),
+            source,
             moisture_percent: moisture,
             section,
             width_m: width,
@@ -200,7 +209,7 @@ impl BendReport {
                 outcome.modulus_of_elasticity,
                 Property::ModulusOfElasticity,
             ),
-            modulus_of_rupture_pa: compared(outcome.modulus_of_rupture, Property::ModulusOfRupture),
+            modulus_of_rupture_pa: rupture,
             work_to_maximum_load_j_per_m3: compared(
                 outcome.work_to_maximum_load,
                 Property::WorkToMaximumLoad,

@@ -161,6 +161,8 @@ pub struct Species {
     pub group: Group,
     /// The table that the dry values are from.
     pub source: String,
+    /// The table that the green values are from.
+    pub green_source: Option<String>,
     /// Mass over volume at 12 % moisture, kg/m³.
     pub air_dry_density: Option<f64>,
     /// Properties at 12 % moisture ("air-dry" for Yang's four species).

@@ -89,6 +89,10 @@ fn group(name: &str) -> Group {
     }
 }
 
+fn handbook(row: &[&str]) -> String {
+    format!("Wood Handbook, {}", text(row, 14))
+}
+
 fn from_handbook(row: &[&str]) -> Species {
     let name = text(row, 0);
     let green = rows(MECHANICAL).find(|r| r[0] == name && r[3] == "green");
@@ -104,11 +108,12 @@ fn from_handbook(row: &[&str]) -> Species {
     Species {
         scientific_name: text(row, 1),
         group: group(row.get(2).copied().unwrap_or_default()),
-        source: format!("Wood Handbook, {}", text(row, 14)),
+        source: handbook(row),
         air_dry_density: dry
             .specific_gravity
             .map(|g| g * AIR_DRY_MASS * WATER_DENSITY),
         dry,
+        green_source: green.as_ref().map(|r| handbook(r)),
         green: green.as_ref().map(|r| mechanical(r)),
         end_hardness: None,
         splitting_resistance: None,
@@ -139,6 +144,7 @@ fn from_yang(row: &[&str]) -> Species {
             compression_parallel: number(row, 6, 1e6),
             ..MechanicalProperties::default()
         },
+        green_source: None,
         green: None,
         end_hardness: number(row, 9, 1.0),
         splitting_resistance: number(row, 10, KILOGRAM_FORCE_PER_CENTIMETRE),

@@ -20,21 +20,21 @@ struct Task {
 /// Eight bonds: all that is read of them in one line through memory.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-struct Eight {
-    t: [f64; WIDTH],
-    inverse_distance: [f64; WIDTH],
-    rest_cosine: [f64; WIDTH],
-    transverse: [f64; WIDTH],
+pub(super) struct Eight {
+    pub(super) t: [f64; WIDTH],
+    pub(super) inverse_distance: [f64; WIDTH],
+    pub(super) rest_cosine: [f64; WIDTH],
+    pub(super) transverse: [f64; WIDTH],
     /// 2 S.
-    shear: [f64; WIDTH],
-    vertex: [u32; WIDTH],
+    pub(super) shear: [f64; WIDTH],
+    pub(super) vertex: [u32; WIDTH],
     /// Ascending.
-    edge: [u32; WIDTH],
+    pub(super) edge: [u32; WIDTH],
     /// Where in its task a bond's force is written: forces on one vertex lie together, and on the next behind it, so
     /// that both passes go through memory in few straight lines.
-    slot: [u32; WIDTH],
+    pub(super) slot: [u32; WIDTH],
     /// One bit for each bond: whether the bond before is of the same edge.
-    same: u8,
+    pub(super) same: u8,
 }
 
 impl Eight {
@@ -56,10 +56,13 @@ impl Eight {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct BondTable {
     /// Vertices that there are; every index below is checked against it where the table is made.
-    vertices: usize,
+    pub(super) vertices: usize,
     /// How many bonds there are, with what fills up tasks.
     count: usize,
-    eights: Vec<Eight>,
+    pub(super) eights: Vec<Eight>,
+    /// Where the bundle's bonds are, and which is at each place.
+    index: Vec<u32>,
+    bond: Vec<u32>,
     /// Where the forces of the bundle's bonds are.
     place: Vec<u32>,
     /// First bond and edge of every task, and the ends of the last.
@@ -74,6 +77,8 @@ impl BondTable {
         let mut made = BondTable {
             vertices: n,
             place: vec![0; b.len()],
+            index: Vec::new(),
+            bond: Vec::new(),
             ..BondTable::default()
         };
         let mut before = None;
@@ -107,7 +112,12 @@ impl BondTable {
             }
             before = Some(edge);
         }
+        made.index.clone_from(&made.place);
         made.fill_up();
+        made.bond = vec![u32::MAX; made.count];
+        for (bond, &place) in made.index.iter().enumerate() {
+            made.bond[place as usize] = bond as u32;
+        }
         made.tasks.push(Task {
             bond: made.count,
             edge: n as u32,
@@ -169,56 +179,68 @@ impl BondTable {
         force: &mut [Row],
         sums: &mut [Pair],
     ) {
-        assert!(
-            position.len() == self.vertices
-                && sums.len() == self.vertices
-                && force.len() == self.len()
-        );
-        let tasks = self.tasks.len() - 1;
-        // Sums of edges before the first bond's belong to no task.
-        let first = self.tasks[0].edge as usize;
-        self.share(level, position, 0..tasks, force, &mut sums[first..]);
+        assert!(position.len() == self.vertices);
+        self.share(force, sums, &|range, first, force, sums| {
+            let eights = &self.eights[range];
+            // Safety: vertices, edges and the vertices behind edges are below the number of places, edges of the task
+            // within its sums, and slots within its bonds: the table was made so, and these are changed nowhere else.
+            unsafe { bonds_at(level, position, eights, first, force, sums) }
+        });
     }
 
-    /// Shares out tasks; `force` and `sums` are those of these tasks.
-    fn share(
+    /// Calls `work` for each task: with the range of its eights, its first edge, and its part of `force`, one for each
+    /// bond, and of `sums`, one for each vertex.
+    pub(super) fn share(
         &self,
-        level: Level,
-        position: &[Row],
+        force: &mut [Row],
+        sums: &mut [Pair],
+        work: &(impl Fn(Range<usize>, u32, &mut [Row], &mut [Pair]) + Sync),
+    ) {
+        assert!(sums.len() == self.vertices && force.len() == self.len());
+        // Sums of edges before the first bond's belong to no task.
+        let first = self.tasks[0].edge as usize;
+        self.share_tasks(0..self.tasks.len() - 1, force, &mut sums[first..], work);
+    }
+
+    fn share_tasks(
+        &self,
         tasks: Range<usize>,
         force: &mut [Row],
         sums: &mut [Pair],
+        work: &(impl Fn(Range<usize>, u32, &mut [Row], &mut [Pair]) + Sync),
     ) {
         let start = self.tasks[tasks.start];
         if tasks.len() == 1 {
-            self.task(level, position, tasks.start, force, sums);
+            let end = self.tasks[tasks.end];
+            let range = start.bond / WIDTH..end.bond / WIDTH;
+            assert!(!range.is_empty() && force.len() == range.len() * WIDTH);
+            assert!(sums.len() == (end.edge - start.edge) as usize);
+            work(range, start.edge, force, sums);
         } else if tasks.len() > 1 {
             let middle = tasks.start + tasks.len() / 2;
             let cut = self.tasks[middle];
             let (f0, f1) = force.split_at_mut(cut.bond - start.bond);
             let (s0, s1) = sums.split_at_mut((cut.edge - start.edge) as usize);
             both(
-                || self.share(level, position, tasks.start..middle, f0, s0),
-                || self.share(level, position, middle..tasks.end, f1, s1),
+                || self.share_tasks(tasks.start..middle, f0, s0, work),
+                || self.share_tasks(middle..tasks.end, f1, s1, work),
             );
         }
     }
 
-    fn task(
-        &self,
-        level: Level,
-        position: &[Row],
-        task: usize,
-        force: &mut [Row],
-        sums: &mut [Pair],
-    ) {
-        let (start, end) = (self.tasks[task], self.tasks[task + 1]);
-        let eights = &self.eights[start.bond / WIDTH..end.bond / WIDTH];
-        assert!(!eights.is_empty() && force.len() == eights.len() * WIDTH);
-        assert!(sums.len() == (end.edge - start.edge) as usize);
-        // Safety: vertices, edges and the vertices behind edges are below the number of places, edges of the task within
-        // its sums, and slots within its bonds: the table was made so, and its fields are changed nowhere else.
-        unsafe { bonds_at(level, position, eights, start.edge, force, sums) }
+    /// The bundle's bond at a place of the table; none where it is filled up.
+    pub(crate) fn bond(&self, place: usize) -> Option<u32> {
+        Some(self.bond[place]).filter(|b| *b != u32::MAX)
+    }
+
+    /// Takes the stiffness of bonds `broken` of the bundle that this was made of.
+    pub(crate) fn weaken(&mut self, broken: &[u32]) {
+        for &bond in broken {
+            let place = self.index[bond as usize] as usize;
+            let eight = &mut self.eights[place / WIDTH];
+            eight.transverse[place % WIDTH] = 0.0;
+            eight.shear[place % WIDTH] = 0.0;
+        }
     }
 
     /// What bonds do to the vertices from `first` on, into `out`.
@@ -238,17 +260,17 @@ impl BondTable {
 
 /// Eight bonds' vectors e = y₁ − y₀ and d = x − c, their lengths, and one over the lengths' product.
 #[derive(Clone, Copy)]
-struct Vectors<L> {
-    e: [L; 3],
-    d: [L; 3],
+pub(super) struct Vectors<L> {
+    pub(super) e: [L; 3],
+    pub(super) d: [L; 3],
     t: L,
-    edge: L,
-    distance: L,
-    inverse: L,
+    pub(super) edge: L,
+    pub(super) distance: L,
+    pub(super) inverse: L,
 }
 
 #[inline(always)]
-unsafe fn vectors<L: Lanes>(position: *const Row, eight: &Eight) -> Vectors<L> {
+pub(super) unsafe fn vectors<L: Lanes>(position: *const Row, eight: &Eight) -> Vectors<L> {
     unsafe {
         let (vertex, edge) = (eight.vertex.as_ptr(), eight.edge.as_ptr());
         let t = L::load(eight.t.as_ptr());

@@ -23,6 +23,10 @@ pub(crate) trait Lanes: Copy {
     unsafe fn store(self, to: *mut f64);
     /// Writes the first four.
     unsafe fn store_low(self, to: *mut f64);
+    /// From numbers of half the width.
+    unsafe fn load_single(from: *const f32) -> Self;
+    /// Rounded to numbers of half the width.
+    unsafe fn store_single(self, to: *mut f32);
     unsafe fn add(self, b: Self) -> Self;
     unsafe fn sub(self, b: Self) -> Self;
     unsafe fn mul(self, b: Self) -> Self;
@@ -70,6 +74,17 @@ impl Lanes for Plain {
     unsafe fn store_low(self, to: *mut f64) {
         let [a, b, c, d, ..] = self.0;
         unsafe { to.cast::<[f64; 4]>().write_unaligned([a, b, c, d]) }
+    }
+    #[inline(always)]
+    unsafe fn load_single(from: *const f32) -> Self {
+        Plain(unsafe { from.cast::<[f32; WIDTH]>().read_unaligned() }.map(f64::from))
+    }
+    #[inline(always)]
+    unsafe fn store_single(self, to: *mut f32) {
+        unsafe {
+            to.cast::<[f32; WIDTH]>()
+                .write_unaligned(self.0.map(|v| v as f32))
+        }
     }
     #[inline(always)]
     unsafe fn add(self, b: Self) -> Self {

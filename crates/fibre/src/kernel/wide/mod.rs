@@ -4,6 +4,9 @@
 
 pub mod bonds;
 pub mod lanes;
+pub mod outer;
 pub mod rods;
+pub mod slopes;
+pub mod watch;
 #[cfg(target_arch = "x86_64")]
 pub mod x86;

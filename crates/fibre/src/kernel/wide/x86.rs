@@ -25,6 +25,14 @@ impl Lanes for Wide512 {
         unsafe { _mm256_storeu_pd(to, _mm512_castpd512_pd256(self.0)) }
     }
     #[inline(always)]
+    unsafe fn load_single(from: *const f32) -> Self {
+        unsafe { Wide512(_mm512_cvtps_pd(_mm256_loadu_ps(from))) }
+    }
+    #[inline(always)]
+    unsafe fn store_single(self, to: *mut f32) {
+        unsafe { _mm256_storeu_ps(to, _mm512_cvtpd_ps(self.0)) }
+    }
+    #[inline(always)]
     unsafe fn add(self, b: Self) -> Self {
         unsafe { Wide512(_mm512_add_pd(self.0, b.0)) }
     }
@@ -181,6 +189,23 @@ impl Lanes for Wide256 {
     #[inline(always)]
     unsafe fn store_low(self, to: *mut f64) {
         unsafe { _mm256_storeu_pd(to, self.0) }
+    }
+    #[inline(always)]
+    unsafe fn load_single(from: *const f32) -> Self {
+        unsafe {
+            let high = from.add(WIDTH / 2);
+            Wide256(
+                _mm256_cvtps_pd(_mm_loadu_ps(from)),
+                _mm256_cvtps_pd(_mm_loadu_ps(high)),
+            )
+        }
+    }
+    #[inline(always)]
+    unsafe fn store_single(self, to: *mut f32) {
+        unsafe {
+            _mm_storeu_ps(to, _mm256_cvtpd_ps(self.0));
+            _mm_storeu_ps(to.add(WIDTH / 2), _mm256_cvtpd_ps(self.1));
+        }
     }
     #[inline(always)]
     unsafe fn add(self, b: Self) -> Self {
