@@ -40,6 +40,7 @@ mod cracks;
 mod error;
 pub mod files;
 pub mod film;
+pub mod fit;
 mod fray;
 mod hang;
 mod kept;

@@ -7,6 +7,7 @@ mod error;
 mod motion;
 mod pieces;
 mod report;
+mod rest;
 mod series;
 
 pub use error::FilmError;
@@ -206,7 +207,8 @@ impl Run {
         read.ok_or(FilmError::NoSuchFrame { number, count })
     }
 
-    fn wood(&self) -> Wood<'_> {
+    /// Its wood, unbroken.
+    pub fn wood(&self) -> Wood<'_> {
         let wood = &self.grown.wood;
         Wood {
             stem: &self.grown.stem,

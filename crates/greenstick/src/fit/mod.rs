@@ -1,0 +1,282 @@
+//! From a simulated break to the parameters of a drawn one (Yang 2019 §3), so that an artist can take over from
+//! physics.
+//!
+//! Every rod that broke tells an address in the section, a height along the grain and whether it broke in tension or in
+//! compression. From these come the ductile zone, the inclination, the layers, the thorns of both zones and the relief,
+//! which is scaled until the drawn face is as high as the simulated one between the 5th and the 95th hundredth.
+
+mod fans;
+mod places;
+mod report;
+mod shape;
+mod sheet;
+
+pub use report::{FitReport, TissueBreaks};
+pub use sheet::{FittedValue, Untold};
+
+use crate::film::{FilmError, Run};
+use crate::{Error, Prepared, prepare};
+use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
+use greenstick_fracture::recipe::Recipe;
+use greenstick_geometry::{Cancelled, Context, Scene};
+use greenstick_skin::rods::{Parting, Wood};
+use greenstick_wood::stem::{self, StemOptions};
+use places::{Broke, Place, addressed, chosen, edge, spread};
+use shape::{Known, Shape};
+use sheet::Sheet;
+use std::collections::BTreeMap;
+
+/// Why nothing is fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum FitError {
+    /// The run cannot be read.
+    #[error(transparent)]
+    Run(#[from] FilmError),
+    /// Nothing broke.
+    #[error(
+        "no rod is broken at {time:.4} s, so that there is no break to take parameters from; take a later frame, or simulate longer or harder"
+    )]
+    NoBreak {
+        /// Time of the frame, s.
+        time: f64,
+    },
+    /// No break can be drawn where the rods broke.
+    #[error("the rods broke at {at} of the stem, where no break can be drawn: {error}")]
+    Place {
+        /// The place.
+        at: stem::Place,
+        /// Why.
+        error: Box<Error>,
+    },
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Parameters of a break as a run had it.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The recipe.
+    pub recipe: Recipe,
+    /// Where along the stem: a point where the run is of the limb at a point, else a fraction of the length.
+    pub place: stem::Place,
+    /// What was fitted.
+    pub report: FitReport,
+}
+
+/// What a break is fitted in.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// The scene that the wood's stem was found in.
+    pub scene: &'a Scene,
+    /// Whether the stem is known by a point on it, and not as the main one.
+    pub by_point: bool,
+    /// Seed of the recipe.
+    pub seed: u64,
+    /// Time of the frame, s.
+    pub time: f64,
+}
+
+/// Fits the break in frame `number` of a run.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
+    context.step("fit", 0.0)?;
+    let (parting, time) = run.parting(number)?;
+    let place = stem::Place::parse(&run.scene.stem.at, 1.0);
+    let ground = Ground {
+        scene: run.input(),
+        by_point: matches!(place, Ok(stem::Place::Point(_))),
+        seed: run.scene.seed,
+        time,
+    };
+    fit_parting(&run.wood(), &parting, &ground, context)
+}
+
+/// Places along a stem are told so precisely: parts of its length.
+const PLACE_PARTS: f64 = 1e4;
+
+/// Fits the break of `parting`.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_parting(
+    wood: &Wood,
+    parting: &Parting,
+    ground: &Ground,
+    context: &Context,
+) -> Result<Fit, FitError> {
+    let (broke, again) = chosen(wood, parting);
+    if broke.is_empty() {
+        return Err(FitError::NoBreak { time: ground.time });
+    }
+    let edge = edge(wood);
+    let beside = beside(wood, &broke);
+    let stem = wood.stem;
+    let known = |places: &[Place], radius: f64| {
+        Shape::of(&Known {
+            places,
+            beside: &beside,
+            edge: edge / radius,
+            seed: ground.seed,
+        })
+    };
+    // The middle layer is where the break is; known that, all is counted in the section that a break there has.
+    let to_grain = |p| stem.grain.to_grain(p);
+    let rough = known(
+        &addressed(&broke, stem, wood.outline, to_grain),
+        stem.radius,
+    );
+    context.step("fit", 0.3)?;
+    let along = stem.place + rough.level * stem.radius;
+    let place = if ground.by_point {
+        stem::Place::Point(stem.grain.axis().frame(along).origin)
+    } else {
+        let part = (along / stem.length * PLACE_PARTS).round() / PLACE_PARTS;
+        stem::Place::Fraction(part.clamp(0.0, 1.0))
+    };
+    let options = StemOptions {
+        kind: Some(stem.kind),
+        ..StemOptions::default()
+    };
+    let prepared = prepare(ground.scene.clone(), &place, &options, context).map_err(|error| {
+        FitError::Place {
+            at: place,
+            error: Box::new(error),
+        }
+    })?;
+    context.step("fit", 0.6)?;
+    let there = &prepared.found.stem;
+    let places = addressed(&broke, there, wood.outline, |p| prepared.layers.to_grain(p));
+    let mut shape = known(&places, there.radius);
+    let mut report = FitReport::of(wood, &places, &shape, there, &place);
+    (report.breaks_left_out, report.edge_m) = (again, edge);
+    report.face_m = matched(&mut shape, &places, &prepared, report.relief_m);
+    untold(&mut shape.sheet);
+    report.values = shape.sheet.values;
+    report.untold = shape.sheet.untold;
+    let recipe = Recipe {
+        face: shape.sheet.face,
+        ..Recipe::default()
+    };
+    Ok(Fit {
+        recipe,
+        place,
+        report,
+    })
+}
+
+/// Pairs of broken rods, by their number among these, that were bonded.
+fn beside(wood: &Wood, broke: &[Broke]) -> Vec<(usize, usize)> {
+    let number: BTreeMap<u32, usize> = broke.iter().enumerate().map(|(i, b)| (b.rod, i)).collect();
+    wood.bonded()
+        .iter()
+        .filter_map(|(a, b)| Some((*number.get(a)?, *number.get(b)?)))
+        .collect()
+}
+
+/// What a relief may be scaled by.
+const MOST: f64 = 16.0;
+/// Halvings of the factor's range.
+const ROUNDS: usize = 10;
+
+/// Scales the relief until the drawn face is as high as the simulated one, between the 5th and the 95th hundredth; gives
+/// the drawn face's height, m.
+fn matched(shape: &mut Shape, places: &[Place], prepared: &Prepared, wanted: f64) -> f64 {
+    let fibrous = shape.sheet.face.surface == Surface::Fibrous;
+    let scaled: Vec<(&'static str, f64)> = shape
+        .sheet
+        .values
+        .iter()
+        .filter(|v| match fibrous {
+            true => v.key == "slab_height" || v.key == "sliver_height",
+            false => v.key.ends_with("perlin_amplitude"),
+        })
+        .map(|v| (v.key, v.value))
+        .collect();
+    let face = |factor: f64| -> BreakParameters {
+        let mut face = shape.sheet.face.clone();
+        for (key, value) in &scaled {
+            let table = BreakParameters::table();
+            let most = table.iter().find(|p| p.key == *key).and_then(|p| p.max());
+            let value = (value * factor).min(most.unwrap_or(f64::INFINITY));
+            // A number in its range is never refused.
+            let _ = face.set(key, &Value::Number(value));
+        }
+        face
+    };
+    let height = |factor: f64| prepared.relief_range(&face(factor));
+    if scaled.is_empty() || !shape.relief {
+        return height(1.0);
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while high < MOST && height(high) < wanted {
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..ROUNDS {
+        let middle = 0.5 * (low + high);
+        if height(middle) < wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let factor = 0.5 * (low + high);
+    let count = places.len();
+    for (key, value) in scaled {
+        let basis = shape.sheet.values.iter().find(|v| v.key == key);
+        let basis = basis.map_or(String::new(), |v| v.basis.clone());
+        let (count, basis) = (
+            basis_count(&shape.sheet, key).unwrap_or(count),
+            format!("{basis}, × {factor:.3} for the height of the whole face"),
+        );
+        shape.sheet.put(key, value * factor, count, basis);
+    }
+    prepared.relief_range(&shape.sheet.face)
+}
+
+fn basis_count(sheet: &Sheet, key: &str) -> Option<usize> {
+    sheet.values.iter().find(|v| v.key == key).map(|v| v.breaks)
+}
+
+/// What no run tells.
+fn untold(sheet: &mut Sheet) {
+    let never: [(&str, &str); 5] = [
+        (
+            "pith_proportion, heartwood_proportion, phloem_proportion, *.thorn_length and *.thorn_probability of tissues",
+            "rods have no tissue; thorns are told of the ductile and the brittle zone",
+        ),
+        (
+            "slab_count, sliver_count, bundle_aspect, fibre_height, step_height, thorn_shaft",
+            "they are finer than rods",
+        ),
+        (
+            "bark_offset, bark_height, bark_strips",
+            "the bark breaks with the rods under it",
+        ),
+        ("split, hang, spiral_angle", "they are not looked for"),
+        (
+            "diameter, rings, sectors, *.white_noise_amplitude, *_octaves, *.perlin_frequency",
+            "they say how a face is drawn",
+        ),
+    ];
+    for (keys, why) in never {
+        sheet.leave(keys, why);
+    }
+    sheet.leave(
+        "species, moisture",
+        "they would scale the heights; --species NAME adds them",
+    );
+}
+
+/// The heights of a break as the report tells them: range and spread, m.
+fn heights(places: &[Place], radius: f64) -> ([f64; 2], f64) {
+    let all: Vec<(f64, f64)> = places
+        .iter()
+        .map(|p| (p.height * radius, p.weight))
+        .collect();
+    let least = all.iter().map(|h| h.0).fold(f64::INFINITY, f64::min);
+    let most = all.iter().map(|h| h.0).fold(f64::NEG_INFINITY, f64::max);
+    ([least, most], spread(&all))
+}
