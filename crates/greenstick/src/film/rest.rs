@@ -5,6 +5,9 @@ use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
 use greenstick_skin::rods::Parting;
 
+/// What is nearer to the end of the wood than this part of its length reaches the end.
+const END: f64 = 0.05;
+
 impl Run {
     /// What is broken in frame `number`, and its time, s.
     ///
@@ -23,7 +26,8 @@ impl Run {
 
     /// The pieces of frame `number` at rest, where the input has the wood: they fit each other. The two largest are
     /// `lower` and `upper`, in their order along the stem, further ones `splinter_000` and so on. Wood in one piece is
-    /// one node `whole`. No bodies are among them.
+    /// one node `whole`, and so is wood that still hangs together from end to end while others came off. No bodies are
+    /// among them.
     ///
     /// # Errors
     /// [`FilmError`].
@@ -49,31 +53,7 @@ impl Run {
                 parent: None,
             })
             .collect();
-        // Pieces come with the one with the most wood first.
-        if let [only] = nodes.as_mut_slice() {
-            only.name = "whole".into();
-        } else if nodes.len() > 1 {
-            let axis = self.grown.stem.grain.axis();
-            let middle = |node: &Node| axis.length_at(centre(&node.mesh));
-            let names = if middle(&nodes[0]) <= middle(&nodes[1]) {
-                ["lower", "upper"]
-            } else {
-                ["upper", "lower"]
-            };
-            for (node, name) in nodes.iter_mut().zip(names) {
-                node.name = name.into();
-            }
-            for (n, node) in nodes.iter_mut().skip(2).enumerate() {
-                node.name = format!("splinter_{n:03}");
-            }
-            for (piece, node) in report.pieces.iter_mut().zip(&nodes) {
-                piece.name.clone_from(&node.name);
-            }
-            if names[0] == "upper" {
-                nodes.swap(0, 1);
-                report.pieces.swap(0, 1);
-            }
-        }
+        self.name(&mut nodes, &mut report);
         scene.nodes = nodes;
         Ok(Still {
             scene,
@@ -81,6 +61,48 @@ impl Run {
             inner: INNER_MATERIAL,
         })
     }
+
+    /// Names the pieces, which come with the one with the most wood first, and puts the lower one first.
+    fn name(&self, nodes: &mut [Node], report: &mut SkinReport) {
+        let axis = self.grown.stem.grain.axis();
+        let reach = |node: &Node| {
+            let along = node.mesh.positions.iter().map(|&p| axis.length_at(p));
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| {
+                (a.min(s), b.max(s))
+            })
+        };
+        let reaches: Vec<(f64, f64)> = nodes.iter().take(2).map(reach).collect();
+        let ends = reach_of(&self.grown.placed.along);
+        let near = END * (ends.1 - ends.0);
+        // From end to end; two such pieces are wood that is split lengthwise.
+        let spans: Vec<bool> = reaches
+            .iter()
+            .map(|r| r.0 <= ends.0 + near && r.1 >= ends.1 - near)
+            .collect();
+        let mut halves = 2;
+        if matches!(spans[..], [_] | [true, false]) {
+            nodes[0].name = "whole".into();
+            halves = 1;
+        } else if let [a, b, ..] = nodes {
+            let middle = |node: &Node| axis.length_at(centre(&node.mesh));
+            if middle(a) > middle(b) {
+                std::mem::swap(a, b);
+                report.pieces.swap(0, 1);
+            }
+            (a.name, b.name) = ("lower".into(), "upper".into());
+        }
+        for (n, node) in nodes.iter_mut().skip(halves).enumerate() {
+            node.name = format!("splinter_{n:03}");
+        }
+        for (piece, node) in report.pieces.iter_mut().zip(nodes) {
+            piece.name.clone_from(&node.name);
+        }
+    }
+}
+
+fn reach_of(along: &[f64]) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    along.iter().fold(none, |(a, b), &s| (a.min(s), b.max(s)))
 }
 
 /// The centre of a closed mesh's mass.
