@@ -27,6 +27,7 @@ use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
+use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
@@ -156,7 +157,11 @@ impl Run {
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
-        let bark = part_of(&node.mesh, shell).transformed(&node.transform);
+        let mut bark = part_of(&node.mesh, shell).transformed(&node.transform);
+        // Stems that come with the program part their triangles by materials that no scene lists.
+        let listed = grown.scene.materials.len();
+        let unlisted = bark.materials.iter_mut().filter(|m| **m as usize >= listed);
+        unlisted.for_each(|m| *m = NO_MATERIAL);
         let tree = Bvh::of_triangles(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);

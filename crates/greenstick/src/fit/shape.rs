@@ -13,11 +13,16 @@ const FEWEST: usize = 3;
 /// Fewer breaks tell no plane.
 const FEWEST_OF_PLANE: usize = 6;
 /// Part of the variance of heights that a plane must account for, else it is left out.
-const PLANE_TELLS: f64 = 0.5;
+const PLANE_TELLS: f64 = 0.6;
+/// What a plane accounts for over what it leaves, for each degree of freedom (the F statistic): few breaks lie near some
+/// plane by chance.
+const PLANE_SURE: f64 = 10.0;
 /// Part of the variance that a layer must account for.
 const LAYER_TELLS: f64 = 0.2;
 /// A layer's step over its standard error at least: it is the best one of many fans.
 const LAYER_SURE: f64 = 4.0;
+/// A layer has so many breaks at least, and so has the rest: of many fans some hold a few high ones by chance.
+const FEWEST_OF_LAYER: usize = 5;
 /// Less than this is no inclination, degrees.
 const FLATTEST: f64 = 3.0;
 /// A thorn stands out by so many edges of a rod at least ...
@@ -30,6 +35,8 @@ const NORMAL: f64 = 1.4826;
 const STEP_EDGES: f64 = 1.5;
 /// A face is fibrous where more than this part of neighbours are a step apart.
 const FIBROUS: f64 = 0.2;
+/// Where a step is higher than this, in radii, a smooth face cannot be told from a fibrous one.
+const COARSEST: f64 = 0.5;
 /// What the 5th and the 95th hundredth leave out of an even distribution.
 const SPREAD_OF_EVEN: f64 = 0.9;
 
@@ -145,7 +152,9 @@ impl Shape {
         if let Some((tilt, left)) = plane(places, heights) {
             let tells = 1.0 - left / variance.max(f64::MIN_POSITIVE);
             let angle = libm::atan(tilt.length()).to_degrees();
-            if tells >= PLANE_TELLS && tells >= by_layer && angle >= FLATTEST {
+            let free = places.len() as f64 - 3.0;
+            let sure = 0.5 * tells * free > PLANE_SURE * (1.0 - tells);
+            if sure && tells >= PLANE_TELLS && tells >= by_layer && angle >= FLATTEST {
                 let basis = format!("a plane tells {:.0} % of their variance", 100.0 * tells);
                 let direction = libm::atan2(tilt.y, tilt.x).to_degrees().rem_euclid(360.0);
                 let count = places.len();
@@ -294,7 +303,12 @@ impl Shape {
         }
         let steps = pairs.iter().filter(|&&d| d > STEP_EDGES * known.edge);
         let steps = steps.count() as f64 / pairs.len() as f64;
-        let fibrous = steps > FIBROUS;
+        let coarse = STEP_EDGES * known.edge > COARSEST;
+        if coarse {
+            let why = "the edges of rods are too long to tell a smooth face from a fibrous one";
+            self.sheet.leave("surface", why);
+        }
+        let fibrous = coarse || steps > FIBROUS;
         self.sheet.face.surface = if fibrous {
             Surface::Fibrous
         } else {
@@ -460,7 +474,7 @@ fn layer(
     let mut best: Option<(Layer, f64)> = None;
     for &sign in signs {
         let told = |held: &Held| {
-            let few = held.count < FEWEST || places.len() - held.count < FEWEST;
+            let few = held.count.min(places.len() - held.count) < FEWEST_OF_LAYER;
             if few || held.sum * sign <= 0.0 || held.weight >= 1.0 {
                 return 0.0;
             }
