@@ -216,6 +216,11 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let report = &fit.report;
     assert_eq!(fit.recipe.face.surface, Surface::Fibrous, "{report}");
     assert!(report.broken < report.rods && report.area < 1.0, "{report}");
+    let ductile = fit.recipe.face.ductile.sector();
+    assert!(turned(ductile.direction, 300.0) <= 10.0, "{report}");
+    assert!((ductile.angle - 180.0).abs() <= 20.0, "{report}");
+    let shelf = fit.recipe.face.compression_shelf;
+    assert!((shelf - 0.5).abs() < 0.1, "{report}");
     // From the 5th to the 95th hundredth both are told, and alike.
     let part = report.face_m / report.relief_m;
     assert!((0.95..1.05).contains(&part), "{report}");

@@ -2,7 +2,7 @@
 
 use greenstick::fibre::scene::Scene;
 use greenstick::geometry::Context;
-use greenstick::simulate::{SimulateError, SimulateRequest, frames, simulate};
+use greenstick::simulate::{Origin, SimulateError, SimulateRequest, frames, simulate};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

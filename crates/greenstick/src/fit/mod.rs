@@ -16,11 +16,12 @@ pub use sheet::{FittedValue, Untold};
 
 use crate::film::{FilmError, Run};
 use crate::{Error, Prepared, prepare};
+use glam::DVec3;
 use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Cancelled, Context, Scene};
 use greenstick_skin::rods::{Parting, Wood};
-use greenstick_wood::stem::{self, StemOptions};
+use greenstick_wood::stem::{self, Stem, StemOptions};
 use places::{Broke, Place, addressed, chosen, edge, spread};
 use shape::{Known, Shape};
 use sheet::Sheet;
@@ -107,27 +108,32 @@ pub fn fit_parting(
     ground: &Ground,
     context: &Context,
 ) -> Result<Fit, FitError> {
-    let (broke, again) = chosen(wood, parting);
+    let found = chosen(wood, parting);
+    let broke = &found.broke;
     if broke.is_empty() {
         return Err(FitError::NoBreak { time: ground.time });
     }
     let edge = edge(wood);
-    let beside = beside(wood, &broke);
+    let beside = beside(wood, broke);
     let stem = wood.stem;
-    let known = |places: &[Place], radius: f64| {
-        Shape::of(&Known {
-            places,
+    let all: Vec<Broke> = broke.iter().chain(&found.whole).copied().collect();
+    let known = |stem: &Stem, to_grain: &dyn Fn(DVec3) -> DVec3| {
+        let at = |list: &[Broke]| {
+            let area = list.iter().map(|b| b.area).sum();
+            addressed(list, area, stem, wood.outline, to_grain)
+        };
+        let places = at(broke);
+        let shape = Shape::of(&Known {
+            places: &places,
+            section: &at(&all),
             beside: &beside,
-            edge: edge / radius,
+            edge: edge / stem.radius,
             seed: ground.seed,
-        })
+        });
+        (places, shape)
     };
     // The middle layer is where the break is; known that, all is counted in the section that a break there has.
-    let to_grain = |p| stem.grain.to_grain(p);
-    let rough = known(
-        &addressed(&broke, stem, wood.outline, to_grain),
-        stem.radius,
-    );
+    let (_, rough) = known(stem, &|p| stem.grain.to_grain(p));
     context.step("fit", 0.3)?;
     let along = stem.place + rough.level * stem.radius;
     let place = if ground.by_point {
@@ -148,10 +154,10 @@ pub fn fit_parting(
     })?;
     context.step("fit", 0.6)?;
     let there = &prepared.found.stem;
-    let places = addressed(&broke, there, wood.outline, |p| prepared.layers.to_grain(p));
-    let mut shape = known(&places, there.radius);
+    let (places, mut shape) = known(there, &|p| prepared.layers.to_grain(p));
     let mut report = FitReport::of(wood, &places, &shape, there, &place);
-    (report.breaks_left_out, report.edge_m) = (again, edge);
+    report.edge_m = edge;
+    (report.breaks_again, report.breaks_elsewhere) = (found.again, found.elsewhere);
     report.face_m = matched(&mut shape, &places, &prepared, report.relief_m);
     untold(&mut shape.sheet);
     report.values = shape.sheet.values;

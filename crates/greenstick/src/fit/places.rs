@@ -60,52 +60,99 @@ pub(super) fn spread(values: &[(f64, f64)]) -> f64 {
     quantile(values, 0.95) - quantile(values, 0.05)
 }
 
-/// One break of each broken rod: the one nearest to where most of the wood broke. With it the number of breaks that
-/// were left out.
-pub(super) fn chosen(wood: &Wood, parting: &Parting) -> (Vec<Broke>, usize) {
-    let mut all = Vec::new();
-    for (rod, breaks) in parting.breaks.iter().enumerate() {
+/// Breaks of rods.
+pub(super) struct Chosen {
+    /// One of each rod that broke: the one nearest to where most of the wood broke.
+    pub broke: Vec<Broke>,
+    /// The rods that did not break there, at the middle of the break.
+    pub whole: Vec<Broke>,
+    /// Further breaks of the same rods.
+    pub again: usize,
+    /// Breaks at other places of the stem.
+    pub elsewhere: usize,
+}
+
+/// Breaks that are farther from each other than this, in radii, with none between them, are two breaks of the stem.
+const APART: f64 = 4.0;
+
+/// The break in which most of the section broke.
+pub(super) fn chosen(wood: &Wood, parting: &Parting) -> Chosen {
+    let broke = |rod: usize, along: f64, tension: bool| {
         let cell = &wood.cells[rod];
+        let at = DVec3::new(cell.centroid.x, cell.centroid.y, along);
+        Broke {
+            rod: rod as u32,
+            area: cell.area,
+            world: wood.stem.grain.to_world(at),
+            along,
+            tension,
+        }
+    };
+    let mut all: Vec<Broke> = Vec::new();
+    for (rod, breaks) in parting.breaks.iter().enumerate() {
         for found in breaks {
             let along = wood.along[found.vertex as usize];
-            let at = DVec3::new(cell.centroid.x, cell.centroid.y, along);
-            all.push(Broke {
-                rod: rod as u32,
-                area: cell.area,
-                world: wood.stem.grain.to_world(at),
-                along,
-                tension: found.cause != Cause::Compression,
-            });
+            all.push(broke(rod, along, found.cause != Cause::Compression));
         }
     }
-    let middle = quantile(
-        &all.iter().map(|b| (b.along, b.area)).collect::<Vec<_>>(),
-        0.5,
-    );
+    let (from, to) = main_part(&all, APART * wood.stem.radius);
+    let here: Vec<Broke> = all
+        .iter()
+        .filter(|b| b.along >= from && b.along <= to)
+        .copied()
+        .collect();
+    let lengths: Vec<(f64, f64)> = here.iter().map(|b| (b.along, b.area)).collect();
+    let middle = quantile(&lengths, 0.5);
     let mut kept: Vec<Broke> = Vec::new();
-    let count = all.len();
-    for broke in all {
+    for broke in &here {
         match kept.last_mut() {
             Some(last) if last.rod == broke.rod => {
                 if (broke.along - middle).abs() < (last.along - middle).abs() {
-                    *last = broke;
+                    *last = *broke;
                 }
             }
-            _ => kept.push(broke),
+            _ => kept.push(*broke),
         }
     }
-    let left = count - kept.len();
-    (kept, left)
+    let mut whole = vec![true; parting.breaks.len()];
+    kept.iter().for_each(|b| whole[b.rod as usize] = false);
+    Chosen {
+        whole: (0..whole.len())
+            .filter(|&rod| whole[rod])
+            .map(|rod| broke(rod, middle, false))
+            .collect(),
+        again: here.len() - kept.len(),
+        elsewhere: all.len() - here.len(),
+        broke: kept,
+    }
 }
 
-/// The addresses of what broke, in `stem`, whose grain coordinates `to_grain` gives.
+/// The lengths between which most of the section broke, with no gap of more than `gap` (m) between breaks.
+fn main_part(all: &[Broke], gap: f64) -> (f64, f64) {
+    let mut sorted: Vec<&Broke> = all.iter().collect();
+    sorted.sort_by(|a, b| a.along.total_cmp(&b.along));
+    let parts = sorted.chunk_by(|a, b| b.along - a.along <= gap);
+    let mut best = (0.0, (0.0, 0.0));
+    for part in parts {
+        let mut rods: Vec<(u32, f64)> = part.iter().map(|b| (b.rod, b.area)).collect();
+        rods.sort_by_key(|r| r.0);
+        rods.dedup_by_key(|r| r.0);
+        let area: f64 = rods.iter().map(|r| r.1).sum();
+        if let (true, Some(first), Some(last)) = (area > best.0, part.first(), part.last()) {
+            best = (area, (first.along, last.along));
+        }
+    }
+    best.1
+}
+
+/// The addresses of what broke, in `stem`, whose grain coordinates `to_grain` gives; weights are parts of `area` (m²).
 pub(super) fn addressed(
     broke: &[Broke],
+    area: f64,
     stem: &Stem,
     outline: &[DVec2],
     to_grain: impl Fn(DVec3) -> DVec3,
 ) -> Vec<Place> {
-    let area: f64 = broke.iter().map(|b| b.area).sum();
     let proportions = BreakParameters::default().proportions();
     let pith = stem.rings.pith();
     let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);

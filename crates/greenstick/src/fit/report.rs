@@ -35,7 +35,9 @@ pub struct FitReport {
     /// Those in tension.
     pub tension: usize,
     /// Further breaks of the same rods, farther from the others, that were left out.
-    pub breaks_left_out: usize,
+    pub breaks_again: usize,
+    /// Breaks at other places of the stem, that were left out.
+    pub breaks_elsewhere: usize,
     /// Part of the section's area that broke.
     pub area: f64,
     /// The place as `--at` takes it.
@@ -97,7 +99,8 @@ impl FitReport {
             rods: wood.bundle.rods(),
             broken: places.len(),
             tension: places.iter().filter(|p| p.tension).count(),
-            breaks_left_out: 0,
+            breaks_again: 0,
+            breaks_elsewhere: 0,
             area: broken / section,
             at: at.to_string(),
             length_m: stem.place,
@@ -127,17 +130,18 @@ impl fmt::Display for FitReport {
             self.tension,
             self.broken - self.tension
         )?;
-        if self.breaks_left_out > 0 {
-            writeln!(
-                f,
-                "note     {} further breaks of the same rods, farther from the others, are left out",
-                self.breaks_left_out
-            )?;
+        for (count, which) in [
+            (self.breaks_again, "further breaks of the same rods"),
+            (self.breaks_elsewhere, "breaks at other places of the stem"),
+        ] {
+            if count > 0 {
+                writeln!(f, "note     {count} {which} are left out")?;
+            }
         }
         if self.broken < self.rods {
             writeln!(
                 f,
-                "note     {} rods are whole, but a drawn break parts all of the section; --hang lets the upper piece hang on",
+                "note     {} rods are whole there, but a drawn break parts all of the section; --hang lets the upper piece hang on",
                 self.rods - self.broken
             )?;
         }

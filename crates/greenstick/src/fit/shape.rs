@@ -58,6 +58,8 @@ pub(super) struct Shape {
 /// What the shape is worked out from.
 pub(super) struct Known<'a> {
     pub places: &'a [Place],
+    /// All rods of the section: those, then those that are whole.
+    pub section: &'a [Place],
     /// Pairs of places whose rods were bonded.
     pub beside: &'a [(usize, usize)],
     /// Length of an edge of a rod, radii.
@@ -91,11 +93,11 @@ impl Shape {
         shape
     }
 
-    /// The ductile zone: the fan that parts what broke in tension from what broke in compression. And the shelf, which
-    /// parts them by a line.
+    /// The ductile zone: the fan that parts what broke in tension from what broke in compression or is whole. And the
+    /// shelf, which parts them by a line: what held on is drawn as what broke last.
     fn sides(&mut self, known: &Known) -> Option<Sector> {
-        let places = known.places;
-        let count = places.len();
+        let places = known.section;
+        let (count, rods) = (known.places.len(), places.len());
         let tension = places.iter().filter(|p| p.tension).count();
         let sheet = &mut self.sheet;
         if tension == 0 {
@@ -105,8 +107,8 @@ impl Shape {
             sheet.leave("ductile.direction, ductile.rings", basis);
             return None;
         }
-        if tension == count {
-            let basis = "all broke in tension";
+        if tension == rods {
+            let basis = "all rods broke in tension";
             sheet.put("ductile.angle", 360.0, count, basis);
             sheet.put("ductile.rings", 1.0, count, basis);
             sheet.put("compression_shelf", 0.0, count, basis);
@@ -124,8 +126,9 @@ impl Shape {
         let fan = fans::best(&at, &values, right)?;
         let told = right(&fans::held(&fan, &at, &values));
         let basis = format!(
-            "{tension} broke in tension, {} in compression; the fan is right for {:.0} % of their area",
+            "{tension} rods broke in tension, {} in compression, {} are whole; the fan is right for {:.0} % of their area",
             count - tension,
+            rods - count,
             100.0 * told
         );
         sheet.put("ductile.direction", fan.direction, count, &*basis);
