@@ -122,18 +122,18 @@ pub fn fit_parting(
             let area = list.iter().map(|b| b.area).sum();
             addressed(list, area, stem, wood.outline, to_grain)
         };
-        let places = at(broke);
+        let (places, section) = (at(broke), at(&all));
         let shape = Shape::of(&Known {
             places: &places,
-            section: &at(&all),
+            section: &section,
             beside: &beside,
             edge: edge / stem.radius,
             seed: ground.seed,
         });
-        (places, shape)
+        (places, section, shape)
     };
     // The middle layer is where the break is; known that, all is counted in the section that a break there has.
-    let (_, rough) = known(stem, &|p| stem.grain.to_grain(p));
+    let (_, _, rough) = known(stem, &|p| stem.grain.to_grain(p));
     context.step("fit", 0.3)?;
     let along = stem.place + rough.level * stem.radius;
     let place = if ground.by_point {
@@ -154,8 +154,10 @@ pub fn fit_parting(
     })?;
     context.step("fit", 0.6)?;
     let there = &prepared.found.stem;
-    let (places, mut shape) = known(there, &|p| prepared.layers.to_grain(p));
+    let (places, section, mut shape) = known(there, &|p| prepared.layers.to_grain(p));
     let mut report = FitReport::of(wood, &places, &shape, there, &place);
+    // What is whole is drawn too, flat.
+    report.relief_m = heights(&section, there.radius).1;
     report.edge_m = edge;
     (report.breaks_again, report.breaks_elsewhere) = (found.again, found.elsewhere);
     report.face_m = matched(&mut shape, &places, &prepared, report.relief_m);

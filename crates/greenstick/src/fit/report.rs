@@ -50,7 +50,7 @@ pub struct FitReport {
     pub edge_m: f64,
     /// Lowest and highest break over the place, m.
     pub range_m: [f64; 2],
-    /// Height of the breaks from the 5th to the 95th hundredth, m.
+    /// Height from the 5th to the 95th hundredth of the section, with what is whole at the place, m.
     pub relief_m: f64,
     /// The same of the face that the parameters draw, m.
     pub face_m: f64,
@@ -78,7 +78,7 @@ impl FitReport {
     ) -> Self {
         let section: f64 = wood.cells.iter().map(|c| c.area).sum();
         let broken: f64 = places.iter().map(|p| wood.cells[p.rod as usize].area).sum();
-        let (range_m, relief_m) = heights(places, stem.radius);
+        let (range_m, _) = heights(places, stem.radius);
         let tissues = Zone::ALL.into_iter().filter_map(|tissue| {
             let of: Vec<usize> = (0..places.len())
                 .filter(|&i| places[i].zone == tissue)
@@ -107,7 +107,7 @@ impl FitReport {
             radius_m: stem.radius,
             edge_m: 0.0,
             range_m,
-            relief_m,
+            relief_m: 0.0,
             face_m: 0.0,
             surface: format!("{:?}", shape.sheet.face.surface).to_lowercase(),
             layers: shape.layers,
@@ -166,7 +166,7 @@ impl fmt::Display for FitReport {
         )?;
         writeln!(
             f,
-            "relief   {:.2} mm from the 5th to the 95th hundredth; the drawn face has {:.2} mm",
+            "relief   {:.2} mm from the 5th to the 95th hundredth of the section; the drawn face has {:.2} mm",
             self.relief_m * 1e3,
             self.face_m * 1e3
         )?;
