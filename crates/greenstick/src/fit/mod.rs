@@ -160,7 +160,7 @@ pub fn fit_parting(
     report.relief_m = heights(&section, there.radius).1;
     report.edge_m = edge;
     (report.breaks_again, report.breaks_elsewhere) = (found.again, found.elsewhere);
-    report.face_m = matched(&mut shape, &places, &prepared, report.relief_m);
+    report.face_m = matched(&mut shape, &prepared, report.relief_m);
     untold(&mut shape.sheet);
     report.values = shape.sheet.values;
     report.untold = shape.sheet.untold;
@@ -184,16 +184,17 @@ fn beside(wood: &Wood, broke: &[Broke]) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// What a relief may be scaled by.
-const MOST: f64 = 16.0;
+/// What a relief may be scaled by: what is farther off is not for the relief to make up.
+const LEAST: f64 = 0.25;
+const MOST: f64 = 4.0;
 /// Halvings of the factor's range.
 const ROUNDS: usize = 10;
 
-/// Scales the relief until the drawn face is as high as the simulated one, between the 5th and the 95th hundredth; gives
-/// the drawn face's height, m.
-fn matched(shape: &mut Shape, places: &[Place], prepared: &Prepared, wanted: f64) -> f64 {
+/// Scales the relief until the drawn face is as high as the simulated one, between the 5th and the 95th hundredth, as far
+/// as it may be scaled; gives the drawn face's height, m.
+fn matched(shape: &mut Shape, prepared: &Prepared, wanted: f64) -> f64 {
     let fibrous = shape.sheet.face.surface == Surface::Fibrous;
-    let scaled: Vec<(&'static str, f64)> = shape
+    let scaled: Vec<FittedValue> = shape
         .sheet
         .values
         .iter()
@@ -201,16 +202,16 @@ fn matched(shape: &mut Shape, places: &[Place], prepared: &Prepared, wanted: f64
             true => v.key == "slab_height" || v.key == "sliver_height",
             false => v.key.ends_with("perlin_amplitude"),
         })
-        .map(|v| (v.key, v.value))
+        .cloned()
         .collect();
     let face = |factor: f64| -> BreakParameters {
         let mut face = shape.sheet.face.clone();
-        for (key, value) in &scaled {
-            let table = BreakParameters::table();
-            let most = table.iter().find(|p| p.key == *key).and_then(|p| p.max());
-            let value = (value * factor).min(most.unwrap_or(f64::INFINITY));
+        let table = BreakParameters::table();
+        for told in &scaled {
+            let most = table.iter().find(|p| p.key == told.key);
+            let most = most.and_then(|p| p.max()).unwrap_or(f64::INFINITY);
             // A number in its range is never refused.
-            let _ = face.set(key, &Value::Number(value));
+            let _ = face.set(told.key, &Value::Number((told.value * factor).min(most)));
         }
         face
     };
@@ -218,10 +219,7 @@ fn matched(shape: &mut Shape, places: &[Place], prepared: &Prepared, wanted: f64
     if scaled.is_empty() || !shape.relief {
         return height(1.0);
     }
-    let (mut low, mut high) = (0.0, 1.0);
-    while high < MOST && height(high) < wanted {
-        (low, high) = (high, 2.0 * high);
-    }
+    let (mut low, mut high) = (LEAST, MOST);
     for _ in 0..ROUNDS {
         let middle = 0.5 * (low + high);
         if height(middle) < wanted {
@@ -231,21 +229,16 @@ fn matched(shape: &mut Shape, places: &[Place], prepared: &Prepared, wanted: f64
         }
     }
     let factor = 0.5 * (low + high);
-    let count = places.len();
-    for (key, value) in scaled {
-        let basis = shape.sheet.values.iter().find(|v| v.key == key);
-        let basis = basis.map_or(String::new(), |v| v.basis.clone());
-        let (count, basis) = (
-            basis_count(&shape.sheet, key).unwrap_or(count),
-            format!("{basis}, × {factor:.3} for the height of the whole face"),
+    for told in scaled {
+        let basis = format!(
+            "{}, × {factor:.3} for the height of the whole face",
+            told.basis
         );
-        shape.sheet.put(key, value * factor, count, basis);
+        shape
+            .sheet
+            .put(told.key, told.value * factor, told.breaks, basis);
     }
     prepared.relief_range(&shape.sheet.face)
-}
-
-fn basis_count(sheet: &Sheet, key: &str) -> Option<usize> {
-    sheet.values.iter().find(|v| v.key == key).map(|v| v.breaks)
 }
 
 /// What no run tells.

@@ -198,3 +198,26 @@ pub(super) fn edge(wood: &Wood) -> f64 {
     }
     sum / f64::from(count.max(1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_break_of_most_rods_is_taken_and_not_that_of_most_breaks() {
+        let broke = |rod: u32, along: f64| Broke {
+            rod,
+            area: 1.0,
+            world: DVec3::ZERO,
+            along,
+            tension: true,
+        };
+        // One rod in five parts at one end, three rods once in the middle, no two farther than the gap from the next.
+        let mut all: Vec<Broke> = (0..5).map(|i| broke(0, 0.01 * f64::from(i))).collect();
+        all.extend([broke(1, 0.52), broke(2, 0.44), broke(3, 0.48)]);
+        assert_eq!(main_part(&all, 0.05), (0.44, 0.52));
+        // With a smaller gap they are three breaks of one rod each, and the first of those counts.
+        assert_eq!(main_part(&all, 0.02), (0.0, 0.04));
+        assert_eq!(main_part(&[], 0.02), (0.0, 0.0));
+    }
+}
