@@ -2,12 +2,14 @@
 
 mod anatomy;
 mod bend_test;
+mod fit;
 mod shared;
 mod simulate;
 mod skin;
 
 pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
+pub use fit::FitOptions;
 pub use shared::{KnownStem, RingSource, Telling};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
@@ -57,6 +59,7 @@ Examples
   greenstick break --set high.height=2 --set sapwood.perlin_amplitude=0.3 --set seed=9
   greenstick break --preset twist --save-recipe twist.toml
   greenstick break --recipe twist.toml --json > report.json
+  greenstick break pole.ply --simulate bend -o halves.glb   moved as bonded fibres until it breaks
   greenstick break tree.laz --at 3m -o halves.glb      a point cloud: the bark of its stem is made first
   greenstick break broken_branch.ply --bark-only       a scan of a broken branch, its fracture left out";
 
@@ -82,6 +85,8 @@ pub enum Command {
     Simulate(Box<SimulateOptions>),
     /// Give a simulated run its skin: a frame as meshes, or all of them as a film
     Skin(Box<SkinOptions>),
+    /// Set the parameters of a drawn break from a simulated one
+    Fit(FitOptions),
     /// Test wood in three-point bending, beside the Wood Handbook's tables
     BendTest(Box<BendTestOptions>),
     /// List the parameters that --set and recipes take
@@ -216,6 +221,11 @@ pub struct BreakOptions {
     /// Write the recipe that all of these give together
     #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
     pub save_recipe: Option<PathBuf>,
+
+    /// Break it by simulation: a scene that comes with the program, or a scene file; takes minutes
+    #[arg(long, value_name = "SCENE", help_heading = "How it breaks",
+        conflicts_with_all = ["at", "preset", "recipe", "set", "species", "moisture", "save_recipe", "pith", "kind", "hang", "fray"])]
+    pub simulate: Option<String>,
 
     #[command(flatten)]
     pub scan: ScanArguments,

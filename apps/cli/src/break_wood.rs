@@ -21,9 +21,9 @@ const OUTPUT: &str = "broken.glb";
 const PICTURE: &str = "broken.png";
 
 /// Where everything goes.
-struct Targets {
-    pieces: Option<PathBuf>,
-    picture: Option<PathBuf>,
+pub struct Targets {
+    pub pieces: Option<PathBuf>,
+    pub picture: Option<PathBuf>,
     recipe: Option<PathBuf>,
 }
 
@@ -99,7 +99,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
 }
 
 /// With neither file named both are written under their usual names; with one named, only that.
-fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
+pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
     let neither = options.output.is_none() && options.picture.is_none();
     let usual = |name: &str| neither.then(|| PathBuf::from(name));
     let targets = Targets {
@@ -136,7 +136,7 @@ pub fn check_png(path: &Path) -> Result<(), Failure> {
 
 impl Targets {
     /// Whether all of it can be written, before any work is done.
-    fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+    pub fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         let all: Vec<&Path> = [&self.pieces, &self.picture, &self.recipe]
             .into_iter()
             .flatten()

@@ -3,8 +3,10 @@
 mod anatomy;
 mod arguments;
 mod bend_test;
+mod break_simulated;
 mod break_wood;
 mod failure;
+mod fit;
 mod inspect;
 mod list;
 mod outcome;
@@ -32,13 +34,17 @@ fn main() -> ExitCode {
         }
     };
     let done = match &arguments.command {
-        Command::Break(options) => break_wood::run(options),
+        Command::Break(options) => match &options.simulate {
+            Some(scene) => break_simulated::run(options, scene),
+            None => break_wood::run(options),
+        },
         Command::Anatomy(options) => anatomy::run(options),
         Command::BendTest(options) => bend_test::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Simulate(options) => simulate::run(options),
         Command::Skin(options) => skin::run(options),
+        Command::Fit(options) => fit::run(options),
         Command::Parameters(options) => list::parameters(options),
         Command::Presets(options) => list::presets(options),
         Command::Rings(options) => rings::run(options),

@@ -146,7 +146,7 @@ fn list(json: bool) -> Result<ExitCode, Failure> {
 }
 
 /// A scene file, or one that comes with the program; and the folder that its files are named from.
-fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
+pub fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
     let path = Path::new(name);
     if path.extension().is_none_or(|e| e != "toml") {
         let scene = Scene::built_in(name).map_err(|e| {

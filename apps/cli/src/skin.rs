@@ -1,6 +1,6 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
-use crate::arguments::SkinOptions;
+use crate::arguments::{SkinOptions, UnitWord};
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
@@ -53,7 +53,12 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let run = open(options, &progress)?;
+    let run = open(
+        &options.run,
+        options.input.as_deref(),
+        options.unit,
+        &progress,
+    )?;
     let (skin, film, files) = match options.frame {
         Some(number) => still(run, number, options, &progress)?,
         None => film(run, options, &progress)?,
@@ -83,20 +88,22 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 }
 
 /// Opens the run with the mesh that it was of.
-fn open(options: &SkinOptions, progress: &Progress) -> Result<Run, Failure> {
+pub fn open(
+    folder: &Path,
+    input: Option<&Path>,
+    unit: Option<UnitWord>,
+    progress: &Progress,
+) -> Result<Run, Failure> {
     progress.stage("read")?;
-    let origin = Origin::read(&options.run).map_err(Failure::request)?;
-    let named = options
-        .input
-        .as_ref()
-        .map(|path| (path.clone(), options.unit.map(LengthUnit::from)));
+    let origin = Origin::read(folder).map_err(Failure::request)?;
+    let named = input.map(|path| (path.to_owned(), unit.map(LengthUnit::from)));
     let input = named.or(origin.input_file());
     let mesh = match &input {
         Some((path, unit)) => Some(files::read(path, *unit)?),
         None => None,
     };
     progress
-        .watch(|context| Run::open(&options.run, mesh.as_ref(), &origin.beside, context))
+        .watch(|context| Run::open(folder, mesh.as_ref(), &origin.beside, context))
         .map_err(failure)
 }
 

@@ -41,6 +41,7 @@ mod erosion;
 mod error;
 pub mod files;
 pub mod film;
+pub mod fit;
 mod fray;
 mod hang;
 mod kept;

@@ -7,6 +7,7 @@ mod error;
 mod motion;
 mod pieces;
 mod report;
+mod rest;
 mod series;
 
 pub use error::FilmError;
@@ -26,6 +27,7 @@ use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
+use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Motion, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
@@ -251,9 +253,10 @@ impl Run {
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
         let mut bark = part_of(&node.mesh, shell).transformed(&node.transform);
-        if grown.scene.materials.is_empty() {
-            bark.materials.clear();
-        }
+        // Stems that come with the program part their triangles by materials that no scene lists.
+        let listed = grown.scene.materials.len();
+        let unlisted = bark.materials.iter_mut().filter(|m| **m as usize >= listed);
+        unlisted.for_each(|m| *m = NO_MATERIAL);
         let tree = Bvh::of_triangles(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
@@ -304,7 +307,8 @@ impl Run {
         read.ok_or(FilmError::NoSuchFrame { number, count })
     }
 
-    fn wood(&self) -> Wood<'_> {
+    /// Its wood, unbroken.
+    pub fn wood(&self) -> Wood<'_> {
         let wood = &self.grown.wood;
         Wood {
             stem: &self.grown.stem,

@@ -1,0 +1,43 @@
+//! Options of `greenstick fit`.
+
+use super::UnitWord;
+use clap::Args;
+use std::path::PathBuf;
+
+const FIT_EXAMPLES: &str = "\
+Where every rod of the run broke, how high and why, gives the ductile zone, inclination, layers, thorns and relief of a
+drawn break. The report says from how many breaks each value comes, and what the run does not tell.
+
+Examples
+  greenstick simulate bend pole.ply -o run
+  greenstick fit run -o recipe.toml                    prints where the break is: --at
+  greenstick break pole.ply --at 0.4871 --recipe recipe.toml";
+
+#[derive(Debug, Args)]
+#[command(after_help = FIT_EXAMPLES)]
+pub struct FitOptions {
+    /// Folder of a run, as `greenstick simulate` leaves it
+    pub run: PathBuf,
+    /// Mesh that the run was of, where it was; else the file that it was simulated on
+    pub input: Option<PathBuf>,
+    /// File for the recipe; without it only the report is printed
+    #[arg(short, long, value_name = "FILE.toml")]
+    pub output: Option<PathBuf>,
+    /// The frame, counted from 0; negative from the end
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value = "-1",
+        allow_hyphen_values = true
+    )]
+    pub frame: i64,
+    /// Unit of length in the mesh, where its format has none
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}

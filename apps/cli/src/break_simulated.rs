@@ -1,0 +1,182 @@
+//! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
+
+use crate::arguments::BreakOptions;
+use crate::break_wood::{picture_options, size, targets, use_threads};
+use crate::failure::{Failure, print};
+use crate::outcome::{Written, written};
+use crate::progress::{Progress, Stage};
+use crate::{simulate, skin};
+use greenstick::fibre::scene::{Scene as Setting, StemWord};
+use greenstick::files::{self, Output};
+use greenstick::film::{FilmOptions, Run, SkinReport, Still};
+use greenstick::formats::LengthUnit;
+use greenstick::geometry::Scene;
+use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
+use greenstick::skin::rods::RodSkinOptions;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a> {
+    simulation: &'a SimulateReport,
+    #[serde(flatten)]
+    pieces: &'a SkinReport,
+    hangs_together: bool,
+    outputs: &'a [Written],
+    stages: &'a [Stage],
+}
+
+/// A folder that goes with its content.
+struct Temporary(PathBuf);
+
+impl Temporary {
+    fn new() -> Result<Self, Failure> {
+        let path = std::env::temp_dir().join(format!("greenstick-break-{}", std::process::id()));
+        std::fs::create_dir(&path).map_err(|e| {
+            Failure::work(format!(
+                "{}: cannot be made for the simulation: {e}",
+                path.display()
+            ))
+        })?;
+        Ok(Temporary(path))
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // What cannot be removed stays for the system to clear.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
+    let unit = options.unit.map(LengthUnit::from);
+    let targets = targets(options)?;
+    let (mut setting, beside) = simulate::read(name)?;
+    if let Some(seed) = &options.seed {
+        setting.seed = seed.trim().parse().map_err(|_| {
+            Failure::request(format!("--seed: {seed:?} is no whole number from 0 on"))
+        })?;
+    }
+    use_threads(options.telling.threads)?;
+    let progress = Progress::start(options.telling.quiet);
+    progress.stage("read")?;
+    let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
+    targets.check(&inputs)?;
+    let mut mesh = None;
+    if let Some(path) = &options.input {
+        let mut scene = files::read(path, unit)?;
+        if let Some(pieces) = &targets.pieces {
+            files::carry_images(&mut scene, path, pieces);
+        }
+        setting.stem.kind = StemWord::Input;
+        mesh = Some(scene);
+    }
+    // The run reads from the folder, and so is dropped before it.
+    let (report, _folder, mut run) = simulated(setting, &beside, mesh.as_ref(), &progress)?;
+    let how = FilmOptions {
+        skin: RodSkinOptions {
+            seed: run.scene.seed,
+            ..RodSkinOptions::default()
+        },
+        texture_width: options.texture_size,
+        bodies: false,
+    };
+    let last = run.frames() - 1;
+    let mut still = progress
+        .watch(|context| run.at_rest(last, &how, context))
+        .map_err(skin::failure)?;
+    part(&mut still, &run, options.part);
+    let mut outputs = Vec::new();
+    if let Some(path) = &targets.pieces {
+        progress.stage("encode")?;
+        outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
+    }
+    if let Some(path) = &targets.picture {
+        progress.stage("picture")?;
+        let shot = picture_options(&options.shot, options.telling.threads);
+        let picture =
+            progress.watch(|context| run.picture(&still.scene, still.inner, &shot, context))?;
+        let (path, bytes) = (path.clone(), picture.png());
+        outputs.push(Output { path, bytes });
+    }
+    progress.stage("write")?;
+    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
+    files::check_distinct(&paths, &inputs)?;
+    files::write_all(&outputs)?;
+    let stages = progress.finish();
+    if options.telling.reports() {
+        let full = FullReport {
+            simulation: &report,
+            pieces: &still.report,
+            hangs_together: still.scene.nodes.iter().any(|n| n.name == "whole"),
+            outputs: &written(&outputs),
+            stages: &stages,
+        };
+        print(&told(&full, options.telling.json)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs the scene in a folder of its own and opens what it left.
+fn simulated(
+    scene: Setting,
+    beside: &Path,
+    mesh: Option<&Scene>,
+    progress: &Progress,
+) -> Result<(SimulateReport, Temporary, Run), Failure> {
+    let folder = Temporary::new()?;
+    let request = SimulateRequest {
+        scene,
+        origin: Origin::of(None, beside),
+        folder: folder.0.clone(),
+        resume: false,
+    };
+    let report = progress
+        .watch(|context| greenstick::simulate::simulate(mesh, &request, context))
+        .map_err(|error| match error {
+            SimulateError::Cancelled(cancelled) => cancelled.into(),
+            SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
+                .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
+            SimulateError::File(error) => error.into(),
+            SimulateError::Solver { .. }
+            | SimulateError::Placement(_)
+            | SimulateError::Unwritable { .. } => Failure::work(error),
+            _ => Failure::request(error),
+        })?;
+    let beside = request.origin.beside;
+    let run = progress
+        .watch(|context| Run::open(&folder.0, mesh, &beside, context))
+        .map_err(skin::failure)?;
+    Ok((report, folder, run))
+}
+
+/// Moves what lies beyond the break apart from the lower piece.
+fn part(still: &mut Still, run: &Run, by: f64) {
+    let stem = run.stem();
+    let along = stem.grain.axis().frame(stem.place).tangent;
+    for node in &mut still.scene.nodes {
+        if node.name == "upper" {
+            node.transform.translation += along * by;
+        }
+    }
+}
+
+fn told(full: &FullReport, json: bool) -> Result<String, Failure> {
+    if json {
+        return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
+    }
+    let mut text = format!("{}{}", full.simulation, full.pieces);
+    if full.hangs_together {
+        text += "note     the wood still hangs together from end to end: it is one piece, `whole`; more load, more time or \
+                 another scene may part it\n";
+    }
+    for file in full.outputs {
+        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
+    }
+    let total: f64 = full.stages.iter().map(|s| s.seconds).sum();
+    let _ = writeln!(text, "time     {total:.2} s");
+    Ok(text)
+}

@@ -1,0 +1,97 @@
+//! `greenstick fit`: from a run's folder to a recipe.
+
+use crate::arguments::FitOptions;
+use crate::failure::{Failure, print};
+use crate::outcome::Written;
+use crate::progress::Progress;
+use crate::skin;
+use greenstick::files::{self, Output};
+use greenstick::fit::{Fit, FitError, FitReport, fit};
+use serde::Serialize;
+use std::fmt::Write;
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a> {
+    #[serde(flatten)]
+    report: &'a FitReport,
+    outputs: &'a [Written],
+}
+
+pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
+    if let Some(path) = &options.output {
+        if path.extension().is_none_or(|e| e != "toml") {
+            return Err(Failure::request(format!(
+                "{}: recipes are TOML files; expected a name that ends in .toml",
+                path.display()
+            )));
+        }
+        files::check_writable(path)?;
+    }
+    let progress = Progress::start(options.quiet);
+    let input = options.input.as_deref();
+    let mut run = skin::open(&options.run, input, options.unit, &progress)?;
+    let count = run.frames() as i64;
+    let number = match options.frame {
+        n if n < 0 => count + n,
+        n => n,
+    };
+    let number = usize::try_from(number).map_err(|_| {
+        Failure::request(format!(
+            "there are {count} frames, counted from 0 or from −1 backwards"
+        ))
+    })?;
+    let Fit { recipe, report, .. } = progress
+        .watch(|context| fit(&mut run, number, context))
+        .map_err(failure)?;
+    let mut written = Vec::new();
+    if let Some(path) = &options.output {
+        let text = format!(
+            "# from the break that was simulated in {}\n# greenstick break ... --at {} --recipe {}\n{}",
+            one_line(&options.run.display().to_string()),
+            report.at,
+            one_line(&path.display().to_string()),
+            recipe.to_toml()
+        );
+        written.push(Written {
+            path: path.display().to_string(),
+            bytes: text.len(),
+        });
+        files::write_all(&[Output {
+            path: path.clone(),
+            bytes: text.into_bytes(),
+        }])?;
+    }
+    if options.json {
+        let full = FullReport {
+            report: &report,
+            outputs: &written,
+        };
+        print(&(serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"))?;
+    } else if !options.quiet {
+        let mut text = report.to_string();
+        for file in &written {
+            let _ = writeln!(
+                text,
+                "wrote    {}: greenstick break ... --at {} --recipe {}",
+                file.path, report.at, file.path
+            );
+        }
+        print(&text)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A name that cannot leave its comment.
+fn one_line(name: &str) -> String {
+    name.replace(|c: char| c.is_control(), " ")
+}
+
+fn failure(error: FitError) -> Failure {
+    match error {
+        FitError::Run(error) => skin::failure(error),
+        FitError::Cancelled(cancelled) => cancelled.into(),
+        FitError::Place { .. } => Failure::work(error),
+        FitError::NoBreak { .. } => Failure::request(error),
+    }
+}

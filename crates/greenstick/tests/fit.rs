@@ -1,0 +1,249 @@
+//! Parameters fitted to breaks that are known come back, and a face drawn with them is as high as the breaks were.
+
+use glam::{DAffine3, DVec2};
+use greenstick::fibre::event::Cause;
+use greenstick::fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
+use greenstick::fit::{Fit, FitError, Ground, fit_parting};
+use greenstick::fracture::parameters::Surface;
+use greenstick::fracture::recipe::Recipe;
+use greenstick::geometry::{Context, Node, Scene};
+use greenstick::skin::rods::{Break, Parting, Wood};
+use greenstick::wood::moisture::Fallback;
+use greenstick::wood::noise::unit;
+use greenstick::wood::primitive;
+use greenstick::wood::species::Species;
+use greenstick::wood::stem::{Stem, StemOptions, find};
+use greenstick::{BreakRequest, break_scene};
+
+const RADIUS: f64 = 0.02;
+/// Mean length of edges, radii.
+const EDGE: f64 = 0.1;
+/// Where the breaks are, part of the length.
+const AT: f64 = 0.4;
+
+struct Grown {
+    scene: Scene,
+    stem: Stem,
+    placed: Placed,
+}
+
+fn grown() -> Grown {
+    let scene = Scene {
+        nodes: vec![Node {
+            name: "stem".into(),
+            transform: DAffine3::IDENTITY,
+            mesh: primitive::cylinder(RADIUS, 0.4, 64),
+            parent: None,
+        }],
+        ..Scene::default()
+    };
+    let middle = "0.5".parse().unwrap();
+    let meshes = [scene.nodes[0].mesh.clone()];
+    let stem = find(&meshes, &middle, &StemOptions::default(), &Context::quiet())
+        .unwrap()
+        .stem;
+    let oak = Species::find("white oak").unwrap();
+    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
+    let options = Placement {
+        rods: HowMany::Number(150),
+        edges: (0.9 * EDGE * RADIUS, 1.1 * EDGE * RADIUS),
+        ..Placement::default()
+    };
+    Grown {
+        placed: place(&stem, &wood, &options).unwrap(),
+        stem,
+        scene,
+    }
+}
+
+/// The rods broken at the heights (radii over the place) and for the causes that `how` gives for the ring coordinate,
+/// the angle (degrees), the place from the pith (radii) and a random number of each; and the heights as they are.
+fn fitted(
+    grown: &Grown,
+    how: impl Fn(f64, f64, DVec2, f64) -> Option<(f64, Cause)>,
+) -> (Result<Fit, FitError>, Vec<f64>) {
+    let wood = Wood {
+        stem: &grown.stem,
+        laid: DAffine3::IDENTITY,
+        bundle: &grown.placed.bundle,
+        along: &grown.placed.along,
+        cells: &grown.placed.cells,
+        outline: &grown.placed.outline,
+        bark: None,
+        pull_out: 8.0,
+    };
+    let mut parting = Parting::none(&wood);
+    let mut heights = Vec::new();
+    for rod in 0..wood.bundle.rods() {
+        let at = wood.cells[rod].centroid;
+        let (rho, phi) = grown.stem.rings.address(at);
+        let across = (at - grown.stem.rings.pith()) / RADIUS;
+        let random = unit(7, rod as i64, 0, 0);
+        let Some((height, cause)) = how(rho, phi.to_degrees(), across, random) else {
+            continue;
+        };
+        let wanted = AT * grown.stem.length + height * RADIUS;
+        let vertex = wood
+            .bundle
+            .rod(rod)
+            .min_by(|&a, &b| {
+                let off = |v: usize| (wood.along[v] - wanted).abs();
+                off(a).total_cmp(&off(b))
+            })
+            .unwrap();
+        heights.push(wood.along[vertex] - AT * grown.stem.length);
+        let vertex = vertex as u32;
+        parting.breaks[rod].push(Break { vertex, cause });
+    }
+    let ground = Ground {
+        scene: &grown.scene,
+        by_point: false,
+        seed: 3,
+        time: 0.25,
+    };
+    (
+        fit_parting(&wood, &parting, &ground, &Context::quiet()),
+        heights,
+    )
+}
+
+/// Difference of two angles, degrees.
+fn turned(a: f64, b: f64) -> f64 {
+    ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+fn at(fit: &Fit) -> f64 {
+    fit.report.at.parse().unwrap()
+}
+
+#[test]
+fn a_torn_side_with_a_layer_and_thorns_comes_back() {
+    let grown = grown();
+    // In tension within 80° of 130°, half a turn and more of rings; there a layer 0.8 high, and a fifth of its rods
+    // stand out by another 1.5.
+    let tension = |rho: f64, phi: f64| turned(phi, 130.0) <= 80.0 && rho > 0.3;
+    let how = |rho: f64, phi: f64, _: DVec2, random: f64| {
+        Some(if tension(rho, phi) {
+            let thorn = if random < 0.2 { 1.5 } else { 0.0 };
+            (0.8 + thorn, Cause::Tension)
+        } else {
+            (0.0, Cause::Compression)
+        })
+    };
+    let (fit, _) = fitted(&grown, how);
+    let fit = fit.unwrap();
+    let (face, report) = (&fit.recipe.face, &fit.report);
+    assert!(
+        (at(&fit) - AT).abs() < 0.5 * EDGE * RADIUS / 0.4,
+        "{report}"
+    );
+    assert_eq!((report.broken, report.layers), (report.rods, 2), "{report}");
+    // Within a step of the search: 10° for the middle, two for the width, and a tenth of the rings.
+    assert!(turned(face.ductile.direction, 130.0) <= 10.0, "{report}");
+    assert!((face.ductile.angle - 160.0).abs() <= 20.0, "{report}");
+    assert!((face.ductile.rings - 0.7).abs() <= 0.1, "{report}");
+    assert!((face.high.height - 0.8).abs() <= EDGE, "{report}");
+    assert!(turned(face.high.direction, 130.0) <= 15.0, "{report}");
+    assert_eq!(face.low.height, 0.0, "{report}");
+    assert!(
+        (face.ductile.thorn_length - 1.5).abs() <= 2.0 * EDGE,
+        "{report}"
+    );
+    let (mut thorns, mut all) = (0.0, 0.0);
+    for (rod, cell) in grown.placed.cells.iter().enumerate() {
+        let (rho, phi) = grown.stem.rings.address(cell.centroid);
+        if face.ductile.sector().contains(phi.to_degrees(), rho) {
+            all += cell.area;
+            if unit(7, rod as i64, 0, 0) < 0.2 {
+                thorns += cell.area;
+            }
+        }
+    }
+    let probability = face.ductile.thorn_probability;
+    assert!(
+        (probability - thorns / all).abs() < 0.02,
+        "{probability} {report}"
+    );
+    assert_eq!(face.brittle.thorn_length, 0.0, "{report}");
+    // The chord that cuts off what is not in the fan.
+    assert!((0.2..0.6).contains(&face.compression_shelf), "{report}");
+    // Every value in the report is the recipe's, and the recipe can be read.
+    assert!(report.values.len() >= 12 && report.values.iter().all(|v| v.breaks >= 3));
+    assert_eq!(
+        Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
+        fit.recipe
+    );
+}
+
+#[test]
+fn a_slanted_smooth_break_is_inclined_and_nothing_else() {
+    let grown = grown();
+    let (sin, cos) = 70f64.to_radians().sin_cos();
+    let up = DVec2::new(cos, sin) * 35f64.to_radians().tan();
+    let (fit, _) = fitted(&grown, |_, _, across, _| {
+        Some((up.dot(across), Cause::Tension))
+    });
+    let fit = fit.unwrap();
+    let (face, report) = (&fit.recipe.face, &fit.report);
+    assert!((face.inclination - 35.0).abs() < 2.0, "{report}");
+    assert!(turned(face.inclination_direction, 70.0) < 4.0, "{report}");
+    assert_eq!(
+        (face.surface, report.layers, report.thorns),
+        (Surface::Smooth, 1, [0, 0])
+    );
+    assert_eq!((face.ductile.angle, face.compression_shelf), (360.0, 0.0));
+    assert!(
+        (at(&fit) - AT).abs() < 0.5 * EDGE * RADIUS / 0.4,
+        "{report}"
+    );
+}
+
+#[test]
+fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
+    let grown = grown();
+    // Torn without order on one side, nearly flat on the other, where some rods hold.
+    let how = |rho: f64, phi: f64, _: DVec2, random: f64| {
+        if turned(phi, 300.0) <= 90.0 {
+            Some((2.4 * (random - 0.5), Cause::Tension))
+        } else if rho < 0.9 {
+            Some((0.1 * random, Cause::Compression))
+        } else {
+            None
+        }
+    };
+    let (fit, heights) = fitted(&grown, how);
+    let fit = fit.unwrap();
+    let report = &fit.report;
+    assert_eq!(fit.recipe.face.surface, Surface::Fibrous, "{report}");
+    assert!(report.broken < report.rods && report.area < 1.0, "{report}");
+    let ductile = fit.recipe.face.ductile.sector();
+    assert!(turned(ductile.direction, 300.0) <= 10.0, "{report}");
+    assert!((ductile.angle - 180.0).abs() <= 20.0, "{report}");
+    let shelf = fit.recipe.face.compression_shelf;
+    assert!((shelf - 0.5).abs() < 0.1, "{report}");
+    // From the 5th to the 95th hundredth both are told, and alike.
+    let part = report.face_m / report.relief_m;
+    assert!((0.95..1.05).contains(&part), "{report}");
+    // From end to end the drawn face, with its few long splinters among many short ones, reaches up to three times as far
+    // as heights that are evenly spread.
+    let request = BreakRequest {
+        place: fit.place,
+        recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
+        texture_width: 16,
+        ..BreakRequest::default()
+    };
+    let broken = break_scene(grown.scene.clone(), &request, &Context::quiet()).unwrap();
+    let [low, high] = broken.report.face.range_m;
+    let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let part = (high - low) / (most - least);
+    assert!((1.0..3.0).contains(&part), "{part}: {report}");
+}
+
+#[test]
+fn wood_that_is_whole_is_refused_with_what_to_do() {
+    let (fit, _) = fitted(&grown(), |_, _, _, _| None);
+    let told = fit.unwrap_err().to_string();
+    assert!(told.contains("no rod is broken at 0.2500 s"), "{told}");
+    assert!(told.contains("later frame"), "{told}");
+}
