@@ -1,9 +1,12 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
+mod engines;
+
 use crate::arguments::SkinOptions;
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::{Progress, Stage};
+use engines::Engines;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmError, FilmOptions, Run, SkinReport};
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
@@ -15,7 +18,7 @@ use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Serialize)]
@@ -23,6 +26,8 @@ struct FullReport<'a> {
     #[serde(flatten)]
     skin: Option<&'a SkinReport>,
     film: Option<FilmPart>,
+    #[serde(flatten)]
+    engines: &'a Engines,
     files: &'a [(String, usize)],
     stages: &'a [Stage],
 }
@@ -47,10 +52,11 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
     let run = open(options, &progress)?;
-    let (skin, film, files) = match options.frame {
+    let (skin, film, mut files, engines) = match options.frame {
         Some(number) => still(run, number, options, &progress)?,
         None => film(run, options, &progress)?,
     };
+    files.extend(engines.files.iter().cloned());
     let stages = progress.finish();
     let text = if options.json {
         let film = film.map(|f| FilmPart {
@@ -62,12 +68,13 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         let full = FullReport {
             skin: skin.as_ref(),
             film,
+            engines: &engines,
             files: &files,
             stages: &stages,
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
-        words(skin.as_ref(), film.as_ref(), &files, &stages)
+        words(skin.as_ref(), film.as_ref(), &engines, &files, &stages)
     };
     if !options.quiet || options.json {
         print(&text)?;
@@ -107,8 +114,13 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
     }
 }
 
-/// The skin, the film's file, and the files with their sizes in bytes.
-type Made = (Option<SkinReport>, Option<FilmReport>, Vec<(String, usize)>);
+/// The skin, the film's file, the files with their sizes in bytes, and what engines want.
+type Made = (
+    Option<SkinReport>,
+    Option<FilmReport>,
+    Vec<(String, usize)>,
+    Engines,
+);
 
 fn still(
     mut run: Run,
@@ -149,7 +161,12 @@ fn still(
     let files = outputs
         .iter()
         .map(|o| (o.path.display().to_string(), o.bytes.len()));
-    Ok((Some(still.report), None, files.collect()))
+    Ok((
+        Some(still.report),
+        None,
+        files.collect(),
+        Engines::default(),
+    ))
 }
 
 fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
@@ -167,7 +184,18 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
     }
     let how = film_options(options, &run);
     let (from, to) = options.frames.unwrap_or((0, run.frames()));
+    let beside = engines::paths(options);
+    let mut outputs = vec![path.as_path()];
+    outputs.extend(beside.iter().map(PathBuf::as_path));
+    files::check_distinct(&outputs, &[])?;
     if ending == "pvd" {
+        if let Some(beside) = beside.first() {
+            return Err(Failure::request(format!(
+                "{}: a series for ParaView is of rods and has no pieces",
+                beside.display()
+            ))
+            .hint("name a film, such as -o film.glb"));
+        }
         return series(run, from..to, path, progress);
     }
     let mut made = progress
@@ -204,7 +232,8 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
             .iter()
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
-    Ok((Some(made.report), Some(written), files))
+    let engines = engines::write(&mut made, options, progress)?;
+    Ok((Some(made.report), Some(written), files, engines))
 }
 
 fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Output>, Failure> {
@@ -242,7 +271,15 @@ fn series(
         path.display(),
         count - 1
     );
-    Ok((None, None, vec![(told, bytes)]))
+    Ok((None, None, vec![(told, bytes)], Engines::default()))
+}
+
+/// Writes a scene with the metre as its unit; gives the files' names and sizes.
+fn in_metres(scene: &Scene, path: &Path) -> Result<Vec<(String, usize)>, Failure> {
+    let outputs = files::encode(scene, path, LengthUnit::Metre)?;
+    files::write_all(&outputs)?;
+    let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
+    Ok(outputs.iter().map(told).collect())
 }
 
 fn in_folder(folder: &Path, file: Encoded) -> Output {
@@ -274,6 +311,7 @@ fn failure(error: FilmError) -> Failure {
 fn words(
     skin: Option<&SkinReport>,
     film: Option<&FilmReport>,
+    engines: &Engines,
     files: &[(String, usize)],
     stages: &[Stage],
 ) -> String {
@@ -287,6 +325,7 @@ fn words(
             film.error() * 1e3
         );
     }
+    engines.words(&mut text);
     for (file, bytes) in files {
         let _ = writeln!(text, "wrote    {file}, {}", size(*bytes));
     }

@@ -15,7 +15,8 @@ Examples
   greenstick skin run -o film.glb --frames 30..60      some of them
   greenstick skin run -o broken.glb --frame -1         the last frame as a still
   greenstick skin run --picture broken.png --frame 45
-  greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh";
+  greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh
+  greenstick skin run -o film.glb --collision film.collision.glb";
 
 #[derive(Debug, Args)]
 #[command(after_help = SKIN_EXAMPLES)]
@@ -69,6 +70,23 @@ pub struct SkinOptions {
     #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u8).range(1..=8),
         help_heading = "Film")]
     pub influences: u8,
+
+    /// Convex collision shapes of the pieces at rest, as meshes UCX_piece_000_00 and so on, in a mesh file
+    #[arg(
+        long,
+        value_name = "FILE.glb",
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub collision: Option<PathBuf>,
+    /// Most convex shapes of a piece
+    #[arg(long, value_name = "NUMBER", default_value = "16", requires = "collision",
+        value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "For engines")]
+    pub collision_shapes: u16,
+    /// Most vertices of a convex shape
+    #[arg(long, value_name = "NUMBER", default_value = "32", requires = "collision",
+        value_parser = clap::value_parser!(u16).range(4..=255), help_heading = "For engines")]
+    pub collision_vertices: u16,
 
     /// Picture of the frame
     #[arg(
