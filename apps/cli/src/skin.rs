@@ -184,7 +184,7 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
     }
     let how = film_options(options, &run);
     let (from, to) = options.frames.unwrap_or((0, run.frames()));
-    let beside = engines::paths(options);
+    let beside = engines::paths(options, path)?;
     let mut outputs = vec![path.as_path()];
     outputs.extend(beside.iter().map(PathBuf::as_path));
     files::check_distinct(&outputs, &[])?;
@@ -202,10 +202,7 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
         .watch(|context| run.film(from..to, &how, context))
         .map_err(failure)?;
     progress.stage("write")?;
-    let glb = GlbOptions {
-        max_joints: options.max_joints.map(|n| n as usize),
-        max_influences: usize::from(options.influences),
-    };
+    let glb = glb_options(options);
     let name = path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
@@ -232,8 +229,15 @@ fn film(run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Fa
             .iter()
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
-    let engines = engines::write(&mut made, options, progress)?;
+    let engines = engines::write(&mut made, options, path, progress)?;
     Ok((Some(made.report), Some(written), files, engines))
+}
+
+fn glb_options(options: &SkinOptions) -> GlbOptions {
+    GlbOptions {
+        max_joints: options.max_joints.map(|n| n as usize),
+        max_influences: usize::from(options.influences),
+    }
 }
 
 fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Output>, Failure> {

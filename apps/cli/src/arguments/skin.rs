@@ -16,7 +16,8 @@ Examples
   greenstick skin run -o broken.glb --frame -1         the last frame as a still
   greenstick skin run --picture broken.png --frame 45
   greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh
-  greenstick skin run -o film.glb --collision film.collision.glb";
+  greenstick skin run -o film.glb --collision film.collision.glb --lod 0.5,0.25
+  greenstick skin run -o film.glb --vat film.vat.png   for shaders that move vertices";
 
 #[derive(Debug, Args)]
 #[command(after_help = SKIN_EXAMPLES)]
@@ -87,6 +88,30 @@ pub struct SkinOptions {
     #[arg(long, value_name = "NUMBER", default_value = "32", requires = "collision",
         value_parser = clap::value_parser!(u16).range(4..=255), help_heading = "For engines")]
     pub collision_vertices: u16,
+
+    /// Levels of detail: shares of the triangles, in files beside the film, film_lod1.glb and so on
+    #[arg(
+        long,
+        value_name = "SHARE,SHARE",
+        value_delimiter = ',',
+        value_parser = values::amount,
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub lod: Vec<f64>,
+    /// Vertex animation texture: positions and normals in each frame as 16-bit pictures, with the mesh that they move as
+    /// FILE.glb and how to read them as FILE.json
+    #[arg(
+        long,
+        value_name = "FILE.png",
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub vat: Option<PathBuf>,
+    /// Most pixels in a row of such a picture
+    #[arg(long, value_name = "PIXELS", default_value = "8192", requires = "vat",
+        value_parser = clap::value_parser!(u16).range(1..=16384), help_heading = "For engines")]
+    pub vat_width: u16,
 
     /// Picture of the frame
     #[arg(

@@ -5,6 +5,7 @@
 
 mod collision;
 mod error;
+mod level;
 mod motion;
 mod pieces;
 mod report;
@@ -12,6 +13,7 @@ mod series;
 
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
+pub use level::{LevelReport, level};
 pub use motion::RunMotion;
 use pieces::Following;
 pub use report::{FilmPiece, SkinReport};
