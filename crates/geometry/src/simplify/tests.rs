@@ -101,6 +101,19 @@ fn a_log_stays_closed_full_and_in_its_materials() {
 }
 
 #[test]
+fn thin_pieces_keep_their_volume() {
+    // A splinter of six sides, as few triangles as it may have: its volume is what keeps it from going.
+    let mut mesh = log(200, 6);
+    mesh.positions
+        .iter_mut()
+        .for_each(|p| *p *= DVec3::new(0.02, 0.02, 1.0));
+    let made = simplify(&mesh, &[], 1, &Context::quiet()).unwrap();
+    assert!(made.mesh.check().closed && made.mesh.triangles.len() < 300);
+    let ratio = made.mesh.volume() / mesh.volume();
+    assert!((ratio - 1.0).abs() < 0.01 + 1e-12, "{ratio}");
+}
+
+#[test]
 fn what_bends_in_another_pose_keeps_vertices_there() {
     let mesh = log(81, 24);
     // The pose has a kink in the middle, where the mesh at rest has none.

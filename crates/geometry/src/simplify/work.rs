@@ -13,6 +13,8 @@ const LEAST_COSINE: f64 = 0.2;
 const SEAM_WEIGHT: f64 = 1.0;
 /// Steps between two looks at whether to stop.
 const STEPS: usize = 4096;
+/// The volume of a closed mesh changes by no more than this share, whatever goes.
+const VOLUME_KEPT: f64 = 0.01;
 const GONE: u32 = u32::MAX;
 
 /// A collapse of point `from` onto point `to` that was looked at when both had these ages.
@@ -55,6 +57,9 @@ pub struct Work<'a> {
     quadrics: Vec<Vec<Quadric>>,
     ages: Vec<u32>,
     left: usize,
+    /// Six times the volume that has come or gone, and the most that may.
+    change: f64,
+    most_change: f64,
 }
 
 impl<'a> Work<'a> {
@@ -88,6 +93,8 @@ impl<'a> Work<'a> {
             mesh,
             left: corners.iter().filter(|c| c[0] != GONE).count(),
             quadrics: vec![vec![Quadric::NONE; count]; poses.len()],
+            change: 0.0,
+            most_change: most_change(mesh),
             ages: vec![0; count],
             point,
             poses,
@@ -189,7 +196,7 @@ impl<'a> Work<'a> {
             }
             let mut steps = 0usize;
             while self.left > target {
-                if steps % STEPS == 0 {
+                if steps.is_multiple_of(STEPS) {
                     let done = (first - self.left) as f64 / (first - target) as f64;
                     context.step("simplify", done)?;
                 }
@@ -270,6 +277,11 @@ impl<'a> Work<'a> {
         if !(staying.iter()).all(|&t| self.may_turn(t, from, to)) {
             return false;
         }
+        let change = self.change + self.volume_change(&fan, from, to);
+        if change.abs() > self.most_change && change.abs() > self.change.abs() {
+            return false;
+        }
+        self.change = change;
         for &t in &dying {
             self.corners[t as usize][0] = GONE;
         }
@@ -336,6 +348,18 @@ impl<'a> Work<'a> {
         moved.collect()
     }
 
+    /// Six times the volume at rest that comes when the middle of a fan goes to `to`.
+    fn volume_change(&self, fan: &[u32], from: u32, to: u32) -> f64 {
+        let places = &self.poses[0];
+        let (p, q) = (places[from as usize], places[to as usize]);
+        let of = |&t: &u32| {
+            let (x, y) = self.across(t, from);
+            let (x, y) = (places[x as usize] - p, places[y as usize] - p);
+            (q - p).dot(x.cross(y))
+        };
+        fan.iter().map(of).sum()
+    }
+
     /// Whether a triangle keeps its side in all poses, and an area, when its corner goes from `from` to `to`.
     fn may_turn(&self, t: u32, from: u32, to: u32) -> bool {
         let (x, y) = self.across(t, from);
@@ -347,5 +371,22 @@ impl<'a> Work<'a> {
             let (old, new) = ((x - p).cross(y - p), (x - q).cross(y - q));
             old == DVec3::ZERO || old.dot(new) > LEAST_COSINE * old.length() * new.length()
         })
+    }
+}
+
+/// Six times the volume by which a mesh may change: without end where it is open and has none.
+fn most_change(mesh: &Mesh) -> f64 {
+    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+    for t in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(t);
+        let cross = (b - a).cross(c - a);
+        sum += cross;
+        area += cross.length();
+    }
+    // The areas of a closed surface add up to nothing.
+    if sum.length() <= 1e-9 * area {
+        6.0 * VOLUME_KEPT * mesh.volume().abs()
+    } else {
+        f64::INFINITY
     }
 }
