@@ -94,7 +94,7 @@ pub struct SkinOptions {
         long,
         value_name = "SHARE,SHARE",
         value_delimiter = ',',
-        value_parser = values::amount,
+        value_parser = share,
         conflicts_with = "frame",
         help_heading = "For engines"
     )]
@@ -134,4 +134,12 @@ pub struct SkinOptions {
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=1024),
         help_heading = "How it is told")]
     pub threads: Option<u16>,
+}
+
+/// A share of triangles: above 0, up to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1.0 => Ok(x),
+        _ => Err("expected shares above 0 and up to 1 with commas between them: 0.5,0.25".into()),
+    }
 }
