@@ -47,6 +47,8 @@ pub struct Work<'a> {
     mesh: &'a Mesh,
     /// Point of each vertex.
     point: Vec<u32>,
+    /// The first vertex at the same point that shows the same, but for small differences.
+    class: Vec<u32>,
     /// Places of the points in each pose about the middle of the first.
     poses: Vec<Vec<DVec3>>,
     /// Corners of the triangles, vertices; the first is [`GONE`] where the triangle is.
@@ -95,6 +97,7 @@ impl<'a> Work<'a> {
             quadrics: vec![vec![Quadric::NONE; count]; poses.len()],
             change: 0.0,
             most_change: most_change(mesh),
+            class: classes(mesh, &point, count),
             ages: vec![0; count],
             point,
             poses,
@@ -155,10 +158,10 @@ impl<'a> Work<'a> {
     /// Whether the edge from corner `k` of a triangle has one other triangle with the same corners and material.
     fn is_inside(&self, t: u32, k: usize) -> bool {
         let corners = self.corners[t as usize];
-        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let [a, b] = [corners[k], corners[(k + 1) % 3]].map(|v| self.class[v as usize]);
         let material = self.mesh.material(t as usize);
         let beyond = self.live(self.point[a as usize]).filter(|&o| {
-            let c = self.corners[o as usize];
+            let c = self.corners[o as usize].map(|v| self.class[v as usize]);
             o != t && c.contains(&a) && c.contains(&b)
         });
         let mut beyond = beyond.map(|o| self.mesh.material(o as usize) == material);
@@ -329,19 +332,25 @@ impl<'a> Work<'a> {
             let corners = self.corners[t as usize];
             corners.into_iter().find(|&v| self.point[v as usize] == p)
         };
-        let mut pairs: Vec<((u32, u32), u32)> = Vec::with_capacity(2);
+        let class = |v: u32| self.class[v as usize];
+        let mut pairs: Vec<(u32, u32, u32)> = Vec::with_capacity(2);
         for &t in dying {
-            let key = (corner(t, from)?, self.mesh.material(t as usize));
-            let end = corner(t, to)?;
-            if pairs.iter().any(|&(k, e)| k == key && e != end) {
+            let (start, end) = (corner(t, from)?, corner(t, to)?);
+            let material = self.mesh.material(t as usize);
+            let differs = |p: &(u32, u32, u32)| {
+                (class(p.0), p.1) == (class(start), material) && class(p.2) != class(end)
+            };
+            if pairs.iter().any(differs) {
                 return None;
             }
-            pairs.push((key, end));
+            pairs.push((start, material, end));
         }
         let moved = staying.iter().map(|&t| {
             let start = corner(t, from)?;
-            let key = (start, self.mesh.material(t as usize));
-            let end = pairs.iter().find(|(k, _)| *k == key)?.1;
+            let material = self.mesh.material(t as usize);
+            let alike = |p: &&(u32, u32, u32)| (class(p.0), p.1) == (class(start), material);
+            let same = pairs.iter().filter(alike).find(|p| p.0 == start);
+            let end = same.or_else(|| pairs.iter().find(alike))?.2;
             let corners = self.corners[t as usize];
             Some(corners.map(|v| if v == start { end } else { v }))
         });
@@ -389,4 +398,34 @@ fn most_change(mesh: &Mesh) -> f64 {
     } else {
         f64::INFINITY
     }
+}
+
+/// Normals that enclose an angle with a smaller cosine are those of two faces.
+const SMOOTH: f32 = 0.7;
+/// What else differs by less, such as places in a texture or shares of colours, looks the same.
+const ALIKE: f32 = 1e-3;
+
+/// For each vertex the first one at its point that has about the same attributes.
+fn classes(mesh: &Mesh, point: &[u32], count: usize) -> Vec<u32> {
+    let alike = |a: u32, b: u32| {
+        mesh.attributes.iter().all(|(name, attribute)| {
+            let (x, y) = (attribute.at(a as usize), attribute.at(b as usize));
+            match name.as_str() {
+                // What it is made of is compared.
+                "TANGENT" => true,
+                "NORMAL" => x.iter().zip(y).map(|(x, y)| x * y).sum::<f32>() >= SMOOTH,
+                _ => x.iter().zip(y).all(|(x, y)| (x - y).abs() <= ALIKE),
+            }
+        })
+    };
+    let mut firsts: Vec<Vec<u32>> = vec![Vec::new(); count];
+    let class = point.iter().zip(0..).map(|(&p, v)| {
+        let firsts = &mut firsts[p as usize];
+        let first = firsts.iter().copied().find(|&f| alike(f, v));
+        first.unwrap_or_else(|| {
+            firsts.push(v);
+            v
+        })
+    });
+    class.collect()
 }
