@@ -1,11 +1,14 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
+mod engines;
+
 use crate::arguments::{SkinOptions, UnitWord};
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, Stage};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
+use engines::Engines;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmError, FilmOptions, Run, SkinReport, SkinnedFilm};
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
@@ -17,7 +20,7 @@ use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Serialize)]
@@ -25,6 +28,8 @@ struct FullReport<'a> {
     #[serde(flatten)]
     skin: Option<&'a SkinReport>,
     film: Option<FilmPart>,
+    #[serde(flatten)]
+    engines: &'a Engines,
     files: &'a [(String, usize)],
     stages: &'a [Stage],
 }
@@ -59,10 +64,11 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         options.unit,
         &progress,
     )?;
-    let (skin, film, files) = match options.frame {
+    let (skin, film, mut files, engines) = match options.frame {
         Some(number) => still(run, number, options, &progress)?,
         None => film(run, options, &progress)?,
     };
+    files.extend(engines.files.iter().cloned());
     let stages = progress.finish();
     let text = if options.telling.json {
         let film = film.map(|f| FilmPart {
@@ -74,12 +80,13 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         let full = FullReport {
             skin: skin.as_ref(),
             film,
+            engines: &engines,
             files: &files,
             stages: &stages,
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
-        words(skin.as_ref(), film.as_ref(), &files, &stages)
+        words(skin.as_ref(), film.as_ref(), &engines, &files, &stages)
     };
     if options.telling.reports() {
         print(&text)?;
@@ -121,8 +128,13 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
     }
 }
 
-/// The skin, the film's file, and the files with their sizes in bytes.
-type Made = (Option<SkinReport>, Option<FilmReport>, Vec<(String, usize)>);
+/// The skin, the film's file, the files with their sizes in bytes, and what engines want.
+type Made = (
+    Option<SkinReport>,
+    Option<FilmReport>,
+    Vec<(String, usize)>,
+    Engines,
+);
 
 fn still(
     mut run: Run,
@@ -164,7 +176,12 @@ fn still(
     let files = outputs
         .iter()
         .map(|o| (o.path.display().to_string(), o.bytes.len()));
-    Ok((Some(still.report), None, files.collect()))
+    Ok((
+        Some(still.report),
+        None,
+        files.collect(),
+        Engines::default(),
+    ))
 }
 
 fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
@@ -173,7 +190,7 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
     let Some(path) = &options.output else {
         let mut made = skinned(&mut run, from..to, &how, progress)?;
         let files = frame_pictures(&run, &mut made, options, progress)?;
-        return Ok((Some(made.report), None, files));
+        return Ok((Some(made.report), None, files, Engines::default()));
     };
     let ending = ending(path);
     let usd = UsdFormat::of_path(path).filter(|&f| f != UsdFormat::Usda);
@@ -184,7 +201,18 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
         ))
         .hint("a single frame, as --frame 10, can be written in every mesh format"));
     }
+    let beside = engines::paths(options, path)?;
+    let mut outputs = vec![path.as_path()];
+    outputs.extend(beside.iter().map(PathBuf::as_path));
+    files::check_distinct(&outputs, &[])?;
     if ending == "pvd" {
+        if let Some(beside) = beside.first() {
+            return Err(Failure::request(format!(
+                "{}: a series for ParaView is of rods and has no pieces",
+                beside.display()
+            ))
+            .hint("name a film, such as -o film.glb"));
+        }
         return series(run, from..to, path, progress);
     }
     if is_video(&ending) {
@@ -204,13 +232,10 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
         progress.stage("video")?;
         let bytes = encode(&folder, run.scene.frames_per_second, path, &ending)?;
         shown.push((path.display().to_string(), bytes));
-        return Ok((Some(made.report), None, shown));
+        return Ok((Some(made.report), None, shown, Engines::default()));
     }
     progress.stage("write")?;
-    let glb = GlbOptions {
-        max_joints: options.max_joints.map(|n| n as usize),
-        max_influences: usize::from(options.influences),
-    };
+    let glb = glb_options(options);
     let name = path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
@@ -238,7 +263,15 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    Ok((Some(made.report), Some(written), files))
+    let engines = engines::write(&mut made, options, path, progress)?;
+    Ok((Some(made.report), Some(written), files, engines))
+}
+
+fn glb_options(options: &SkinOptions) -> GlbOptions {
+    GlbOptions {
+        max_joints: options.max_joints.map(|n| n as usize),
+        max_influences: usize::from(options.influences),
+    }
 }
 
 fn skinned(
@@ -307,7 +340,15 @@ fn series(
         path.display(),
         count - 1
     );
-    Ok((None, None, vec![(told, bytes)]))
+    Ok((None, None, vec![(told, bytes)], Engines::default()))
+}
+
+/// Writes a scene with the metre as its unit; gives the files' names and sizes.
+fn in_metres(scene: &Scene, path: &Path) -> Result<Vec<(String, usize)>, Failure> {
+    let outputs = files::encode(scene, path, LengthUnit::Metre)?;
+    files::write_all(&outputs)?;
+    let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
+    Ok(outputs.iter().map(told).collect())
 }
 
 fn in_folder(folder: &Path, file: Encoded) -> Output {
@@ -339,6 +380,7 @@ pub fn failure(error: FilmError) -> Failure {
 fn words(
     skin: Option<&SkinReport>,
     film: Option<&FilmReport>,
+    engines: &Engines,
     files: &[(String, usize)],
     stages: &[Stage],
 ) -> String {
@@ -352,6 +394,7 @@ fn words(
             film.error() * 1e3
         );
     }
+    engines.words(&mut text);
     for (file, bytes) in files {
         let _ = writeln!(text, "wrote    {file}, {}", size(*bytes));
     }

@@ -109,6 +109,59 @@ fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
 }
 
 #[test]
+fn engines_get_shapes_levels_and_vertex_textures() {
+    let folder = simulated();
+    let told = report(
+        &folder,
+        &[
+            "-o",
+            "film.glb",
+            "--collision",
+            "shapes.glb",
+            "--lod",
+            "0.5",
+            "--vat",
+            "moves.png",
+        ],
+    );
+    let checked = folder.run(&["check", "shapes.glb", "--json"]);
+    let checked: Value = serde_json::from_str(&checked.out).unwrap();
+    let shapes = checked[0]["meshes"].as_array().unwrap();
+    for shape in shapes {
+        assert!(shape["solid"] == true, "{shape}");
+        assert!(
+            shape["name"].as_str().unwrap().starts_with("UCX_piece_"),
+            "{shape}"
+        );
+    }
+    let pieces = told["pieces"].as_array().unwrap().len();
+    assert!(
+        shapes.len() >= pieces,
+        "{} shapes of {pieces} pieces",
+        shapes.len()
+    );
+    let levels = told["levels"].as_array().unwrap();
+    let [before, after] = [0, 1].map(|k| levels[0]["triangles"][k].as_u64().unwrap());
+    assert!(after < before && after >= before / 2, "{told}");
+    assert_eq!(
+        glb(&folder.read("film_lod1.glb"))["animations"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+    for file in ["moves.png", "moves.normals.png", "moves.json", "moves.glb"] {
+        assert!(!folder.read(file).is_empty(), "{file}");
+    }
+    let refused = folder.run(&["skin", "run", "-o", "film.usdc", "--lod", "0.5"]);
+    assert!(
+        refused.code == 2 && refused.err.contains("levels of detail"),
+        "{}",
+        refused.err
+    );
+}
+
+#[test]
 fn what_is_cut_short_is_told_and_what_is_wrong_is_refused() {
     let folder = simulated();
     let path = folder.0.join("run/frames.gsf");

@@ -18,7 +18,9 @@ Examples
   greenstick skin run --pictures frames --picture-size 640x480 --samples 8
   greenstick skin run -o broken.glb --frame -1         the last frame as a still
   greenstick skin run --picture broken.png --frame 45
-  greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh";
+  greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh
+  greenstick skin run -o film.glb --collision film.collision.glb --lod 0.5,0.25
+  greenstick skin run -o film.glb --vat film.vat.png   for shaders that move vertices";
 
 #[derive(Debug, Args)]
 #[command(after_help = SKIN_EXAMPLES)]
@@ -73,6 +75,47 @@ pub struct SkinOptions {
         help_heading = "Film")]
     pub influences: u8,
 
+    /// Convex collision shapes of the pieces at rest, as meshes UCX_piece_000_00 and so on, in a mesh file
+    #[arg(
+        long,
+        value_name = "FILE.glb",
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub collision: Option<PathBuf>,
+    /// Most convex shapes of a piece
+    #[arg(long, value_name = "NUMBER", default_value = "16", requires = "collision",
+        value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "For engines")]
+    pub collision_shapes: u16,
+    /// Most vertices of a convex shape
+    #[arg(long, value_name = "NUMBER", default_value = "32", requires = "collision",
+        value_parser = clap::value_parser!(u16).range(4..=255), help_heading = "For engines")]
+    pub collision_vertices: u16,
+
+    /// Levels of detail: shares of the triangles, in files beside the film, film_lod1.glb and so on
+    #[arg(
+        long,
+        value_name = "SHARE,SHARE",
+        value_delimiter = ',',
+        value_parser = share,
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub lod: Vec<f64>,
+    /// Vertex animation texture: positions and normals in each frame as 16-bit pictures, with the mesh that they move as
+    /// FILE.glb and how to read them as FILE.json
+    #[arg(
+        long,
+        value_name = "FILE.png",
+        conflicts_with = "frame",
+        help_heading = "For engines"
+    )]
+    pub vat: Option<PathBuf>,
+    /// Most pixels in a row of such a picture
+    #[arg(long, value_name = "PIXELS", default_value = "8192", requires = "vat",
+        value_parser = clap::value_parser!(u16).range(1..=16384), help_heading = "For engines")]
+    pub vat_width: u16,
+
     /// Folder for a picture of every frame of a film; made where it is not there
     #[arg(
         long,
@@ -107,5 +150,13 @@ impl SkinOptions {
             Ok(Command::Skin(options)) => Some(options),
             _ => None,
         }
+    }
+}
+
+/// A share of triangles: above 0, up to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1.0 => Ok(x),
+        _ => Err("expected shares above 0 and up to 1 with commas between them: 0.5,0.25".into()),
     }
 }

@@ -4,8 +4,10 @@
 //! some bytes for each frame and piece that say where its samples lie.
 
 mod reel;
+mod vertex_texture;
 
 pub(crate) use reel::Reel;
+pub use vertex_texture::{LARGEST_TEXTURE, TexturePiece, VertexTexture, write_vertex_texture};
 
 use crate::error::{FormatError, InFile};
 use crate::usd::{self, UsdFormat};

@@ -3,14 +3,18 @@
 //! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
+mod collision;
 mod error;
+mod level;
 mod motion;
 mod pieces;
 mod report;
 mod rest;
 mod series;
 
+pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
+pub use level::{LevelReport, level};
 pub use motion::RunMotion;
 use pieces::Following;
 pub use report::{FilmPiece, SkinReport};

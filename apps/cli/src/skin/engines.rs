@@ -1,0 +1,163 @@
+//! What game engines want beside a film: collision shapes, levels of detail, vertex animation textures.
+
+use super::{ending, failure, glb_options, in_folder, in_metres};
+use crate::arguments::SkinOptions;
+use crate::break_wood::check_png;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use greenstick::files;
+use greenstick::film::{CollisionPiece, FilmError, LevelReport, SkinnedFilm, collision, level};
+use greenstick::formats::film::{VertexTexture, write_glb, write_vertex_texture};
+use greenstick::geometry::ConvexOptions;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// What was made, and the files with their sizes.
+#[derive(Default, Serialize)]
+pub struct Engines {
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    collision: Vec<CollisionPiece>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    levels: Vec<LevelReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertex_texture: Option<VertexTexture>,
+    #[serde(skip)]
+    pub files: Vec<(String, usize)>,
+}
+
+impl Engines {
+    /// Lines of the report.
+    pub fn words(&self, text: &mut String) {
+        if !self.collision.is_empty() {
+            let shapes: usize = self.collision.iter().map(|p| p.shapes).sum();
+            let off = self.collision.iter().map(|p| p.uncovered_m);
+            let _ = writeln!(
+                text,
+                "shapes   {shapes} convex ones of {} pieces; no vertex farther than {:.3} mm outside",
+                self.collision.len(),
+                off.fold(0.0, f64::max) * 1e3
+            );
+        }
+        for level in &self.levels {
+            let [before, after] = level.triangles;
+            // Seams and borders hold the others.
+            let short = after as f64 > 1.01 * level.share * before as f64;
+            let _ = writeln!(
+                text,
+                "level    {after} of {before} triangles{}; no vertex farther than {:.3} mm off, at rest and in a few frames",
+                if short { ", no others could go" } else { "" },
+                level.error_m * 1e3
+            );
+        }
+        if let Some(about) = &self.vertex_texture {
+            let _ = writeln!(
+                text,
+                "vertices {} in {} × {} pixels, {} rows a frame; at most {:.4} mm off along each axis",
+                about.vertices,
+                about.width,
+                about.height,
+                about.rows_per_frame,
+                about.error() * 1e3
+            );
+        }
+    }
+}
+
+/// The files that the options name beside the film, whose own name they are checked with.
+pub fn paths(options: &SkinOptions, film: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths: Vec<PathBuf> = options.collision.iter().cloned().collect();
+    if !options.lod.is_empty() && ending(film) != "glb" {
+        return Err(
+            Failure::request(format!("{}: has no levels of detail", film.display()))
+                .hint("they are made of a .glb, such as -o film.glb"),
+        );
+    }
+    paths.extend((1..=options.lod.len()).map(|number| level_path(film, number)));
+    if let Some(path) = &options.vat {
+        check_png(path)?;
+        paths.push(path.clone());
+        let beside = ["normals.png", "json", "glb"];
+        paths.extend(beside.map(|ending| path.with_extension(ending)));
+    }
+    Ok(paths)
+}
+
+fn level_path(film: &Path, number: usize) -> PathBuf {
+    let stem = film
+        .file_stem()
+        .map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    film.with_file_name(format!("{stem}_lod{number}.glb"))
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
+}
+
+/// Makes and writes what the options ask for beside the film in file `film`.
+pub fn write(
+    made: &mut SkinnedFilm,
+    options: &SkinOptions,
+    film: &Path,
+    progress: &Progress,
+) -> Result<Engines, Failure> {
+    let mut engines = Engines::default();
+    if let Some(path) = &options.collision {
+        shapes(&mut engines, made, options, path, progress)?;
+    }
+    for (number, &share) in options.lod.iter().enumerate() {
+        let path = level_path(film, number + 1);
+        let name = name_of(&path);
+        let (told, bytes) = progress
+            .watch(|context| {
+                let (simpler, told) = level(made, share, context)?;
+                let motion = &mut made.motion;
+                let glb = glb_options(options);
+                files::write_streamed(&path, |file| -> Result<_, FilmError> {
+                    let written = write_glb(&simpler, motion, &name, &glb, file, context)?;
+                    Ok((told, written.bytes as usize))
+                })
+            })
+            .map_err(failure)?;
+        engines.levels.push(told);
+        engines.files.push((path.display().to_string(), bytes));
+    }
+    if let Some(path) = &options.vat {
+        let width = usize::from(options.vat_width);
+        let (about, encoded) = progress
+            .watch(|context| {
+                let (film, motion) = (&made.film, &mut made.motion);
+                let name = name_of(path);
+                Ok::<_, FilmError>(write_vertex_texture(film, motion, &name, width, context)?)
+            })
+            .map_err(failure)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
+        files::write_all(&outputs)?;
+        let told = |o: &files::Output| (o.path.display().to_string(), o.bytes.len());
+        engines.files.extend(outputs.iter().map(told));
+        engines.vertex_texture = Some(about);
+    }
+    Ok(engines)
+}
+
+fn shapes(
+    engines: &mut Engines,
+    made: &SkinnedFilm,
+    options: &SkinOptions,
+    path: &Path,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let how = ConvexOptions {
+        shapes: usize::from(options.collision_shapes),
+        vertices: usize::from(options.collision_vertices),
+        ..ConvexOptions::default()
+    };
+    let made = progress
+        .watch(|context| Ok::<_, FilmError>(collision(&made.film, &how, context)?))
+        .map_err(failure)?;
+    engines.files.extend(in_metres(&made.scene, path)?);
+    engines.collision = made.pieces;
+    Ok(())
+}
