@@ -5,7 +5,7 @@ mod common;
 use common::{distance, read_back, round_trip, two_cubes};
 use glam::{DAffine3, DMat3, DVec3};
 use greenstick_formats::{Format, LengthUnit, write};
-use greenstick_geometry::Scene;
+use greenstick_geometry::{Attribute, Scene};
 
 fn volume(scene: &Scene) -> f64 {
     scene
@@ -145,4 +145,40 @@ fn parents_that_go_in_circles_are_written_as_roots() {
     let files = write(Format::Glb, &scene, "x.glb", LengthUnit::Metre).unwrap();
     let back = read_back(Format::Glb, &files, LengthUnit::Metre);
     assert_eq!(back.nodes.len(), 2);
+}
+
+#[test]
+fn own_attributes_of_several_widths_are_written_as_numbers_and_come_back() {
+    let mut scene = two_cubes();
+    for node in &mut scene.nodes {
+        let vertices = node.mesh.positions.len();
+        let attribute = |width: usize| Attribute {
+            width,
+            data: (0..width * vertices).map(|i| i as f32).collect(),
+        };
+        node.mesh
+            .attributes
+            .retain(|name, _| !name.starts_with('_'));
+        node.mesh.attributes.insert("_GRAIN".into(), attribute(3));
+        node.mesh.attributes.insert("_RING".into(), attribute(1));
+    }
+    let files = write(Format::Gltf, &scene, "cubes.gltf", LengthUnit::Metre).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&files[0].bytes).unwrap();
+    let mut own = 0;
+    for mesh in json["meshes"].as_array().unwrap() {
+        for primitive in mesh["primitives"].as_array().unwrap() {
+            for (name, accessor) in primitive["attributes"].as_object().unwrap() {
+                if name.starts_with('_') {
+                    let accessor = &json["accessors"][accessor.as_u64().unwrap() as usize];
+                    assert_eq!(accessor["type"], "SCALAR", "{name}");
+                    own += 1;
+                }
+            }
+        }
+    }
+    assert!(own >= 8, "{own}");
+    let back = round_trip(Format::Gltf, &scene, LengthUnit::Metre);
+    for (a, b) in back.nodes.iter().zip(&scene.nodes) {
+        assert_eq!(a.mesh.attributes, b.mesh.attributes);
+    }
 }

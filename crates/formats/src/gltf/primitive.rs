@@ -3,6 +3,7 @@
 use super::accessor::Source;
 use super::read::draco;
 use super::schema::Primitive;
+use super::vertices::join_own;
 use crate::assemble::clean_attributes;
 use crate::error::FormatError;
 use glam::DVec3;
@@ -69,6 +70,7 @@ pub fn read_mesh(source: &Source, index: usize, scene: &mut Scene) -> Result<Mes
     if materials.iter().any(|&m| m != NO_MATERIAL) {
         mesh.materials = materials;
     }
+    join_own(&mut mesh);
     clean_attributes(&mut mesh, &mut scene.notes);
     Ok(mesh)
 }

@@ -2,7 +2,7 @@
 
 use crate::assemble::gather;
 use glam::{DVec3, Vec3};
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Attribute, Mesh};
 use std::collections::BTreeMap;
 
 /// An attribute ready to be written: how many numbers for each vertex, and the numbers.
@@ -32,6 +32,7 @@ pub fn attributes(
         }
         out.entry(written).or_insert((attribute.width, data));
     }
+    part_own(&mut out);
     match (out.get("NORMAL").cloned(), out.get_mut("TANGENT")) {
         (Some((_, normals)), Some((_, tangents))) => unit_tangents(tangents, &normals),
         // Tangents mean nothing without normals.
@@ -55,6 +56,68 @@ pub fn attributes(
         }
     }
     out
+}
+
+/// What the numbers of an attribute of our own are called where they are written one by one.
+const COMPONENTS: [&str; 4] = ["_X", "_Y", "_Z", "_W"];
+
+/// Writes attributes that are no standard ones number by number where they are not all of one width: Blender (4.5) takes
+/// the widths of such attributes in an order of chance, and fails where that is not the one they are written in.
+fn part_own(out: &mut BTreeMap<String, Ready>) {
+    let own = |out: &BTreeMap<String, Ready>| -> Vec<(String, usize)> {
+        let own = out.iter().filter(|(name, _)| name.starts_with('_'));
+        own.map(|(name, ready)| (name.clone(), ready.0)).collect()
+    };
+    let all = own(out);
+    if all.windows(2).all(|w| w[0].1 == w[1].1) {
+        return;
+    }
+    for (name, width) in all.into_iter().filter(|(_, w)| (2..=4).contains(w)) {
+        let parts: Vec<String> = COMPONENTS[..width]
+            .iter()
+            .map(|c| format!("{name}{c}"))
+            .collect();
+        if parts.iter().any(|p| out.contains_key(p)) {
+            continue;
+        }
+        let Some((_, data)) = out.remove(&name) else {
+            continue;
+        };
+        for (k, part) in parts.into_iter().enumerate() {
+            let component = data.iter().skip(k).step_by(width).copied().collect();
+            out.insert(part, (1, component));
+        }
+    }
+}
+
+/// Joins attributes that were written number by number.
+pub fn join_own(mesh: &mut Mesh) {
+    let first = COMPONENTS[0];
+    let bases: Vec<String> = (mesh.attributes.keys())
+        .filter(|name| name.starts_with('_'))
+        .filter_map(|name| name.strip_suffix(first).map(str::to_owned))
+        .filter(|base| base.len() > 1 && !mesh.attributes.contains_key(base))
+        .collect();
+    for base in bases {
+        let parts: Vec<String> = COMPONENTS
+            .iter()
+            .map(|c| format!("{base}{c}"))
+            .take_while(|p| mesh.attributes.get(p).is_some_and(|a| a.width == 1))
+            .collect();
+        if parts.len() < 2 {
+            continue;
+        }
+        let width = parts.len();
+        let parts: Vec<_> = parts
+            .iter()
+            .filter_map(|p| mesh.attributes.remove(p))
+            .collect();
+        let vertices = parts.iter().map(|p| p.data.len()).min().unwrap_or(0);
+        let data = (0..vertices)
+            .flat_map(|v| parts.iter().map(move |p| p.data[v]))
+            .collect();
+        mesh.attributes.insert(base, Attribute { width, data });
+    }
 }
 
 /// The name under which an attribute may be written, if it may.
