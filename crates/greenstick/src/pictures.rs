@@ -48,7 +48,8 @@ impl StemShader<'_> {
 
     fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
         let along = self.stem.grain.axis().frame(grain.z).tangent;
-        self.stem.kind == StemKind::Board || hit.geometric_normal.dot(along).abs() > SAWN
+        let end = !self.moved && hit.geometric_normal.dot(along).abs() > SAWN;
+        self.stem.kind == StemKind::Board || end
     }
 
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
@@ -106,7 +107,7 @@ impl Shader for StemShader<'_> {
                 }
                 match grain {
                     // A board's skin is sawn wood, and so are the ends of a stem.
-                    Some(grain) if !self.moved && self.is_sawn(hit, grain) => self.wood(hit, grain),
+                    Some(grain) if self.is_sawn(hit, grain) => self.wood(hit, grain),
                     grain => self.bark(hit, grain),
                 }
             }
