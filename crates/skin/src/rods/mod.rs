@@ -23,7 +23,7 @@ mod section;
 pub use joints::{Joints, frame_poses};
 pub use meshes::{Materials, RodSkin, Square, rod_skin};
 pub use parting::{Break, Part, Parting, Pieces};
-pub use section::{Bonded, Column, Columns, columns};
+pub use section::{Bonded, Column, Columns, OUTSIDE, columns};
 
 use glam::{DAffine3, DVec2};
 use greenstick_fibre::bundle::Bundle;
