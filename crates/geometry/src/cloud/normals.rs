@@ -1,6 +1,7 @@
 //! Normals of a cloud by principal components of each point's neighbours, and their orientation (Hoppe et al. 1992).
 
 use super::{Neighbours, eigen};
+use crate::Unions;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -50,12 +51,10 @@ pub fn orient_along_tree(points: &[DVec3], normals: &mut [DVec3], tree: &Neighbo
     edges.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     edges.dedup();
     // Kruskal's algorithm.
-    let mut parent: Vec<u32> = (0..points.len() as u32).collect();
+    let mut trees = Unions::new(points.len());
     let mut links: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
     for (_, a, b) in edges {
-        let (x, y) = (root(&mut parent, a), root(&mut parent, b));
-        if x != y {
-            parent[x as usize] = y;
+        if trees.join(a, b) {
             links[a as usize].push(b);
             links[b as usize].push(a);
         }
@@ -67,14 +66,6 @@ pub fn orient_along_tree(points: &[DVec3], normals: &mut [DVec3], tree: &Neighbo
             orient_part(&part, points, normals, &links);
         }
     }
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }
 
 fn collect(start: u32, links: &[Vec<u32>], seen: &mut [bool]) -> Vec<u32> {

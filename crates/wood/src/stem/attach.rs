@@ -1,9 +1,10 @@
 //! What other shells do to a stem: where they are stuck into it, and which of them move with its upper piece.
 
 use super::build::{Body, Section};
-use super::shells::{Points, Sets, Shell};
+use super::shells::{Points, Shell};
 use super::surface::Surface;
 use glam::{DVec2, DVec3};
+use greenstick_geometry::Unions;
 use std::f64::consts::{PI, TAU};
 
 /// Directions in which a section's outline is kept for the test whether a point is inside.
@@ -193,7 +194,7 @@ impl<'a> Tube<'a> {
             .flat_map(|&i| surface.points_of(i))
             .max()
             .map_or(0, |m| m + 1);
-        let mut sets = Sets::new(largest as usize);
+        let mut sets = Unions::new(largest as usize);
         for &i in &kept {
             let [a, b, c] = surface.points_of(i);
             sets.join(a, b);
@@ -204,7 +205,7 @@ impl<'a> Tube<'a> {
         let mut roots: Vec<u32> = kept
             .iter()
             .filter(|&&i| wanted.binary_search(&surface.number(i)).is_ok())
-            .map(|&i| sets.find(surface.points_of(i)[0]))
+            .map(|&i| sets.root(surface.points_of(i)[0]))
             .collect();
         roots.sort_unstable();
         roots.dedup();
@@ -217,7 +218,7 @@ impl<'a> Tube<'a> {
         let mut marked = vec![false; last.map_or(0, |n| n as usize + 1)];
         for &i in &kept {
             if roots
-                .binary_search(&sets.find(surface.points_of(i)[0]))
+                .binary_search(&sets.root(surface.points_of(i)[0]))
                 .is_ok()
             {
                 marked[surface.number(i) as usize] = true;
@@ -368,7 +369,7 @@ pub(crate) fn upper_side(
     origin: DVec3,
     along: DVec3,
 ) -> Option<impl FnMut(u32) -> bool> {
-    let mut sets = Sets::new(points.positions.len());
+    let mut sets = Unions::new(points.positions.len());
     let mut sorted = barrier.to_vec();
     sorted.sort_unstable();
     for &t in &shell.triangles {
@@ -381,7 +382,7 @@ pub(crate) fn upper_side(
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for &t in &sorted {
         for c in points.triangles[t as usize] {
-            let root = sets.find(c);
+            let root = sets.root(c);
             let high = (points.positions[c as usize] - origin).dot(along) > 0.0;
             if high {
                 above.push(root)
@@ -394,5 +395,5 @@ pub(crate) fn upper_side(
     if below.iter().any(|b| above.binary_search(b).is_ok()) {
         return None;
     }
-    Some(move |point: u32| above.binary_search(&sets.find(point)).is_ok())
+    Some(move |point: u32| above.binary_search(&sets.root(point)).is_ok())
 }

@@ -1,33 +1,7 @@
 //! Shells: the connected parts of a mesh, connected where triangles share a point.
 
 use glam::DVec3;
-use greenstick_geometry::Mesh;
-
-/// Disjoint sets with path halving, joined towards the smaller number.
-pub(crate) struct Sets(Vec<u32>);
-
-impl Sets {
-    pub fn new(count: usize) -> Self {
-        Sets((0..count as u32).collect())
-    }
-
-    pub fn find(&mut self, i: u32) -> u32 {
-        let mut i = i;
-        while self.0[i as usize] != i {
-            let up = self.0[self.0[i as usize] as usize];
-            self.0[i as usize] = up;
-            i = up;
-        }
-        i
-    }
-
-    pub fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        if a != b {
-            self.0[a.max(b) as usize] = a.min(b);
-        }
-    }
-}
+use greenstick_geometry::{Mesh, Unions};
 
 /// Points of a mesh (welded vertices) and the triangles over them.
 pub(crate) struct Points {
@@ -134,7 +108,7 @@ pub(crate) fn points(mesh: &Mesh, tolerance: f64) -> Points {
 
 /// The shells of a mesh, in order of their first triangle. Triangles without area are left with their neighbours.
 pub(crate) fn shells(node: usize, points: &Points) -> Vec<Shell> {
-    let mut sets = Sets::new(points.positions.len());
+    let mut sets = Unions::new(points.positions.len());
     for t in &points.triangles {
         sets.join(t[0], t[1]);
         sets.join(t[0], t[2]);
@@ -142,7 +116,7 @@ pub(crate) fn shells(node: usize, points: &Points) -> Vec<Shell> {
     let mut number = vec![u32::MAX; points.positions.len()];
     let mut shells: Vec<Shell> = Vec::new();
     for (i, t) in points.triangles.iter().enumerate() {
-        let root = sets.find(t[0]) as usize;
+        let root = sets.root(t[0]) as usize;
         if number[root] == u32::MAX {
             number[root] = shells.len() as u32;
             let (low, high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
