@@ -12,7 +12,7 @@ use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureOptions;
 use greenstick::simulate::{
     Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames,
-    load_chart, simulate,
+    load_chart, scene_of, simulate,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -213,7 +213,11 @@ fn pictures(
     progress.stage("pictures")?;
     let folder = &request.folder;
     let all = frames(folder).map_err(|e| failure(e, folder))?;
-    let shapes = body_shapes(request).map_err(|e| failure(e, folder))?;
+    let ran = SimulateRequest {
+        scene: scene_of(folder).map_err(|e| failure(e, folder))?,
+        ..request.clone()
+    };
+    let shapes = body_shapes(&ran).map_err(|e| failure(e, folder))?;
     let mut numbers = vec![0, all.len() / 2, all.len().saturating_sub(1)];
     numbers.dedup();
     let mut outputs = Vec::new();

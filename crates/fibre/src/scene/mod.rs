@@ -5,9 +5,11 @@
 //!
 //! [`Scene::read`] reads one, [`Scene::built_in`] has those that come with the program, [`set_up`] puts a bundle into it.
 
+mod arc;
 mod built_in;
 pub(crate) mod declare;
 mod read;
+mod scale;
 mod set_up;
 mod start;
 
@@ -294,6 +296,9 @@ declared! {
         velocity: [f64; 3] = [0.0; 3], (-1e3, 1e3, "m/s");
         /// Angular velocity about its middle: along its axis.
         angular: [f64; 3] = [0.0; 3], (-1e6, 1e6, "°/s");
+        /// Whether it also moves so that the wood between it and the other clamp is bent and keeps its length; of key
+        /// frames, in a scene with two clamps.
+        arc: bool = false, (-INF, INF, "");
         /// Which of x, y, z are held.
         axes: String = "xyz".to_owned(), (-INF, INF, "");
     }
@@ -374,6 +379,9 @@ declared! {
         rows_per_second: f64 = 500.0, (1e-3, 1e6, "1/s");
         /// Solver: explicit, implicit, interactive or quasi-static.
         solver: SolverWord = SolverWord::Explicit, (-INF, INF, "");
+        /// Length of the stem that the scene's lengths are for: on another, edges and spacing of rods, sizes and places of
+        /// bodies, and ways and velocities of moved bodies and clamps are as much longer. Without it they are as they are.
+        for_length: Option<Length> = None, (1e-3, 100.0, "m");
         /// Its step; else it chooses.
         step: Option<f64> = None, (1e-12, 1.0, "s");
     }

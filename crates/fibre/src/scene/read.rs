@@ -73,6 +73,14 @@ pub enum SceneError {
         /// The time that does not.
         time: f64,
     },
+    /// A clamp that cannot keep the wood's length.
+    #[error("clamp {clamp} has arc = true: {problem}")]
+    Arc {
+        /// Number of the clamp, from 0.
+        clamp: usize,
+        /// Why it cannot.
+        problem: String,
+    },
     /// A body that passes the stem by.
     #[error(
         "body {body} never touches the stem when it comes from ({x}, {y}, {z}); change `touch`, `at` or `place`"
@@ -228,6 +236,7 @@ impl Scene {
                 });
             }
         }
+        super::arc::check(&self.clamp)?;
         self.check_solver()
     }
 }

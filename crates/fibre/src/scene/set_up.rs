@@ -1,5 +1,6 @@
 //! From a scene and a bundle to a world that a solver can move.
 
+use super::arc;
 use super::start::{bend, lay, turn};
 use super::{
     BodyKeys, BondWord, ClampKeys, ForceKeys, KeyFrame, MotionWord, Scene, SceneError, ShapeWord,
@@ -159,6 +160,8 @@ fn loads(
         let made = self::clamp(number, clamp, bundle, state, fraction)?;
         world.loads.clamps.push(made);
     }
+    let (clamps, position) = (&mut world.loads.clamps, &world.state.position);
+    arc::follow(clamps, &scene.clamp, &world.bundle, position, fraction)?;
     for force in &scene.force {
         add_force(force, world, fraction, length);
     }

@@ -18,7 +18,7 @@ pub use error::SimulateError;
 pub(crate) use growing::FRAME_FILE;
 pub use origin::Origin;
 pub(crate) use prepare::lay;
-pub use prepare::{Grown, body_shapes, grow};
+pub use prepare::{Grown, body_shapes, grow, scene_of};
 pub use report::{EnergyDrift, SimulateReport};
 
 use crate::files::{self, FileError, Output};
@@ -175,7 +175,11 @@ pub fn simulate(
     request: &SimulateRequest,
     context: &Context,
 ) -> Result<SimulateReport, SimulateError> {
-    let (made, hash) = prepare(request, input, context)?;
+    let (made, scene, hash) = prepare(request, input, context)?;
+    let request = &SimulateRequest {
+        scene,
+        ..request.clone()
+    };
     let folder = &request.folder;
     let taken = folder.join(CHECKPOINT).exists();
     if taken && !request.resume {

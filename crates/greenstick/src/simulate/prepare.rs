@@ -15,6 +15,7 @@ use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Place, Stem, StemOptions, find};
+use std::path::Path;
 
 /// The scene of the scene's stem, m, and where on it.
 fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), SimulateError> {
@@ -61,6 +62,8 @@ pub struct Grown {
     pub placed: Placed,
     /// The wood's numbers.
     pub wood: WoodMaterial,
+    /// The scene with lengths for this stem.
+    pub setting: Setting,
 }
 
 /// Fills the stem of a scene with rods.
@@ -85,13 +88,20 @@ pub fn grow(
     let (from, to) = found.stem.usable;
     let part = setting.stem.part.map(|p| from + p * (to - from));
     context.step("rods", 0.0)?;
-    let placed = place(&found.stem, &wood, &placement(setting, (part[0], part[1])))?;
+    let setting = setting.for_stem(match setting.stem.kind {
+        StemWord::Input => part[1] - part[0],
+        // What is asked for: of a branch less may be of use.
+        _ => setting.stem.length.0 * (setting.stem.part[1] - setting.stem.part[0]),
+    });
+    setting.check()?;
+    let placed = place(&found.stem, &wood, &placement(&setting, (part[0], part[1])))?;
     Ok(Grown {
         stem: found.stem,
         shell: (found.node, found.shell),
         scene,
         placed,
         wood,
+        setting,
     })
 }
 
@@ -146,16 +156,17 @@ fn placement(setting: &Setting, range: (f64, f64)) -> Placement {
     }
 }
 
-/// The scene as a world with bodies, and the hash of what it depends on.
+/// The scene as a world with bodies, with lengths for its stem, and the hash of what it depends on.
 pub(super) fn prepare(
     request: &SimulateRequest,
     input: Option<&Scene>,
     context: &Context,
-) -> Result<(SetUp, u64), SimulateError> {
-    let setting = &request.scene;
-    let placed = grow(setting, input, context)?.placed;
+) -> Result<(SetUp, Setting, u64), SimulateError> {
+    let Grown {
+        placed, setting, ..
+    } = grow(&request.scene, input, context)?;
     let shapes = body_files(request)?;
-    let made = set_up(setting, placed.bundle, &placed.along, &shapes)?;
+    let made = set_up(&setting, placed.bundle, &placed.along, &shapes)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
     let lasting = Setting {
         duration: 0.0,
@@ -167,7 +178,7 @@ pub(super) fn prepare(
         part.iter()
             .for_each(|v| all.extend(v.to_bits().to_le_bytes()));
     }
-    Ok((made, checksum(&all)))
+    Ok((made, setting, checksum(&all)))
 }
 
 /// The unbroken bundle of a scene in the scene's axes, and the movement from the stem's world to them.
@@ -181,7 +192,7 @@ pub(crate) fn lay(
     let shapes = body_files(request)?;
     let placed = &grown.placed;
     let made = set_up(
-        &request.scene,
+        &grown.setting,
         placed.bundle.clone(),
         &placed.along,
         &shapes,
@@ -222,7 +233,7 @@ pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>
 }
 
 /// The shapes of the scene's bodies as they are to be drawn about the centres that frames hold: those of mesh files as
-/// meshes, hulls with their faces.
+/// meshes, hulls with their faces. The scene is that of a run ([`scene_of`]), whose lengths are for its stem.
 ///
 /// # Errors
 /// [`SimulateError`] for mesh files that cannot be used.
@@ -238,4 +249,15 @@ pub fn body_shapes(request: &SimulateRequest) -> Result<Vec<Shape>, SimulateErro
         });
     }
     Ok(shapes)
+}
+
+/// The scene of the run in a folder, as it was run.
+///
+/// # Errors
+/// [`SimulateError`] where there is none.
+pub fn scene_of(folder: &Path) -> Result<Setting, SimulateError> {
+    let path = folder.join("scene.toml");
+    let text = std::fs::read_to_string(&path)
+        .map_err(|source| files::FileError::Unreadable { path, source })?;
+    Ok(Setting::read(&text)?)
 }
