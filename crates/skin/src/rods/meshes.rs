@@ -109,10 +109,11 @@ fn skin_of(
     let mut complex = Complex::new(wood, &section, parting, options)?;
     let mut faces = open_faces(wood, &mut complex, parting, &joints, options);
     let mended = mend(&mut faces);
-    put(&mut faces, wood, section.spacing);
+    // Both sides of a crack follow alike: before it is opened by a hair.
     let before = history.map_or_else(Before::default, |history| {
         earlier(&faces, &complex, history, &joints)
     });
+    put(&mut faces, wood, section.spacing);
     let pieces = parting.pieces(wood);
     let slabs = complex.slabs();
     let mut of_piece = vec![(Vec::new(), Vec::new()); pieces.count];
