@@ -160,10 +160,81 @@ pub struct Skinned {
     pub name: String,
     /// The mesh at rest (with the joints in their rest poses), in the world, m.
     pub mesh: Mesh,
-    /// What each vertex follows.
+    /// What each vertex follows; from the last change on where that changes.
     pub binding: Binding,
+    /// What vertices follow before.
+    pub earlier: Earlier,
     /// What else is known of it.
     pub extras: BTreeMap<String, Extra>,
+}
+
+/// What some vertices of a piece follow before a frame, where a crack beside them opens then: formats with points over time
+/// show it, those of a skin with fixed weights cannot. Changes are listed by vertex, those of one vertex by frame.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Earlier {
+    /// The vertex of each change, ascending.
+    pub vertices: Vec<u32>,
+    /// The first frame in which it holds no longer, ascending for each vertex.
+    pub until: Vec<u32>,
+    /// Where the vertex rests before, m.
+    pub rest: Vec<DVec3>,
+    /// What it follows before: the change's own number in place of the vertex's.
+    pub binding: Binding,
+}
+
+impl Earlier {
+    /// Adds a change of a vertex, behind those of vertices and frames before it.
+    pub fn push(
+        &mut self,
+        vertex: u32,
+        until: u32,
+        rest: DVec3,
+        entries: impl IntoIterator<Item = (u32, f64)>,
+    ) {
+        self.vertices.push(vertex);
+        self.until.push(until);
+        self.rest.push(rest);
+        self.binding.push(entries);
+    }
+
+    /// How many changes there are.
+    pub fn count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The changes that say what their vertices follow in a frame, with these vertices.
+    pub fn at(&self, frame: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let mut last = u32::MAX;
+        (0..self.count()).filter_map(move |change| {
+            let vertex = self.vertices[change];
+            let holds = vertex != last && frame < self.until[change] as usize;
+            if holds {
+                last = vertex;
+            }
+            holds.then_some((change, vertex as usize))
+        })
+    }
+
+    /// What is wrong for a mesh of `vertices` vertices and a film of `joints` joints, if anything.
+    fn fault(&self, vertices: usize, joints: usize) -> Option<String> {
+        let count = self.count();
+        if self.until.len() != count || self.rest.len() != count {
+            return Some(format!(
+                "{count} changes hold until {} frames at {} places",
+                self.until.len(),
+                self.rest.len()
+            ));
+        }
+        let order = self.vertices.iter().zip(&self.until);
+        if !order.is_sorted() {
+            return Some("changes are not in the order of vertices and frames".into());
+        }
+        if let Some(v) = self.vertices.iter().find(|&&v| v as usize >= vertices) {
+            return Some(format!("a change is of vertex {v} of {vertices}"));
+        }
+        let fault = self.binding.fault(count, joints)?;
+        Some(format!("what vertices follow before: {fault}"))
+    }
 }
 
 /// A frame that moves.
@@ -235,6 +306,9 @@ impl Film {
             if let Some(fault) = piece.binding.fault(vertices, self.joints.len()) {
                 return Some(format!("piece {p} ({}): {fault}", piece.name));
             }
+            if let Some(fault) = piece.earlier.fault(vertices, self.joints.len()) {
+                return Some(format!("piece {p} ({}): {fault}", piece.name));
+            }
         }
         let joints = self.joints.len();
         let lost = self.bodies.iter().find(|(_, j)| *j as usize >= joints);
@@ -258,6 +332,24 @@ impl Film {
                 sum + maps[j as usize].transform_point3(p) * w
             })
         }));
+    }
+
+    /// As [`Self::place_piece`] in a frame, with what vertices follow then.
+    pub fn place_piece_at(
+        &self,
+        frame: usize,
+        piece: usize,
+        maps: &[DAffine3],
+        out: &mut Vec<DVec3>,
+    ) {
+        self.place_piece(piece, maps, out);
+        let earlier = &self.pieces[piece].earlier;
+        for (change, vertex) in earlier.at(frame) {
+            let p = earlier.rest[change];
+            out[vertex] = (earlier.binding.of(change)).fold(DVec3::ZERO, |sum, (j, w)| {
+                sum + maps[j as usize].transform_point3(p) * w
+            });
+        }
     }
 
     /// The unit normals of a piece's vertices where the joints have the maps of [`Self::maps`]; empty for a mesh without
@@ -287,6 +379,43 @@ impl Film {
             });
             (blended * n).normalize_or(n)
         }));
+    }
+
+    /// As [`Self::place_normals`] in a frame, with what vertices follow then.
+    pub fn place_normals_at(
+        &self,
+        frame: usize,
+        piece: usize,
+        maps: &[DAffine3],
+        out: &mut Vec<DVec3>,
+    ) {
+        let attributes = &self.pieces[piece].mesh.attributes;
+        let normals = attributes.get("NORMAL").filter(|a| a.width == 3);
+        let normals = normals.map_or(&[][..], |a| a.data.as_chunks::<3>().0);
+        self.turn_directions_at(frame, piece, maps, normals, out);
+    }
+
+    /// As [`Self::turn_directions`] in a frame, with what vertices follow then.
+    pub fn turn_directions_at(
+        &self,
+        frame: usize,
+        piece: usize,
+        maps: &[DAffine3],
+        at_rest: &[[f32; 3]],
+        out: &mut Vec<DVec3>,
+    ) {
+        self.turn_directions(piece, maps, at_rest, out);
+        let earlier = &self.pieces[piece].earlier;
+        for (change, vertex) in earlier.at(frame) {
+            let Some(n) = at_rest.get(vertex) else {
+                continue;
+            };
+            let n = DVec3::from_array(n.map(f64::from));
+            let blended = (earlier.binding.of(change)).fold(DMat3::ZERO, |sum, (j, w)| {
+                sum + maps[j as usize].matrix3 * w
+            });
+            out[vertex] = (blended * n).normalize_or(n);
+        }
     }
 
     /// Linear blend skinning, exact: the positions (m) of all vertices of a piece. For many pieces at once,
@@ -345,15 +474,51 @@ mod tests {
     }
 
     #[test]
+    fn a_vertex_follows_what_it_followed_in_the_frame() {
+        let mut film = film();
+        let earlier = &mut film.pieces[0].earlier;
+        earlier.push(1, 2, DVec3::X, [(0, 1.0)]);
+        earlier.push(1, 5, DVec3::Y, [(1, 1.0)]);
+        assert_eq!(film.fault(), None);
+        let mut poses: Vec<Pose> = film.joints.iter().map(|j| j.rest).collect();
+        poses[0].translation.z += 4.0;
+        let (mut maps, mut out) = (Vec::new(), Vec::new());
+        film.maps(&poses, &mut maps);
+        let far = DVec3::new(2.0, 0.0, 0.0);
+        let wanted = [
+            (1, DVec3::new(1.0, 0.0, 4.0)),
+            (2, DVec3::Y),
+            (4, DVec3::Y),
+            (5, far + DVec3::Z),
+        ];
+        for (frame, place) in wanted {
+            film.place_piece_at(frame, 0, &maps, &mut out);
+            assert!(out[1].distance(place) < 1e-15, "{frame}: {}", out[1]);
+            assert!(out[0].distance(DVec3::new(0.0, 1.0, 4.0)) < 1e-15);
+        }
+    }
+
+    #[test]
     fn faults_are_found() {
         type Change = fn(&mut Film);
-        let broken: [(&str, Change); 6] = [
+        let broken: [(&str, Change); 9] = [
             ("frames per second", |f| f.frames_per_second = f64::NAN),
             ("no rigid pose", |f| f.joints[1].rest.rotation.x = 3.0),
             ("bound of 1", |f| f.pieces[0].mesh.positions.truncate(1)),
             ("follows joint 7", |f| f.pieces[0].binding.joints[2] = 7),
             ("add up to", |f| f.pieces[0].binding.weights[1] = f64::NAN),
             ("ranges say", |f| f.pieces[0].binding.starts[1] = 9),
+            ("of vertex 2 of 2", |f| {
+                f.pieces[0].earlier.push(2, 1, DVec3::ZERO, [(0, 1.0)]);
+            }),
+            ("order", |f| {
+                for until in [2, 1] {
+                    (f.pieces[0].earlier).push(0, until, DVec3::ZERO, [(0, 1.0)]);
+                }
+            }),
+            ("before: a vertex follows joint 9", |f| {
+                f.pieces[0].earlier.push(0, 1, DVec3::ZERO, [(9, 1.0)]);
+            }),
         ];
         for (says, change) in broken {
             let mut film = film();

@@ -28,7 +28,7 @@ pub use cloud::PointCloud;
 pub use components::{Adjacency, Shells};
 pub use context::{Cancelled, Context};
 pub use convex::{ConvexOptions, ConvexParts, convex_parts};
-pub use film::{Binding, Extra, Film, Joint, Motion, Pose, Skinned};
+pub use film::{Binding, Earlier, Extra, Film, Joint, Motion, Pose, Skinned};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
 pub use scene::{Node, Scene};

@@ -1,72 +1,22 @@
 //! The skin of rods: sound, full of wood and in the right pieces whatever breaks, and where the rods are.
 
-use glam::{DAffine3, DQuat, DVec2, DVec3};
+mod common;
+
+use common::{Grown, MATERIALS, grown, wood};
+use glam::{DAffine3, DQuat, DVec3};
 use greenstick_fibre::event::Cause;
 use greenstick_fibre::loads::Loads;
-use greenstick_fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
 use greenstick_fibre::state::State;
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::check::CheckOptions;
-use greenstick_geometry::{Context, Film, Joint, Mesh};
+use greenstick_geometry::{Film, Joint, Mesh};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Square, Wood, columns, frame_poses,
-    rod_skin,
+    Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, columns, frame_poses, rod_skin,
 };
-use greenstick_wood::moisture::Fallback;
 use greenstick_wood::noise::unit;
 use greenstick_wood::primitive::{self, BranchOptions};
-use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find};
 use std::collections::BTreeMap;
-
-struct Grown {
-    stem: Stem,
-    placed: Placed,
-    pull_out: f64,
-}
-
-fn grown(mesh: Mesh, rods: u32) -> Grown {
-    let middle = "0.5".parse().unwrap();
-    let found = find(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
-    let stem = found.unwrap().stem;
-    let oak = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
-    let options = Placement {
-        rods: HowMany::Number(rods),
-        edges: (0.008, 0.012),
-        ..Placement::default()
-    };
-    Grown {
-        placed: place(&stem, &wood, &options).unwrap(),
-        pull_out: wood.tension / (4.0 * wood.shear),
-        stem,
-    }
-}
-
-fn wood(grown: &Grown) -> Wood<'_> {
-    Wood {
-        stem: &grown.stem,
-        laid: DAffine3::IDENTITY,
-        bundle: &grown.placed.bundle,
-        along: &grown.placed.along,
-        cells: &grown.placed.cells,
-        outline: &grown.placed.outline,
-        bark: None,
-        pull_out: grown.pull_out,
-    }
-}
-
-const MATERIALS: Materials = Materials {
-    inner: 0,
-    bark: 1,
-    own: 2,
-    square: Square {
-        middle: DVec2::ZERO,
-        side: 0.1,
-    },
-    zone: &|_| 0,
-};
 
 fn skin(wood: &Wood, parting: &Parting, options: &RodSkinOptions) -> RodSkin {
     rod_skin(wood, parting, &MATERIALS, options).unwrap()

@@ -237,9 +237,9 @@ impl Placed {
         self.positions.clear();
         self.normals.clear();
         for piece in 0..film.pieces.len() {
-            film.place_piece(piece, &self.maps, &mut self.piece);
+            film.place_piece_at(frame, piece, &self.maps, &mut self.piece);
             self.positions.extend(&self.piece);
-            film.place_normals(piece, &self.maps, &mut self.piece);
+            film.place_normals_at(frame, piece, &self.maps, &mut self.piece);
             self.normals.extend(&self.piece);
         }
         Ok(())

@@ -178,7 +178,7 @@ impl Recording<'_> {
         let none = BTreeMap::new();
         for (p, piece) in film.pieces.iter().enumerate() {
             match piece.binding.used().as_slice() {
-                [joint] => {
+                [joint] if piece.earlier.count() == 0 => {
                     let body = (piece.name.as_str(), &piece.mesh, DAffine3::IDENTITY);
                     self.whole(body, *joint, &piece.extras, stage, reel, file)?;
                 }
@@ -272,11 +272,11 @@ impl Recording<'_> {
             for (_, mover) in &mut self.movers {
                 let put = match mover {
                     Mover::Piece(number, normals, tracks) => {
-                        film.place_piece(*number, &maps, &mut places);
+                        film.place_piece_at(frame, *number, &maps, &mut places);
                         let narrowed = places.iter().map(|&p| narrow(p, reel.file()));
                         let points = narrowed.collect::<Result<Vec<_>, _>>()?;
                         let extent = extent(&points);
-                        film.turn_directions(*number, &maps, normals, &mut places);
+                        film.turn_directions_at(frame, *number, &maps, normals, &mut places);
                         let normals = places.iter().map(|n| n.as_vec3().to_array()).collect();
                         put_piece(tracks, points, extent, normals, file)
                     }

@@ -67,12 +67,13 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
                 mesh: stick,
                 binding,
                 extras,
+                ..Skinned::default()
             },
             Skinned {
                 name: "half".to_owned(),
                 mesh: half,
                 binding: rigid,
-                extras: BTreeMap::new(),
+                ..Skinned::default()
             },
         ],
         fixed: vec![node(

@@ -2,7 +2,7 @@
 
 use super::{FilmError, SkinnedFilm};
 use greenstick_geometry::{
-    Binding, Cancelled, Context, Film, Motion, Pose, Simplified, Skinned, simplify,
+    Binding, Cancelled, Context, Earlier, Film, Motion, Pose, Simplified, Skinned, simplify,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -69,6 +69,8 @@ pub fn level(
         report.error_m = report.error_m.max(simpler.error);
         piece.binding = some(piece, &simpler.kept);
         piece.mesh = simpler.mesh;
+        // Levels are for engines, whose skins have fixed weights.
+        piece.earlier = Earlier::default();
     }
     Ok((out, report))
 }

@@ -7,6 +7,7 @@ mod collision;
 mod error;
 mod level;
 mod motion;
+mod opening;
 mod pieces;
 mod report;
 mod rest;
@@ -16,8 +17,7 @@ pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
 pub use motion::RunMotion;
-use pieces::Following;
-pub use report::{FilmPiece, SkinReport};
+pub use report::{FilmPiece, GapeReport, SkinReport};
 
 use crate::breaking::{inner_wood, part_of};
 use crate::looks::{Looks, looks};
@@ -35,7 +35,8 @@ use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Motion, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
-    Materials, Part, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
+    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
+    rod_skin_over_time,
 };
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
@@ -120,7 +121,7 @@ impl SkinnedFilm {
         let film = &self.film;
         let mut poses = vec![Pose::IDENTITY; film.joints.len()];
         self.motion.poses(number, &mut poses)?;
-        let mut nodes = posed(film, &poses);
+        let mut nodes = posed(film, number, &poses);
         nodes.extend(film.fixed.iter().cloned());
         let mut maps = Vec::new();
         film.maps(&poses, &mut maps);
@@ -165,20 +166,20 @@ impl SkinnedFilm {
     }
 }
 
-/// The pieces of a film where its joints have these poses.
-fn posed(film: &Film, poses: &[Pose]) -> Vec<Node> {
+/// The pieces of a film in a frame, where its joints have these poses.
+fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     let (mut maps, mut normals) = (Vec::new(), Vec::new());
     film.maps(poses, &mut maps);
     let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
         let mut mesh = piece.mesh.clone();
-        film.place_piece(number, &maps, &mut mesh.positions);
-        film.place_normals(number, &maps, &mut normals);
+        film.place_piece_at(frame, number, &maps, &mut mesh.positions);
+        film.place_normals_at(frame, number, &maps, &mut normals);
         if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
             let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
                 .map(|&[x, y, z, _]| [x, y, z])
                 .collect();
             let mut turned = Vec::new();
-            film.turn_directions(number, &maps, &at_rest, &mut turned);
+            film.turn_directions_at(frame, number, &maps, &at_rest, &mut turned);
             for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
                 to[..3].copy_from_slice(&t.as_vec3().to_array());
             }
@@ -328,8 +329,15 @@ impl Run {
 
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
-        let wood = self.wood();
-        let parting = Parting::of(&wood, frame, &self.causes)?;
+        let parting = Parting::of(&self.wood(), frame, &self.causes)?;
+        self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))
+    }
+
+    /// What is made of its wood with the materials that it has here.
+    fn with_materials(
+        &self,
+        make: impl FnOnce(&Wood, &Materials) -> Result<RodSkin, RodSkinError>,
+    ) -> Result<RodSkin, FilmError> {
         let proportions = BreakParameters::default().proportions();
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
@@ -339,7 +347,7 @@ impl Run {
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
         };
-        Ok(rod_skin(&wood, &parting, &materials, options)?)
+        Ok(make(&self.wood(), &materials)?)
     }
 
     /// The materials of all that is shown.
@@ -409,7 +417,7 @@ impl Run {
         let film = film_of(skin, &self.scene);
         let up = upright();
         let poses: Vec<Pose> = poses.into_iter().map(|p| turned(p, up)).collect();
-        scene.nodes = posed(&film, &poses);
+        scene.nodes = posed(&film, number, &poses);
         if options.bodies {
             for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
@@ -421,28 +429,6 @@ impl Run {
             report,
             inner: INNER_MATERIAL,
         })
-    }
-
-    /// Follows the pieces of `skin` through the frames, and how far the joints of a vertex lie apart before it breaks.
-    fn follow(
-        &mut self,
-        skin: &RodSkin,
-        range: std::ops::Range<usize>,
-        report: &mut SkinReport,
-        context: &Context,
-    ) -> Result<(), FilmError> {
-        let edge = |parts: &Vec<(u32, Part)>| skin.joints.first_edge(parts[0].0, parts[0].1);
-        let mut following = Following::new(skin.parts.iter().map(edge).collect());
-        let frames = range.len() as f64;
-        for (done, number) in range.enumerate() {
-            context.step("pieces", done as f64 / frames)?;
-            following.see(&self.frame(number)?);
-        }
-        let names: Vec<String> = report.pieces.iter().map(|p| p.name.clone()).collect();
-        for (piece, parted) in report.pieces.iter_mut().zip(following.parted()) {
-            piece.parted = parted.map(|(time, from)| (time, names[from].clone()));
-        }
-        Ok(())
     }
 
     /// A picture of a frame with its skin, whose wood inside has the material `inner`.
@@ -484,8 +470,11 @@ impl Run {
             });
         }
         context.step("skin", 0.0)?;
-        let (first, last) = (self.frame(range.start)?, self.frame(range.end - 1)?);
-        let skin = self.skin(&last, &options.skin)?;
+        let first = self.frame(range.start)?;
+        let history = self.history(range.clone(), context)?;
+        let skin = self.with_materials(|wood, materials| {
+            rod_skin_over_time(wood, &history, materials, &options.skin)
+        })?;
         let materials = self.materials(options, context)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
         let joints = skin.joints.clone();
@@ -524,6 +513,8 @@ impl Run {
             }
         }
         for (piece, told) in film.pieces.iter_mut().zip(&report.pieces) {
+            let gape = Extra::Number(told.gape_m);
+            piece.extras.insert("gape_m".into(), gape);
             if let Some((time, from)) = &told.parted {
                 piece.extras.insert("parted_s".into(), Extra::Number(*time));
                 piece
@@ -577,6 +568,8 @@ fn film_of(skin: RodSkin, scene: &Setting) -> Film {
     film.pieces = skin.pieces;
     for piece in &mut film.pieces {
         piece.mesh = piece.mesh.transformed(&map);
+        let rest = &mut piece.earlier.rest;
+        rest.iter_mut().for_each(|p| *p = map.transform_point3(*p));
     }
     film
 }

@@ -23,6 +23,19 @@ pub struct FilmPiece {
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
+    /// Greatest distance between both sides of a crack of its before it opens, m, in a file whose weights are fixed.
+    pub gape_m: f64,
+}
+
+/// How far cracks gape before they open in a film whose weights are fixed, as those of glTF are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GapeReport {
+    /// Greatest distance of both sides, m.
+    pub gape_m: f64,
+    /// The same over the mean distance of rods.
+    pub of_spacing: f64,
+    /// When, s.
+    pub time_s: f64,
 }
 
 /// What was made.
@@ -40,6 +53,8 @@ pub struct SkinReport {
     pub joints: usize,
     /// Edges and vertices in which several sheets of skin met, and were parted.
     pub parted: [usize; 2],
+    /// How far cracks gape before they open in a film whose weights are fixed; none where they do not.
+    pub gape: Option<GapeReport>,
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
 }
@@ -65,6 +80,7 @@ impl SkinReport {
                 name: p.name.clone(),
                 rods: rods(parts),
                 parted: None,
+                gape_m: 0.0,
                 volume_m3: match p.extras.get("volume_m3") {
                     Some(Extra::Number(v)) => *v,
                     _ => p.mesh.volume(),
@@ -79,6 +95,7 @@ impl SkinReport {
             bytes_left: frames.left(),
             joints: skin.joints.count(),
             parted: [skin.mended.0, skin.mended.1],
+            gape: None,
             pieces: pieces.collect(),
         }
     }
@@ -108,6 +125,15 @@ impl fmt::Display for SkinReport {
             count(self.pieces.len(), "piece", "pieces"),
             count(self.joints, "joint", "joints"),
         )?;
+        if let Some(gape) = &self.gape {
+            writeln!(
+                f,
+                "gape     at most {:.3} mm ({:.1} % of the rods' distance, at {:.3} s) between sides of cracks that open later, in glTF",
+                gape.gape_m * 1e3,
+                gape.of_spacing * 1e2,
+                gape.time_s
+            )?;
+        }
         const SHOWN: usize = 5;
         for piece in self.pieces.iter().take(SHOWN) {
             writeln!(

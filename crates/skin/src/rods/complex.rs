@@ -1,5 +1,6 @@
 //! Prisms and what joins them: which faces lie open, and which corners of prisms are one vertex.
 
+use super::history::{History, NEVER};
 use super::parting::{Part, Parting};
 use super::section::{Columns, OUTSIDE};
 use super::{RodSkinError, RodSkinOptions, Wood};
@@ -30,6 +31,12 @@ pub(super) struct Complex<'a> {
     onward: Vec<bool>,
     /// First side of each column, and their number at the end.
     first: Vec<usize>,
+    /// The bonds between each two rods.
+    between: Between,
+    /// The rod of each vertex of the bundle.
+    rod_of: Vec<u32>,
+    /// The vertex with which each bond begins.
+    bond_vertex: &'a [u32],
     seed: u64,
 }
 
@@ -45,7 +52,7 @@ pub(super) struct Place {
 
 impl<'a> Complex<'a> {
     pub fn new(
-        wood: &Wood,
+        wood: &Wood<'a>,
         columns: &'a Columns,
         parting: &Parting,
         options: &RodSkinOptions,
@@ -72,10 +79,13 @@ impl<'a> Complex<'a> {
             onward: vec![false; count * slabs],
             first,
             stations,
+            between: bonds_between(wood),
+            rod_of: wood.rods_of_vertices(),
+            bond_vertex: &wood.bundle.bonds.vertex,
             seed: options.seed,
         };
         complex.put_parts(wood, parting, options);
-        complex.join(wood, parting);
+        complex.join(parting);
         Ok(complex)
     }
 
@@ -163,14 +173,8 @@ impl<'a> Complex<'a> {
     }
 
     /// Joins prisms of one part of a rod, and those of rods that a bond holds together there.
-    fn join(&mut self, wood: &Wood, parting: &Parting) {
+    fn join(&mut self, parting: &Parting) {
         let slabs = self.slabs();
-        let bonds = bonds_between(wood);
-        let middle: Vec<f64> = self
-            .stations
-            .windows(2)
-            .map(|w| 0.5 * (w[0] + w[1]))
-            .collect();
         let columns = self.columns;
         for (a, column) in columns.columns.iter().enumerate() {
             for k in 0..slabs.saturating_sub(1) {
@@ -183,18 +187,75 @@ impl<'a> Complex<'a> {
                 }
                 let b = b as usize;
                 let (rod, other) = (column.rod, columns.columns[b].rod);
-                let between = bonds.get(&(rod.min(other), rod.max(other)));
-                for (k, &s) in middle.iter().enumerate() {
+                for k in 0..slabs {
                     let parts = (self.parts[self.prism(a, k)], self.parts[self.prism(b, k)]);
                     let joined = if rod == other {
                         parts.0 == parts.1
                     } else {
-                        between.is_some_and(|b| held(b, s, rod, parts, wood, parting))
+                        (self.bond(rod, other, k)).is_some_and(|(bond, own)| {
+                            let wanted = if own { parts } else { (parts.1, parts.0) };
+                            parting.holds[bond as usize].contains(&Some(wanted))
+                        })
                     };
                     let place = self.side(a, side, k);
                     self.joined[place] = joined;
                 }
             }
+        }
+    }
+
+    /// The bond that decides whether two rods hold together at a slab: the one next to its middle, and whether its vertex
+    /// is of the first rod.
+    fn bond(&self, rod: u32, other: u32, slab: usize) -> Option<(u32, bool)> {
+        let between = self.between.get(&(rod.min(other), rod.max(other)))?;
+        let s = 0.5 * (self.stations[slab] + self.stations[slab + 1]);
+        let k = between.partition_point(|b| b.0 < s);
+        let near = [k.checked_sub(1), Some(k)].into_iter().flatten();
+        let next = near
+            .filter_map(|k| between.get(k))
+            .min_by(|a, b| (a.0 - s).abs().total_cmp(&(b.0 - s).abs()));
+        next.map(|&(_, bond)| {
+            let vertex = self.bond_vertex[bond as usize] as usize;
+            (bond, self.rod_of[vertex] == rod)
+        })
+    }
+
+    /// The first frame in which a side of a prism is open.
+    pub fn opens(&self, column: usize, side: usize, slab: usize, history: &History) -> u32 {
+        if self.is_joined(column, side, slab) {
+            return NEVER;
+        }
+        let columns = &self.columns.columns;
+        let beyond = columns[column].beyond[side] as usize;
+        let Some(other) = columns.get(beyond) else {
+            return 0;
+        };
+        let (rod, breaks) = (columns[column].rod, &history.last().breaks);
+        let parts = [column, beyond].map(|c| self.parts[self.prism(c, slab)]);
+        let own = breaks[rod as usize].as_slice();
+        if rod == other.rod {
+            return history.parted(own, parts[0], parts[1]);
+        }
+        let beyond = breaks[other.rod as usize].as_slice();
+        match self.bond(rod, other.rod, slab) {
+            Some((bond, true)) => history.let_go(bond, [own, beyond], (parts[0], parts[1])),
+            Some((bond, false)) => history.let_go(bond, [beyond, own], (parts[1], parts[0])),
+            None => 0,
+        }
+    }
+
+    /// The corner of a prism with a number.
+    pub fn place(&self, number: u32) -> Place {
+        let (line, at) = (
+            number as usize / 2 / (self.slabs() + 1),
+            number as usize / 2 % (self.slabs() + 1),
+        );
+        let column = self.first.partition_point(|&f| f <= line) - 1;
+        Place {
+            column,
+            corner: line - self.first[column],
+            station: at,
+            above: number % 2 == 1,
         }
     }
 
@@ -399,26 +460,4 @@ fn bonds_between(wood: &Wood) -> Between {
         list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
     between
-}
-
-/// Whether the bond next to length `s` (m) holds `parts` of rod `rod` and the other one together.
-fn held(
-    between: &[(f64, u32)],
-    s: f64,
-    rod: u32,
-    parts: (Part, Part),
-    wood: &Wood,
-    parting: &Parting,
-) -> bool {
-    let k = between.partition_point(|b| b.0 < s);
-    let near = [k.checked_sub(1), Some(k)].into_iter().flatten();
-    let next = near
-        .filter_map(|k| between.get(k))
-        .min_by(|a, b| (a.0 - s).abs().total_cmp(&(b.0 - s).abs()));
-    next.is_some_and(|&(_, bond)| {
-        let vertex = wood.bundle.bonds.vertex[bond as usize] as usize;
-        let own = wood.bundle.rod(rod as usize).contains(&vertex);
-        let wanted = if own { parts } else { (parts.1, parts.0) };
-        parting.holds[bond as usize].contains(&Some(wanted))
-    })
 }

@@ -35,6 +35,40 @@ pub(super) struct Vertex {
     pub follows: Vec<(u32, f64)>,
     /// Whether it lies on a crack, at one place with others.
     pub cracked: bool,
+    /// What made it.
+    pub source: Source,
+    /// Place at rest while the crack is closed, m.
+    pub closed: DVec3,
+}
+
+/// What a vertex of the skin is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Source {
+    /// One of the corners of prisms that it is, by number.
+    Corner(u32),
+    /// In the end of a fibre bundle: its rod, the part that it bounds and the part beyond, and the vertex of the other side
+    /// where that comes before.
+    Tip {
+        rod: u32,
+        parts: [Part; 2],
+        twin: Option<u32>,
+    },
+    /// The middle of two other vertices.
+    Middle([u32; 2]),
+}
+
+/// The mean of what several vertices follow.
+pub(super) fn blended(of: &[&[(u32, f64)]]) -> Vec<(u32, f64)> {
+    let mut follows: Vec<(u32, f64)> = Vec::new();
+    for &(joint, weight) in of.iter().copied().flatten() {
+        let weight = weight / of.len() as f64;
+        match follows.iter_mut().find(|f| f.0 == joint) {
+            Some(f) => f.1 += weight,
+            None => follows.push((joint, weight)),
+        }
+    }
+    follows.sort_unstable_by_key(|f| f.0);
+    follows
 }
 
 /// A triangle of the skin.
@@ -216,6 +250,7 @@ impl Maker<'_, '_> {
         } else {
             column.centre.extend(mean)
         };
+        let mut below = None;
         for above in [false, true] {
             let slab = if above {
                 station
@@ -226,14 +261,30 @@ impl Maker<'_, '_> {
                 continue;
             }
             let centre = self.faces.vertices.len() as u32;
+            let twin = below.replace(centre);
             self.sets.push(u32::MAX);
-            let grain = apex;
             let part = complex.parts[complex.prism(a, slab)];
+            let other = if above {
+                slab.wrapping_sub(1)
+            } else {
+                slab + 1
+            };
+            let beyond = if inner {
+                complex.parts[complex.prism(a, other)]
+            } else {
+                part
+            };
             self.faces.vertices.push(Vertex {
-                grain,
+                grain: apex,
                 rest: DVec3::ZERO,
-                follows: self.joints.at(column.rod, part, grain.z).to_vec(),
+                follows: self.joints.at(column.rod, part, apex.z).to_vec(),
                 cracked: inner,
+                source: Source::Tip {
+                    rod: column.rod,
+                    parts: [part, beyond],
+                    twin: inner.then_some(twin).flatten(),
+                },
+                closed: DVec3::ZERO,
             });
             let prism = complex.prism(a, slab) as u32;
             let shows = if inner { Shows::Tip } else { Shows::End };
@@ -311,6 +362,8 @@ impl Maker<'_, '_> {
             rest: DVec3::ZERO,
             follows: Vec::new(),
             cracked: false,
+            source: Source::Corner(self.complex.number(place)),
+            closed: DVec3::ZERO,
         });
         self.sets.push(set);
         self.made.insert(set, new);
@@ -408,10 +461,12 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
         }
     }
     for (v, inward) in faces.vertices.iter_mut().zip(inward) {
+        v.closed = place(wood, v.grain);
+        v.rest = v.closed;
         if v.cracked && inward.is_finite() {
             v.grain += inward * (KERF * spacing / inward.length().max(1.0));
+            v.rest = place(wood, v.grain);
         }
-        v.rest = place(wood, v.grain);
     }
 }
 

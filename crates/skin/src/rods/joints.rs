@@ -19,6 +19,9 @@ pub struct Joints {
     behind: Vec<(u32, u32)>,
     /// Whether each joint follows the edge before it, and the one behind.
     edges: Vec<[bool; 2]>,
+    /// For each of `behind` the turn from the vertex's frame at rest while it is whole to that of the part before, and to
+    /// that of the part behind.
+    parted: Vec<[DQuat; 2]>,
 }
 
 impl Joints {
@@ -31,6 +34,7 @@ impl Joints {
             own: (0..bundle.vertices() as u32).collect(),
             behind: Vec::new(),
             edges: vec![[true; 2]; bundle.vertices()],
+            parted: Vec::new(),
         };
         for (rod, breaks) in parting.breaks.iter().enumerate() {
             let vertices = bundle.rod(rod);
@@ -53,7 +57,17 @@ impl Joints {
             }
             made.parts.push(parts);
         }
-        made.rest = rest_frame(wood).map_or_else(Vec::new, |frame| frame_poses(&made, &frame));
+        let frame = rest_frame(wood);
+        let whole = frame_poses(&made, &frame);
+        made.rest = poses(&made, &frame, true);
+        let both = made.behind.iter().map(|&(v, behind)| {
+            let joints = [made.own[v as usize], behind];
+            joints.map(|j| {
+                let back = whole[j as usize].rotation.conjugate();
+                (back * made.rest[j as usize].rotation).normalize()
+            })
+        });
+        made.parted = both.collect();
         made
     }
 
@@ -72,6 +86,26 @@ impl Joints {
         let (a, b) = (run[k - 1], run[k.min(run.len() - 1)]);
         let t = ((s - a.1) / (b.1 - a.1).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         [(a.0, 1.0 - t), (b.0, t)]
+    }
+
+    /// As [`Self::at`] for parts of a rod that are still one. A vertex that will break there counts with the part before.
+    pub(super) fn along(
+        &self,
+        rod: u32,
+        together: std::ops::RangeInclusive<Part>,
+        s: f64,
+    ) -> [(u32, f64); 2] {
+        let parts = &self.parts[rod as usize];
+        let (low, high) = (*together.start(), *together.end());
+        let begun = |part: &Part| parts[usize::from(*part)].first().is_some_and(|j| j.1 <= s);
+        let part = (low + 1..=high).rev().find(begun).unwrap_or(low);
+        let mut joints = self.at(rod, part, s);
+        let first = parts[usize::from(part)].first().map(|j| j.0);
+        if part > low && first == Some(joints[0].0) {
+            let before = parts[usize::from(part) - 1].last();
+            joints[0].0 = before.map_or(joints[0].0, |j| j.0);
+        }
+        joints
     }
 
     /// The vertex of the unbroken bundle with which the first edge of a part of a rod begins.
@@ -93,22 +127,26 @@ impl Joints {
 }
 
 /// The unbroken bundle at rest as a frame.
-fn rest_frame(wood: &Wood) -> Option<Frame> {
+fn rest_frame(wood: &Wood) -> Frame {
     let bundle = wood.bundle;
     let single = |v: DVec3| v.as_vec3().to_array();
-    Some(Frame {
+    Frame {
         first: bundle.first.clone(),
         parent: bundle.parent.clone(),
         origin: bundle.origin.clone(),
         position: bundle.rest.iter().map(single).collect(),
         director: bundle.rest_director.iter().map(single).collect(),
         ..Frame::default()
-    })
+    }
 }
 
-/// The poses of all joints in a frame of the same bundle. A vertex that is not broken yet has one place for its two
-/// joints.
+/// The poses of all joints in a frame of the same bundle. A vertex that is not broken yet moves its two joints alike.
 pub fn frame_poses(joints: &Joints, frame: &Frame) -> Vec<Pose> {
+    poses(joints, frame, false)
+}
+
+/// The poses of all joints in a frame; with `parted` as though every vertex were broken that will be.
+fn poses(joints: &Joints, frame: &Frame, parted: bool) -> Vec<Pose> {
     let mut poses = vec![Pose::IDENTITY; joints.count()];
     let place = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
     for ends in frame.first.windows(2) {
@@ -121,30 +159,39 @@ pub fn frame_poses(joints: &Joints, frame: &Frame) -> Vec<Pose> {
             let origin = frame.origin[i];
             let before = (i > from).then(|| edge(i - 1));
             let behind = (i + 1 < to).then(|| edge(i));
-            let mut put = |joint: u32| {
+            let broken = joints.behind.binary_search_by_key(&origin, |b| b.0);
+            // Of a vertex's two copies the first ends a rod, the second begins one.
+            let (ends, begins) = (behind.is_none(), before.is_none());
+            let mut put = |joint: u32, side: usize| {
                 let wanted = joints.edges[joint as usize];
-                let pick = |edge: Option<(DVec3, DVec3)>, wanted: bool| edge.filter(|_| wanted);
+                let pick =
+                    |edge: Option<(DVec3, DVec3)>, wanted: bool| edge.filter(|_| wanted || !parted);
                 let (a, b) = (pick(before, wanted[0]), pick(behind, wanted[1]));
-                let rotation = match (a, b) {
+                let mut rotation = match (a, b) {
                     (Some(a), Some(b)) => turn(a.0 + b.0, a.1 + b.1),
                     (Some(a), None) | (None, Some(a)) => turn(a.0, a.1),
                     (None, None) => DQuat::IDENTITY,
                 };
+                // It moves as the whole vertex does, from where it is at rest by itself.
+                if let Ok(k) = broken
+                    && !ends
+                    && !begins
+                    && let Some(off) = joints.parted.get(k)
+                {
+                    rotation = (rotation * off[side]).normalize();
+                }
                 poses[joint as usize] = Pose {
                     translation: place(i),
                     rotation,
                 };
             };
-            let broken = joints.behind.binary_search_by_key(&origin, |b| b.0);
-            // Of a vertex's two copies the first ends a rod, the second begins one.
-            let (ends, begins) = (behind.is_none(), before.is_none());
             if broken.is_err() || !begins {
-                put(joints.own[origin as usize]);
+                put(joints.own[origin as usize], 0);
             }
             if let Ok(k) = broken
                 && !ends
             {
-                put(joints.behind[k].1);
+                put(joints.behind[k].1, 1);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Makes the open faces a manifold: a crack may end in an edge or a vertex, so that several sheets of skin meet in it.
 
-use super::faces::{Faces, Triangle, Vertex};
+use super::faces::{Faces, Source, Triangle, Vertex, blended};
 use glam::DVec3;
 use greenstick_geometry::Unions;
 use rustc_hash::FxHashMap;
@@ -52,8 +52,10 @@ fn part_edges(faces: &mut Faces) -> usize {
             let vertex = Vertex {
                 grain: 0.5 * (p.grain + q.grain),
                 rest: DVec3::ZERO,
-                follows: blended(&[p, q]),
+                follows: blended(&[&p.follows, &q.follows]),
                 cracked: true,
+                source: Source::Middle([a, b]),
+                closed: DVec3::ZERO,
             };
             let new = faces.vertices.len() as u32;
             faces.vertices.push(vertex);
@@ -69,22 +71,6 @@ fn part_edges(faces: &mut Faces) -> usize {
         split(faces, t, middles);
     }
     parted
-}
-
-/// What the middle of several vertices follows.
-fn blended(of: &[&Vertex]) -> Vec<(u32, f64)> {
-    let mut follows: Vec<(u32, f64)> = Vec::new();
-    for v in of {
-        for &(joint, weight) in &v.follows {
-            let weight = weight / of.len() as f64;
-            match follows.iter_mut().find(|f| f.0 == joint) {
-                Some(f) => f.1 += weight,
-                None => follows.push((joint, weight)),
-            }
-        }
-    }
-    follows.sort_unstable_by_key(|f| f.0);
-    follows
 }
 
 /// The uses of an edge in pairs that bound the same wedge of wood, by their angle about the edge.

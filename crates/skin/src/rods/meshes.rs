@@ -2,7 +2,10 @@
 
 use super::bark::Bark;
 use super::complex::Complex;
+use super::earlier::{Before, earlier};
 use super::faces::{Faces, Shows, Triangle, open_faces, put};
+use super::gape::Gapes;
+use super::history::History;
 use super::joints::Joints;
 use super::mend::mend;
 use super::parting::{Part, Parting};
@@ -12,7 +15,7 @@ use crate::face::side_grain;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Attribute, Binding, Mesh, Skinned};
+use greenstick_geometry::{Attribute, Binding, Earlier, Mesh, Skinned};
 use rustc_hash::FxHashMap;
 
 /// Where the texture of the wood inside lies: middle of its square in the section (grain coordinates) and side, m.
@@ -50,6 +53,8 @@ pub struct RodSkin {
     pub parts: Vec<Vec<(u32, Part)>>,
     /// Edges and vertices in which several sheets of skin met, and were parted.
     pub mended: (usize, usize),
+    /// Places that a film with fixed weights shows apart before they are.
+    pub gapes: Gapes,
 }
 
 /// Makes the skin of `wood` where `parting` is broken.
@@ -59,6 +64,30 @@ pub struct RodSkin {
 pub fn rod_skin(
     wood: &Wood,
     parting: &Parting,
+    materials: &Materials,
+    options: &RodSkinOptions,
+) -> Result<RodSkin, RodSkinError> {
+    skin_of(wood, parting, None, materials, options)
+}
+
+/// Makes the skin of `wood` where the last frame of `history` has it broken, with what vertices follow in the frames
+/// before.
+///
+/// # Errors
+/// [`RodSkinError`] for options out of range.
+pub fn rod_skin_over_time(
+    wood: &Wood,
+    history: &History,
+    materials: &Materials,
+    options: &RodSkinOptions,
+) -> Result<RodSkin, RodSkinError> {
+    skin_of(wood, history.last(), Some(history), materials, options)
+}
+
+fn skin_of(
+    wood: &Wood,
+    parting: &Parting,
+    history: Option<&History>,
     materials: &Materials,
     options: &RodSkinOptions,
 ) -> Result<RodSkin, RodSkinError> {
@@ -80,6 +109,10 @@ pub fn rod_skin(
     let mut complex = Complex::new(wood, &section, parting, options)?;
     let mut faces = open_faces(wood, &mut complex, parting, &joints, options);
     let mended = mend(&mut faces);
+    // Both sides of a crack follow alike: before it is opened by a hair.
+    let before = history.map_or_else(Before::default, |history| {
+        earlier(&faces, &complex, history, &joints)
+    });
     put(&mut faces, wood, section.spacing);
     let pieces = parting.pieces(wood);
     let slabs = complex.slabs();
@@ -99,20 +132,29 @@ pub fn rod_skin(
         .into_iter()
         .filter(|(triangles, _)| !triangles.is_empty())
         .map(|(triangles, parts): (Vec<u32>, Vec<(u32, Part)>)| {
-            let made = mesh(wood, &faces, &triangles, materials);
+            let made = mesh(wood, &faces, &before, &triangles, materials);
             let volume = made.mesh.volume();
-            (made, parts, volume)
+            (made, parts, volume, triangles)
         })
         .collect();
     all.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let mut piece_of = vec![0; faces.vertices.len()];
+    for (piece, (_, _, _, triangles)) in all.iter().enumerate() {
+        for &t in triangles {
+            for v in faces.triangles[t as usize].corners {
+                piece_of[v as usize] = piece as u32;
+            }
+        }
+    }
     let digits = all.len().saturating_sub(1).to_string().len().max(3);
     let mut skin = RodSkin {
         pieces: Vec::new(),
         joints,
         parts: Vec::new(),
         mended,
+        gapes: gapes(&faces, &before, &piece_of),
     };
-    for (number, (mut piece, parts, volume)) in all.into_iter().enumerate() {
+    for (number, (mut piece, parts, volume, _)) in all.into_iter().enumerate() {
         piece.name = format!("piece_{number:0digits$}");
         let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
         rods.dedup();
@@ -126,6 +168,22 @@ pub fn rod_skin(
         skin.pieces.push(piece);
     }
     Ok(skin)
+}
+
+/// The vertices that are at one place before a frame, with what they follow in the end.
+fn gapes(faces: &Faces, before: &Before, piece_of: &[u32]) -> Gapes {
+    let mut made = Gapes::default();
+    let mut known: FxHashMap<u32, u32> = FxHashMap::default();
+    for &(of, until) in &before.together {
+        let of = of.map(|v| {
+            *known.entry(v).or_insert_with(|| {
+                let vertex = &faces.vertices[v as usize];
+                made.vertex(vertex.closed, &vertex.follows, piece_of[v as usize])
+            })
+        });
+        made.pair(of, until);
+    }
+    made
 }
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
@@ -145,8 +203,15 @@ struct Key {
 const BARK: u32 = u32::MAX;
 const END: u32 = u32::MAX - 1;
 
-fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) -> Skinned {
+fn mesh(
+    wood: &Wood,
+    faces: &Faces,
+    before: &Before,
+    triangles: &[u32],
+    materials: &Materials,
+) -> Skinned {
     let mut made = Mesh::default();
+    let mut earlier = Earlier::default();
     let mut binding = Binding::default();
     let mut known: FxHashMap<Key, u32> = FxHashMap::default();
     let mut normals: Vec<DVec3> = Vec::new();
@@ -194,6 +259,13 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
                 let (rho, _) = rings.address(v.grain.truncate());
                 made.positions.push(v.rest);
                 binding.push(v.follows.iter().copied());
+                let own = made.positions.len() as u32 - 1;
+                let versions = before.versions.get(triangle.corners[k] as usize);
+                for version in versions.into_iter().flatten() {
+                    let rest = if version.closed { v.closed } else { v.rest };
+                    let follows = version.follows.iter().copied();
+                    earlier.push(own, version.until, rest, follows);
+                }
                 normals.push(DVec3::ZERO);
                 coordinates.extend(uv.as_vec2().to_array());
                 ring.push(rho as f32);
@@ -239,6 +311,7 @@ fn mesh(wood: &Wood, faces: &Faces, triangles: &[u32], materials: &Materials) ->
     Skinned {
         mesh: made,
         binding,
+        earlier,
         ..Skinned::default()
     }
 }

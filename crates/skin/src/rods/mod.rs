@@ -13,15 +13,20 @@
 
 mod bark;
 mod complex;
+mod earlier;
 mod faces;
+mod gape;
+mod history;
 mod joints;
 mod mend;
 mod meshes;
 mod parting;
 mod section;
 
+pub use gape::{Gape, Gapes};
+pub use history::History;
 pub use joints::{Joints, frame_poses};
-pub use meshes::{Materials, RodSkin, Square, rod_skin};
+pub use meshes::{Materials, RodSkin, Square, rod_skin, rod_skin_over_time};
 pub use parting::{Break, Part, Parting, Pieces};
 pub use section::{Bonded, Column, Columns, OUTSIDE, columns};
 

@@ -1,0 +1,64 @@
+//! What a film's frames tell of its breaks: when cracks open, which pieces part, and how far cracks gape before in a file
+//! whose weights are fixed.
+
+use super::pieces::Following;
+use super::{FilmError, Run, SkinReport};
+use greenstick_geometry::Context;
+use greenstick_skin::rods::{Gape, History, Part, RodSkin};
+use std::ops::Range;
+
+impl Run {
+    /// What broke in which frame of a range.
+    pub(super) fn history(
+        &mut self,
+        range: Range<usize>,
+        context: &Context,
+    ) -> Result<History, FilmError> {
+        let mut history = History::new(&self.wood());
+        let frames = range.len() as f64;
+        for (done, number) in range.enumerate() {
+            context.step("breaks", done as f64 / frames)?;
+            let frame = self.frame(number)?;
+            history.see(&self.wood(), &frame, &self.causes)?;
+        }
+        Ok(history)
+    }
+
+    /// Follows the pieces of `skin` through the frames, and how far its cracks gape before they open.
+    pub(super) fn follow(
+        &mut self,
+        skin: &RodSkin,
+        range: Range<usize>,
+        report: &mut SkinReport,
+        context: &Context,
+    ) -> Result<(), FilmError> {
+        let edge = |parts: &Vec<(u32, Part)>| skin.joints.first_edge(parts[0].0, parts[0].1);
+        let mut following = Following::new(skin.parts.iter().map(edge).collect());
+        let mut gapes = vec![Gape::default(); skin.pieces.len()];
+        let frames = range.len() as f64;
+        for (done, number) in range.enumerate() {
+            context.step("pieces", done as f64 / frames)?;
+            let frame = self.frame(number)?;
+            following.see(&frame);
+            (skin.gapes).see(&skin.joints, done as u32, &frame, &mut gapes);
+        }
+        let names: Vec<String> = report.pieces.iter().map(|p| p.name.clone()).collect();
+        for (piece, parted) in report.pieces.iter_mut().zip(following.parted()) {
+            piece.parted = parted.map(|(time, from)| (time, names[from].clone()));
+        }
+        for (piece, gape) in report.pieces.iter_mut().zip(&gapes) {
+            piece.gape_m = gape.distance;
+        }
+        let area: f64 = self.wood().cells.iter().map(|c| c.area).sum();
+        let spacing = (area / self.wood().cells.len().max(1) as f64).sqrt();
+        let most = (gapes.iter()).max_by(|a, b| a.distance.total_cmp(&b.distance));
+        report.gape = most
+            .filter(|g| g.distance > 0.0)
+            .map(|g| super::GapeReport {
+                gape_m: g.distance,
+                of_spacing: g.distance / spacing,
+                time_s: g.time,
+            });
+        Ok(())
+    }
+}

@@ -1,0 +1,57 @@
+//! Wood with rods for tests.
+
+use glam::{DAffine3, DVec2};
+use greenstick_fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
+use greenstick_geometry::{Context, Mesh};
+use greenstick_skin::rods::{Materials, Square, Wood};
+use greenstick_wood::moisture::Fallback;
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{Stem, StemOptions, find};
+
+pub struct Grown {
+    pub stem: Stem,
+    pub placed: Placed,
+    pub pull_out: f64,
+}
+
+pub fn grown(mesh: Mesh, rods: u32) -> Grown {
+    let middle = "0.5".parse().unwrap();
+    let found = find(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
+    let stem = found.unwrap().stem;
+    let oak = Species::find("white oak").unwrap();
+    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
+    let options = Placement {
+        rods: HowMany::Number(rods),
+        edges: (0.008, 0.012),
+        ..Placement::default()
+    };
+    Grown {
+        placed: place(&stem, &wood, &options).unwrap(),
+        pull_out: wood.tension / (4.0 * wood.shear),
+        stem,
+    }
+}
+
+pub fn wood(grown: &Grown) -> Wood<'_> {
+    Wood {
+        stem: &grown.stem,
+        laid: DAffine3::IDENTITY,
+        bundle: &grown.placed.bundle,
+        along: &grown.placed.along,
+        cells: &grown.placed.cells,
+        outline: &grown.placed.outline,
+        bark: None,
+        pull_out: grown.pull_out,
+    }
+}
+
+pub const MATERIALS: Materials = Materials {
+    inner: 0,
+    bark: 1,
+    own: 2,
+    square: Square {
+        middle: DVec2::ZERO,
+        side: 0.1,
+    },
+    zone: &|_| 0,
+};
