@@ -36,6 +36,8 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
+/// Most that a step swings an edge, in its lengths.
+const SWING: f64 = 0.5;
 /// Moments count as couples so far apart, m.
 const ARM: f64 = 1e-3;
 
@@ -293,11 +295,12 @@ impl Newton {
         let mut tolerance = self.manner.tolerance * self.scale;
         // A load on all vertices is small at each: a tolerance that is coarse would not see it.
         let at_least = usize::from(moved || self.manner.take_last);
-        while iterations < at_least || worst > tolerance {
-            if iterations == self.manner.iterations && self.manner.take_last && worst.is_finite() {
+        let mut allowed = self.manner.iterations;
+        while iterations < at_least || worst > tolerance || prescribed.iter().any(|d| *d != 0.0) {
+            if iterations >= allowed && self.manner.take_last && worst.is_finite() {
                 break;
             }
-            if iterations == self.manner.iterations || !worst.is_finite() {
+            if iterations >= allowed || !worst.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: goal.time,
                     iterations,
@@ -314,12 +317,16 @@ impl Newton {
                 .zip(&self.held)
                 .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
             let from = state.clone();
-            let free = iterations > 0 || !moved;
-            let mut length = if free {
+            let free = !prescribed.iter().any(|d| *d != 0.0);
+            let last = iterations + 1 >= allowed;
+            let mut length = if free || !last {
                 self.longest(bundle, &step)
             } else {
                 1.0
             };
+            if length < 1.0 && allowed < 2 * self.manner.iterations {
+                allowed += 1;
+            }
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
                 self.balance(goal, base, contacts, &mut state);
@@ -347,7 +354,9 @@ impl Newton {
                 };
                 length *= part.clamp(0.1, 0.9);
             }
-            prescribed.fill(0.0);
+            // Clamps that have gone a part of their way have the rest before them.
+            let left = if free { 0.0 } else { 1.0 - length };
+            prescribed.iter_mut().for_each(|d| *d *= left);
             iterations += 1;
             worst = self.worst();
             tolerance = self.manner.tolerance * self.scale;
@@ -520,23 +529,16 @@ impl Newton {
         worst
     }
 
-    /// Most of a step that moves nothing farther than its shortest edge.
+    /// Most of a step that turns and stretches no edge by more than [`SWING`] of its length: an edge that is turned farther
+    /// may fold, beyond where its bending energy is singular.
     fn longest(&self, bundle: &Bundle, step: &[f64]) -> f64 {
-        let mut shortest = f64::INFINITY;
-        let mut farthest = 0.0f64;
-        for v in 0..bundle.vertices() {
-            if bundle.is_edge(v) {
-                shortest = shortest.min(bundle.rest_length[v]);
-            }
-            for axis in 0..3 {
-                farthest = farthest.max(step[self.freedom(v, axis)].abs());
-            }
+        let mut worst = 0.0f64;
+        for v in (0..bundle.vertices()).filter(|&v| bundle.is_edge(v)) {
+            let part = |axis| step[self.freedom(v + 1, axis)] - step[self.freedom(v, axis)];
+            let by = DVec3::new(part(0), part(1), part(2));
+            worst = worst.max(by.length() / bundle.rest_length[v]);
         }
-        if farthest > shortest {
-            shortest / farthest
-        } else {
-            1.0
-        }
+        if worst > SWING { SWING / worst } else { 1.0 }
     }
 
     fn place_at(
