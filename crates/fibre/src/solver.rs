@@ -132,7 +132,7 @@ pub struct ContactBook {
 }
 
 /// Bodies and contacts between rods, which solvers ask to act once a step.
-pub trait Contacts {
+pub trait Contacts: Send {
     /// Whether there is nothing to touch, so that nothing has to be asked.
     fn is_empty(&self) -> bool {
         false

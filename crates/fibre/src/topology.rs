@@ -28,6 +28,11 @@ pub fn break_up(
     let mut splits: Vec<u32> = splits.iter().copied().filter(inner).collect();
     splits.dedup();
     let kept = kept_bonds(bundle, bonds);
+    if splits.is_empty() {
+        bundle.bonds = Bonds::sorted(kept, n);
+        bundle.generation += 1;
+        return (0..n as u32).collect();
+    }
     let before: Vec<u32> = (0..n as u32)
         .flat_map(|v| std::iter::repeat_n(v, 1 + usize::from(splits.binary_search(&v).is_ok())))
         .collect();

@@ -3,6 +3,7 @@
 use super::Evaluator;
 use super::wide::bonds::BondTable;
 use super::wide::lanes::{Row, WIDTH};
+use super::wide::own::Own;
 use super::wide::slopes::{Slope, Slopes};
 use crate::bundle::Bundle;
 use crate::state::State;
@@ -42,11 +43,22 @@ impl Evaluator {
             .gather(self.level, bundle, force, sums, first, out);
     }
 
-    /// All bonds with stiffness made linear, one after another.
+    /// Bonds with stiffness made linear, one after another: of `parts` equal parts number `part`.
     #[inline(always)]
-    pub(crate) fn each_slope(&self, work: impl FnMut(&Slope)) {
+    pub(crate) fn each_slope(&self, part: usize, parts: usize, work: impl FnMut(&Slope)) {
         let table: &BondTable = &self.bonds;
-        table.each_slope(&self.slopes, 0..table.len(), work);
+        let end = |k: usize| table.len() * k / parts;
+        table.each_slope(&self.slopes, end(part)..end(part + 1), work);
+    }
+
+    /// What linear bonds have between vertices of one rod, per vertex.
+    pub(crate) fn own_blocks(&self, bundle: &Bundle, out: &mut Vec<Own>) {
+        out.resize(bundle.vertices(), Own::NONE);
+        if self.bonds.is_empty() {
+            out.fill(Own::NONE);
+        } else {
+            self.bonds.own_blocks(self.level, &self.slopes, out);
+        }
     }
 
     /// Takes the stiffness of bonds `broken`, until everything is derived anew.
@@ -130,7 +142,7 @@ mod tests {
             let mut out = vec![NONE; bundle.vertices()];
             evaluator.gather_met(&bundle, 0, &mut out);
             let mut one_by_one = vec![0.0; 3 * bundle.vertices()];
-            evaluator.each_slope(|s| {
+            evaluator.each_slope(0, 1, |s| {
                 for (which, _) in [(&s.length, 0), (&s.cosine, 1)] {
                     let along: f64 = (0..3)
                         .map(|n| {
@@ -146,6 +158,32 @@ mod tests {
                     }
                 }
             });
+            let mut own = Vec::new();
+            evaluator.own_blocks(&bundle, &mut own);
+            let mut of = vec![[0.0; 21]; bundle.vertices()];
+            evaluator.each_slope(0, 1, |s| {
+                let [v, y, _] = s.nodes.map(|v| v as usize);
+                for g in [&s.length, &s.cosine] {
+                    let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+                    for (k, (a, b)) in pairs.into_iter().enumerate() {
+                        of[v][k] += g[0][a] * g[0][b];
+                        of[y][6 + k] += g[1][a] * g[1][b];
+                        of[y][12 + k] += g[2][a] * g[2][b];
+                    }
+                    (0..3).for_each(|a| of[y][18 + a] += g[1][a] * g[2][2]);
+                }
+            });
+            for (own, of) in own.iter().zip(&of) {
+                for k in 0..6 {
+                    let at = k + usize::from(k > 2);
+                    assert!((own.vertex.0[at] - of[k]).abs() < 1e-12 * largest / 1e-4);
+                    assert!((own.start.0[at] - of[6 + k]).abs() < 1e-12 * largest / 1e-4);
+                    assert!((own.end.0[at] - of[12 + k]).abs() < 1e-12 * largest / 1e-4);
+                }
+                (0..3).for_each(|a| {
+                    assert!((own.across[1].0[a] - of[18 + a]).abs() < 1e-12 * largest / 1e-4);
+                });
+            }
             for (f, e) in expected.iter().enumerate() {
                 // Gradients are rounded to half the width.
                 assert!((out[f / 3].0[f % 3] - e).abs() < 1e-5 * largest);

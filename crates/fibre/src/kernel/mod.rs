@@ -10,9 +10,11 @@ mod watch;
 mod wide;
 
 pub(crate) use linear::NONE as NO_MOTION;
+pub(crate) use wide::bands::{Lane, MOST as WIDEST_BAND, factor_bands, solve_bands};
 pub use wide::lanes::Level;
 pub(crate) use wide::lanes::Row;
-pub(crate) use wide::outer::{Block, Line, add_outer};
+pub(crate) use wide::outer::{Block, Line, add_rows};
+pub(crate) use wide::own::Own;
 pub(crate) use wide::slopes::Slope;
 
 use crate::bundle::Bundle;

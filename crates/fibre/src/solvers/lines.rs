@@ -5,20 +5,16 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::iterative::Blocks;
-use super::wide;
+use super::band::Blocks;
 use crate::bundle::Bundle;
-use crate::kernel::Row;
+use crate::kernel::{Lane, Row, WIDEST_BAND as MOST, factor_bands, solve_bands};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rods that are solved side by side.
 const LANES: usize = 8;
 /// Groups of rods that one task takes.
 const GRAIN: usize = 2;
-/// Entries of a row of the widest band: the diagonal and what is below it.
-const MOST: usize = 12;
-
-type Lane = [f64; LANES];
 
 /// Bands of all rods, with `B` freedoms at a vertex.
 #[derive(Debug, Clone, Default)]
@@ -38,6 +34,9 @@ struct Group {
 }
 
 impl<const B: usize> Lines<B> {
+    /// Entries below the diagonal.
+    const WIDTH: usize = 3 * B - 1;
+
     pub fn prepare(&mut self, bundle: &Bundle) {
         self.groups = (0..bundle.rods())
             .step_by(LANES)
@@ -56,61 +55,46 @@ impl<const B: usize> Lines<B> {
             .with_min_len(GRAIN)
             .for_each(|group| {
                 group.fill(value);
-                wide(
-                    #[inline(always)]
-                    || {
-                        if B == 3 {
-                            cholesky::<8>(&mut group.band);
-                            group.keep::<8>();
-                        } else {
-                            cholesky::<11>(&mut group.band);
-                            group.keep::<11>();
-                        }
-                    },
-                );
+                let width = Self::WIDTH;
+                (group.factor).resize(group.band.len() * (width + 1), [0.0; LANES]);
+                factor_bands(&mut group.band, width, &mut group.factor);
             });
     }
 
-    /// `z` = inverse of the bands × `r`.
-    pub fn solve(&self, r: &[Row], z: &mut [Row]) {
-        let mut left = z;
-        let mut parts = Vec::new();
-        for groups in self.groups.chunks(GRAIN) {
-            let (from, to) = (groups[0].first[0], groups[groups.len() - 1].first[LANES]);
-            let (own, rest) = left.split_at_mut(to - from);
-            parts.push((groups, from, own));
-            left = rest;
-        }
-        parts.into_par_iter().for_each(|(groups, from, own)| {
-            let mut x = Vec::new();
-            for group in groups {
-                let longest = group.longest();
-                x.clear();
-                // Room for the columns of the last rows.
-                x.resize(longest * B + MOST, [0.0; LANES]);
-                for l in 0..LANES {
-                    for (i, v) in (group.first[l]..group.first[l + 1]).enumerate() {
-                        (0..B).for_each(|a| x[i * B + a][l] = r[v].0[a]);
-                    }
-                }
-                wide(
-                    #[inline(always)]
-                    || {
-                        if B == 3 {
-                            substitute::<8>(&group.factor, &mut x, longest * B);
-                        } else {
-                            substitute::<11>(&group.factor, &mut x, longest * B);
-                        }
-                    },
-                );
-                for l in 0..LANES {
-                    for (i, v) in (group.first[l]..group.first[l + 1]).enumerate() {
-                        let node = |a: usize| if a < B { x[i * B + a][l] } else { 0.0 };
-                        own[v - from].0 = std::array::from_fn(node);
-                    }
+    /// How many groups of rods there are.
+    pub fn groups(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Vertices of some groups.
+    pub fn vertices(&self, groups: Range<usize>) -> Range<usize> {
+        self.groups[groups.start].first[0]..self.groups[groups.end - 1].first[LANES]
+    }
+
+    /// `z` = inverse of the bands of some groups × `r`, of which both begin with the first group's first vertex.
+    #[inline(always)]
+    pub fn solve(&self, groups: Range<usize>, r: &[Row], z: &mut [Row], x: &mut Vec<Lane>) {
+        let from = self.groups[groups.start].first[0];
+        for group in &self.groups[groups] {
+            let longest = group.longest();
+            x.clear();
+            // Room for the columns of the last rows.
+            x.resize(longest * B + Self::WIDTH, [0.0; LANES]);
+            for l in 0..LANES {
+                let own = &r[group.first[l] - from..group.first[l + 1] - from];
+                for (x, r) in x.chunks_exact_mut(B).zip(own) {
+                    (0..B).for_each(|a| x[a][l] = r.0[a]);
                 }
             }
-        });
+            solve_bands(&group.factor, Self::WIDTH, x);
+            for l in 0..LANES {
+                let own = &mut z[group.first[l] - from..group.first[l + 1] - from];
+                for (x, z) in x.chunks_exact(B).zip(own) {
+                    z.0 = [0.0; 4];
+                    (0..B).for_each(|a| z.0[a] = x[a][l]);
+                }
+            }
+        }
     }
 }
 
@@ -140,90 +124,6 @@ impl Group {
                     }
                 }
             }
-        }
-    }
-
-    #[inline(always)]
-    fn keep<const W: usize>(&mut self) {
-        self.factor.clear();
-        for row in &self.band {
-            let kept = row[..=W].iter().map(|lane| lane.map(|v| v as f32));
-            self.factor.extend(kept);
-        }
-    }
-}
-
-/// Factors bands of `W` entries below the diagonal: of each row the inverse of the pivot and the column of L, whose
-/// diagonal is 1. A pivot that is not positive leaves its freedom out.
-#[inline(always)]
-fn cholesky<const W: usize>(band: &mut [[Lane; MOST]]) {
-    let n = band.len();
-    for i in 0..n {
-        let (done, rest) = band.split_at_mut(i + 1);
-        let row = &mut done[i];
-        let mut inverse = [0.0; LANES];
-        for l in 0..LANES {
-            let pivot = row[0][l];
-            inverse[l] = if pivot > 0.0 && pivot.is_finite() {
-                1.0 / pivot
-            } else {
-                0.0
-            };
-        }
-        let own = *row;
-        for k in 0..W.min(n - 1 - i) {
-            let mut by = own[1 + k];
-            for l in 0..LANES {
-                by[l] *= inverse[l];
-            }
-            let below = &mut rest[k];
-            for m in k..W {
-                for l in 0..LANES {
-                    below[m - k][l] -= by[l] * own[1 + m][l];
-                }
-            }
-        }
-        row[0] = inverse;
-        for k in 0..W {
-            for l in 0..LANES {
-                row[1 + k][l] *= inverse[l];
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn double(v: &[f32; LANES]) -> Lane {
-    std::array::from_fn(|l| f64::from(v[l]))
-}
-
-#[inline(always)]
-fn substitute<const W: usize>(factor: &[[f32; LANES]], x: &mut [Lane], rows: usize) {
-    for i in 0..rows {
-        let column = &factor[i * (W + 1)..(i + 1) * (W + 1)];
-        let part = &mut x[i..i + W + 1];
-        let v = part[0];
-        for k in 1..=W {
-            let c = double(&column[k]);
-            for l in 0..LANES {
-                part[k][l] -= c[l] * v[l];
-            }
-        }
-    }
-    x[rows..].fill([0.0; LANES]);
-    for i in (0..rows).rev() {
-        let column = &factor[i * (W + 1)..(i + 1) * (W + 1)];
-        let part = &mut x[i..i + W + 1];
-        let mut sums = [[0.0; LANES]; 2];
-        for k in 1..=W {
-            let c = double(&column[k]);
-            for l in 0..LANES {
-                sums[k % 2][l] += c[l] * part[k][l];
-            }
-        }
-        let inverse = double(&column[0]);
-        for l in 0..LANES {
-            part[0][l] = part[0][l] * inverse[l] - (sums[0][l] + sums[1][l]);
         }
     }
 }

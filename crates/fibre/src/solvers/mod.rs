@@ -5,12 +5,14 @@
 //! | [`matrix`] | sparse symmetric matrices in an envelope, and their Cholesky factors |
 //! | `direct` | linear systems with a factor that is kept |
 //! | `iterative` | linear systems by conjugate gradients, with rods (`lines`) and sections (`sections`) solved exactly |
+//! | `band`, `strings` | rods made linear, as blocks of the matrix and without one |
 //! | `grips` | [`Grip`]: springs on the mean displacement of some vertices |
 //! | [`newton`] | Newton's method on all energies, loads and inertia, with yielding and grips |
 //! | [`implicit`] | [`Implicit`]: time steps of animation at real stiffness |
 //! | [`interactive`] | [`Interactive`]: a step a picture |
 //! | [`quasi_static`] | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
 
+mod band;
 mod direct;
 mod grips;
 pub mod implicit;
@@ -21,6 +23,7 @@ pub mod matrix;
 pub mod newton;
 pub mod quasi_static;
 mod sections;
+mod strings;
 
 pub use grips::Grip;
 pub use implicit::Implicit;
@@ -49,8 +52,13 @@ fn wide<R>(work: impl FnMut() -> R) -> R {
     pulp::Arch::new().dispatch(Wide(work))
 }
 
+/// Does `work` on a thread of the pool.
+pub(crate) fn in_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    rayon::join(work, || ()).0
+}
+
 /// A solver that goes from step to step, all of one length.
-pub(crate) trait Stepwise {
+pub(crate) trait Stepwise: Send {
     /// As of [`Solver::name`].
     const NAME: &'static str;
     /// The step where none is given, s.
@@ -85,8 +93,11 @@ impl<T: Stepwise> Solver for T {
         duration: f64,
     ) -> Result<Advance, SolverError> {
         let step = self.step(world)?;
-        advance_evenly(world, duration, step, |world, dt, report| {
-            self.one_step(world, contacts, dt, report)
+        // In the pool from here on: to enter it from outside for each piece of work costs more than the piece.
+        in_pool(|| {
+            advance_evenly(world, duration, step, |world, dt, report| {
+                self.one_step(world, contacts, dt, report)
+            })
         })
     }
 }

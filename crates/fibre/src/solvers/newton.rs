@@ -288,6 +288,7 @@ impl Newton {
     ) -> Result<Found, SolverError> {
         let bundle = goal.bundle;
         let mut state = start.clone();
+        let mut from = start.clone();
         let mut prescribed = self.hold(goal, start);
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
@@ -316,7 +317,7 @@ impl Newton {
                 .zip(&self.residual)
                 .zip(&self.held)
                 .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
-            let from = state.clone();
+            from.clone_from(&state);
             let free = !prescribed.iter().any(|d| *d != 0.0);
             let last = iterations + 1 >= allowed;
             let mut length = if free || !last {

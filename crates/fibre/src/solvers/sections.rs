@@ -5,21 +5,28 @@
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
-use super::iterative::{Blocks, Column};
+use super::band::{Blocks, Column};
+use super::direct::touch_block;
 use super::matrix::Envelope;
 use super::wide;
 use crate::bundle::Bundle;
-use crate::kernel::{Block, Evaluator, Line, Row, Slope, add_outer};
+use crate::kernel::{Block, Evaluator, Line, Row, Slope, add_rows};
+use crate::solver::Touch;
 use glam::DVec3;
 
 /// No piece.
 const NONE: u32 = u32::MAX;
+/// Parts that the matrix is summed in, each by a thread of its own.
+const PARTS: usize = 2;
 /// Freedoms of a piece.
 const FREEDOMS: usize = 9;
 /// A piece of fewer vertices is left to its rods.
 const LEAST: u32 = 5;
 /// Added to the diagonal, of itself: pieces all of whose vertices lie in a line do not tell all freedoms apart.
 const RIDGE: f64 = 1e-9;
+
+/// Force on a piece or its motion: of all of it, and what grows with ξ and with η.
+pub(super) type Motion = [[f64; 4]; 3];
 
 /// Pieces and the matrix of their freedoms.
 #[derive(Debug, Clone, Default)]
@@ -33,7 +40,7 @@ pub(super) struct Sections {
     ready: bool,
     /// Per piece: the lowest that it is joined to, and where the blocks of these pairs begin.
     lowest: Vec<(u32, u32)>,
-    blocks: Vec<Block>,
+    blocks: [[Vec<Block>; 2]; PARTS],
     matrix: Envelope,
 }
 
@@ -71,7 +78,9 @@ impl Sections {
             self.lowest.push((low, next));
             next += p as u32 - low + 1;
         }
-        self.blocks = vec![[[0.0; 16]; FREEDOMS]; next as usize];
+        for blocks in self.blocks.iter_mut().flatten() {
+            blocks.resize(next as usize, [[0.0; 16]; FREEDOMS]);
+        }
     }
 
     /// Pieces: vertices of one slab that bonds join.
@@ -143,46 +152,57 @@ impl Sections {
             .collect();
     }
 
-    /// Sums rods' blocks and bonds to the matrix of the pieces, and factors it. Freedoms whose `free` is 0 are held.
-    pub fn factor<const B: usize>(&mut self, band: &[Blocks<B>], bonds: &Evaluator, free: &[Row]) {
-        let (piece, weight) = (&self.piece, &self.weight);
-        let mut pairs = Pairs {
-            lowest: &self.lowest,
-            blocks: &mut self.blocks,
-        };
-        pairs.blocks.fill([[0.0; 16]; FREEDOMS]);
-        wide(
-            #[inline(always)]
-            || {
-                for (v, blocks) in band.iter().enumerate() {
-                    for (k, block) in blocks.iter().enumerate() {
-                        let c = v + k;
-                        if c < band.len() && piece[v] != NONE && piece[c] != NONE {
-                            pairs.add_block(
-                                [piece[v], piece[c]],
-                                [&weight[v], &weight[c]],
-                                block,
-                                k == 0,
-                            );
+    /// Sums rods' blocks, with what bonds have between vertices of one rod, and bonds to the matrix of the pieces, and
+    /// factors it. Freedoms whose `free` is 0 are held.
+    pub fn factor<const B: usize>(
+        &mut self,
+        band: &[Blocks<B>],
+        bonds: &Evaluator,
+        touches: &[Touch],
+        free: &[Row],
+    ) {
+        let (piece, weight, lowest) = (&self.piece, &self.weight, &self.lowest);
+        let sum = |part: usize, blocks: &mut [Vec<Block>; 2]| {
+            let mut pairs = Pairs { lowest, blocks };
+            pairs
+                .blocks
+                .iter_mut()
+                .for_each(|of| of.fill([[0.0; 16]; FREEDOMS]));
+            let end = |k: usize| band.len() * k / PARTS;
+            let range = end(part)..end(part + 1);
+            wide(
+                #[inline(always)]
+                || {
+                    for v in range.clone() {
+                        for (k, block) in band[v].iter().enumerate() {
+                            let c = v + k;
+                            if c < band.len() && piece[v] != NONE && piece[c] != NONE {
+                                let by = if k == 0 { 0.5 } else { 1.0 };
+                                let rows = spread(&weight[c], by, |a, b| block[b][a]);
+                                pairs.add(piece[v], piece[c], &weight[v], &rows);
+                            }
                         }
                     }
-                }
-                bonds.each_slope(
-                    #[inline(always)]
-                    |slope| pairs.add_slope(piece, weight, free, slope),
-                );
-            },
-        );
+                    bonds.each_slope(
+                        part,
+                        PARTS,
+                        #[inline(always)]
+                        |slope| pairs.add_slope(piece, weight, free, slope),
+                    );
+                },
+            );
+        };
+        let [first, second] = &mut self.blocks;
+        rayon::join(|| sum(0, first), || sum(1, second));
+        let mut pairs = Pairs {
+            lowest,
+            blocks: first,
+        };
+        touches
+            .iter()
+            .for_each(|touch| pairs.add_touch(piece, weight, free, touch));
+        self.add_up();
         let matrix = &mut self.matrix;
-        matrix.clear();
-        for (p, &(low, at)) in self.lowest.iter().enumerate() {
-            for (q, block) in (low as usize..=p).zip(&self.blocks[at as usize..]) {
-                for (a, row) in block.iter().enumerate() {
-                    let count = if p == q { a + 1 } else { FREEDOMS };
-                    matrix.add_row(p * FREEDOMS + a, q * FREEDOMS, &row[..count]);
-                }
-            }
-        }
         for row in 0..matrix.rows() {
             let more = RIDGE * matrix.diagonal(row);
             matrix.add(row, row, more);
@@ -191,114 +211,153 @@ impl Sections {
         self.ready = self.count > 0 && self.matrix.factor().is_ok();
     }
 
-    /// The pieces' motion under forces `r`.
-    pub fn solve(&self, r: &[Row]) -> Vec<f64> {
-        if !self.ready {
-            return Vec::new();
-        }
-        let mut sums = vec![0.0; self.count * FREEDOMS];
-        for (v, &p) in self.piece.iter().enumerate() {
-            if p != NONE {
-                let at = p as usize * FREEDOMS;
-                for (s, w) in self.weight[v].iter().enumerate() {
-                    (0..3).for_each(|a| sums[at + 3 * s + a] += w * r[v].0[a]);
-                }
-            }
-        }
-        self.matrix.solve(&mut sums);
-        sums
-    }
-
-    /// Adds the pieces' motion to vertices.
-    pub fn add(&self, motion: &[f64], z: &mut [Row]) {
-        if motion.is_empty() {
-            return;
-        }
-        for (v, &p) in self.piece.iter().enumerate() {
-            if p != NONE {
-                let at = p as usize * FREEDOMS;
-                for (s, w) in self.weight[v].iter().enumerate() {
-                    (0..3).for_each(|a| z[v].0[a] += w * motion[at + 3 * s + a]);
-                }
-            }
-        }
-    }
-}
-
-/// Blocks of pairs of pieces, the first not below the second.
-struct Pairs<'a> {
-    lowest: &'a [(u32, u32)],
-    blocks: &'a mut [Block],
-}
-
-impl Pairs<'_> {
-    #[inline(always)]
-    fn block(&mut self, p: u32, q: u32) -> &mut Block {
-        let (low, at) = self.lowest[p as usize];
-        &mut self.blocks[(at + q - low) as usize]
-    }
-
-    /// Adds a block of the matrix between two vertices and its mirror image, of one vertex the block alone. Of a piece with
-    /// itself only what is on and below the diagonal is whole.
-    #[inline(always)]
-    fn add_block<const B: usize>(
-        &mut self,
-        [p, q]: [u32; 2],
-        [left, right]: [&[f64; 3]; 2],
-        block: &[Column; B],
-        own: bool,
-    ) {
-        let sum = self.block(p.max(q), p.min(q));
-        for (s, l) in left.iter().enumerate() {
-            for (t, r) in right.iter().enumerate() {
-                let w = l * r;
-                for a in 0..3 {
-                    for b in 0..3 {
-                        let (row, column, v) = (3 * s + a, 3 * t + b, w * block[b][a]);
-                        if p >= q {
-                            sum[row][column] += v;
-                        }
-                        if p < q || p == q && !own {
-                            sum[column][row] += v;
-                        }
+    /// Takes the sums of all parts into the matrix.
+    fn add_up(&mut self) {
+        let matrix = &mut self.matrix;
+        matrix.clear();
+        for (p, &(low, at)) in self.lowest.iter().enumerate() {
+            for q in low as usize..=p {
+                let k = at as usize + q - low as usize;
+                for [lower, upper] in &self.blocks {
+                    let (lower, upper) = (&lower[k], &upper[k]);
+                    // What was added to a piece with itself is half of it.
+                    let across = if p == q { lower } else { upper };
+                    for a in 0..FREEDOMS {
+                        let count = if p == q { a + 1 } else { FREEDOMS };
+                        let sum: [f64; FREEDOMS] =
+                            std::array::from_fn(|c| lower[a][c] + across[c][a]);
+                        matrix.add_row(p * FREEDOMS + a, q * FREEDOMS, &sum[..count]);
                     }
                 }
             }
         }
     }
 
-    /// Adds g gᵀ of a bond's two gradients by its three vertices.
+    /// How many pieces take part.
+    pub fn pieces(&self) -> usize {
+        if self.ready { self.count } else { 0 }
+    }
+
+    /// Adds forces `r` on the vertices from `first` on to those on pieces.
     #[inline(always)]
-    fn add_slope(&mut self, piece: &[u32], weight: &[[f64; 3]], free: &[Row], slope: &Slope) {
-        let mut pieces = [NONE; 3];
-        let mut sums: [[Line; 2]; 3] = [[[0.0; 16]; 2]; 3];
-        for n in 0..3 {
-            let v = slope.nodes[n] as usize;
-            let p = piece[v];
-            if p == NONE {
-                continue;
-            }
-            let mut at = 0;
-            while pieces[at] != p && pieces[at] != NONE {
-                at += 1;
-            }
-            pieces[at] = p;
-            let held = &free[v].0;
-            for s in 0..3 {
-                for a in 0..3 {
-                    let w = weight[v][s] * held[a];
-                    sums[at][0][3 * s + a] += w * slope.length[n][a];
-                    sums[at][1][3 * s + a] += w * slope.cosine[n][a];
+    pub fn gather(&self, first: usize, r: &[Row], sums: &mut [Motion]) {
+        if !self.ready {
+            return;
+        }
+        let own = self.piece[first..].iter().zip(&self.weight[first..]);
+        for ((&p, weight), r) in own.zip(r) {
+            if p != NONE {
+                for (sum, w) in sums[p as usize].iter_mut().zip(weight) {
+                    (0..4).for_each(|a| sum[a] += w * r.0[a]);
                 }
             }
         }
-        for i in 0..3 {
-            for k in 0..3 {
-                if pieces[i] == NONE || pieces[k] > pieces[i] {
+    }
+
+    /// Replaces forces on pieces by the motion that they make, and returns their work on it.
+    pub fn solve(&self, sums: &mut [Motion]) -> f64 {
+        let force = |m: &Motion| -> [f64; FREEDOMS] { std::array::from_fn(|f| m[f / 3][f % 3]) };
+        let forces: Vec<f64> = sums.iter().flat_map(force).collect();
+        let mut x = forces.clone();
+        self.matrix.solve(&mut x);
+        for (motion, x) in sums.iter_mut().zip(x.chunks_exact(FREEDOMS)) {
+            *motion = [[0.0; 4]; 3];
+            (0..FREEDOMS).for_each(|f| motion[f / 3][f % 3] = x[f]);
+        }
+        forces.iter().zip(&x).fold(0.0, |sum, (f, x)| sum + f * x)
+    }
+
+    /// Adds the pieces' motion to the vertices from `first` on.
+    #[inline(always)]
+    pub fn add(&self, motion: &[Motion], first: usize, z: &mut [Row]) {
+        if motion.is_empty() {
+            return;
+        }
+        let own = self.piece[first..].iter().zip(&self.weight[first..]);
+        for ((&p, weight), z) in own.zip(z) {
+            if p != NONE {
+                for (motion, w) in motion[p as usize].iter().zip(weight) {
+                    (0..4).for_each(|a| z.0[a] += w * motion[a]);
+                }
+            }
+        }
+    }
+}
+
+/// Rows of a block of the matrix between a vertex and one of a piece, over the freedoms of the piece: the entries `block`
+/// (row, column), `by` times.
+#[inline(always)]
+fn spread(weight: &[f64; 3], by: f64, block: impl Fn(usize, usize) -> f64) -> [Line; 3] {
+    let mut rows = [[0.0; 16]; 3];
+    for (a, row) in rows.iter_mut().enumerate() {
+        for (t, w) in weight.iter().enumerate() {
+            (0..3).for_each(|b| row[3 * t + b] = by * w * block(a, b));
+        }
+    }
+    rows
+}
+
+/// Blocks of pairs of pieces, the first not below the second, with rows of the first; and with rows of the second. Of a
+/// piece with itself what is to be added to its mirror image.
+struct Pairs<'a> {
+    lowest: &'a [(u32, u32)],
+    blocks: &'a mut [Vec<Block>; 2],
+}
+
+impl Pairs<'_> {
+    /// Adds a block with rows of a vertex of piece `p` and columns of piece `q`.
+    #[inline(always)]
+    fn add(&mut self, p: u32, q: u32, weight: &[f64; 3], rows: &[Line; 3]) {
+        let (low, at) = self.lowest[p.max(q) as usize];
+        let block = &mut self.blocks[usize::from(p < q)][(at + p.min(q) - low) as usize];
+        add_rows(block, weight, rows);
+    }
+
+    /// Adds what a bond has between its vertex and its edge. What it has of each alone is in the rods' blocks.
+    #[inline(always)]
+    fn add_slope(&mut self, piece: &[u32], weight: &[[f64; 3]], free: &[Row], slope: &Slope) {
+        let [x, y, z] = slope.nodes.map(|v| v as usize);
+        if piece[x] == NONE {
+            return;
+        }
+        let held =
+            |of: &Column, v: usize| -> Column { std::array::from_fn(|a| of[a] * free[v].0[a]) };
+        let (u, w) = (held(&slope.length[0], x), held(&slope.cosine[0], x));
+        let rows = |n: usize, v: usize| {
+            let (g, h) = (held(&slope.length[n], v), held(&slope.cosine[n], v));
+            spread(&weight[v], 1.0, |a, b| u[a] * g[b] + w[a] * h[b])
+        };
+        let (p, q, r) = (piece[x], piece[y], piece[z]);
+        if q == r && q != NONE {
+            let (mut sum, more) = (rows(1, y), rows(2, z));
+            for (sum, more) in sum.iter_mut().zip(&more) {
+                (0..16).for_each(|k| sum[k] += more[k]);
+            }
+            self.add(p, q, &weight[x], &sum);
+            return;
+        }
+        if q != NONE {
+            self.add(p, q, &weight[x], &rows(1, y));
+        }
+        if r != NONE {
+            self.add(p, r, &weight[x], &rows(2, z));
+        }
+    }
+
+    /// Adds a contact, along its normal and across it. Between pieces that the matrix does not join what joins them is left
+    /// out.
+    fn add_touch(&mut self, piece: &[u32], weight: &[[f64; 3]], free: &[Row], touch: &Touch) {
+        for (v, left) in touch.shares() {
+            for (c, right) in touch.shares() {
+                let (p, q) = (piece[v], piece[c]);
+                if p == NONE || q == NONE || p < q || self.lowest[p as usize].0 > q {
                     continue;
                 }
-                let block = self.block(pieces[i], pieces[k]);
-                add_outer(block, &sums[i], &sums[k]);
+                let by = left * right * if p == q { 0.5 } else { 1.0 };
+                let rows = spread(&weight[c], by, |a, b| {
+                    touch_block(touch, touch.normal, a, b) * free[v].0[a] * free[c].0[b]
+                });
+                self.add(p, q, &weight[v], &rows);
             }
         }
     }

@@ -2,9 +2,11 @@
 //! from safe code: lengths of arrays, and that the processor has the instructions of a [`Level`].
 #![allow(unsafe_code)]
 
+pub mod bands;
 pub mod bonds;
 pub mod lanes;
 pub mod outer;
+pub mod own;
 pub mod rods;
 pub mod slopes;
 pub mod watch;

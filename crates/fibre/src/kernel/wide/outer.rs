@@ -1,4 +1,4 @@
-//! Sums of outer products of short vectors.
+//! Blocks of a matrix to which rows are added with weights.
 
 use super::lanes::{Lanes, Level, WIDTH, for_each_level};
 
@@ -9,27 +9,38 @@ pub(crate) type Line = [f64; 2 * WIDTH];
 /// A block of rows.
 pub(crate) type Block = [Line; ROWS];
 
-/// Adds u pᵀ + v qᵀ to a block; of u and v the first [`ROWS`] numbers.
-pub(crate) fn add_outer(block: &mut Block, [u, v]: &[Line; 2], [p, q]: &[Line; 2]) {
+/// Adds to rows 3 s + a of a block the row a of three, times the weight s of three.
+#[inline(always)]
+pub(crate) fn add_rows(block: &mut Block, weight: &[f64; 3], rows: &[Line; 3]) {
     // Safety: all arrays are as long as their types say.
-    unsafe { outer_at(Level::best(), block, u, v, p, q) }
+    unsafe { rows_at(Level::best(), block, weight, rows) }
 }
 
 #[inline(always)]
-unsafe fn outer_of<L: Lanes>(block: &mut Block, u: &Line, v: &Line, p: &Line, q: &Line) {
+unsafe fn rows_of<L: Lanes>(block: &mut Block, weight: &[f64; 3], rows: &[Line; 3]) {
     unsafe {
+        let weight = [
+            L::splat(weight[0]),
+            L::splat(weight[1]),
+            L::splat(weight[2]),
+        ];
         for half in [0, WIDTH] {
-            let (p, q) = (L::load(p.as_ptr().add(half)), L::load(q.as_ptr().add(half)));
-            for (row, (u, v)) in block.iter_mut().zip(u.iter().zip(v)) {
-                let at = row.as_mut_ptr().add(half);
-                let more = L::splat(*u).mul(p).add(L::splat(*v).mul(q));
-                L::load(at).add(more).store(at);
+            let rows = [
+                L::load(rows[0].as_ptr().add(half)),
+                L::load(rows[1].as_ptr().add(half)),
+                L::load(rows[2].as_ptr().add(half)),
+            ];
+            for s in 0..3 {
+                for a in 0..3 {
+                    let at = block[3 * s + a].as_mut_ptr().add(half);
+                    L::load(at).add(weight[s].mul(rows[a])).store(at);
+                }
             }
         }
     }
 }
 
 for_each_level! {
-    /// [`outer_of`] at a level.
-    outer_at = outer_of(block: &mut Block, u: &Line, v: &Line, p: &Line, q: &Line)
+    /// [`rows_of`] at a level.
+    rows_at = rows_of(block: &mut Block, weight: &[f64; 3], rows: &[Line; 3])
 }

@@ -17,10 +17,10 @@ const GRAIN: usize = 256;
 #[repr(align(64))]
 pub(crate) struct Slopes {
     /// Of the length by d: the unit vector along it.
-    length: [[f32; WIDTH]; 3],
+    pub(super) length: [[f32; WIDTH]; 3],
     /// Of the cosine.
-    by_d: [[f32; WIDTH]; 3],
-    by_e: [[f32; WIDTH]; 3],
+    pub(super) by_d: [[f32; WIDTH]; 3],
+    pub(super) by_e: [[f32; WIDTH]; 3],
 }
 
 impl Slopes {
@@ -144,7 +144,7 @@ for_each_level! {
 }
 
 #[inline(always)]
-unsafe fn single3<L: Lanes>(from: &[[f32; WIDTH]; 3]) -> [L; 3] {
+pub(super) unsafe fn single3<L: Lanes>(from: &[[f32; WIDTH]; 3]) -> [L; 3] {
     unsafe {
         [
             L::load_single(from[0].as_ptr()),
