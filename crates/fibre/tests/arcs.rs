@@ -1,31 +1,178 @@
 //! Clamps that bend the wood between them into an arc, and scenes on stems of other lengths than they were written for.
 
-mod support;
-
-use glam::{DVec3, dvec3};
+use greenstick_fibre::energy::rod::strain;
+use greenstick_fibre::placement::place;
 use greenstick_fibre::scene::{BUILT_IN, Scene, SetUp, set_up};
-use greenstick_fibre::solvers::QuasiStatic;
-use greenstick_fibre::{Bundle, NoContacts, Rod, RodMaterial, Solver};
+use greenstick_fibre::store::ForceRow;
+use greenstick_fibre::{
+    Failure, HowMany, NoContacts, Placement, QuasiStatic, Solver, WoodMaterial,
+};
+use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::moisture::Fallback;
+use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{StemOptions, find};
 
-const YOUNG: f64 = 1e10;
+/// A mesh filled with as many rods as the scene says, in the scene.
+fn grown(mesh: Mesh, length: f64, scene: &Scene) -> SetUp {
+    let scene = scene.for_stem(length);
+    let whole = "0.5".parse().unwrap();
+    let found = find(&[mesh], &whole, &StemOptions::default(), &Context::quiet()).unwrap();
+    let ash = Species::find("white ash").unwrap();
+    let wood = WoodMaterial::of(ash, 12.0, Fallback::Refuse).unwrap();
+    let options = Placement {
+        rods: HowMany::Number(scene.rods.number),
+        edges: (scene.rods.edge[0].0, scene.rods.edge[1].0),
+        weibull: 12.0,
+        ..Placement::default()
+    };
+    let placed = place(&found.stem, &wood, &options).unwrap();
+    set_up(&scene, placed.bundle, &placed.along, &[]).unwrap()
+}
 
-/// Rods side by side that no bond joins, at the places of `section` (m), with vertices `edge` m apart, along a line that
-/// leaves x by `bow` m in its middle.
-fn stem(section: &[(f64, f64)], area: f64, length: f64, bow: f64) -> (Bundle, Vec<f64>) {
-    let material = RodMaterial::solid(area, YOUNG, YOUNG / 16.0, 600.0);
-    let edges = 60;
-    let mut along = Vec::new();
-    let rods: Vec<Rod> = section
-        .iter()
-        .map(|&(y, z)| {
-            let vertices = (0..=edges).map(|i| {
-                let part = f64::from(i) / f64::from(edges);
-                along.push(length * part);
-                let off = 4.0 * bow * part * (1.0 - part);
-                dvec3(length * part, y, z + off)
-            });
-            Rod::new(vertices.collect(), material)
+/// The built-in scene, with few rods that nothing breaks.
+fn bend() -> Scene {
+    let mut scene = Scene::built_in("bend").unwrap();
+    scene.rods.number = 24;
+    scene
+}
+
+/// Force on a clamp over the sum of all tension in the section in the middle, when the scene's first quarter is over.
+fn pull(made: &mut SetUp) -> f64 {
+    made.world.failure = Failure::default();
+    made.world.failure.rods_yield = false;
+    made.world.failure.rods_break = false;
+    let mut solver = QuasiStatic::new(Some(0.05));
+    solver
+        .advance(&mut made.world, &mut NoContacts, 0.25)
+        .unwrap();
+    let force = ForceRow::all(&made.world, &mut made.bodies, 1.0)[1].force;
+    let (bundle, state) = (&made.world.bundle, &made.world.state);
+    let mut tension = 0.0;
+    for rod in 0..bundle.rods() {
+        let middle = bundle
+            .rod(rod)
+            .find(|&j| made.fraction[j + 1] > 0.5)
+            .unwrap();
+        tension += bundle.stretch[middle] * strain(bundle, state, middle).max(0.0);
+    }
+    force.length() / tension
+}
+
+#[test]
+fn a_stem_is_bent_and_not_drawn_whatever_its_length_and_section() {
+    let tapered = |length: f64| {
+        branch(&BranchOptions {
+            length,
+            diameter: length / 15.0,
+            ..BranchOptions::default()
         })
-        .collect();
-    (Bundle::new(&rods, false).unwrap(), along)
+    };
+    for (mesh, length, most) in [
+        (board(0.3, 0.03, 0.02), 0.3, 0.01),
+        (board(1.2, 0.05, 0.04), 1.2, 0.01),
+        (cylinder(0.01, 0.3, 48), 0.3, 0.01),
+        (cylinder(0.04, 1.6, 48), 1.6, 0.01),
+        (tapered(0.3), 0.3, 0.04),
+        (tapered(2.0), 2.0, 0.04),
+    ] {
+        let mut made = grown(mesh, length, &bend());
+        let part = pull(&mut made);
+        println!("{length} m: {part}");
+        assert!(part < most, "{length} m: {part}");
+    }
+    // Clamps that turn where they are draw it.
+    let mut made = grown(cylinder(0.01, 0.3, 48), 0.3, &bend());
+    for clamp in &mut made.world.loads.clamps {
+        let greenstick_fibre::Motion::Keys(keys) = &mut clamp.motion else {
+            panic!("{:?}", clamp.motion)
+        };
+        keys.iter_mut()
+            .for_each(|k| k.1.translation = glam::DVec3::ZERO);
+    }
+    assert!(pull(&mut made) > 0.2);
+}
+
+#[test]
+fn clamps_come_nearer_by_what_an_arc_is_shorter_than_the_stem() {
+    let made = grown(cylinder(0.01, 0.3, 48), 0.3, &bend());
+    let (bundle, clamps) = (&made.world.bundle, &made.world.loads.clamps);
+    let rest = &bundle.rest.x;
+    let (mut free, rods) = (0.0, bundle.rods() as f64);
+    // The neutral line does not pass the clamps' centres, which are means of vertices.
+    let (mut height, mut weight) = (0.0, 0.0);
+    for rod in 0..bundle.rods() {
+        let inner = |v: &usize| !clamps.iter().any(|c| c.vertices.contains(&(*v as u32)));
+        let (first, last) = (
+            bundle.rod(rod).find(inner).unwrap(),
+            bundle.rod(rod).filter(inner).last().unwrap(),
+        );
+        height += bundle.stretch[last] * bundle.rest.z[last];
+        weight += bundle.stretch[last];
+        free += (rest[last + 1] - rest[first - 1]) / rods;
+    }
+    let off = clamps[0].centre.z + clamps[1].centre.z - 2.0 * height / weight;
+    let centres =
+        |time: f64| [0, 1].map(|c| clamps[c].centre + clamps[c].motion.pose(time).translation);
+    let [a, b] = centres(0.0);
+    let whole = a.distance(b);
+    for time in [0.1f64, 0.333, 0.7, 1.0] {
+        let angle = (45.0 * time).to_radians();
+        let chord = free * angle.sin() / angle + (whole - free) * angle.cos() - off * angle.sin();
+        let [c, d] = centres(time);
+        let found = c.distance(d);
+        assert!((found - chord).abs() < 3e-6 * whole, "{found} for {chord}");
+        assert!(c.midpoint(d).distance(a.midpoint(b)) < 1e-12);
+    }
+}
+
+#[test]
+fn scenes_are_as_much_larger_as_their_stem() {
+    for built_in in BUILT_IN {
+        let scene = built_in.scene().unwrap();
+        let Some(length) = scene.for_length else {
+            assert_eq!(scene.for_stem(7.0), scene, "{}", built_in.name);
+            continue;
+        };
+        assert_eq!(scene.for_stem(length.0), scene, "{}", built_in.name);
+        let larger = scene.for_stem(2.0 * length.0);
+        assert_eq!(larger.for_stem(2.0 * length.0), larger);
+        assert_eq!(Scene::read(&larger.to_toml()).unwrap(), larger);
+        assert_eq!(larger.rods.edge[1].0, 2.0 * scene.rods.edge[1].0);
+        for (a, b) in larger.body.iter().zip(&scene.body) {
+            assert_eq!(a.size.0[2], 2.0 * b.size.0[2]);
+            assert_eq!((a.diameter.0, a.gap.0), (2.0 * b.diameter.0, 2.0 * b.gap.0));
+            for (a, b) in a.key.iter().zip(&b.key) {
+                assert_eq!(a.move_by.0[2], 2.0 * b.move_by.0[2]);
+            }
+        }
+        for (a, b) in larger.clamp.iter().zip(&scene.clamp) {
+            assert_eq!(a.velocity[0], 2.0 * b.velocity[0]);
+        }
+        assert_eq!(larger.loads, scene.loads);
+    }
+}
+
+#[test]
+fn an_arc_that_cannot_be_is_refused() {
+    let two = |one: &str, other: &str| {
+        format!("[[clamp]]\nto = 0.1\narc = true\n{one}\n[[clamp]]\nfrom = 0.9\nto = 1.0\n{other}")
+    };
+    for (text, words) in [
+        (
+            "[[clamp]]\narc = true".to_owned(),
+            "must have two clamps, and it has 1",
+        ),
+        (two("", ""), "must have key frames"),
+        (
+            two("", "angular = [0, 5, 0]"),
+            "clamp 1 must be moved by key frames",
+        ),
+    ] {
+        let told = Scene::read(&text).unwrap_err().to_string();
+        assert!(
+            told.contains(words) && told.contains("clamp 0 has arc = true"),
+            "{told}"
+        );
+    }
 }
