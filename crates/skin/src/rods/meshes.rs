@@ -103,6 +103,7 @@ fn skin_of(
         wood.outline,
         &wood.bonded(),
         options.fibres,
+        wood.stem.rings.pith(),
         options.seed,
     );
     let joints = Joints::new(wood, parting);

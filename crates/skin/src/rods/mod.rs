@@ -22,6 +22,7 @@ mod mend;
 mod meshes;
 mod parting;
 mod section;
+mod tips;
 
 pub use gape::{Gape, Gapes};
 pub use history::History;
