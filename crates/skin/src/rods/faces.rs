@@ -21,8 +21,8 @@ pub(super) enum Shows {
     End,
     /// The side of a fibre bundle; the number tells sides that are smooth together.
     Side(u32),
-    /// The broken end of a fibre bundle.
-    Tip,
+    /// The broken end of a fibre bundle; the number tells what is smooth together.
+    Tip(u32),
 }
 
 /// A vertex of the skin.
@@ -284,8 +284,13 @@ impl Maker<'_, '_> {
                 });
             }
             let prism = complex.prism(a, slab) as u32;
-            let shows = if inner { Shows::Tip } else { Shows::End };
-            for triangle in &end.triangles {
+            let start = self.faces.triangles.len() as u32;
+            for (triangle, side) in &end.triangles {
+                let shows = if inner {
+                    Shows::Tip(start + side)
+                } else {
+                    Shows::End
+                };
                 let mut corners = triangle.map(|k| match k.checked_sub(n) {
                     Some(tip) => first + tip as u32,
                     None => self.corner(Place {

@@ -200,7 +200,7 @@ struct Key {
     coordinates: [u64; 2],
 }
 
-/// Faces of the outside are smooth together, those of the ends are; every tip is flat.
+/// Faces of the outside are smooth together, those of the ends are; tips are by their flanks.
 const BARK: u32 = u32::MAX;
 const END: u32 = u32::MAX - 1;
 
@@ -235,7 +235,7 @@ fn mesh(
             Shows::Bark => BARK,
             Shows::End => END,
             Shows::Side(number) => 2 * number,
-            Shows::Tip => 2 * t + 1,
+            Shows::Tip(number) => 2 * number + 1,
         };
         let looks = own
             .as_ref()

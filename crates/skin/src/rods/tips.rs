@@ -8,7 +8,7 @@ use greenstick_wood::noise::unit;
 /// Thorns and hollows of an end.
 const THORNS: usize = 3;
 /// Height of the lowest thorn and of the highest, in lengths of pull-out.
-const HEIGHT: [f64; 2] = [0.25, 1.3];
+const HEIGHT: [f64; 2] = [0.5, 3.0];
 /// How far thorns lie off even spacing, in parts of it.
 const UNEVEN: f64 = 0.25;
 /// Triangles smaller than this part of the bundle's section are none.
@@ -18,8 +18,9 @@ const LEAST: f64 = 1e-3;
 pub(super) struct Tips {
     /// Places within it, grain coordinates, m.
     pub places: Vec<DVec3>,
-    /// Triangles, counter-clockwise from above: corners of the prism, and behind them the places.
-    pub triangles: Vec<[usize; 3]>,
+    /// Triangles, counter-clockwise from above: corners of the prism, and behind them the places; and which of them are
+    /// smooth together.
+    pub triangles: Vec<([usize; 3], u32)>,
 }
 
 impl Tips {
@@ -35,7 +36,7 @@ impl Tips {
     fn fan(n: usize, middle: DVec3) -> Self {
         Tips {
             places: vec![middle],
-            triangles: (0..n).map(|k| [k, (k + 1) % n, n]).collect(),
+            triangles: (0..n).map(|k| ([k, (k + 1) % n, n], k as u32)).collect(),
         }
     }
 
@@ -97,6 +98,9 @@ fn room(complex: &Complex, column: usize, station: usize, mean: f64) -> [f64; 2]
     })
 }
 
+/// Places in a polygon, and triangles that it is parted in, each of one side of it.
+type Rows = (Vec<DVec2>, Vec<([usize; 3], u32)>);
+
 /// Parts a convex polygon in triangles with `count` places on the line between the two corners that lie farthest apart;
 /// none where one would be smaller than `least` (m²).
 fn rows(
@@ -104,7 +108,7 @@ fn rows(
     count: usize,
     random: impl Fn(usize) -> f64,
     least: f64,
-) -> Option<(Vec<DVec2>, Vec<[usize; 3]>)> {
+) -> Option<Rows> {
     let n = corners.len();
     let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j)));
     let (left, right) = pairs.filter(|&(i, j)| (j + 1) % n != i).max_by(|a, b| {
@@ -129,7 +133,7 @@ fn rows(
         (right + 1..n + left).rev().map(|k| k % n).collect(),
     ];
     let mut triangles = Vec::with_capacity(n + 2 * count);
-    for chain in chains {
+    for (side, chain) in chains.into_iter().enumerate() {
         let (mut i, mut j) = (0, 0);
         loop {
             let onward = chain.get(i + 1).copied();
@@ -151,11 +155,9 @@ fn rows(
             };
             let [a, b, c] = triangle.map(at);
             let area = 0.5 * (b - a).perp_dot(c - a);
-            triangles.push(if area < 0.0 {
-                [triangle[1], triangle[0], triangle[2]]
-            } else {
-                triangle
-            });
+            let [a, b, c] = triangle;
+            let around = if area < 0.0 { [b, a, c] } else { triangle };
+            triangles.push((around, side as u32));
             if area.abs() < least {
                 return None;
             }
@@ -163,7 +165,7 @@ fn rows(
     }
     let sum: f64 = triangles
         .iter()
-        .map(|t| {
+        .map(|(t, _)| {
             let [a, b, c] = t.map(at);
             0.5 * (b - a).perp_dot(c - a)
         })
