@@ -9,7 +9,6 @@ use super::{RodSkinOptions, Wood};
 use glam::DVec3;
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::unit;
-use greenstick_wood::stem::StemKind;
 use rustc_hash::FxHashMap;
 
 /// What a face shows.
@@ -89,11 +88,6 @@ pub(super) struct Faces {
     pub vertices: Vec<Vertex>,
     pub triangles: Vec<Triangle>,
 }
-
-/// The sides of a crack lie this part of the distance between columns apart at rest, so that they are two in every file.
-const KERF: f64 = 2e-4;
-/// The bark lies between these parts of where the outline says; elsewhere the outline is believed.
-const BELIEVED: (f64, f64) = (0.5, 2.0);
 
 struct Maker<'a, 'b> {
     wood: &'a Wood<'a>,
@@ -420,55 +414,4 @@ impl Maker<'_, '_> {
             v.follows = follows;
         }
     }
-}
-
-/// Opens cracks by a hair, so that their sides are two in every file, and gives every vertex its place at rest.
-pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
-    let mut inward = vec![DVec3::ZERO; faces.vertices.len()];
-    for triangle in &faces.triangles {
-        if matches!(triangle.shows, Shows::Bark | Shows::End) {
-            continue;
-        }
-        let corners = triangle.corners.map(|v| faces.vertices[v as usize].grain);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        for k in 0..3 {
-            let (p, q, r) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-            inward[triangle.corners[k] as usize] -= normal * (q - p).angle_between(r - p);
-        }
-    }
-    for (v, inward) in faces.vertices.iter_mut().zip(inward) {
-        v.closed = place(wood, v.grain);
-        v.rest = v.closed;
-        if v.cracked && inward.is_finite() {
-            v.grain += inward * (KERF * spacing / inward.length().max(1.0));
-            v.rest = place(wood, v.grain);
-        }
-    }
-}
-
-/// A place in grain coordinates of the section as one in the rods' world at rest. Where there is a bark the section is
-/// stretched along each radius so that its outline lies on it.
-fn place(wood: &Wood, grain: DVec3) -> DVec3 {
-    let stem = wood.stem;
-    let stretched = wood
-        .bark
-        .filter(|_| stem.kind == StemKind::Round)
-        .and_then(|(mesh, tree)| {
-            let pith = stem.rings.pith();
-            let out = grain.truncate() - pith;
-            let r = out.length();
-            let outer = stem.rings.outer(libm::atan2(out.y, out.x));
-            let origin = stem.grain.to_world(pith.extend(grain.z));
-            let end = stem
-                .grain
-                .to_world((pith + out * (outer / r)).extend(grain.z));
-            let (_, t) = tree.first_triangle(mesh, origin, end - origin, BELIEVED.1)?;
-            let believed = t > BELIEVED.0 && r > 0.0;
-            // Nothing in the middle, all at the outline.
-            believed.then(|| pith + out * (1.0 + (t - 1.0) * (r / outer)))
-        });
-    let across = stretched.unwrap_or(grain.truncate());
-    wood.laid
-        .transform_point3(stem.grain.to_world(across.extend(grain.z)))
 }

@@ -3,10 +3,11 @@
 use super::bark::Bark;
 use super::complex::Complex;
 use super::earlier::{Before, earlier};
-use super::faces::{Faces, Shows, Triangle, open_faces, put};
+use super::faces::{Faces, Shows, Triangle, open_faces};
 use super::gape::Gapes;
 use super::history::History;
 use super::joints::Joints;
+use super::kerf::put;
 use super::mend::mend;
 use super::parting::{Part, Parting};
 use super::section::columns;

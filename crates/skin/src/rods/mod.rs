@@ -18,6 +18,7 @@ mod faces;
 mod gape;
 mod history;
 mod joints;
+mod kerf;
 mod mend;
 mod meshes;
 mod parting;
