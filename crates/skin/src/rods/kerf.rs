@@ -12,10 +12,14 @@ const KERF: f64 = 2e-4;
 const ROUNDING: f64 = 1e-6;
 /// The bark lies between these parts of where the outline says; elsewhere the outline is believed.
 const BELIEVED: (f64, f64) = (0.5, 2.0);
-/// A vertex moves away from each of its faces by this part of its way, where it can.
-const AWAY: f64 = 0.35;
-/// Rounds in which that is looked for.
-const ROUNDS: usize = 40;
+/// A way that leads away from each face by this part of its length is good enough.
+const AWAY: f64 = 0.5;
+/// And so is one that does so by this part of the best.
+const NEARLY: f64 = 0.8;
+/// The longest way, where faces meet in an edge like a knife's.
+const FARTHEST: f64 = 30.0;
+/// Rounds in which a way is looked for.
+const ROUNDS: usize = 200;
 
 /// Opens cracks, and gives every vertex its place at rest.
 pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
@@ -48,26 +52,33 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
     }
 }
 
-/// The direction away from all faces with these normals: the one that the worst of them likes best, about.
+/// The way that leads from all faces with these normals by 1, or as far as the longest way does.
 fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
-    let mut direction = -normals.iter().map(|n| n.1).sum::<DVec3>();
+    // Of all means of the normals the shortest leads away from the worst of them the best (Gilbert 1966).
+    let mut mean = normals.iter().map(|n| n.1).sum::<DVec3>() / normals.len() as f64;
     let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
     for _ in 0..ROUNDS {
-        let unit = direction.normalize_or(-normals[0].1);
-        let worst = normals
-            .iter()
-            .map(|n| (-n.1.dot(unit), n.1))
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((away, normal)) = worst else { break };
-        if away > best.0 {
-            best = (away, unit);
-        }
-        if away >= AWAY {
+        let length = mean.length();
+        if length < f64::EPSILON {
             break;
         }
-        direction = unit - normal * (AWAY - away);
+        let (away, normal) = (normals.iter())
+            .map(|n| (n.1.dot(mean) / length, n.1))
+            .fold(
+                (f64::INFINITY, DVec3::ZERO),
+                |a, b| if b.0 < a.0 { b } else { a },
+            );
+        if away > best.0 {
+            best = (away, mean / length);
+        }
+        if away >= AWAY || away >= NEARLY * length {
+            break;
+        }
+        let step = normal - mean;
+        let t = -mean.dot(step) / step.length_squared().max(f64::EPSILON);
+        mean += step * t.clamp(0.0, 1.0);
     }
-    best.1
+    -best.1 / best.0.max(1.0 / FARTHEST)
 }
 
 /// A place in grain coordinates of the section as one in the rods' world at rest. Where there is a bark the section is
