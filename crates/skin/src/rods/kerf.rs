@@ -17,9 +17,9 @@ const AWAY: f64 = 0.5;
 /// And so is one that does so by this part of the best.
 const NEARLY: f64 = 0.8;
 /// The longest way, where faces meet in an edge like a knife's.
-const FARTHEST: f64 = 30.0;
+const FARTHEST: f64 = 150.0;
 /// Rounds in which a way is looked for.
-const ROUNDS: usize = 200;
+const ROUNDS: usize = 300;
 
 /// Opens cracks, and gives every vertex its place at rest.
 pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
@@ -52,7 +52,8 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
     }
 }
 
-/// The way that leads from all faces with these normals by 1, or as far as the longest way does.
+/// The way that leads from all faces with these normals by 1; none where it would be too long, or there is none, as from
+/// two faces that face each other.
 fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
     // Of all means of the normals the shortest leads away from the worst of them the best (Gilbert 1966).
     let mut mean = normals.iter().map(|n| n.1).sum::<DVec3>() / normals.len() as f64;
@@ -78,7 +79,10 @@ fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
         let t = -mean.dot(step) / step.length_squared().max(f64::EPSILON);
         mean += step * t.clamp(0.0, 1.0);
     }
-    -best.1 / best.0.max(1.0 / FARTHEST)
+    if best.0 * FARTHEST < 1.0 {
+        return DVec3::ZERO;
+    }
+    -best.1 / best.0
 }
 
 /// A place in grain coordinates of the section as one in the rods' world at rest. Where there is a bark the section is
