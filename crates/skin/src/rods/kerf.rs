@@ -18,6 +18,8 @@ const AWAY: f64 = 0.5;
 const NEARLY: f64 = 0.8;
 /// The longest way, where faces meet in an edge like a knife's.
 const FARTHEST: f64 = 150.0;
+/// Length of the way where none leads from all faces.
+const SHORT: f64 = 0.2;
 /// Rounds in which a way is looked for.
 const ROUNDS: usize = 300;
 
@@ -52,8 +54,8 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
     }
 }
 
-/// The way that leads from all faces with these normals by 1; none where it would be too long, or there is none, as from
-/// two faces that face each other.
+/// The way that leads from all faces with these normals by 1; a short one, that makes two vertices of what lies at one place,
+/// where there is none, as from two faces that face each other.
 fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
     // Of all means of the normals the shortest leads away from the worst of them the best (Gilbert 1966).
     let mut mean = normals.iter().map(|n| n.1).sum::<DVec3>() / normals.len() as f64;
@@ -80,7 +82,7 @@ fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
         mean += step * t.clamp(0.0, 1.0);
     }
     if best.0 * FARTHEST < 1.0 {
-        return DVec3::ZERO;
+        return -SHORT * best.1;
     }
     -best.1 / best.0
 }
