@@ -93,6 +93,7 @@ fn whole_wood_has_one_skin_around_all_of_it() {
             wood.outline,
             &wood.bonded(),
             fibres,
+            wood.stem.rings.pith(),
             options.seed,
         );
         let sides = section.columns.iter().flat_map(|c| &c.beyond);

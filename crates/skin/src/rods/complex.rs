@@ -4,17 +4,21 @@ use super::history::{History, NEVER};
 use super::parting::{Part, Parting};
 use super::section::{Columns, OUTSIDE};
 use super::{RodSkinError, RodSkinOptions, Wood};
+use glam::DVec2;
 use greenstick_fibre::event::Cause;
 use greenstick_geometry::Unions;
-use greenstick_wood::noise::{line, plane, unit};
+use greenstick_wood::noise::{plane, unit};
 use std::collections::BTreeMap;
 
 /// The most prisms.
 const MOST: usize = 1 << 26;
 /// Corners lie up to this part of a slab off its plane, so that no plane across the grain shows.
 const JITTER: f64 = 0.35;
-/// How far breaks of a rod's fibre bundles lie from the rod's, in lengths of pull-out: shared by the rod, and by each.
-const SCATTER: [f64; 2] = [1.5, 2.0];
+/// How far breaks of a rod's fibre bundles lie from the rod's, in lengths of pull-out: with all of their ring, with those
+/// of their layer, which is a sector of it, and each by itself.
+const SCATTER: [f64; 3] = [1.0, 1.5, 2.5];
+/// Width of a layer across the rings and along them, in distances of fibre bundles.
+const LAYER: [f64; 2] = [1.2, 6.0];
 /// The same in widths where a rod was crushed.
 const CRUSHED: f64 = 0.5;
 
@@ -132,21 +136,21 @@ impl<'a> Complex<'a> {
         let start = self.stations[0];
         for (number, column) in self.columns.columns.iter().enumerate() {
             let breaks = &parting.breaks[column.rod as usize];
+            let layer = layer(column.centre - wood.stem.rings.pith(), self.columns.spacing);
             let mut at: Vec<usize> = Vec::new();
             for (k, broken) in breaks.iter().enumerate() {
                 let s = wood.along[broken.vertex as usize];
                 let reach = reach(wood, column.width(), broken.cause) * options.splinters;
-                let (own, shared) = (
-                    unit(options.seed ^ 0x0f1b, number as i64, k as i64, 0),
-                    line(
-                        options.seed ^ 0x70d,
-                        column.centre.x / (3.0 * column.width()).max(1e-9) + 17.0 * k as f64,
-                    ) + line(
-                        options.seed ^ 0x70e,
-                        column.centre.y / (3.0 * column.width()).max(1e-9),
-                    ),
-                );
-                let off = reach * (SCATTER[0] * shared + SCATTER[1] * (2.0 * own - 1.0));
+                let random = |what: u64, x: i64, y: i64| {
+                    2.0 * unit(options.seed ^ what, x, y, k as i64) - 1.0
+                };
+                let (ring, sector) = layer;
+                // Most bundles break near the others of their layer, a few far off.
+                let own = random(0x0f1b, number as i64, 0);
+                let off = reach
+                    * (SCATTER[0] * random(0x70d, ring, 0)
+                        + SCATTER[1] * random(0x70e, ring, sector)
+                        + SCATTER[2] * own * own.abs());
                 // No farther than half way to the rod's next break or end.
                 let vertices = wood.bundle.rod(column.rod as usize);
                 let before = if k > 0 {
@@ -417,6 +421,21 @@ pub(super) fn reach(wood: &Wood, width: f64, cause: Cause) -> f64 {
         Cause::Compression => CRUSHED * width,
         _ => wood.pull_out * width,
     }
+}
+
+/// Ring and sector of the layer that a place lies in, seen from the pith. Layers of one ring end elsewhere than those of
+/// the next.
+fn layer(from_pith: DVec2, spacing: f64) -> (i64, i64) {
+    let r = from_pith.length();
+    let ring = (r / (LAYER[0] * spacing)).floor();
+    let middle = (ring + 0.5) * LAYER[0] * spacing;
+    let turn = libm::atan2(from_pith.y, from_pith.x) / std::f64::consts::TAU;
+    let sectors = (std::f64::consts::TAU * middle / (LAYER[1] * spacing))
+        .round()
+        .max(1.0);
+    let start = unit(0x5ec, ring as i64, 0, 0);
+    let sector = ((turn + 1.0 + start).fract() * sectors).floor();
+    (ring as i64, sector as i64)
 }
 
 /// Lengths along the axis between slabs, even.

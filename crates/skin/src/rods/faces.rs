@@ -4,11 +4,11 @@ use super::complex::{Complex, Place, reach};
 use super::joints::Joints;
 use super::parting::{Part, Parting};
 use super::section::OUTSIDE;
+use super::tips::Tips;
 use super::{RodSkinOptions, Wood};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::unit;
-use greenstick_wood::stem::StemKind;
 use rustc_hash::FxHashMap;
 
 /// What a face shows.
@@ -20,8 +20,8 @@ pub(super) enum Shows {
     End,
     /// The side of a fibre bundle; the number tells sides that are smooth together.
     Side(u32),
-    /// The broken end of a fibre bundle.
-    Tip,
+    /// The broken end of a fibre bundle; the number tells what is smooth together.
+    Tip(u32),
 }
 
 /// A vertex of the skin.
@@ -88,15 +88,6 @@ pub(super) struct Faces {
     pub vertices: Vec<Vertex>,
     pub triangles: Vec<Triangle>,
 }
-
-/// The sides of a crack lie this part of the distance between columns apart at rest, so that they are two in every file.
-const KERF: f64 = 2e-4;
-/// Height of a fibre bundle's tip, in lengths of pull-out: least, and most on top.
-const TIP: [f64; 2] = [0.3, 1.0];
-/// How far a tip lies off the middle, in half widths.
-const LEAN: f64 = 0.45;
-/// The bark lies between these parts of where the outline says; elsewhere the outline is believed.
-const BELIEVED: (f64, f64) = (0.5, 2.0);
 
 struct Maker<'a, 'b> {
     wood: &'a Wood<'a>,
@@ -243,12 +234,10 @@ impl Maker<'_, '_> {
         let column = &complex.columns.columns[a];
         let n = column.corners.len();
         let inner = station > 0 && station < complex.slabs();
-        let lengths = column.corners.iter().map(|&c| complex.length(c, station));
-        let mean = lengths.sum::<f64>() / n as f64;
-        let apex = if inner {
-            self.tip(a, station, mean)
+        let end = if inner {
+            self.tips(a, station)
         } else {
-            column.centre.extend(mean)
+            Tips::flat(complex, a, station)
         };
         let mut below = None;
         for above in [false, true] {
@@ -260,9 +249,8 @@ impl Maker<'_, '_> {
             if slab >= complex.slabs() {
                 continue;
             }
-            let centre = self.faces.vertices.len() as u32;
-            let twin = below.replace(centre);
-            self.sets.push(u32::MAX);
+            let first = self.faces.vertices.len() as u32;
+            let twins = below.replace(first);
             let part = complex.parts[complex.prism(a, slab)];
             let other = if above {
                 slab.wrapping_sub(1)
@@ -274,33 +262,41 @@ impl Maker<'_, '_> {
             } else {
                 part
             };
-            self.faces.vertices.push(Vertex {
-                grain: apex,
-                rest: DVec3::ZERO,
-                follows: self.joints.at(column.rod, part, apex.z).to_vec(),
-                cracked: inner,
-                source: Source::Tip {
-                    rod: column.rod,
-                    parts: [part, beyond],
-                    twin: inner.then_some(twin).flatten(),
-                },
-                closed: DVec3::ZERO,
-            });
+            for (k, &grain) in end.places.iter().enumerate() {
+                self.sets.push(u32::MAX);
+                self.faces.vertices.push(Vertex {
+                    grain,
+                    rest: DVec3::ZERO,
+                    follows: self.joints.at(column.rod, part, grain.z).to_vec(),
+                    cracked: inner,
+                    source: Source::Tip {
+                        rod: column.rod,
+                        parts: [part, beyond],
+                        twin: twins.map(|t| t + k as u32).filter(|_| inner),
+                    },
+                    closed: DVec3::ZERO,
+                });
+            }
             let prism = complex.prism(a, slab) as u32;
-            let shows = if inner { Shows::Tip } else { Shows::End };
-            for corner in 0..n {
-                let at = |corner| Place {
-                    column: a,
-                    corner,
-                    station,
-                    above,
-                };
-                let (p, q) = (self.corner(at(corner)), self.corner(at((corner + 1) % n)));
-                let corners = if above {
-                    [q, p, centre]
+            let start = self.faces.triangles.len() as u32;
+            for (triangle, side) in &end.triangles {
+                let shows = if inner {
+                    Shows::Tip(start + side)
                 } else {
-                    [p, q, centre]
+                    Shows::End
                 };
+                let mut corners = triangle.map(|k| match k.checked_sub(n) {
+                    Some(tip) => first + tip as u32,
+                    None => self.corner(Place {
+                        column: a,
+                        corner: k,
+                        station,
+                        above,
+                    }),
+                });
+                if above {
+                    corners.reverse();
+                }
                 self.faces.triangles.push(Triangle {
                     corners,
                     prism,
@@ -310,42 +306,17 @@ impl Maker<'_, '_> {
         }
     }
 
-    /// Where the tip of a broken fibre bundle lies, which is where the hollow of the other side ends.
-    fn tip(&self, a: usize, station: usize, mean: f64) -> DVec3 {
+    /// The tips of a broken fibre bundle, which are the hollows of the other side.
+    fn tips(&self, a: usize, station: usize) -> Tips {
         let complex = self.complex;
         let column = &complex.columns.columns[a];
         let below = complex.parts[complex.prism(a, station - 1)];
         let breaks = &self.parting.breaks[column.rod as usize];
         let Some(broken) = breaks.get(usize::from(below)) else {
-            return column.centre.extend(mean);
+            return Tips::flat(complex, a, station);
         };
-        let random = |what: u64| unit(self.options.seed ^ what, a as i64, station as i64, 0);
         let length = reach(self.wood, column.width(), broken.cause) * self.options.splinters;
-        let height = length * (TIP[0] + TIP[1] * random(0x71b) * random(0x71c));
-        let up = random(0x71d) < 0.5;
-        // Within the prisms up to the next break of the column.
-        let end = if up {
-            (station + 1..=complex.slabs()).find(|&s| !complex.is_whole(a, s))
-        } else {
-            (0..station).rev().find(|&s| !complex.is_whole(a, s))
-        };
-        let slab = complex.stations[1] - complex.stations[0];
-        let room = end.map_or(0.0, |s| (complex.stations[s] - mean).abs() - slab);
-        let height = height.min(room.max(0.0));
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * random(0x71e));
-        let lean = DVec2::new(cos, sin) * (LEAN * 0.5 * column.width() * random(0x71f));
-        let across = if inside(
-            column
-                .corners
-                .iter()
-                .map(|&c| complex.columns.corners[c as usize]),
-            column.centre + lean,
-        ) {
-            column.centre + lean
-        } else {
-            column.centre
-        };
-        across.extend(mean + if up { height } else { -height })
+        Tips::torn(complex, a, station, length, self.options.seed)
     }
 
     /// The vertex at a corner of a prism.
@@ -443,63 +414,4 @@ impl Maker<'_, '_> {
             v.follows = follows;
         }
     }
-}
-
-/// Opens cracks by a hair, so that their sides are two in every file, and gives every vertex its place at rest.
-pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
-    let mut inward = vec![DVec3::ZERO; faces.vertices.len()];
-    for triangle in &faces.triangles {
-        if matches!(triangle.shows, Shows::Bark | Shows::End) {
-            continue;
-        }
-        let corners = triangle.corners.map(|v| faces.vertices[v as usize].grain);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        for k in 0..3 {
-            let (p, q, r) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-            inward[triangle.corners[k] as usize] -= normal * (q - p).angle_between(r - p);
-        }
-    }
-    for (v, inward) in faces.vertices.iter_mut().zip(inward) {
-        v.closed = place(wood, v.grain);
-        v.rest = v.closed;
-        if v.cracked && inward.is_finite() {
-            v.grain += inward * (KERF * spacing / inward.length().max(1.0));
-            v.rest = place(wood, v.grain);
-        }
-    }
-}
-
-/// Whether a place is inside of a convex polygon with counter-clockwise corners.
-fn inside(corners: impl Iterator<Item = DVec2> + Clone, p: DVec2) -> bool {
-    let next = corners.clone().cycle().skip(1);
-    corners
-        .zip(next)
-        .all(|(a, b)| (b - a).perp_dot(p - a) > 0.0)
-}
-
-/// A place in grain coordinates of the section as one in the rods' world at rest. Where there is a bark the section is
-/// stretched along each radius so that its outline lies on it.
-fn place(wood: &Wood, grain: DVec3) -> DVec3 {
-    let stem = wood.stem;
-    let stretched = wood
-        .bark
-        .filter(|_| stem.kind == StemKind::Round)
-        .and_then(|(mesh, tree)| {
-            let pith = stem.rings.pith();
-            let out = grain.truncate() - pith;
-            let r = out.length();
-            let outer = stem.rings.outer(libm::atan2(out.y, out.x));
-            let origin = stem.grain.to_world(pith.extend(grain.z));
-            let end = stem
-                .grain
-                .to_world((pith + out * (outer / r)).extend(grain.z));
-            let (_, t) = tree.first_triangle(mesh, origin, end - origin, BELIEVED.1)?;
-            let believed = t > BELIEVED.0 && r > 0.0;
-            // Nothing in the middle, all at the outline.
-            believed.then(|| pith + out * (1.0 + (t - 1.0) * (r / outer)))
-        });
-    let across = stretched.unwrap_or(grain.truncate());
-    wood.laid
-        .transform_point3(stem.grain.to_world(across.extend(grain.z)))
 }

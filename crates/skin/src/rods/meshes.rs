@@ -3,10 +3,11 @@
 use super::bark::Bark;
 use super::complex::Complex;
 use super::earlier::{Before, earlier};
-use super::faces::{Faces, Shows, Triangle, open_faces, put};
+use super::faces::{Faces, Shows, Triangle, open_faces};
 use super::gape::Gapes;
 use super::history::History;
 use super::joints::Joints;
+use super::kerf::put;
 use super::mend::mend;
 use super::parting::{Part, Parting};
 use super::section::columns;
@@ -103,6 +104,7 @@ fn skin_of(
         wood.outline,
         &wood.bonded(),
         options.fibres,
+        wood.stem.rings.pith(),
         options.seed,
     );
     let joints = Joints::new(wood, parting);
@@ -199,7 +201,7 @@ struct Key {
     coordinates: [u64; 2],
 }
 
-/// Faces of the outside are smooth together, those of the ends are; every tip is flat.
+/// Faces of the outside are smooth together, those of the ends are; tips are by their flanks.
 const BARK: u32 = u32::MAX;
 const END: u32 = u32::MAX - 1;
 
@@ -234,7 +236,7 @@ fn mesh(
             Shows::Bark => BARK,
             Shows::End => END,
             Shows::Side(number) => 2 * number,
-            Shows::Tip => 2 * t + 1,
+            Shows::Tip(number) => 2 * number + 1,
         };
         let looks = own
             .as_ref()

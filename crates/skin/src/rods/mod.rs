@@ -18,10 +18,12 @@ mod faces;
 mod gape;
 mod history;
 mod joints;
+mod kerf;
 mod mend;
 mod meshes;
 mod parting;
 mod section;
+mod tips;
 
 pub use gape::{Gape, Gapes};
 pub use history::History;

@@ -6,8 +6,8 @@
 
 use glam::DVec2;
 use greenstick_fibre::placement::cells::{Cell, cells};
-use greenstick_fibre::placement::points::poisson_disk;
 use greenstick_geometry::Unions;
+use greenstick_wood::noise::unit;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The side of a column that lies on the outline.
@@ -45,22 +45,23 @@ pub struct Columns {
 const SAME: f64 = 1e-7;
 /// Corners nearer than this part are drawn together, so that no side is a sliver.
 const NEAR: f64 = 0.03;
-/// Rounds that move points to the centroids of their cells.
-const SETTLING: usize = 2;
-/// Poisson disk samples at distance d lie this dense: n d² over the area.
-const DENSITY: f64 = 0.7;
+/// How many times wider along the ring fibre bundles are than across it: earlywood lets go first.
+const FLAT: f64 = 3.0;
+/// How far bundles lie off their rows across the ring, and off even spacing along it, in their own measures.
+const UNEVEN: [f64; 2] = [0.22, 0.3];
 
 /// Pairs of rods with bonds between them, the smaller number first.
 pub type Bonded = BTreeSet<(u32, u32)>;
 
 /// Parts the section with the rods' `cells` and the `outline` (m, counter-clockwise, not closed) into about `fibres`
-/// columns a rod; 1 gives the cells themselves. Columns are given to rods so that neighbours are `bonded` where that can
+/// columns a rod, wide along the rings about `pith` and thin across; 1 gives the cells themselves. Columns are given to rods so that neighbours are `bonded` where that can
 /// be had.
 pub fn columns(
     rods: &[Cell],
     outline: &[DVec2],
     bonded: &Bonded,
     fibres: u32,
+    pith: DVec2,
     seed: u64,
 ) -> Columns {
     let centres: Vec<DVec2> = rods.iter().map(|c| c.centroid).collect();
@@ -69,7 +70,7 @@ pub fn columns(
         (rods.to_vec(), (0..rods.len() as u32).collect())
     } else {
         let wanted = f64::from(fibres) * rods.len() as f64;
-        let mut points = poisson_disk(outline, (DENSITY * area / wanted).sqrt(), seed);
+        let mut points = bundles(outline, pith, area / wanted, seed);
         // A rod without a column would have no skin.
         let mut has = vec![false; rods.len()];
         for &p in &points {
@@ -86,17 +87,62 @@ pub fn columns(
             .iter()
             .map(|&p| nearest(&centres, p) as u32)
             .collect();
-        let mut found = cells(outline, &points);
-        for _ in 0..SETTLING {
-            let settled: Vec<DVec2> = found.iter().map(|c| c.centroid).collect();
-            found = cells(outline, &settled);
-        }
-        (found, of)
+        (cells(outline, &points), of)
     };
     let spacing = (area / found.len().max(1) as f64).sqrt();
     let mut made = weld(&found, &of, outline, spacing);
     made.hand_over(bonded, rods.len());
     made
+}
+
+/// Places of fibre bundles of about `area` (m²): in rows along the rings about `pith`, those of one row apart from those
+/// beside it, so that three meet in a corner.
+fn bundles(outline: &[DVec2], pith: DVec2, area: f64, seed: u64) -> Vec<DVec2> {
+    let (across, along) = ((area / FLAT).sqrt(), (area * FLAT).sqrt());
+    let far = outline.iter().map(|p| p.distance(pith)).fold(0.0, f64::max);
+    // Seen from a pith outside, as that of a board is, the section takes up a part of the circle only.
+    let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64 - pith;
+    let half = if inside(outline, pith) {
+        std::f64::consts::PI
+    } else {
+        (outline.iter())
+            .map(|&p| middle.angle_to(p - pith).abs())
+            .fold(0.0, f64::max)
+    };
+    let near = if inside(outline, pith) {
+        0.0
+    } else {
+        distance_to(outline, pith)
+    };
+    let start = libm::atan2(middle.y, middle.x) - half;
+    let mut points = Vec::new();
+    let first = (near / across).floor() as i64;
+    for row in first..=(far / across).ceil() as i64 {
+        let r = (row as f64 + 0.5) * across;
+        let count = (2.0 * half * r / along).round().max(1.0) as i64;
+        let step = 2.0 * half / count as f64;
+        let offset = unit(seed ^ 0xb0f, row, 0, 0);
+        for k in 0..count {
+            let off = |what: u64, part: f64| part * (2.0 * unit(seed ^ what, row, k, 1) - 1.0);
+            let angle = start + (k as f64 + offset + off(0xb1f, UNEVEN[1])) * step;
+            let r = r + off(0xb2f, UNEVEN[0]) * across;
+            let (sin, cos) = libm::sincos(angle);
+            let p = pith + r * DVec2::new(cos, sin);
+            if inside(outline, p) {
+                points.push(p);
+            }
+        }
+    }
+    points
+}
+
+/// Whether a place is inside of an outline.
+fn inside(outline: &[DVec2], p: DVec2) -> bool {
+    let ends = outline.iter().zip(outline.iter().cycle().skip(1));
+    let crossed = ends.filter(|(a, b)| {
+        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossed.count() % 2 == 1
 }
 
 /// Rounds in which columns between rods that were never bonded are given to others.
