@@ -63,7 +63,7 @@ fn key(cell: [i64; 3]) -> u64 {
 }
 
 impl RodPairs {
-    /// Forgets everything, as numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
+    /// Something has broken: forgets everything where numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
     /// their bonds, if not to each other then to those between them: only where bonds are missing do they collide.
     pub fn forget(&mut self, bundle: &Bundle) {
         let counts = bond_counts(bundle);
