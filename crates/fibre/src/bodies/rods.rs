@@ -22,8 +22,13 @@ pub(super) struct RodPairs {
     pairs: Vec<Pair>,
     /// Cell and edge, sorted.
     cells: Vec<(u64, u32)>,
+    /// Where vertices were when pairs were looked for, and the cells' corner and side then.
     position: Vectors,
+    grid: (DVec3, f64),
     slack: f64,
+    /// Per edge: bonds on it and on its vertices now; and the edges that have lost some since pairs were looked for.
+    counts: Vec<u32>,
+    changed: Vec<u32>,
     /// Per edge of the unbroken bundle: bonds on it and on its vertices.
     whole: Vec<u32>,
     /// Per edge: whether it has lost what kept it from others.
@@ -39,7 +44,7 @@ fn bond_counts(bundle: &Bundle) -> Vec<u32> {
         .collect()
 }
 
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Pair {
     a: u32,
     b: u32,
@@ -58,11 +63,19 @@ fn key(cell: [i64; 3]) -> u64 {
 }
 
 impl RodPairs {
-    /// Forgets everything, as numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
+    /// Something has broken: forgets everything where numbers have changed. The first bundle is the unbroken one. Rods in whole wood are kept apart by
     /// their bonds, if not to each other then to those between them: only where bonds are missing do they collide.
     pub fn forget(&mut self, bundle: &Bundle) {
-        self.slack = 0.0;
         let counts = bond_counts(bundle);
+        // Where no rod has broken numbers are what they were, and pairs are new only at edges that have lost bonds.
+        if self.slack > 0.0 && self.counts.len() == counts.len() {
+            let edges = self.counts.iter().zip(&counts).enumerate();
+            let lost = edges.filter(|(_, (was, now))| was != now);
+            self.changed.extend(lost.map(|(j, _)| j as u32));
+        } else {
+            self.slack = 0.0;
+            self.position = Vectors::zeros(bundle.vertices());
+        }
         if self.whole.is_empty() {
             self.whole.clone_from(&counts);
         }
@@ -76,7 +89,7 @@ impl RodPairs {
                 self.loose[j] = broken || counts[j] == 0 || whole != Some(counts[j]);
             }
         }
-        self.position = Vectors::zeros(bundle.vertices());
+        self.counts = counts;
     }
 
     /// Adds the contacts of now, and with velocities those that are to be within a step (s).
@@ -91,6 +104,8 @@ impl RodPairs {
         let moved = moved_squared(&state.position, &self.position);
         if self.slack <= 0.0 || moved.is_nan() || 4.0 * moved > self.slack * self.slack {
             self.look(bundle, state, radius);
+        } else if !self.changed.is_empty() {
+            self.look_again(bundle, radius);
         }
         let nearer = 2.0 * moved_squared(&state.position, &self.position).sqrt();
         for pair in &self.pairs {
@@ -136,52 +151,102 @@ impl RodPairs {
             .iter()
             .fold(DVec3::INFINITY, |low, p| low.min(p));
         self.position.clone_from(&state.position);
+        self.grid = (low, side);
         self.pairs.clear();
+        self.changed.clear();
         if !(side.is_finite() && low.is_finite()) {
             return;
         }
-        let cell = |j: usize| {
-            let middle = state.position.get(j) + 0.5 * state.edge(j);
-            ((middle - low) / side).to_array().map(|c| c as i64 + 1)
-        };
-        self.cells.clear();
-        self.cells.extend(edges().map(|j| (key(cell(j)), j as u32)));
-        self.cells.sort_unstable();
+        let mut cells = std::mem::take(&mut self.cells);
+        cells.clear();
+        cells.extend(edges().map(|j| (key(self.cell(j)), j as u32)));
+        cells.sort_unstable();
+        self.cells = cells;
+        let mut pairs = std::mem::take(&mut self.pairs);
         for a in edges() {
-            let [x, y, z] = cell(a);
-            for dz in -1..=1 {
-                for dy in -1..=1 {
-                    let from = key([x - 1, y + dy, z + dz]);
-                    let to = key([x + 1, y + dy, z + dz]);
-                    let start = self.cells.partition_point(|c| c.0 < from);
-                    for &(k, b) in &self.cells[start..] {
-                        if k > to {
-                            break;
-                        }
-                        if b as usize > a && (self.loose[a] || self.loose[b as usize]) {
-                            let pair = may_touch(bundle, state, radius, a, b as usize, self.slack);
-                            self.pairs.extend(pair);
-                        }
+            self.add_near(bundle, radius, a, &mut pairs, |b| b > a);
+        }
+        self.keep(pairs);
+    }
+
+    /// Looks for the pairs of edges that have lost bonds, from where all were when pairs were last looked for.
+    fn look_again(&mut self, bundle: &Bundle, radius: &[f64]) {
+        let mut changed = vec![false; bundle.vertices()];
+        let mut list = std::mem::take(&mut self.changed);
+        list.sort_unstable();
+        list.dedup();
+        list.iter().for_each(|&j| changed[j as usize] = true);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.retain(|p| !(changed[p.a as usize] || changed[p.b as usize]));
+        for &j in list.iter().filter(|j| radius[**j as usize] > 0.0) {
+            let a = j as usize;
+            self.add_near(bundle, radius, a, &mut pairs, |b| {
+                b > a || b < a && !changed[b]
+            });
+        }
+        self.keep(pairs);
+    }
+
+    fn keep(&mut self, mut pairs: Vec<Pair>) {
+        // The order of contacts must not depend on where cells begin.
+        pairs.sort_unstable_by_key(|p| (p.a, p.b));
+        self.pairs = pairs;
+    }
+
+    fn cell(&self, edge: usize) -> [i64; 3] {
+        let (low, side) = self.grid;
+        let (start, along) = edge_at(&self.position, edge);
+        let middle = start + 0.5 * along;
+        ((middle - low) / side).to_array().map(|c| c as i64 + 1)
+    }
+
+    /// Adds the pairs of an edge with others that are `wanted`.
+    fn add_near(
+        &self,
+        bundle: &Bundle,
+        radius: &[f64],
+        a: usize,
+        pairs: &mut Vec<Pair>,
+        wanted: impl Fn(usize) -> bool,
+    ) {
+        let [x, y, z] = self.cell(a);
+        for dz in -1..=1 {
+            for dy in -1..=1 {
+                let from = key([x - 1, y + dy, z + dz]);
+                let to = key([x + 1, y + dy, z + dz]);
+                let start = self.cells.partition_point(|c| c.0 < from);
+                for &(k, b) in &self.cells[start..] {
+                    if k > to {
+                        break;
+                    }
+                    let b = b as usize;
+                    if wanted(b) && (self.loose[a] || self.loose[b]) {
+                        let (a, b) = (a.min(b), a.max(b));
+                        let pair = may_touch(bundle, &self.position, radius, a, b, self.slack);
+                        pairs.extend(pair);
                     }
                 }
             }
         }
-        // The order of contacts must not depend on where cells begin.
-        self.pairs.sort_unstable_by_key(|p| (p.a, p.b));
     }
+}
+
+/// Start and vector of an edge.
+fn edge_at(position: &Vectors, edge: usize) -> (DVec3, DVec3) {
+    let start = position.get(edge);
+    (start, position.get(edge + 1) - start)
 }
 
 fn may_touch(
     bundle: &Bundle,
-    state: &State,
+    position: &Vectors,
     radius: &[f64],
     a: usize,
     b: usize,
     slack: f64,
 ) -> Option<Pair> {
     let touch = radius[a] + radius[b];
-    let one = (state.position.get(a), state.edge(a));
-    let two = (state.position.get(b), state.edge(b));
+    let (one, two) = (edge_at(position, a), edge_at(position, b));
     if passes_by(one, two, touch + slack) {
         return None;
     }
@@ -189,11 +254,7 @@ fn may_touch(
     if apart > touch + slack || next_on_rod(bundle, a, b, touch) || bonded(bundle, a, b) {
         return None;
     }
-    let at_rest = |j: usize| {
-        let p = bundle.rest.get(j);
-        (p, bundle.rest.get(j + 1) - p)
-    };
-    let rest = distance(at_rest(a), at_rest(b));
+    let rest = distance(edge_at(&bundle.rest, a), edge_at(&bundle.rest, b));
     (rest > 0.0).then(|| Pair {
         a: a as u32,
         b: b as u32,
@@ -267,7 +328,85 @@ fn closest((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3)) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bonds::Bond;
+    use crate::{Rod, RodMaterial};
     use greenstick_wood::noise;
+
+    #[test]
+    fn pairs_looked_for_where_bonds_broke_are_those_of_looking_everywhere() {
+        let material = RodMaterial::solid(1e-6, 1e10, 1e9, 600.0);
+        let rods: Vec<Rod> = (0..16)
+            .map(|r| {
+                let corner = DVec3::new((r % 4) as f64, (r / 4) as f64, 0.0) * 1.1e-3;
+                let at = |i: usize| corner + DVec3::Z * 4e-3 * i as f64;
+                Rod::new((0..9).map(at).collect(), material)
+            })
+            .collect();
+        let mut bundle = Bundle::new(&rods, false).unwrap();
+        let bond = |v: u32, r: u32| Bond {
+            vertex: v,
+            edge: 9 * r + v % 8,
+            t: 0.5,
+            distance: 1.1e-3,
+            rest_cosine: 0.0,
+            transverse: 1.0,
+            shear: 1.0,
+            area: 1e-6,
+            tension_strength: 1.0,
+            shear_strength: 1.0,
+            fracture_energy: 1.0,
+        };
+        let near = |v: u32, r: u32| v / 9 != r && (v / 9).abs_diff(r) <= 5;
+        let all = (0..bundle.vertices() as u32).flat_map(|v| {
+            (0..16)
+                .filter(move |&r| near(v, r))
+                .map(move |r| bond(v, r))
+        });
+        let mut bonds: Vec<Bond> = all.collect();
+        bundle.set_bonds(bonds.clone()).unwrap();
+        let radius: Vec<f64> = (0..bundle.vertices())
+            .map(|j| if bundle.is_edge(j) { 6e-4 } else { 0.0 })
+            .collect();
+        let mut state = State::at_rest(&bundle);
+        let mut pairs = RodPairs::default();
+        pairs.forget(&bundle);
+        pairs.gather(&bundle, &state, &radius, None, &mut Vec::new());
+        assert!(pairs.pairs.is_empty());
+        for round in 0..6 {
+            let chance = |i: usize| noise::unit(8, i as i64, round, 0);
+            let mut i = 0;
+            bonds.retain(|_| {
+                i += 1;
+                chance(i) > 0.2
+            });
+            bundle.set_bonds(bonds.clone()).unwrap();
+            for v in 0..bundle.vertices() {
+                // Columns of rods come nearer to each other, two by two.
+                let way = if v / 9 % 2 == 0 { 2e-5 } else { -2e-5 };
+                state.position.add(v, DVec3::X * (way + 1e-5 * chance(v)));
+            }
+            pairs.forget(&bundle);
+            let mut found = Vec::new();
+            pairs.gather(&bundle, &state, &radius, None, &mut found);
+            assert!(pairs.changed.is_empty() && pairs.position != state.position);
+            // The same from the same places, all at once; and the same contacts from where things are now.
+            let mut whole = pairs.clone();
+            let old = State {
+                position: pairs.position.clone(),
+                ..state.clone()
+            };
+            whole.look(&bundle, &old, &radius);
+            assert!(whole.pairs == pairs.pairs && !pairs.pairs.is_empty());
+            whole.look(&bundle, &state, &radius);
+            let mut expected = Vec::new();
+            whole.gather(&bundle, &state, &radius, None, &mut expected);
+            let places = |of: &[Contact]| -> Vec<(u32, DVec3)> {
+                of.iter().map(|c| (c.edge, c.place)).collect()
+            };
+            assert!(round < 5 || found.len() > 10);
+            assert_eq!(places(&found), places(&expected));
+        }
+    }
 
     #[test]
     fn the_closest_places_are_those_of_a_fine_search() {
