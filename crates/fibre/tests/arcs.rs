@@ -2,7 +2,7 @@
 
 use greenstick_fibre::energy::rod::strain;
 use greenstick_fibre::placement::place;
-use greenstick_fibre::scene::{BUILT_IN, Scene, SetUp, set_up};
+use greenstick_fibre::scene::{BUILT_IN, Length, Scene, SetUp, set_up};
 use greenstick_fibre::store::ForceRow;
 use greenstick_fibre::{
     Failure, HowMany, NoContacts, Placement, QuasiStatic, Solver, WoodMaterial,
@@ -34,6 +34,8 @@ fn grown(mesh: Mesh, length: f64, scene: &Scene) -> SetUp {
 fn bend() -> Scene {
     let mut scene = Scene::built_in("bend").unwrap();
     scene.rods.number = 24;
+    // The arc is that of a stem without edges: longer ones are further from it.
+    scene.rods.edge = [Length(4e-3), Length(6e-3)];
     scene
 }
 
