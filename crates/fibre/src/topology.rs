@@ -3,7 +3,7 @@
 //!
 //! A bond of the broken vertex goes to both new ones, each with the share of stiffness and strength that the share of
 //! its rod is long, so that breaking makes no energy. (The thesis gives both the whole.) Forces on the vertex are shared
-//! alike. Of a vertex at the edge of a clamp the clamp keeps what is inside, so that a rod that breaks there is free.
+//! alike; a clamp holds both.
 
 use crate::bonds::{Bond, Bonds};
 use crate::bundle::Bundle;
@@ -73,24 +73,9 @@ pub fn break_up(
         })
         .collect();
     for clamp in &mut loads.clamps {
-        let mut inside = vec![false; n];
-        for &v in clamp.vertices.iter().filter(|v| (**v as usize) < n) {
-            inside[v as usize] = true;
-        }
-        let held = |v: u32, copy: u32| {
-            let v = v as usize;
-            if splits.binary_search(&(v as u32)).is_err() || inside[v - 1] == inside[v + 1] {
-                return true;
-            }
-            // The first copy ends the rod before it, the last begins that behind it.
-            inside[if copy == last(v as u32) { v + 1 } else { v - 1 }]
-        };
         let all = clamp.vertices.iter().zip(&clamp.held);
         let doubled: Vec<(u32, glam::DVec3)> = all
-            .flat_map(|(&v, &at)| {
-                let kept = copies(v).filter(|&c| held(v, c));
-                kept.map(move |c| (c, at)).collect::<Vec<_>>()
-            })
+            .flat_map(|(&v, &at)| copies(v).map(move |c| (c, at)).collect::<Vec<_>>())
             .collect();
         (clamp.vertices, clamp.held) = doubled.into_iter().unzip();
         clamp.edges.iter_mut().for_each(|e| *e = last(*e));

@@ -246,3 +246,43 @@ fn mass(folder: &Path) -> f64 {
     let (point, _) = greenstick::fibre::store::Checkpoint::from_bytes(&point).unwrap();
     point.world.bundle.mass.iter().sum()
 }
+
+/// A stick that is drawn slowly, and from 0.1 s on by 100 m in a step.
+const TORN: &str = "duration = 0.2\nframes_per_second = 50.0\nsolver = \"implicit\"\nstep = 0.02\n\
+[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+[rods]\nnumber = 8\nedge = [\"4 mm\", \"5 mm\"]\ntwist = \"off\"\nweibull = 5.0\n\
+[[clamp]]\nto = 0.2\n\
+[[clamp]]\nfrom = 0.8\nto = 1.0\n\
+[[clamp.key]]\ntime = 0.0\n[[clamp.key]]\ntime = 0.1\nmove_by = \"0.2, 0, 0 mm\"\n\
+[[clamp.key]]\ntime = 0.12\nmove_by = \"0, 100, 0 m\"\nturn = [0, 0, 170]\n";
+
+#[test]
+fn what_was_before_a_step_that_fails_while_it_breaks_is_kept_and_can_be_resumed() {
+    let torn = folder("torn");
+    let of = |folder: &Path, duration: f64, resume: bool| {
+        let mut request = request(folder, resume);
+        request.scene = Scene::read(TORN).unwrap();
+        request.scene.duration = duration;
+        request
+    };
+    let failed = |resume: bool| {
+        let failed = simulate(None, &of(&torn, 0.2, resume), &Context::quiet());
+        let Err(SimulateError::Solver { checkpoint, .. }) = failed else {
+            panic!("{failed:?}")
+        };
+        checkpoint
+    };
+    let checkpoint = failed(false);
+    assert!((0.08..0.2).contains(&checkpoint), "{checkpoint}");
+    let kept = fs::read(torn.join("checkpoint.bin")).unwrap();
+    // It fails in the same way again, and costs nothing.
+    assert_eq!(failed(true), checkpoint);
+    assert!(fs::read(torn.join("checkpoint.bin")).unwrap() == kept);
+    // As far as it went it is what a run is that ends there.
+    simulate(None, &of(&torn, checkpoint, true), &Context::quiet()).unwrap();
+    let short = folder("short");
+    simulate(None, &of(&short, checkpoint, false), &Context::quiet()).unwrap();
+    assert!(bytes(&torn) == bytes(&short));
+    let _ = fs::remove_dir_all(&torn);
+    let _ = fs::remove_dir_all(&short);
+}

@@ -27,7 +27,7 @@ use crate::vectors::Vectors;
 pub const STEP: f64 = 1.0 / 30.0;
 /// Breaking rounds in a step.
 const ROUNDS: usize = 1;
-/// What breaks at once: what is overstressed by this part of what the most overstressed is, of rods and of bonds.
+/// What breaks at once: what is overstressed by this part of what the most overstressed is.
 const PART: f64 = 0.7;
 /// What is overstressed by this breaks in any case: a load that grows faster than steps follow must not outrun it.
 const MUCH: f64 = 1.3;
@@ -183,13 +183,9 @@ impl Interactive {
         let queue = self
             .newton
             .detect(&world.failure, &world.bundle, &found.state);
-        // Rods and bonds apart: a small bond that is torn must not keep rods from breaking.
-        let enough = [false, true].map(|bond| {
-            let most = queue.iter().find(|b| b.bond == bond);
-            let part = PART * most.map_or(0.0, |b| b.demand);
-            if found.settled { part.min(MUCH) } else { part }
-        });
-        queue.retain(|b| b.demand >= enough[usize::from(b.bond)]);
+        let most = PART * queue.first().map_or(0.0, |b| b.demand);
+        let enough = if found.settled { most.min(MUCH) } else { most };
+        queue.retain(|b| b.demand >= enough);
         self.queue.clone_from(queue);
         !self.queue.is_empty()
     }
@@ -211,12 +207,7 @@ fn take(world: &mut World, contacts: &mut dyn Contacts, found: Found, dt: f64, b
     for v in 0..world.bundle.vertices() {
         let way = world.state.position.get(v) - old.position.get(v);
         world.state.velocity.set(v, way / dt);
-        // Where forces are not balanced edges have not turned as they should, and nothing but inertia would stop them.
-        world.state.spin[v] = if found.settled {
-            (world.state.angle[v] - old.angle[v]) / dt
-        } else {
-            0.0
-        };
+        world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
     }
     world.state.time = old.time + dt;
     world.state.step = old.step + 1;

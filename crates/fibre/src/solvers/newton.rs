@@ -311,10 +311,7 @@ impl Newton {
             }
             let fresh = !self.manner.one_matrix || self.stale;
             self.stale = false;
-            let mut step = self.direction(goal, base, &state, &prescribed, fresh);
-            if self.manner.take_last && iterations == 0 && moved {
-                self.bound(bundle, &prescribed, &mut step);
-            }
+            let step = self.direction(goal, base, &state, &prescribed, fresh);
             let slope: f64 = step
                 .iter()
                 .zip(&self.residual)
@@ -543,20 +540,6 @@ impl Newton {
             worst = worst.max(by.length() / bundle.rest_length[v]);
         }
         if worst > SWING { SWING / worst } else { 1.0 }
-    }
-
-    /// Lets nothing go farther than the shortest edge or, where that is more, than what is held: splinters that hardly
-    /// anything holds would fly away with an inexact solution.
-    fn bound(&self, bundle: &Bundle, prescribed: &[f64], step: &mut [f64]) {
-        let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
-        let shortest = edges.fold(f64::INFINITY, |a, j| a.min(bundle.rest_length[j]));
-        let places = |f: &usize| f % self.block < 3;
-        let most = (0..step.len())
-            .filter(places)
-            .fold(shortest, |a, f| a.max(prescribed[f].abs()));
-        for f in (0..step.len()).filter(places) {
-            step[f] = step[f].clamp(-most, most);
-        }
     }
 
     fn place_at(
