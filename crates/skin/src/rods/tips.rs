@@ -54,7 +54,7 @@ impl Tips {
             // Most are short.
             let share = random(0x71b) * random(0x71c);
             let height = length * (HEIGHT[0] + (HEIGHT[1] - HEIGHT[0]) * share);
-            if first == (k % 2 == 0) {
+            if first == k.is_multiple_of(2) {
                 mean + height.min(up)
             } else {
                 mean - height.min(down)
