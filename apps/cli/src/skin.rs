@@ -121,6 +121,7 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
             splinters: options.splinters,
             slabs: options.slabs,
             keep_inner: options.keep_inner,
+            outline: options.outline.into(),
             seed: run.scene.seed,
         },
         texture_width: options.texture_size,

@@ -154,8 +154,7 @@ fn cracks_are_closed_until_they_open() {
         assert_eq!(placed(&still, end, last), placed(&film, end, last));
         // In between it is the still of the frame, as far as cracks are open then: their kerf is 2e-4 of a bundle's width.
         let kerf = 4e-4 * 0.01 * (std::f64::consts::PI / 12.0).sqrt();
-        for number in 1..end {
-            let frame = &frames[number];
+        for (number, frame) in frames.iter().enumerate().take(end).skip(1) {
             let parting = Parting::of(&wood, frame, &BTreeMap::new()).unwrap();
             let still = rod_skin(&wood, &parting, &MATERIALS, &options).unwrap();
             let still = placed(&still, number, frame);

@@ -60,6 +60,9 @@ pub struct SkinOptions {
     /// Keep the faces between rods that hold together, so that every rod is closed by itself
     #[arg(long, help_heading = "Skin")]
     pub keep_inner: bool,
+    /// What bounds the section
+    #[arg(long, value_enum, default_value = "contour", help_heading = "Skin")]
+    pub outline: OutlineWord,
     /// Leave out the bodies that act on the wood
     #[arg(long, help_heading = "Skin")]
     pub no_bodies: bool,
@@ -158,5 +161,23 @@ fn share(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x > 0.0 && x <= 1.0 => Ok(x),
         _ => Err("expected shares above 0 and up to 1 with commas between them: 0.5,0.25".into()),
+    }
+}
+
+/// What bounds a skin's section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum OutlineWord {
+    /// The stem's own contour, with the bark of its mesh
+    Contour,
+    /// The convex hull of the rods, as in Sutherland's thesis
+    Hull,
+}
+
+impl From<OutlineWord> for greenstick::skin::rods::Outline {
+    fn from(word: OutlineWord) -> Self {
+        match word {
+            OutlineWord::Contour => Self::Contour,
+            OutlineWord::Hull => Self::Hull,
+        }
     }
 }

@@ -33,18 +33,22 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
     }
     let kerf = (KERF * spacing).max(ROUNDING * far);
     // Normals of the faces at each vertex that lies on a crack, of which those at one place come behind each other.
-    let mut normals: Vec<(u32, DVec3)> = Vec::new();
+    let mut normals: Vec<At> = Vec::new();
     for triangle in &faces.triangles {
         if matches!(triangle.shows, Shows::Bark | Shows::End) {
             continue;
         }
-        let [a, b, c] = triangle.corners.map(|v| faces.vertices[v as usize].grain);
+        let places = triangle.corners.map(|v| faces.vertices[v as usize].grain);
+        let [a, b, c] = places;
         let Some(normal) = (b - a).cross(c - a).try_normalize() else {
             continue;
         };
-        let on_crack = |v: &u32| faces.vertices[*v as usize].cracked;
-        let corners = triangle.corners.into_iter().filter(on_crack);
-        normals.extend(corners.map(|v| (v, normal)));
+        let middle = (a + b + c) / 3.0;
+        for (v, at) in triangle.corners.into_iter().zip(places) {
+            if faces.vertices[v as usize].cracked {
+                normals.push((v, normal, (middle - at).normalize_or_zero()));
+            }
+        }
     }
     normals.sort_by_key(|n| n.0);
     for of in normals.chunk_by(|a, b| a.0 == b.0) {
@@ -54,9 +58,12 @@ pub(super) fn put(faces: &mut Faces, wood: &Wood, spacing: f64) {
     }
 }
 
+/// A vertex, the normal of a face there, and the way to the face's middle.
+type At = (u32, DVec3, DVec3);
+
 /// The way that leads from all faces with these normals by 1; a short one, that makes two vertices of what lies at one place,
 /// where there is none, as from two faces that face each other.
-fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
+fn inward(normals: &[At]) -> DVec3 {
     // Of all means of the normals the shortest leads away from the worst of them the best (Gilbert 1966).
     let mut mean = normals.iter().map(|n| n.1).sum::<DVec3>() / normals.len() as f64;
     let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
@@ -82,7 +89,10 @@ fn inward(normals: &[(u32, DVec3)]) -> DVec3 {
         mean += step * t.clamp(0.0, 1.0);
     }
     if best.0 * FARTHEST < 1.0 {
-        return -SHORT * best.1;
+        // Along them, so that several such vertices at one place are not one.
+        let along: DVec3 = normals.iter().map(|n| n.2).sum();
+        let way = (-best.1).try_normalize();
+        return SHORT * way.unwrap_or_else(|| along.normalize_or_zero());
     }
     -best.1 / best.0
 }

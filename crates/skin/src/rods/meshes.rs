@@ -6,12 +6,13 @@ use super::earlier::{Before, earlier};
 use super::faces::{Faces, Shows, Triangle, open_faces};
 use super::gape::Gapes;
 use super::history::History;
+use super::hull::hull;
 use super::joints::Joints;
 use super::kerf::put;
 use super::mend::mend;
 use super::parting::{Part, Parting};
 use super::section::columns;
-use super::{RodSkinError, RodSkinOptions, Wood};
+use super::{Outline, RodSkinError, RodSkinOptions, Wood};
 use crate::face::side_grain;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::film::Extra;
@@ -99,6 +100,16 @@ fn skin_of(
             right: "from 1 to 1000",
         });
     }
+    let around = (options.outline == Outline::Hull).then(|| hull(wood));
+    let wood = &match &around {
+        Some((outline, cells)) => Wood {
+            outline,
+            cells,
+            bark: None,
+            ..*wood
+        },
+        None => *wood,
+    };
     let section = columns(
         wood.cells,
         wood.outline,

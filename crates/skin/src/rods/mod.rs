@@ -17,6 +17,7 @@ mod earlier;
 mod faces;
 mod gape;
 mod history;
+mod hull;
 mod joints;
 mod kerf;
 mod mend;
@@ -93,8 +94,21 @@ pub struct RodSkinOptions {
     pub slabs: f64,
     /// Whether faces between bonded rods are kept, so that every rod's mesh is closed by itself.
     pub keep_inner: bool,
+    /// What bounds the section.
+    pub outline: Outline,
     /// Seed of what is random.
     pub seed: u64,
+}
+
+/// What bounds the section of a skin.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Outline {
+    /// The stem's own contour, on the bark of its mesh.
+    #[default]
+    Contour,
+    /// The convex hull of the rods, as far outside of the outer ones as half the distance between rods: Sutherland's (2012
+    /// §5.1.1).
+    Hull,
 }
 
 impl Default for RodSkinOptions {
@@ -104,6 +118,7 @@ impl Default for RodSkinOptions {
             splinters: 1.0,
             slabs: 2.0,
             keep_inner: false,
+            outline: Outline::Contour,
             seed: 1,
         }
     }

@@ -12,7 +12,7 @@ const HEIGHT: [f64; 2] = [0.5, 3.0];
 /// How far thorns lie off even spacing, in parts of it.
 const UNEVEN: f64 = 0.25;
 /// Triangles smaller than this part of the bundle's section are none.
-const LEAST: f64 = 1e-3;
+const LEAST: f64 = 0.02;
 
 /// The end of a prism.
 pub(super) struct Tips {
@@ -54,7 +54,7 @@ impl Tips {
             // Most are short.
             let share = random(0x71b) * random(0x71c);
             let height = length * (HEIGHT[0] + (HEIGHT[1] - HEIGHT[0]) * share);
-            if first == (k % 2 == 0) {
+            if first == k.is_multiple_of(2) {
                 mean + height.min(up)
             } else {
                 mean - height.min(down)
