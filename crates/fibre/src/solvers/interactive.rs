@@ -31,6 +31,8 @@ const ROUNDS: usize = 1;
 const PART: f64 = 0.7;
 /// What is overstressed by this breaks in any case: a load that grows faster than steps follow must not outrun it.
 const MUCH: f64 = 1.3;
+/// The same where forces are not balanced yet: without it one small bond that is torn far would keep all else whole.
+const FAR: f64 = 2.0;
 /// Most that a prediction moves anything, in shortest edges.
 const FARTHEST: f64 = 0.5;
 /// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
@@ -178,15 +180,20 @@ impl Interactive {
         Some(failure::take_out(world, contacts, weak, splits))
     }
 
-    /// Looks for what breaks at the end of a step. Where forces are not balanced yet, overstress may be no more than that.
+    /// Looks for what breaks at the end of a step. Where forces are not balanced yet, overstress may be no more than that:
+    /// it must be more, and rods break only where the forces on their own vertices are balanced.
     fn find_broken(&mut self, world: &World, found: &Found) -> bool {
-        let queue = self
-            .newton
-            .detect(&world.failure, &world.bundle, &found.state);
+        let (bundle, state) = (&world.bundle, &found.state);
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.clone_from(self.newton.detect(&world.failure, bundle, state));
+        let newton = &self.newton;
+        queue.retain(|b| {
+            b.bond || found.settled || newton.is_balanced(bundle, state, b.number as usize)
+        });
         let most = PART * queue.first().map_or(0.0, |b| b.demand);
-        let enough = if found.settled { most.min(MUCH) } else { most };
+        let enough = most.min(if found.settled { MUCH } else { FAR });
         queue.retain(|b| b.demand >= enough);
-        self.queue.clone_from(queue);
+        self.queue = queue;
         !self.queue.is_empty()
     }
 }

@@ -38,6 +38,8 @@ const SEARCHES: usize = 8;
 const SLOPE: f64 = 0.5;
 /// Most that a step swings an edge, in its lengths.
 const SWING: f64 = 0.5;
+/// Forces on a vertex count as balanced up to this part of those in its edges.
+const PART: f64 = 0.2;
 /// Moments count as couples so far apart, m.
 const ARM: f64 = 1e-3;
 
@@ -197,6 +199,20 @@ impl Newton {
             None => failure::detect(failure, bundle, state, &mut self.breaks.queue),
         }
         &mut self.breaks.queue
+    }
+
+    /// Whether the forces on a vertex of a rod and its neighbours are balanced but for a small part of those in its edges.
+    pub fn is_balanced(&self, bundle: &Bundle, state: &State, vertex: usize) -> bool {
+        let edges = [vertex - 1, vertex];
+        let stress = |&j: &usize| (bundle.stretch[j] * rod::strain(bundle, state, j)).abs();
+        let most = PART * edges.iter().map(stress).fold(0.0, f64::max);
+        (vertex - 1..=vertex + 1).all(|v| {
+            let left = |axis| {
+                let f = self.freedom(v, axis);
+                if self.held[f] { 0.0 } else { self.residual[f] }
+            };
+            DVec3::new(left(0), left(1), left(2)).length() <= most
+        })
     }
 
     /// Lets the preconditioner be made anew.
