@@ -107,7 +107,7 @@ fn clamps_come_nearer_by_what_an_arc_is_shorter_than_the_stem() {
         let inner = |v: &usize| !clamps.iter().any(|c| c.vertices.contains(&(*v as u32)));
         let (first, last) = (
             bundle.rod(rod).find(inner).unwrap(),
-            bundle.rod(rod).filter(inner).last().unwrap(),
+            bundle.rod(rod).rfind(inner).unwrap(),
         );
         height += bundle.stretch[last] * bundle.rest.z[last];
         weight += bundle.stretch[last];
