@@ -83,6 +83,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         },
         texture_width: options.texture_size,
         bodies: false,
+        rest: true,
     };
     let last = run.frames() - 1;
     let mut still = progress
@@ -153,12 +154,14 @@ fn simulated(
     Ok((report, folder, run))
 }
 
-/// Moves what lies beyond the break apart from the lower piece.
+/// Moves what lies beyond the break apart from the lower piece, with all that it carries.
 fn part(still: &mut Still, run: &Run, by: f64) {
     let stem = run.stem();
     let along = stem.grain.axis().frame(stem.place).tangent;
-    for node in &mut still.scene.nodes {
-        if node.name == "upper" {
+    let nodes = &mut still.scene.nodes;
+    let upper = nodes.iter().position(|n| n.name == "upper");
+    for (number, node) in nodes.iter_mut().enumerate() {
+        if upper.is_some_and(|u| u == number || node.parent == Some(u)) {
             node.transform.translation += along * by;
         }
     }

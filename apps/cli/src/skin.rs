@@ -125,6 +125,7 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
         },
         texture_width: options.texture_size,
         bodies: !options.no_bodies,
+        rest: !options.only_rods,
     }
 }
 

@@ -63,6 +63,9 @@ pub struct SkinOptions {
     /// Leave out the bodies that act on the wood
     #[arg(long, help_heading = "Skin")]
     pub no_bodies: bool,
+    /// Leave out what the rods do not fill: the mesh beyond their ends, and twigs that hang on them
+    #[arg(long, help_heading = "Skin")]
+    pub only_rods: bool,
     /// Width of the baked textures, pixels
     #[arg(long, value_name = "PIXELS", default_value = "1024", value_parser = values::texture_size,
         help_heading = "Skin")]

@@ -3,20 +3,28 @@
 //! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
+mod beyond;
+mod carry;
+mod clip;
 mod collision;
 mod error;
+mod follow;
 mod level;
 mod motion;
 mod pieces;
+mod posed;
 mod report;
 mod rest;
 mod series;
 
+use carry::Rest;
+pub use carry::{CarriedPiece, RestReport};
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
 pub use motion::RunMotion;
 use pieces::Following;
+use posed::posed;
 pub use report::{FilmPiece, SkinReport};
 
 use crate::breaking::{inner_wood, part_of};
@@ -58,6 +66,8 @@ pub struct FilmOptions {
     pub texture_width: u32,
     /// Whether the bodies that act on the wood are shown.
     pub bodies: bool,
+    /// Whether the rest of the input is carried along: what lies beyond the rods' ends and what hangs on them.
+    pub rest: bool,
 }
 
 impl Default for FilmOptions {
@@ -66,6 +76,7 @@ impl Default for FilmOptions {
             skin: RodSkinOptions::default(),
             texture_width: 1024,
             bodies: true,
+            rest: true,
         }
     }
 }
@@ -99,6 +110,16 @@ pub struct Still {
     pub inner: u32,
 }
 
+/// What a frame's skin begins with.
+struct Begun {
+    frame: Frame,
+    skin: RodSkin,
+    rest: Rest,
+    report: SkinReport,
+    /// Materials.
+    scene: Scene,
+}
+
 /// A film with skin.
 pub struct SkinnedFilm {
     /// Joints, pieces and bodies.
@@ -109,94 +130,6 @@ pub struct SkinnedFilm {
     pub report: SkinReport,
     /// Index of the material of the wood inside.
     pub inner: u32,
-}
-
-impl SkinnedFilm {
-    /// The film's frame `number`, counted from its first, as a scene.
-    ///
-    /// # Errors
-    /// [`FilmError`] where the frame cannot be read.
-    pub fn at(&mut self, number: usize) -> Result<Scene, FilmError> {
-        let film = &self.film;
-        let mut poses = vec![Pose::IDENTITY; film.joints.len()];
-        self.motion.poses(number, &mut poses)?;
-        let mut nodes = posed(film, &poses);
-        nodes.extend(film.fixed.iter().cloned());
-        let mut maps = Vec::new();
-        film.maps(&poses, &mut maps);
-        nodes.extend(film.bodies.iter().map(|(node, joint)| Node {
-            transform: maps[*joint as usize] * node.transform,
-            ..node.clone()
-        }));
-        Ok(Scene {
-            nodes,
-            materials: film.materials.clone(),
-            textures: film.textures.clone(),
-            images: film.images.clone(),
-            notes: Vec::new(),
-        })
-    }
-
-    /// The corners of the box that holds all joints in all frames, m.
-    ///
-    /// # Errors
-    /// [`FilmError`] where a frame cannot be read.
-    pub fn bounds(&mut self) -> Result<Vec<DVec3>, FilmError> {
-        let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for frame in 0..self.motion.frames() {
-            self.motion.poses(frame, &mut poses)?;
-            for pose in &poses {
-                low = low.min(pose.translation);
-                high = high.max(pose.translation);
-            }
-        }
-        let corner = |k: usize| {
-            let pick = |axis: usize| {
-                if k & (1 << axis) == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
-            };
-            DVec3::new(pick(0), pick(1), pick(2))
-        };
-        Ok((0..8).map(corner).collect())
-    }
-}
-
-/// The pieces of a film where its joints have these poses.
-fn posed(film: &Film, poses: &[Pose]) -> Vec<Node> {
-    let (mut maps, mut normals) = (Vec::new(), Vec::new());
-    film.maps(poses, &mut maps);
-    let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
-        let mut mesh = piece.mesh.clone();
-        film.place_piece(number, &maps, &mut mesh.positions);
-        film.place_normals(number, &maps, &mut normals);
-        if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
-            let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
-                .map(|&[x, y, z, _]| [x, y, z])
-                .collect();
-            let mut turned = Vec::new();
-            film.turn_directions(number, &maps, &at_rest, &mut turned);
-            for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
-                to[..3].copy_from_slice(&t.as_vec3().to_array());
-            }
-        }
-        if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
-            attribute.data = normals
-                .iter()
-                .flat_map(|n| n.as_vec3().to_array())
-                .collect();
-        }
-        Node {
-            name: piece.name.clone(),
-            transform: DAffine3::IDENTITY,
-            mesh,
-            parent: None,
-        }
-    };
-    film.pieces.iter().enumerate().map(piece).collect()
 }
 
 /// Opens the frames of a run.
@@ -390,6 +323,28 @@ impl Run {
         Ok(out)
     }
 
+    /// The skin of what is broken in frame `number`, and what goes with it.
+    fn begin(
+        &mut self,
+        number: usize,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<Begun, FilmError> {
+        context.step("skin", 0.0)?;
+        let frame = self.frame(number)?;
+        let skin = self.skin(&frame, &options.skin)?;
+        let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
+        let rest = self.rest_of(&skin, options, &mut report);
+        let scene = self.materials(options, context)?;
+        Ok(Begun {
+            frame,
+            skin,
+            rest,
+            report,
+            scene,
+        })
+    }
+
     /// Frame `number` as a scene.
     ///
     /// # Errors
@@ -400,16 +355,21 @@ impl Run {
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Still, FilmError> {
-        context.step("skin", 0.0)?;
-        let frame = self.frame(number)?;
-        let skin = self.skin(&frame, &options.skin)?;
-        let poses = frame_poses(&skin.joints, &frame);
-        let mut scene = self.materials(options, context)?;
-        let report = SkinReport::of(&skin, &self.frames, number..number + 1);
-        let film = film_of(skin, &self.scene);
+        let Begun {
+            frame,
+            skin,
+            rest,
+            report,
+            mut scene,
+        } = self.begin(number, options, context)?;
         let up = upright();
-        let poses: Vec<Pose> = poses.into_iter().map(|p| turned(p, up)).collect();
+        let mut poses = carry::upright_poses(frame_poses(&skin.joints, &frame));
+        let mut film = film_of(skin, &self.scene);
+        let followers = rest.join(&mut film, &self.laid, self.grown.stem.radius);
+        poses.resize(film.joints.len(), Pose::IDENTITY);
+        carry::put(&followers, &mut poses);
         scene.nodes = posed(&film, &poses);
+        scene.nodes.append(&mut film.fixed);
         if options.bodies {
             for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
@@ -483,11 +443,15 @@ impl Run {
                 count,
             });
         }
-        context.step("skin", 0.0)?;
-        let (first, last) = (self.frame(range.start)?, self.frame(range.end - 1)?);
-        let skin = self.skin(&last, &options.skin)?;
-        let materials = self.materials(options, context)?;
-        let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let first = self.frame(range.start)?;
+        let Begun {
+            skin,
+            rest,
+            scene: materials,
+            mut report,
+            ..
+        } = self.begin(range.end - 1, options, context)?;
+        report.cover(&self.frames, range.clone());
         let joints = skin.joints.clone();
         self.follow(&skin, range.clone(), &mut report, context)?;
         let mut film = film_of(skin, &self.scene);
@@ -531,8 +495,15 @@ impl Run {
                     .insert("parted_from".into(), Extra::Text(from.clone()));
             }
         }
+        let carried = rest.join(&mut film, &self.laid, self.grown.stem.radius);
         let frames = open_frames(&self.path)?;
-        let motion = RunMotion::new(frames, self.path.clone(), range, joints, moving, up);
+        let motion = RunMotion::new(
+            frames,
+            self.path.clone(),
+            range,
+            (joints, moving, carried),
+            up,
+        );
         Ok(SkinnedFilm {
             film,
             motion,
