@@ -10,9 +10,9 @@ mod collision;
 mod error;
 mod follow;
 mod level;
+mod materials;
 mod motion;
 mod pieces;
-mod posed;
 mod report;
 mod rest;
 mod series;
@@ -22,14 +22,14 @@ pub use carry::{CarriedPiece, RestReport};
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
+use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 use pieces::Following;
-use posed::posed;
 pub use report::{FilmPiece, SkinReport};
 
-use crate::breaking::{inner_wood, part_of};
+use crate::breaking::part_of;
 use crate::looks::{Looks, looks};
-use crate::rods::{bodies, body_material};
+use crate::rods::bodies;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
@@ -40,7 +40,7 @@ use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Motion, Node, Pose, Scene};
+use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
     Materials, Part, Parting, RodSkin, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
@@ -130,6 +130,106 @@ pub struct SkinnedFilm {
     pub report: SkinReport,
     /// Index of the material of the wood inside.
     pub inner: u32,
+}
+
+impl SkinnedFilm {
+    /// The film's frame `number`, counted from its first, as a scene.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the frame cannot be read.
+    pub fn at(&mut self, number: usize) -> Result<Scene, FilmError> {
+        let film = &self.film;
+        let mut poses = vec![Pose::IDENTITY; film.joints.len()];
+        self.motion.poses(number, &mut poses)?;
+        let mut nodes = posed(film, &poses);
+        nodes.extend(film.fixed.iter().cloned());
+        let mut maps = Vec::new();
+        film.maps(&poses, &mut maps);
+        nodes.extend(film.bodies.iter().map(|(node, joint)| Node {
+            transform: maps[*joint as usize] * node.transform,
+            ..node.clone()
+        }));
+        Ok(Scene {
+            nodes,
+            materials: film.materials.clone(),
+            textures: film.textures.clone(),
+            images: film.images.clone(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// The corners of the box that holds all joints, and pieces that move as a whole, in all frames, m.
+    ///
+    /// # Errors
+    /// [`FilmError`] where a frame cannot be read.
+    pub fn bounds(&mut self) -> Result<Vec<DVec3>, FilmError> {
+        let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
+        let mut maps = Vec::new();
+        let rigid: Vec<(usize, [DVec3; 8])> = (self.film.pieces.iter())
+            .filter_map(|piece| match piece.binding.used()[..] {
+                [joint] => Some((joint as usize, corners(piece.mesh.bounds()?))),
+                _ => None,
+            })
+            .collect();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for frame in 0..self.motion.frames() {
+            self.motion.poses(frame, &mut poses)?;
+            for pose in &poses {
+                low = low.min(pose.translation);
+                high = high.max(pose.translation);
+            }
+            self.film.maps(&poses, &mut maps);
+            for p in rigid.iter().flat_map(|(joint, corners)| {
+                let map = maps[*joint];
+                corners.map(move |p| map.transform_point3(p))
+            }) {
+                (low, high) = (low.min(p), high.max(p));
+            }
+        }
+        Ok(corners((low, high)).to_vec())
+    }
+}
+
+/// The corners of a box.
+fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let pick = |axis: usize| [low, high][k >> axis & 1][axis];
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
+}
+
+/// The pieces of a film where its joints have these poses.
+fn posed(film: &Film, poses: &[Pose]) -> Vec<Node> {
+    let (mut maps, mut normals) = (Vec::new(), Vec::new());
+    film.maps(poses, &mut maps);
+    let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
+        let mut mesh = piece.mesh.clone();
+        film.place_piece(number, &maps, &mut mesh.positions);
+        film.place_normals(number, &maps, &mut normals);
+        if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
+            let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
+                .map(|&[x, y, z, _]| [x, y, z])
+                .collect();
+            let mut turned = Vec::new();
+            film.turn_directions(number, &maps, &at_rest, &mut turned);
+            for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
+                to[..3].copy_from_slice(&t.as_vec3().to_array());
+            }
+        }
+        if let Some(attribute) = mesh.attributes.get_mut("NORMAL") {
+            attribute.data = normals
+                .iter()
+                .flat_map(|n| n.as_vec3().to_array())
+                .collect();
+        }
+        Node {
+            name: piece.name.clone(),
+            transform: DAffine3::IDENTITY,
+            mesh,
+            parent: None,
+        }
+    };
+    film.pieces.iter().enumerate().map(piece).collect()
 }
 
 /// Opens the frames of a run.
@@ -275,54 +375,6 @@ impl Run {
         Ok(rod_skin(&wood, &parting, &materials, options)?)
     }
 
-    /// The materials of all that is shown.
-    fn materials(&self, options: &FilmOptions, context: &Context) -> Result<Scene, FilmError> {
-        let mut out = Scene::default();
-        if options.texture_width > 0 {
-            inner_wood(
-                &mut out,
-                &self.grown.stem,
-                (self.square.middle, self.square.side),
-                &self.looks,
-                options.texture_width,
-                context,
-            )?;
-        } else {
-            let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
-            out.materials.push(Material {
-                name: "inner_wood".into(),
-                base_color: [r, g, b, 1.0],
-                ..Material::default()
-            });
-        }
-        out.materials.push(crate::branch::bark_material());
-        out.materials.push(body_material());
-        // Those of the input behind ours.
-        let input = &self.grown.scene;
-        let (textures, images) = (out.textures.len(), out.images.len());
-        out.images.extend(input.images.iter().cloned());
-        out.textures.extend(input.textures.iter().map(|texture| {
-            let mut texture = texture.clone();
-            texture.image = texture.image.map(|i| i + images);
-            texture.alternatives.iter_mut().for_each(|a| a.1 += images);
-            texture
-        }));
-        out.materials.extend(input.materials.iter().map(|material| {
-            let mut material = material.clone();
-            for reference in [
-                &mut material.base_color_texture,
-                &mut material.metallic_roughness_texture,
-                &mut material.normal_texture,
-                &mut material.occlusion_texture,
-                &mut material.emissive_texture,
-            ] {
-                reference.iter_mut().for_each(|r| r.texture += textures);
-            }
-            material
-        }));
-        Ok(out)
-    }
-
     /// The skin of what is broken in frame `number`, and what goes with it.
     fn begin(
         &mut self,
@@ -443,15 +495,12 @@ impl Run {
                 count,
             });
         }
-        let first = self.frame(range.start)?;
-        let Begun {
-            skin,
-            rest,
-            scene: materials,
-            mut report,
-            ..
-        } = self.begin(range.end - 1, options, context)?;
-        report.cover(&self.frames, range.clone());
+        context.step("skin", 0.0)?;
+        let (first, last) = (self.frame(range.start)?, self.frame(range.end - 1)?);
+        let skin = self.skin(&last, &options.skin)?;
+        let materials = self.materials(options, context)?;
+        let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let rest = self.rest_of(&skin, options, &mut report);
         let joints = skin.joints.clone();
         self.follow(&skin, range.clone(), &mut report, context)?;
         let mut film = film_of(skin, &self.scene);
@@ -512,12 +561,6 @@ impl Run {
         })
     }
 }
-
-/// Places in the list of materials.
-const INNER_MATERIAL: u32 = 0;
-const BARK_MATERIAL: u32 = 1;
-const BODY_MATERIAL: u32 = 2;
-const OWN_MATERIALS: u32 = 3;
 
 fn turned(pose: Pose, by: DQuat) -> Pose {
     Pose {

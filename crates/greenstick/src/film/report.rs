@@ -86,13 +86,6 @@ impl SkinReport {
             rest: RestReport::default(),
         }
     }
-
-    /// Says that it is of these frames.
-    pub(super) fn cover<R: Read + Seek>(&mut self, frames: &FrameFile<R>, range: Range<usize>) {
-        self.frames = range.len();
-        self.first_frame = range.start;
-        self.time_s = [frames.time(range.start), frames.time(range.end - 1)];
-    }
 }
 
 impl fmt::Display for SkinReport {
