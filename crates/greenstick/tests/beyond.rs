@@ -190,7 +190,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     }
     let far = before[0].distance(after[0]);
     assert!(far > RADIUS, "the leaf moved by {far} m only");
-    // As near to the rods as it was.
+    // As near to the rods as it was, but for how they bend below it.
     let joint = |poses: &dyn Fn(usize) -> DVec3, p: DVec3| {
         let all =
             (0..film.film.joints.len()).filter(|&j| film.film.joints[j].name.starts_with("vertex"));
@@ -201,7 +201,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
         joint(&|j| film.film.joints[j].rest.translation, before[0]),
         joint(&|j| poses[j].translation, after[0]),
     ];
-    assert!((near[0] - near[1]).abs() < 0.25 * RADIUS, "{near:?}");
+    assert!((near[0] - near[1]).abs() < 0.5 * RADIUS, "{near:?}");
 
     let only = run.film(0..frames, &options(false), &context).unwrap();
     assert!(only.film.pieces.iter().all(|p| skin(&p)));

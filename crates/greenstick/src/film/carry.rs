@@ -201,8 +201,7 @@ impl Run {
         let Some((least, piece, nearest)) = nearest else {
             return (0, (Vec::new(), 0));
         };
-        let area: f64 = self.grown.placed.cells.iter().map(|c| c.area).sum();
-        let spacing = (area / self.bundle.rods() as f64).sqrt();
+        let spacing = self.spacing();
         let near = |&&(d, p, _): &&(f64, usize, u32)| p == piece && d <= least + BESIDE * spacing;
         let near = joints.iter().filter(near).map(|j| j.2).collect();
         (nearest, (near, piece))

@@ -15,6 +15,7 @@ mod motion;
 mod pieces;
 mod report;
 mod rest;
+mod rigid;
 mod series;
 
 use carry::Rest;
@@ -553,12 +554,14 @@ impl Run {
             (joints, moving, carried),
             up,
         );
-        Ok(SkinnedFilm {
+        let mut made = SkinnedFilm {
             film,
             motion,
             report,
             inner: INNER_MATERIAL,
-        })
+        };
+        made.stiffen(rigid::TOLERANCE * self.spacing(), context)?;
+        Ok(made)
     }
 }
 
