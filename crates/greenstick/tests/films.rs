@@ -1,10 +1,11 @@
-//! What the rods of a run do not fill is carried along with its film: nothing of the input is lost, and what hangs on the
-//! rods moves with them.
+//! What a film has besides the skin of its rods: the rest of the input, of which nothing is lost and which moves with what
+//! it hangs on; plain nodes for what moves as a whole; collision shapes and levels of detail.
 
 use glam::{DAffine3, DVec3};
 use greenstick::fibre::scene::Scene as Setting;
-use greenstick::film::{FilmOptions, Run, SkinnedFilm};
-use greenstick::geometry::{Context, Mesh, Motion, Node, Pose, Scene};
+use greenstick::film::{FilmOptions, Run, SkinnedFilm, collision, level};
+use greenstick::geometry::convex::is_convex;
+use greenstick::geometry::{Bvh, Context, ConvexOptions, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{Origin, SimulateRequest, simulate};
 use greenstick::wood::primitive;
 use std::fs;
@@ -231,4 +232,111 @@ fn still_halves_stand_where_the_input_has_them_with_what_they_carry() {
     let parent = find("rest_lower").parent.unwrap();
     assert!(["lower", "whole"].contains(&nodes[parent].name.as_str()));
     assert_eq!(find("standing_000").parent, None);
+}
+
+/// Signed distance of a place from the farthest face of a convex mesh, m: above 0 outside.
+fn beyond(shape: &Mesh, p: DVec3) -> f64 {
+    let faces = (0..shape.triangles.len()).map(|t| {
+        let [a, b, c] = shape.corners(t);
+        (b - a).cross(c - a).normalize().dot(p - a)
+    });
+    faces.fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
+    let (_folder, mut run) = run("shapes");
+    let context = Context::quiet();
+    let frames = run.frames();
+    let film = run.film(0..frames, &options(true), &context).unwrap().film;
+    let made = collision(&film, &ConvexOptions::default(), &context).unwrap();
+    assert_eq!(made.pieces.len(), film.pieces.len());
+    for (piece, told) in film.pieces.iter().zip(&made.pieces) {
+        let own = format!("UCX_{}_", piece.name);
+        let number = |name: &str| {
+            name.strip_prefix(&own)
+                .and_then(|n| n.parse::<usize>().ok())
+        };
+        let shapes: Vec<&Mesh> = (made.scene.nodes.iter())
+            .filter(|n| number(&n.name).is_some())
+            .map(|n| &n.mesh)
+            .collect();
+        assert_eq!(shapes.len(), told.shapes, "{}", piece.name);
+        assert!(
+            shapes
+                .iter()
+                .all(|s| is_convex(s) && s.positions.len() <= 32)
+        );
+        let volume: f64 = shapes.iter().map(|s| s.volume()).sum();
+        let ratio = volume / piece.mesh.volume();
+        assert!(
+            (ratio / told.volume_ratio - 1.0).abs() < 1e-6,
+            "{ratio} {told:?}"
+        );
+        let out = piece.mesh.positions.iter().map(|&p| {
+            let each = shapes.iter().map(|s| beyond(s, p));
+            each.fold(f64::INFINITY, f64::min)
+        });
+        let farthest = out.fold(0.0, f64::max);
+        // The nearest face is no farther than the nearest point.
+        assert!(farthest <= told.uncovered_m + 1e-9, "{farthest} {told:?}");
+    }
+}
+
+#[test]
+fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
+    let (_folder, mut run) = run("levels");
+    let context = Context::quiet();
+    let frames = run.frames();
+    let mut made = run.film(0..frames, &options(true), &context).unwrap();
+    let (simpler, told) = level(&mut made, 0.5, &context).unwrap();
+    let count = |film: &greenstick::geometry::Film| -> usize {
+        film.pieces.iter().map(|p| p.mesh.triangles.len()).sum()
+    };
+    assert_eq!(told.triangles, [count(&made.film), count(&simpler)]);
+    assert!(told.triangles[1] < told.triangles[0] * 3 / 4, "{told:?}");
+    assert_eq!(simpler.fault(), None);
+    let mut most = 0.0f64;
+    for (before, after) in made.film.pieces.iter().zip(&simpler.pieces) {
+        assert!(after.mesh.check().closed, "{}", after.name);
+        let ratio = after.mesh.volume() / before.mesh.volume();
+        assert!((ratio - 1.0).abs() < 0.0101, "{}: {ratio}", after.name);
+        // Each vertex is one of before, with all that it follows.
+        let mut at = 0;
+        for (v, p) in after.mesh.positions.iter().enumerate() {
+            let same = |k: &usize| {
+                before.mesh.positions[*k] == *p
+                    && before.binding.of(*k).eq(after.binding.of(v))
+                    && ["NORMAL", "TEXCOORD_0"].iter().all(|name| {
+                        let of = |mesh: &Mesh, v: usize| {
+                            mesh.attributes.get(*name).map(|a| a.at(v).to_vec())
+                        };
+                        of(&before.mesh, *k) == of(&after.mesh, v)
+                    })
+            };
+            let found = (at..before.mesh.positions.len()).find(same);
+            at = 1 + found.unwrap_or_else(|| panic!("{}: vertex {v} is new", after.name));
+        }
+        let tree = Bvh::of_triangles(&after.mesh);
+        for &p in &before.mesh.positions {
+            let nearest = tree.nearest_on(&after.mesh, p, f64::INFINITY).unwrap();
+            most = most.max(nearest.distance);
+        }
+    }
+    assert!(
+        most <= told.error_m && told.error_m > 0.0,
+        "{most} {told:?}"
+    );
+}
+
+#[test]
+fn pieces_that_move_as_a_whole_follow_one_joint_and_are_where_their_skin_was() {
+    let (_folder, mut run) = run("whole");
+    let context = Context::quiet();
+    let frames = run.frames();
+    // In the first frame nothing has moved yet.
+    let film = run.film(0..1, &options(false), &context).unwrap().film;
+    assert!(film.pieces.iter().all(|p| p.binding.used().len() == 1));
+    let film = run.film(0..frames, &options(false), &context).unwrap().film;
+    assert!(film.pieces[0].binding.used().len() > 1, "the stem bends");
 }
