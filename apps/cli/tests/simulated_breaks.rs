@@ -92,7 +92,7 @@ fn wood_that_does_not_part_is_one_piece_and_said_to_be() {
         .concat(),
     );
     assert_eq!(both.code, 2);
-    assert!(both.err.contains("cannot be used with"), "{}", both.err);
+    assert!(both.err.contains("makes a stem of its own"), "{}", both.err);
 }
 
 #[test]
