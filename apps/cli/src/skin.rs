@@ -89,7 +89,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Opens the run with the mesh that it was of.
+/// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(folder: &Path, mesh: &MeshOf, progress: &Progress) -> Result<Run, Failure> {
     progress.stage("read")?;
     let origin = Origin::read(folder).map_err(Failure::request)?;
@@ -97,7 +97,13 @@ pub fn open(folder: &Path, mesh: &MeshOf, progress: &Progress) -> Result<Run, Fa
     let named = mesh.input.as_ref().map(|path| (path.clone(), unit));
     let input = named.or(origin.input_file());
     let mesh = match &input {
-        Some((path, unit)) => Some(files::read(path, *unit)?),
+        Some((path, unit)) => {
+            let mut scene = files::read(path, *unit)?;
+            if let Some(output) = output {
+                files::carry_images(&mut scene, path, output);
+            }
+            Some(scene)
+        }
         None => None,
     };
     progress
