@@ -58,7 +58,12 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let run = open(&options.run, &options.mesh, &progress)?;
+    let run = open(
+        &options.run,
+        &options.mesh,
+        options.output.as_deref(),
+        &progress,
+    )?;
     let (skin, film, mut files, engines) = match options.frame {
         Some(number) => still(run, number, options, &progress)?,
         None => film(run, options, &progress)?,
@@ -90,7 +95,12 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 }
 
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
-pub fn open(folder: &Path, mesh: &MeshOf, progress: &Progress) -> Result<Run, Failure> {
+pub fn open(
+    folder: &Path,
+    mesh: &MeshOf,
+    output: Option<&Path>,
+    progress: &Progress,
+) -> Result<Run, Failure> {
     progress.stage("read")?;
     let origin = Origin::read(folder).map_err(Failure::request)?;
     let unit = mesh.unit.map(LengthUnit::from);
