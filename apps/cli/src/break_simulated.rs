@@ -71,13 +71,13 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     targets.check(&inputs)?;
     let mut mesh = None;
     let mut scan = None;
-    if let (None, Some(at)) = (&options.input, &options.at) {
-        if setting.stem.kind != StemWord::Input {
-            return Err(Failure::request(format!(
-                "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
-            ))
-            .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
-        }
+    if let (None, Some(at)) = (&options.input, &options.at)
+        && setting.stem.kind != StemWord::Input
+    {
+        return Err(Failure::request(format!(
+            "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
+        ))
+        .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
     }
     if let Some(path) = &options.input {
         let at = match &options.at {

@@ -68,6 +68,8 @@ pub(super) struct Rest {
 
 /// In the order of their names: those of the ends, those on the rods by the joint nearest to them, the others.
 type Group = (usize, u32);
+/// Triangles of each mesh.
+type OfMeshes = BTreeMap<usize, Vec<u32>>;
 
 impl Run {
     /// The rest of the input where `options` ask for it, told in the report.
@@ -99,8 +101,7 @@ impl Run {
             notes: beyond.notes,
             ..Rest::default()
         };
-        let mut groups: BTreeMap<Group, (Option<usize>, BTreeMap<usize, Vec<u32>>)> =
-            BTreeMap::new();
+        let mut groups: BTreeMap<Group, (Option<usize>, OfMeshes)> = BTreeMap::new();
         for part in beyond.parts {
             let (group, joints) = self.carriers(skin, part.root);
             let (_, meshes) = groups.entry(group).or_insert_with(|| {
