@@ -10,7 +10,7 @@ mod skin;
 pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
 pub use fit::FitOptions;
-pub use shared::{KnownStem, RingSource, Telling};
+pub use shared::{KnownStem, MeshOf, RingSource, Telling};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 
@@ -167,14 +167,9 @@ pub struct BreakOptions {
     /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off), or a point cloud (.ply, .xyz, .txt, .asc, .pts, .las or
     /// .laz) whose bark is made first; without it, a branch that comes with the program
     pub input: Option<PathBuf>,
-    /// Where to break it: a fraction, a length, or a point
-    #[arg(
-        long,
-        value_name = "PLACE",
-        default_value = "0.5",
-        allow_hyphen_values = true
-    )]
-    pub at: String,
+    /// Where to break it: a fraction, a length, or a point [default: 0.5, or the scene's own with --simulate]
+    #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
+    pub at: Option<String>,
     /// File for the pieces, in the format of its ending [default: broken.glb, without --picture]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -224,7 +219,7 @@ pub struct BreakOptions {
 
     /// Break it by simulation: a scene that comes with the program, or a scene file; takes minutes
     #[arg(long, value_name = "SCENE", help_heading = "How it breaks",
-        conflicts_with_all = ["at", "preset", "recipe", "set", "species", "moisture", "save_recipe", "pith", "kind", "hang", "fray"])]
+        conflicts_with_all = ["preset", "recipe", "set", "species", "moisture", "save_recipe", "pith", "kind", "hang", "fray"])]
     pub simulate: Option<String>,
 
     #[command(flatten)]

@@ -5,14 +5,16 @@ use crate::break_wood::{picture_options, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, Stage};
-use crate::{simulate, skin};
+use crate::{scan, simulate, skin, values};
 use greenstick::fibre::scene::{Scene as Setting, StemWord};
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::Scene;
+use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
 use greenstick::skin::rods::RodSkinOptions;
+use greenstick::wood::stem::Place;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -20,6 +22,8 @@ use std::process::ExitCode;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scan: Option<&'a ScannedReport>,
     simulation: &'a SimulateReport,
     #[serde(flatten)]
     pieces: &'a SkinReport,
@@ -66,8 +70,25 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
     targets.check(&inputs)?;
     let mut mesh = None;
+    let mut scan = None;
+    if let (None, Some(at)) = (&options.input, &options.at)
+        && setting.stem.kind != StemWord::Input
+    {
+        return Err(Failure::request(format!(
+            "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
+        ))
+        .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
+    }
     if let Some(path) = &options.input {
-        let mut scene = files::read(path, unit)?;
+        let at = match &options.at {
+            Some(at) => values::place(at, unit.unwrap_or_default()),
+            None => values::place(&setting.stem.at, LengthUnit::Metre),
+        };
+        let at = at.map_err(Failure::request)?;
+        let loaded = scan::load(path, at, unit, &options.scan, &progress)?;
+        setting.stem.at = written_out(&loaded.place);
+        scan = loaded.scan;
+        let mut scene = loaded.scene;
         if let Some(pieces) = &targets.pieces {
             files::carry_images(&mut scene, path, pieces);
         }
@@ -83,6 +104,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         },
         texture_width: options.texture_size,
         bodies: false,
+        rest: true,
     };
     let last = run.frames() - 1;
     let mut still = progress
@@ -109,6 +131,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let stages = progress.finish();
     if options.telling.reports() {
         let full = FullReport {
+            scan: scan.as_ref(),
             simulation: &report,
             pieces: &still.report,
             hangs_together: still.scene.nodes.iter().any(|n| n.name == "whole"),
@@ -153,12 +176,23 @@ fn simulated(
     Ok((report, folder, run))
 }
 
-/// Moves what lies beyond the break apart from the lower piece.
+/// A place as scenes have it, with all of its digits.
+fn written_out(place: &Place) -> String {
+    match place {
+        Place::Fraction(x) => format!("{x}"),
+        Place::Length(x) => format!("{x} m"),
+        Place::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
+    }
+}
+
+/// Moves what lies beyond the break apart from the lower piece, with all that it carries.
 fn part(still: &mut Still, run: &Run, by: f64) {
     let stem = run.stem();
     let along = stem.grain.axis().frame(stem.place).tangent;
-    for node in &mut still.scene.nodes {
-        if node.name == "upper" {
+    let nodes = &mut still.scene.nodes;
+    let upper = nodes.iter().position(|n| n.name == "upper");
+    for (number, node) in nodes.iter_mut().enumerate() {
+        if upper.is_some_and(|u| u == number || node.parent == Some(u)) {
             node.transform.translation += along * by;
         }
     }
@@ -168,7 +202,8 @@ fn told(full: &FullReport, json: bool) -> Result<String, Failure> {
     if json {
         return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
     }
-    let mut text = format!("{}{}", full.simulation, full.pieces);
+    let mut text = full.scan.map_or_else(String::new, ToString::to_string);
+    let _ = write!(text, "{}{}", full.simulation, full.pieces);
     if full.hangs_together {
         text += "note     the wood still hangs together from end to end: it is one piece, `whole`; more load, more time or \
                  another scene may part it\n";

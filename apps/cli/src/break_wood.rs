@@ -19,6 +19,8 @@ use std::process::ExitCode;
 
 const OUTPUT: &str = "broken.glb";
 const PICTURE: &str = "broken.png";
+/// Where it is broken.
+const AT: &str = "0.5";
 
 /// Where everything goes.
 pub struct Targets {
@@ -189,7 +191,8 @@ pub fn doubt_about_unit(
 }
 
 fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {
-    let place = values::place(&options.at, unit).map_err(Failure::request)?;
+    let at = options.at.as_deref().unwrap_or(AT);
+    let place = values::place(at, unit).map_err(Failure::request)?;
     Ok(BreakRequest {
         place,
         stem: options.stem.options(unit)?,

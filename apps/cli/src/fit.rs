@@ -29,8 +29,7 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
         files::check_writable(path)?;
     }
     let progress = Progress::start(options.quiet);
-    let input = options.input.as_deref();
-    let mut run = skin::open(&options.run, input, options.unit, &progress)?;
+    let mut run = skin::open(&options.run, &options.mesh, None, &progress)?;
     let count = run.frames() as i64;
     let number = match options.frame {
         n if n < 0 => count + n,

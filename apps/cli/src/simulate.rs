@@ -69,8 +69,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let unit = options.unit.map(LengthUnit::from);
-    let input = match &options.input {
+    let unit = options.mesh.unit.map(LengthUnit::from);
+    let input = match &options.mesh.input {
         Some(path) => {
             progress.stage("read")?;
             scene.stem.kind = greenstick::fibre::scene::StemWord::Input;
@@ -78,7 +78,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         }
         None => None,
     };
-    let named = options.input.as_deref().map(|path| (path, unit));
+    let named = options.mesh.input.as_deref().map(|path| (path, unit));
     let request = SimulateRequest {
         scene,
         origin: Origin::of(named, &beside),

@@ -2,14 +2,14 @@
 
 mod engines;
 
-use crate::arguments::{SkinOptions, UnitWord};
+use crate::arguments::{MeshOf, SkinOptions};
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, Stage};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
-use greenstick::files::{self, Output};
+use greenstick::files::{self, Batch, Output};
 use greenstick::film::{FilmError, FilmOptions, Run, SkinReport, SkinnedFilm};
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
@@ -60,8 +60,8 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     let progress = Progress::start(options.telling.quiet);
     let run = open(
         &options.run,
-        options.input.as_deref(),
-        options.unit,
+        &options.mesh,
+        options.output.as_deref(),
         &progress,
     )?;
     let (skin, film, mut files, engines) = match options.frame {
@@ -94,19 +94,26 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Opens the run with the mesh that it was of.
+/// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(
     folder: &Path,
-    input: Option<&Path>,
-    unit: Option<UnitWord>,
+    mesh: &MeshOf,
+    output: Option<&Path>,
     progress: &Progress,
 ) -> Result<Run, Failure> {
     progress.stage("read")?;
     let origin = Origin::read(folder).map_err(Failure::request)?;
-    let named = input.map(|path| (path.to_owned(), unit.map(LengthUnit::from)));
+    let unit = mesh.unit.map(LengthUnit::from);
+    let named = mesh.input.as_ref().map(|path| (path.clone(), unit));
     let input = named.or(origin.input_file());
     let mesh = match &input {
-        Some((path, unit)) => Some(files::read(path, *unit)?),
+        Some((path, unit)) => {
+            let mut scene = files::read(path, *unit)?;
+            if let Some(output) = output {
+                files::carry_images(&mut scene, path, output);
+            }
+            Some(scene)
+        }
         None => None,
     };
     progress
@@ -126,6 +133,7 @@ fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
         },
         texture_width: options.texture_size,
         bodies: !options.no_bodies,
+        rest: !options.only_rods,
     }
 }
 
@@ -167,7 +175,10 @@ fn still(
     }
     progress.stage("write")?;
     if let Some(path) = &options.output {
-        let unit = options.unit.map_or(LengthUnit::Metre, LengthUnit::from);
+        let unit = options
+            .mesh
+            .unit
+            .map_or(LengthUnit::Metre, LengthUnit::from);
         outputs.extend(match UsdFormat::of_path(path) {
             Some(format) => encode_usd(format, &still.scene, path)?,
             None => files::encode(&still.scene, path, unit)?,
@@ -240,10 +251,12 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
     let name = path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    // All of it or nothing.
+    let mut batch = Batch::default();
     let (film, motion) = (&made.film, &mut made.motion);
     let (written, beside) = progress
         .watch(|context| {
-            files::write_streamed(path, |file| -> Result<_, FilmError> {
+            batch.stream(path, |file| -> Result<_, FilmError> {
                 Ok(match usd {
                     Some(format) => write_usd(format, film, motion, &name, file, context)?,
                     None => (
@@ -256,7 +269,7 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
         .map_err(failure)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside: Vec<Output> = beside.into_iter().map(|f| in_folder(folder, f)).collect();
-    files::write_all(&beside)?;
+    beside.iter().try_for_each(|output| batch.add(output))?;
     let mut files = vec![(path.display().to_string(), written.bytes as usize)];
     files.extend(
         beside
@@ -264,7 +277,8 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    let engines = engines::write(&mut made, options, path, progress)?;
+    let engines = engines::write(&mut made, options, path, &mut batch, progress)?;
+    batch.finish()?;
     Ok((Some(made.report), Some(written), files, engines))
 }
 
@@ -345,9 +359,13 @@ fn series(
 }
 
 /// Writes a scene with the metre as its unit; gives the files' names and sizes.
-fn in_metres(scene: &Scene, path: &Path) -> Result<Vec<(String, usize)>, Failure> {
+fn in_metres(
+    scene: &Scene,
+    path: &Path,
+    batch: &mut Batch,
+) -> Result<Vec<(String, usize)>, Failure> {
     let outputs = files::encode(scene, path, LengthUnit::Metre)?;
-    files::write_all(&outputs)?;
+    outputs.iter().try_for_each(|output| batch.add(output))?;
     let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
     Ok(outputs.iter().map(told).collect())
 }

@@ -13,7 +13,10 @@ use std::process::Command;
 
 /// Endings of videos, with the encoder of each.
 const ENCODERS: [(&str, &[&str]); 2] = [
-    ("mp4", &["-c:v", "libx264", "-crf", "18"]),
+    (
+        "mp4",
+        &["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"],
+    ),
     ("webm", &["-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0"]),
 ];
 
@@ -78,11 +81,16 @@ pub fn encode(
         .arg("-i")
         .arg(folder.join("frame_%05d.png"))
         .args(encoder)
+        // Players take what does not say its colours for one thing or another by its size; and sides have to be even.
         .args([
             "-pix_fmt",
             "yuv420p",
             "-vf",
-            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "crop=floor(iw/2)*2:floor(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
+            "-colorspace",
+            "bt709",
+            "-color_range",
+            "tv",
         ])
         .arg(&beside)
         .output()

@@ -92,5 +92,67 @@ fn wood_that_does_not_part_is_one_piece_and_said_to_be() {
         .concat(),
     );
     assert_eq!(both.code, 2);
-    assert!(both.err.contains("cannot be used with"), "{}", both.err);
+    assert!(both.err.contains("makes a stem of its own"), "{}", both.err);
+}
+
+#[test]
+fn a_mesh_breaks_where_at_says_and_keeps_its_other_parts() {
+    let folder = Folder::new();
+    let scene = PULL.replace("kind = \"cylinder\"", "kind = \"input\"\nat = \"0.9\"");
+    folder.write("pull.toml", scene);
+    folder.write("own.toml", PULL);
+    // A stick of eight sides, and a chip that touches nothing.
+    let mut obj = String::new();
+    let mut first = 1;
+    for (x, radius, length) in [(0.0, 0.003, 0.06), (0.5, 0.001, 0.002)] {
+        obj += if first == 1 { "o stick\n" } else { "o chip\n" };
+        let rows = 12;
+        for row in 0..=rows {
+            for side in 0..8 {
+                let turn = f64::from(side) * std::f64::consts::TAU / 8.0;
+                let (z, c) = (radius * turn.sin(), x + radius * turn.cos());
+                obj += &format!("v {c} {} {z}\n", length * f64::from(row) / f64::from(rows));
+            }
+        }
+        let at = |row: i32, side: i32| first + 8 * row + side % 8;
+        for row in 0..rows {
+            for side in 0..8 {
+                let (a, b) = (at(row, side), at(row, side + 1));
+                obj += &format!("f {a} {} {} {b}\n", a + 8, b + 8);
+            }
+        }
+        let ends = [(0, 1), (rows, -1)].map(|(row, step)| {
+            let ring = (0..8).map(|k| at(row, (8 + step * k) % 8).to_string());
+            format!("f {}\n", ring.collect::<Vec<_>>().join(" "))
+        });
+        obj += &ends.concat();
+        first += 8 * (rows + 1);
+    }
+    folder.write("stick.obj", obj);
+    let arguments = [
+        "stick.obj",
+        "--simulate",
+        "pull.toml",
+        "--at",
+        "0.5",
+        "-o",
+        "out.glb",
+        "--json",
+    ];
+    let made = folder.quick(&arguments);
+    assert_eq!(made.code, 0, "{}{}", made.out, made.err);
+    let told: serde_json::Value = serde_json::from_str(&made.out).unwrap();
+    let rest = told["rest"]["pieces"].as_array().unwrap();
+    assert_eq!(rest.len(), 1, "{told}");
+    assert!(
+        rest[0]["input"] == "chip" && rest[0]["carried_by"].is_null(),
+        "{told}"
+    );
+    // A place is of a mesh.
+    let none = folder.quick(&["--simulate", "own.toml", "--at", "0.5", "-o", "x.glb"]);
+    assert!(
+        none.code == 2 && none.err.contains("makes a stem of its own"),
+        "{}",
+        none.err
+    );
 }

@@ -218,3 +218,18 @@ fn what_is_cut_short_is_told_and_what_is_wrong_is_refused() {
         run.err
     );
 }
+
+#[test]
+fn a_film_whose_companions_cannot_be_written_is_not_written() {
+    let folder = simulated();
+    let shapes = ["-o", "film.glb", "--collision", "none/shapes.glb"];
+    let run = folder.run(&[&["skin", "run"], &SMALL[..], &shapes].concat());
+    assert_eq!(run.code, 1, "{}{}", run.out, run.err);
+    assert!(run.err.contains("none"), "{}", run.err);
+    let left = fs::read_dir(&folder.0)
+        .unwrap()
+        .map(|e| e.unwrap().file_name());
+    let mut left: Vec<_> = left.map(|n| n.to_string_lossy().into_owned()).collect();
+    left.sort();
+    assert_eq!(left, ["run", "small.toml"]);
+}

@@ -324,18 +324,9 @@ pub fn check_distinct(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), FileE
 /// # Errors
 /// [`FileError::Unwritable`] with the file that failed.
 pub fn write_all(outputs: &[Output]) -> Result<(), FileError> {
-    let mut staged = outputs
-        .iter()
-        .map(|o| Staged::new(&o.path, &o.bytes))
-        .collect::<Result<Vec<_>, _>>()?;
-    for i in (0..staged.len()).rev() {
-        if let Err(error) = staged[i].take_place() {
-            staged.iter_mut().for_each(Staged::undo);
-            return Err(error);
-        }
-    }
-    staged.iter_mut().for_each(Staged::keep);
-    Ok(())
+    let mut batch = Batch::default();
+    outputs.iter().try_for_each(|output| batch.add(output))?;
+    batch.finish()
 }
 
 /// Writes one file as `write` makes it, beside its place first. Where `write` fails nothing is left of it.
@@ -346,20 +337,61 @@ pub fn write_streamed<T, E: From<FileError>>(
     path: &Path,
     write: impl FnOnce(&mut io::BufWriter<fs::File>) -> Result<T, E>,
 ) -> Result<T, E> {
-    let (mut staged, file) = Staged::begin(path)?;
-    let mut file = io::BufWriter::new(file);
-    let written = write(&mut file)?;
-    file.flush().map_err(|source| FileError::Unwritable {
-        path: path.to_owned(),
-        source,
-    })?;
-    drop(file);
-    if let Err(error) = staged.take_place() {
-        staged.undo();
-        return Err(error.into());
-    }
-    staged.keep();
+    let mut batch = Batch::default();
+    let written = batch.stream(path, write)?;
+    batch.finish()?;
     Ok(written)
+}
+
+/// Files that are written one after the other beside their places, and take their names together at the end. Where that
+/// is not reached nothing is left of them.
+#[derive(Default)]
+pub struct Batch(Vec<Staged>);
+
+impl Batch {
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// [`FileError::Unwritable`].
+    pub fn add(&mut self, output: &Output) -> Result<(), FileError> {
+        self.0.push(Staged::new(&output.path, &output.bytes)?);
+        Ok(())
+    }
+
+    /// Writes a file as `write` makes it.
+    ///
+    /// # Errors
+    /// Those of `write`, and [`FileError::Unwritable`].
+    pub fn stream<T, E: From<FileError>>(
+        &mut self,
+        path: &Path,
+        write: impl FnOnce(&mut io::BufWriter<fs::File>) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let (staged, file) = Staged::begin(path)?;
+        let mut file = io::BufWriter::new(file);
+        let written = write(&mut file)?;
+        file.flush().map_err(|source| FileError::Unwritable {
+            path: path.to_owned(),
+            source,
+        })?;
+        self.0.push(staged);
+        Ok(written)
+    }
+
+    /// Gives all files their names, those that came last first. What was there before is put back where a step fails.
+    ///
+    /// # Errors
+    /// [`FileError::Unwritable`] with the file that failed.
+    pub fn finish(mut self) -> Result<(), FileError> {
+        for i in (0..self.0.len()).rev() {
+            if let Err(error) = self.0[i].take_place() {
+                self.0.iter_mut().for_each(Staged::undo);
+                return Err(error);
+            }
+        }
+        self.0.iter_mut().for_each(Staged::keep);
+        Ok(())
+    }
 }
 
 /// Checks that a file `name` could be written into a folder, which need not be there yet.

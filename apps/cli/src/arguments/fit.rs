@@ -1,6 +1,6 @@
 //! Options of `greenstick fit`.
 
-use super::UnitWord;
+use super::MeshOf;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -18,8 +18,8 @@ Examples
 pub struct FitOptions {
     /// Folder of a run, as `greenstick simulate` leaves it
     pub run: PathBuf,
-    /// Mesh that the run was of, where it was; else the file that it was simulated on
-    pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub mesh: MeshOf,
     /// File for the recipe; without it only the report is printed
     #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,
@@ -31,9 +31,6 @@ pub struct FitOptions {
         allow_hyphen_values = true
     )]
     pub frame: i64,
-    /// Unit of length in the mesh, where its format has none
-    #[arg(long)]
-    pub unit: Option<UnitWord>,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,

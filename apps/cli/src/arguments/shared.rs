@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use super::KindWord;
+use super::{KindWord, UnitWord};
 use crate::failure::Failure;
 use crate::values;
 use clap::{Args, ValueEnum};
@@ -8,6 +8,7 @@ use greenstick::anatomy::{Erosion, ErosionSchedule, RingsBy};
 use greenstick::formats::LengthUnit;
 use greenstick::wood::rings::Schedule;
 use greenstick::wood::stem::StemOptions;
+use std::path::PathBuf;
 
 /// How work is told, and with how many threads it is done.
 #[derive(Debug, Args)]
@@ -29,6 +30,16 @@ impl Telling {
     pub fn reports(&self) -> bool {
         !self.quiet || self.json
     }
+}
+
+/// The mesh that a simulation is of.
+#[derive(Debug, Args)]
+pub struct MeshOf {
+    /// Mesh that is simulated in place of the scene's stem; that of a run is found again where it still is
+    pub input: Option<PathBuf>,
+    /// Unit of length in the mesh, where its format has none; also of a mesh that is written
+    #[arg(long)]
+    pub unit: Option<UnitWord>,
 }
 
 /// What is known of a stem.

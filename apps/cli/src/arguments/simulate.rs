@@ -1,6 +1,6 @@
 //! Options of `greenstick simulate`.
 
-use super::{Shot, Telling, UnitWord};
+use super::{MeshOf, Shot, Telling};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -18,8 +18,8 @@ Examples
 pub struct SimulateOptions {
     /// Scene: a file that ends in .toml, or the name of one that comes with the program
     pub scene: Option<String>,
-    /// Mesh that takes the place of the scene's stem
-    pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub mesh: MeshOf,
     /// Folder for everything that is written, made where it is not there; or a film (.glb, .usdc, .usdz, .mp4, .webm),
     /// and the folder is named after it, ending in .run
     #[arg(short, long, value_name = "FOLDER")]
@@ -36,9 +36,6 @@ pub struct SimulateOptions {
     /// Write the scene with all its keys
     #[arg(long, value_name = "FILE.toml")]
     pub save_scene: Option<PathBuf>,
-    /// Unit of length in the mesh, where its format has none
-    #[arg(long)]
-    pub unit: Option<UnitWord>,
 
     /// Solver
     #[arg(

@@ -1,6 +1,6 @@
 //! Options of `greenstick skin`.
 
-use super::{Arguments, Command, Shot, Telling, UnitWord};
+use super::{Arguments, Command, MeshOf, Shot, Telling};
 use crate::values;
 use clap::{Args, Parser};
 use std::ffi::OsStr;
@@ -27,8 +27,8 @@ Examples
 pub struct SkinOptions {
     /// Folder of a run, as `greenstick simulate` leaves it
     pub run: PathBuf,
-    /// Mesh that the run was of, where it was; else the file that it was simulated on
-    pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub mesh: MeshOf,
     /// File for the film or the frame
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -43,9 +43,6 @@ pub struct SkinOptions {
     /// Frames of the film, from the first to before the last [default: all]
     #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
     pub frames: Option<(usize, usize)>,
-    /// Unit of length in the mesh, where its format has none; also of a frame's file
-    #[arg(long)]
-    pub unit: Option<UnitWord>,
 
     /// Fibre bundles that each rod is parted into, 1 to 1000
     #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u32).range(1..=1000),
@@ -66,6 +63,9 @@ pub struct SkinOptions {
     /// Leave out the bodies that act on the wood
     #[arg(long, help_heading = "Skin")]
     pub no_bodies: bool,
+    /// Leave out what the rods do not fill: the mesh beyond their ends, and twigs that hang on them
+    #[arg(long, help_heading = "Skin")]
+    pub only_rods: bool,
     /// Width of the baked textures, pixels
     #[arg(long, value_name = "PIXELS", default_value = "1024", value_parser = values::texture_size,
         help_heading = "Skin")]

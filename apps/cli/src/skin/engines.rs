@@ -5,7 +5,7 @@ use crate::arguments::SkinOptions;
 use crate::break_wood::check_png;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use greenstick::files;
+use greenstick::files::{Batch, Output};
 use greenstick::film::{CollisionPiece, FilmError, LevelReport, SkinnedFilm, collision, level};
 use greenstick::formats::film::{VertexTexture, write_glb, write_vertex_texture};
 use greenstick::geometry::ConvexOptions;
@@ -95,16 +95,17 @@ fn name_of(path: &Path) -> String {
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
 }
 
-/// Makes and writes what the options ask for beside the film in file `film`.
+/// Makes what the options ask for beside the film in file `film`, and writes it with all else of the batch.
 pub fn write(
     made: &mut SkinnedFilm,
     options: &SkinOptions,
     film: &Path,
+    batch: &mut Batch,
     progress: &Progress,
 ) -> Result<Engines, Failure> {
     let mut engines = Engines::default();
     if let Some(path) = &options.collision {
-        shapes(&mut engines, made, options, path, progress)?;
+        shapes(&mut engines, made, options, path, batch, progress)?;
     }
     for (number, &share) in options.lod.iter().enumerate() {
         let path = level_path(film, number + 1);
@@ -114,7 +115,7 @@ pub fn write(
                 let (simpler, told) = level(made, share, context)?;
                 let motion = &mut made.motion;
                 let glb = glb_options(options);
-                files::write_streamed(&path, |file| -> Result<_, FilmError> {
+                batch.stream(&path, |file| -> Result<_, FilmError> {
                     let written = write_glb(&simpler, motion, &name, &glb, file, context)?;
                     Ok((told, written.bytes as usize))
                 })
@@ -134,8 +135,8 @@ pub fn write(
             .map_err(failure)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
-        files::write_all(&outputs)?;
-        let told = |o: &files::Output| (o.path.display().to_string(), o.bytes.len());
+        outputs.iter().try_for_each(|output| batch.add(output))?;
+        let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
         engines.files.extend(outputs.iter().map(told));
         engines.vertex_texture = Some(about);
     }
@@ -147,6 +148,7 @@ fn shapes(
     made: &SkinnedFilm,
     options: &SkinOptions,
     path: &Path,
+    batch: &mut Batch,
     progress: &Progress,
 ) -> Result<(), Failure> {
     let how = ConvexOptions {
@@ -157,7 +159,7 @@ fn shapes(
     let made = progress
         .watch(|context| Ok::<_, FilmError>(collision(&made.film, &how, context)?))
         .map_err(failure)?;
-    engines.files.extend(in_metres(&made.scene, path)?);
+    engines.files.extend(in_metres(&made.scene, path, batch)?);
     engines.collision = made.pieces;
     Ok(())
 }

@@ -3,25 +3,34 @@
 //! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
+mod beyond;
+mod carry;
+mod clip;
 mod collision;
 mod error;
+mod follow;
 mod level;
+mod materials;
 mod motion;
 mod opening;
 mod pieces;
 mod report;
 mod rest;
+mod rigid;
 mod series;
 
+use carry::Rest;
+pub use carry::{CarriedPiece, RestReport};
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
+use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::breaking::{inner_wood, part_of};
+use crate::breaking::part_of;
 use crate::looks::{Looks, looks};
-use crate::rods::{bodies, body_material};
+use crate::rods::bodies;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
@@ -32,7 +41,7 @@ use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Material, Mesh, Motion, Node, Pose, Scene};
+use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
     Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
@@ -59,6 +68,8 @@ pub struct FilmOptions {
     pub texture_width: u32,
     /// Whether the bodies that act on the wood are shown.
     pub bodies: bool,
+    /// Whether the rest of the input is carried along: what lies beyond the rods' ends and what hangs on them.
+    pub rest: bool,
 }
 
 impl Default for FilmOptions {
@@ -67,6 +78,7 @@ impl Default for FilmOptions {
             skin: RodSkinOptions::default(),
             texture_width: 1024,
             bodies: true,
+            rest: true,
         }
     }
 }
@@ -98,6 +110,16 @@ pub struct Still {
     pub report: SkinReport,
     /// Index of the material of the wood inside.
     pub inner: u32,
+}
+
+/// What a frame's skin begins with.
+struct Begun {
+    frame: Frame,
+    skin: RodSkin,
+    rest: Rest,
+    report: SkinReport,
+    /// Materials.
+    scene: Scene,
 }
 
 /// A film with skin.
@@ -138,12 +160,19 @@ impl SkinnedFilm {
         })
     }
 
-    /// The corners of the box that holds all joints in all frames, m.
+    /// The corners of the box that holds all joints, and pieces that move as a whole, in all frames, m.
     ///
     /// # Errors
     /// [`FilmError`] where a frame cannot be read.
     pub fn bounds(&mut self) -> Result<Vec<DVec3>, FilmError> {
         let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
+        let mut maps = Vec::new();
+        let rigid: Vec<(usize, [DVec3; 8])> = (self.film.pieces.iter())
+            .filter_map(|piece| match piece.binding.used()[..] {
+                [joint] => Some((joint as usize, corners(piece.mesh.bounds()?))),
+                _ => None,
+            })
+            .collect();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for frame in 0..self.motion.frames() {
             self.motion.poses(frame, &mut poses)?;
@@ -151,19 +180,24 @@ impl SkinnedFilm {
                 low = low.min(pose.translation);
                 high = high.max(pose.translation);
             }
+            self.film.maps(&poses, &mut maps);
+            for p in rigid.iter().flat_map(|(joint, corners)| {
+                let map = maps[*joint];
+                corners.map(move |p| map.transform_point3(p))
+            }) {
+                (low, high) = (low.min(p), high.max(p));
+            }
         }
-        let corner = |k: usize| {
-            let pick = |axis: usize| {
-                if k & (1 << axis) == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
-            };
-            DVec3::new(pick(0), pick(1), pick(2))
-        };
-        Ok((0..8).map(corner).collect())
+        Ok(corners((low, high)).to_vec())
     }
+}
+
+/// The corners of a box.
+fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let pick = |axis: usize| [low, high][k >> axis & 1][axis];
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
 }
 
 /// The pieces of a film in a frame, where its joints have these poses.
@@ -350,52 +384,26 @@ impl Run {
         Ok(make(&self.wood(), &materials)?)
     }
 
-    /// The materials of all that is shown.
-    fn materials(&self, options: &FilmOptions, context: &Context) -> Result<Scene, FilmError> {
-        let mut out = Scene::default();
-        if options.texture_width > 0 {
-            inner_wood(
-                &mut out,
-                &self.grown.stem,
-                (self.square.middle, self.square.side),
-                &self.looks,
-                options.texture_width,
-                context,
-            )?;
-        } else {
-            let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
-            out.materials.push(Material {
-                name: "inner_wood".into(),
-                base_color: [r, g, b, 1.0],
-                ..Material::default()
-            });
-        }
-        out.materials.push(crate::branch::bark_material());
-        out.materials.push(body_material());
-        // Those of the input behind ours.
-        let input = &self.grown.scene;
-        let (textures, images) = (out.textures.len(), out.images.len());
-        out.images.extend(input.images.iter().cloned());
-        out.textures.extend(input.textures.iter().map(|texture| {
-            let mut texture = texture.clone();
-            texture.image = texture.image.map(|i| i + images);
-            texture.alternatives.iter_mut().for_each(|a| a.1 += images);
-            texture
-        }));
-        out.materials.extend(input.materials.iter().map(|material| {
-            let mut material = material.clone();
-            for reference in [
-                &mut material.base_color_texture,
-                &mut material.metallic_roughness_texture,
-                &mut material.normal_texture,
-                &mut material.occlusion_texture,
-                &mut material.emissive_texture,
-            ] {
-                reference.iter_mut().for_each(|r| r.texture += textures);
-            }
-            material
-        }));
-        Ok(out)
+    /// The skin of what is broken in frame `number`, and what goes with it.
+    fn begin(
+        &mut self,
+        number: usize,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<Begun, FilmError> {
+        context.step("skin", 0.0)?;
+        let frame = self.frame(number)?;
+        let skin = self.skin(&frame, &options.skin)?;
+        let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
+        let rest = self.rest_of(&skin, options, &mut report);
+        let scene = self.materials(options, context)?;
+        Ok(Begun {
+            frame,
+            skin,
+            rest,
+            report,
+            scene,
+        })
     }
 
     /// Frame `number` as a scene.
@@ -408,16 +416,21 @@ impl Run {
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Still, FilmError> {
-        context.step("skin", 0.0)?;
-        let frame = self.frame(number)?;
-        let skin = self.skin(&frame, &options.skin)?;
-        let poses = frame_poses(&skin.joints, &frame);
-        let mut scene = self.materials(options, context)?;
-        let report = SkinReport::of(&skin, &self.frames, number..number + 1);
-        let film = film_of(skin, &self.scene);
+        let Begun {
+            frame,
+            skin,
+            rest,
+            report,
+            mut scene,
+        } = self.begin(number, options, context)?;
         let up = upright();
-        let poses: Vec<Pose> = poses.into_iter().map(|p| turned(p, up)).collect();
+        let mut poses = carry::upright_poses(frame_poses(&skin.joints, &frame));
+        let mut film = film_of(skin, &self.scene);
+        let followers = rest.join(&mut film, &self.laid, self.grown.stem.radius);
+        poses.resize(film.joints.len(), Pose::IDENTITY);
+        carry::put(&followers, &mut poses);
         scene.nodes = posed(&film, number, &poses);
+        scene.nodes.append(&mut film.fixed);
         if options.bodies {
             for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
@@ -477,6 +490,7 @@ impl Run {
         })?;
         let materials = self.materials(options, context)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let rest = self.rest_of(&skin, options, &mut report);
         let joints = skin.joints.clone();
         self.follow(&skin, range.clone(), &mut report, context)?;
         let mut film = film_of(skin, &self.scene);
@@ -522,22 +536,25 @@ impl Run {
                     .insert("parted_from".into(), Extra::Text(from.clone()));
             }
         }
+        let carried = rest.join(&mut film, &self.laid, self.grown.stem.radius);
         let frames = open_frames(&self.path)?;
-        let motion = RunMotion::new(frames, self.path.clone(), range, joints, moving, up);
-        Ok(SkinnedFilm {
+        let motion = RunMotion::new(
+            frames,
+            self.path.clone(),
+            range,
+            (joints, moving, carried),
+            up,
+        );
+        let mut made = SkinnedFilm {
             film,
             motion,
             report,
             inner: INNER_MATERIAL,
-        })
+        };
+        made.stiffen(rigid::TOLERANCE * self.spacing(), context)?;
+        Ok(made)
     }
 }
-
-/// Places in the list of materials.
-const INNER_MATERIAL: u32 = 0;
-const BARK_MATERIAL: u32 = 1;
-const BODY_MATERIAL: u32 = 2;
-const OWN_MATERIALS: u32 = 3;
 
 fn turned(pose: Pose, by: DQuat) -> Pose {
     Pose {

@@ -1,5 +1,7 @@
 //! The poses of a run's joints over time, read frame by frame.
 
+use super::carry;
+use super::follow::Follower;
 use super::{FilmError, turned};
 use glam::DQuat;
 use greenstick_fibre::store::FrameFile;
@@ -18,6 +20,8 @@ pub struct RunMotion {
     joints: Joints,
     /// Bodies that have a joint, behind those of the rods.
     bodies: Vec<usize>,
+    /// What is carried, behind all others.
+    carried: Vec<Follower>,
     up: DQuat,
 }
 
@@ -26,8 +30,7 @@ impl RunMotion {
         frames: FrameFile<BufReader<File>>,
         path: PathBuf,
         range: Range<usize>,
-        joints: Joints,
-        bodies: Vec<usize>,
+        (joints, bodies, carried): (Joints, Vec<usize>, Vec<Follower>),
         up: DQuat,
     ) -> Self {
         RunMotion {
@@ -36,6 +39,7 @@ impl RunMotion {
             range,
             joints,
             bodies,
+            carried,
             up,
         }
     }
@@ -72,6 +76,7 @@ impl Motion for RunMotion {
         for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
             *to = turned(from, self.up);
         }
+        carry::put(&self.carried, poses);
         Ok(())
     }
 }

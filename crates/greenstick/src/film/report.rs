@@ -1,5 +1,6 @@
 //! What a skin is made of, and how far a film strays from what it shows.
 
+use super::RestReport;
 use greenstick_fibre::store::FrameFile;
 use greenstick_geometry::film::Extra;
 use greenstick_skin::rods::{Part, RodSkin};
@@ -57,6 +58,8 @@ pub struct SkinReport {
     pub gape: Option<GapeReport>,
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
+    /// What the rods do not fill, where it is carried along.
+    pub rest: RestReport,
 }
 
 /// How many rods parts are of; those of one rod follow each other.
@@ -97,6 +100,7 @@ impl SkinReport {
             parted: [skin.mended.0, skin.mended.1],
             gape: None,
             pieces: pieces.collect(),
+            rest: RestReport::default(),
         }
     }
 }
@@ -150,6 +154,34 @@ impl fmt::Display for SkinReport {
         }
         if self.pieces.len() > SHOWN {
             writeln!(f, "piece    and {} smaller ones", self.pieces.len() - SHOWN)?;
+        }
+        self.rest.fmt(f)
+    }
+}
+
+impl fmt::Display for RestReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.pieces.is_empty() {
+            let still = self.pieces.iter().filter(|p| p.carried_by.is_none());
+            let (still, open) = (still.count(), self.pieces.iter().filter(|p| !p.closed));
+            let triangles: usize = self.pieces.iter().map(|p| p.triangles).sum();
+            writeln!(
+                f,
+                "rest     {} parts of the input that the rods do not fill, {triangles} triangles; {still} hang on nothing \
+                 and stand still, {} are open",
+                self.pieces.len(),
+                open.count()
+            )?;
+        }
+        if self.left_out_m3 > 0.0 {
+            writeln!(
+                f,
+                "note     {:.2} cm³ at the stem's ends are left out: the rods end there, and have ends of their own",
+                self.left_out_m3 * 1e6
+            )?;
+        }
+        for note in &self.notes {
+            writeln!(f, "note     {note}")?;
         }
         Ok(())
     }

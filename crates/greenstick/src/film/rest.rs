@@ -1,6 +1,6 @@
 //! What is broken in a frame, as the wood was before it moved.
 
-use super::{FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
+use super::{Begun, FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
 use greenstick_skin::rods::Parting;
@@ -26,8 +26,8 @@ impl Run {
 
     /// The pieces of frame `number` at rest, where the input has the wood: they fit each other. The two largest are
     /// `lower` and `upper`, in their order along the stem, further ones `splinter_000` and so on. Wood in one piece is
-    /// one node `whole`, and so is wood that still hangs together from end to end while others came off. No bodies are
-    /// among them.
+    /// one node `whole`, and so is wood that still hangs together from end to end while others came off. What the rods do
+    /// not fill follows, each part below the piece that carries it. No bodies are among them.
     ///
     /// # Errors
     /// [`FilmError`].
@@ -37,11 +37,13 @@ impl Run {
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Still, FilmError> {
-        context.step("skin", 0.0)?;
-        let frame = self.frame(number)?;
-        let skin = self.skin(&frame, &options.skin)?;
-        let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
-        let mut scene = self.materials(options, context)?;
+        let Begun {
+            skin,
+            rest,
+            mut report,
+            mut scene,
+            ..
+        } = self.begin(number, options, context)?;
         let back: DAffine3 = self.laid.inverse();
         let mut nodes: Vec<Node> = skin
             .pieces
@@ -53,7 +55,21 @@ impl Run {
                 parent: None,
             })
             .collect();
-        self.name(&mut nodes, &mut report);
+        let swapped = self.name(&mut nodes, &mut report);
+        nodes.extend(rest.parts.into_iter().map(|part| Node {
+            name: part.name,
+            transform: DAffine3::IDENTITY,
+            mesh: part.mesh,
+            parent: part.by.map(|by| match rest.carriers[by].1 {
+                piece @ 0..2 if swapped => 1 - piece,
+                piece => piece,
+            }),
+        }));
+        for part in &mut report.rest.pieces {
+            let node = nodes.iter().find(|n| n.name == part.name);
+            let by = node.and_then(|n| n.parent).map(|p| nodes[p].name.clone());
+            part.carried_by = by;
+        }
         scene.nodes = nodes;
         Ok(Still {
             scene,
@@ -62,8 +78,9 @@ impl Run {
         })
     }
 
-    /// Names the pieces, which come with the one with the most wood first, and puts the lower one first.
-    fn name(&self, nodes: &mut [Node], report: &mut SkinReport) {
+    /// Names the pieces, which come with the one with the most wood first, and puts the lower one first;
+    /// whether that changed their order.
+    fn name(&self, nodes: &mut [Node], report: &mut SkinReport) -> bool {
         let axis = self.grown.stem.grain.axis();
         let reach = |node: &Node| {
             let along = node.mesh.positions.iter().map(|&p| axis.length_at(p));
@@ -79,7 +96,7 @@ impl Run {
             .iter()
             .map(|r| r.0 <= ends.0 + near && r.1 >= ends.1 - near)
             .collect();
-        let mut halves = 2;
+        let (mut halves, mut swapped) = (2, false);
         if matches!(spans[..], [_] | [true, false]) {
             nodes[0].name = "whole".into();
             halves = 1;
@@ -88,6 +105,7 @@ impl Run {
             if middle(a) > middle(b) {
                 std::mem::swap(a, b);
                 report.pieces.swap(0, 1);
+                swapped = true;
             }
             (a.name, b.name) = ("lower".into(), "upper".into());
         }
@@ -97,6 +115,7 @@ impl Run {
         for (piece, node) in report.pieces.iter_mut().zip(nodes) {
             piece.name.clone_from(&node.name);
         }
+        swapped
     }
 }
 

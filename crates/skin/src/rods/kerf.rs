@@ -3,7 +3,7 @@
 
 use super::Wood;
 use super::faces::{Faces, Shows};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_wood::stem::StemKind;
 
 /// The sides of a crack lie this part of the distance between columns from where it is.
@@ -97,6 +97,19 @@ fn inward(normals: &[At]) -> DVec3 {
     -best.1 / best.0
 }
 
+/// How far a closed outline is from a place within it in a direction, m; the farthest crossing.
+fn outline_at(outline: &[DVec2], from: DVec2, direction: DVec2) -> Option<f64> {
+    let direction = direction.try_normalize()?;
+    let across = |p: DVec2| direction.perp_dot(p - from);
+    let next = outline.iter().cycle().skip(1);
+    let crossed = outline.iter().zip(next).filter_map(|(&a, &b)| {
+        let (h, k) = (across(a), across(b));
+        let crosses = (h > 0.0) != (k > 0.0);
+        crosses.then(|| direction.dot(a.lerp(b, h / (h - k)) - from))
+    });
+    crossed.filter(|&r| r > 0.0).max_by(f64::total_cmp)
+}
+
 /// A place in grain coordinates of the section as one in the rods' world at rest. Where there is a bark the section is
 /// stretched along each radius so that its outline lies on it.
 fn place(wood: &Wood, grain: DVec3) -> DVec3 {
@@ -108,7 +121,7 @@ fn place(wood: &Wood, grain: DVec3) -> DVec3 {
             let pith = stem.rings.pith();
             let out = grain.truncate() - pith;
             let r = out.length();
-            let outer = stem.rings.outer(libm::atan2(out.y, out.x));
+            let outer = outline_at(wood.outline, pith, out)?;
             let origin = stem.grain.to_world(pith.extend(grain.z));
             let end = stem
                 .grain

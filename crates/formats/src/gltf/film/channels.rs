@@ -3,7 +3,7 @@
 
 use crate::film::{FilmError, Reel, Sink};
 use crate::gltf::write::Builder;
-use glam::Quat;
+use glam::{Quat, Vec3};
 use greenstick_geometry::{Context, Pose};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -59,6 +59,25 @@ impl Channels {
             self.moves[k][0] |= now[..TURN] != first[..TURN];
             self.moves[k][1] |= now[TURN..] != first[TURN..];
         }
+    }
+
+    /// Leaves out the joints that never move, but for those of skins; gives where they stand.
+    pub fn leave_out_still(&mut self, of_skins: &[bool]) -> BTreeMap<u32, Pose> {
+        let still: Vec<bool> = (self.joints.iter().zip(&self.moves))
+            .map(|(&joint, moves)| *moves == [false; 2] && !of_skins[joint as usize])
+            .collect();
+        let pose = |n: &Numbers| Pose {
+            translation: Vec3::from_slice(n).as_dvec3(),
+            rotation: Quat::from_slice(&n[TURN..]).as_dquat().normalize(),
+        };
+        let all = self.joints.iter().zip(&self.first).zip(&still);
+        let out = all.filter(|(_, s)| **s).map(|((&j, n), _)| (j, pose(n)));
+        let out = out.collect();
+        let mut keep = still.iter().map(|s| !s).cycle();
+        self.joints.retain(|_| keep.next().unwrap_or(true));
+        self.first.retain(|_| keep.next().unwrap_or(true));
+        self.moves.retain(|_| keep.next().unwrap_or(true));
+        out
     }
 
     /// Describes the animation of `nodes` (each with the joint it follows), whose data come after what the builder holds.

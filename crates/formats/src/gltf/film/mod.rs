@@ -30,9 +30,10 @@ pub(crate) fn write_film(
 ) -> Result<FilmReport, FilmError> {
     let limits = limits(options, reel)?;
     let mut bound = bind(film, reel, limits)?;
-    let channels = survey(film, reel, &mut bound, context)?;
+    let mut channels = survey(film, reel, &mut bound, context)?;
+    let still = channels.leave_out_still(&of_skins(film, &bound));
     let mut builder = Builder::default();
-    let mut nodes = Nodes::write(film, &bound, reel, &mut builder)?;
+    let mut nodes = Nodes::write(film, &bound, &still, reel, &mut builder)?;
     builder.push("scenes", json!({ "nodes": nodes.roots }));
     write_material::write(Surfaces::of_film(film), &mut builder, None);
     let plan = channels.plan(&reel.times, &nodes.moving, &mut builder);
@@ -121,6 +122,17 @@ fn survey(
     Ok(channels)
 }
 
+/// Whether each joint is one of a skin.
+fn of_skins(film: &Film, bound: &[(usize, Bound)]) -> Vec<bool> {
+    let mut used = vec![false; film.joints.len()];
+    for (_, bound) in bound {
+        if let Follow::Skin(skin) = &bound.follow {
+            skin.joints.iter().for_each(|&j| used[j as usize] = true);
+        }
+    }
+    used
+}
+
 /// The nodes of the document.
 struct Nodes {
     roots: Vec<usize>,
@@ -133,6 +145,7 @@ impl Nodes {
     fn write(
         film: &Film,
         bound: &[(usize, Bound)],
+        still: &BTreeMap<u32, Pose>,
         reel: &Reel,
         builder: &mut Builder,
     ) -> Result<Self, FormatError> {
@@ -163,13 +176,13 @@ impl Nodes {
             if let Follow::One(joint) = bound.follow {
                 let piece = &film.pieces[*p];
                 let body = (piece.name.as_str(), &piece.mesh, DAffine3::IDENTITY);
-                nodes.write_body(film, body, joint, &piece.extras, builder, reel)?;
+                nodes.write_body(film, body, (joint, still), &piece.extras, builder, reel)?;
             }
         }
         for (node, joint) in &film.bodies {
             if !node.mesh.triangles.is_empty() {
                 let body = (node.name.as_str(), &node.mesh, node.transform);
-                nodes.write_body(film, body, *joint, &none, builder, reel)?;
+                nodes.write_body(film, body, (*joint, still), &none, builder, reel)?;
             }
         }
         Ok(nodes)
@@ -201,12 +214,13 @@ impl Nodes {
         joints
     }
 
-    /// A mesh that moves as a whole: (name, mesh, its place at rest). It is written as its joint sees it.
+    /// A mesh that moves as a whole: (name, mesh, its place at rest), its joint and where joints stand that never move. It is
+    /// written as its joint sees it.
     fn write_body(
         &mut self,
         film: &Film,
         (name, mesh, place): (&str, &Mesh, DAffine3),
-        joint: u32,
+        (joint, still): (u32, &BTreeMap<u32, Pose>),
         extras: &BTreeMap<String, Extra>,
         builder: &mut Builder,
         reel: &Reel,
@@ -224,11 +238,13 @@ impl Nodes {
         )?;
         let mut out = named(name);
         out.insert("mesh".to_owned(), json!(index));
-        put_pose(&mut out, rest);
+        put_pose(&mut out, still.get(&joint).unwrap_or(rest));
         put_extras(&mut out, extras);
         let node = builder.push("nodes", Value::Object(out));
         self.roots.push(node);
-        self.moving.push((node, joint));
+        if !still.contains_key(&joint) {
+            self.moving.push((node, joint));
+        }
         self.report.rigid += 1;
         Ok(())
     }

@@ -1,0 +1,176 @@
+//! What is carried by rods: a rigid frame that follows several joints as well as one can.
+
+use glam::{DMat3, DQuat, DVec3};
+use greenstick_geometry::Pose;
+
+/// Most rounds of finding the turn; each has twice the digits of the one before.
+const ROUNDS: usize = 30;
+/// How much the rods' own turn about themselves counts beside where they are and where they point: the turn of one rod is
+/// all there is where it is alone, among several their places tell it.
+const TWIST: f64 = 0.01;
+
+/// A frame that follows joints: the rigid movement nearest to theirs, by least squares of the places of their origins and
+/// of points on their tangents.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Follower {
+    joints: Vec<u32>,
+    rest: Vec<Pose>,
+    centre: DVec3,
+    /// How far the points on the tangents are from the joints, m.
+    lever: f64,
+}
+
+impl Follower {
+    /// One that follows `joints` of a film whose joints rest at `rest`.
+    pub fn new(joints: Vec<u32>, rest: &[Pose], lever: f64) -> Self {
+        let rest: Vec<Pose> = joints.iter().map(|&j| rest[j as usize]).collect();
+        let mut follower = Follower {
+            joints,
+            rest,
+            centre: DVec3::ZERO,
+            lever,
+        };
+        follower.centre = follower.middle(follower.rest.iter());
+        follower
+    }
+
+    /// The frame at rest.
+    pub fn at_rest(&self) -> Pose {
+        Pose {
+            translation: self.centre,
+            rotation: DQuat::IDENTITY,
+        }
+    }
+
+    fn points(&self, pose: &Pose) -> [(DVec3, f64); 3] {
+        let turned = |d: DVec3| pose.translation + pose.rotation * d * self.lever;
+        [
+            (pose.translation, 1.0),
+            (turned(DVec3::Z), 1.0),
+            (turned(DVec3::X), TWIST),
+        ]
+    }
+
+    fn middle<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DVec3 {
+        let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+        for (p, w) in poses.flat_map(|p| self.points(p)) {
+            sum += p * w;
+            weight += w;
+        }
+        sum / f64::max(weight, f64::MIN_POSITIVE)
+    }
+
+    /// The frame where the film's joints have these poses.
+    pub fn pose(&self, poses: &[Pose]) -> Pose {
+        let now = || self.joints.iter().map(|&j| &poses[j as usize]);
+        let centre = self.middle(now());
+        let mut rotation = self.guess(now());
+        for _ in 0..ROUNDS {
+            let (mut inertia, mut moment) = (DMat3::ZERO, DVec3::ZERO);
+            for (rest, pose) in self.rest.iter().zip(now()) {
+                for ((p, w), (q, _)) in self.points(rest).into_iter().zip(self.points(pose)) {
+                    let (p, q) = (rotation * (p - self.centre), q - centre);
+                    let outer = DMat3::from_cols(p * p.x, p * p.y, p * p.z);
+                    inertia += (DMat3::IDENTITY * p.length_squared() - outer) * w;
+                    moment += p.cross(q) * w;
+                }
+            }
+            let turn = inertia.inverse() * moment;
+            if !turn.is_finite() || turn.length() < 1e-15 {
+                break;
+            }
+            let half = 0.5 * turn;
+            let step = DQuat::from_xyzw(half.x, half.y, half.z, 1.0).normalize();
+            rotation = (step * rotation).normalize();
+        }
+        Pose {
+            translation: centre,
+            rotation,
+        }
+    }
+
+    /// The mean of the joints' own turns.
+    fn guess<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DQuat {
+        let mut sum: Option<DQuat> = None;
+        for (rest, pose) in self.rest.iter().zip(poses) {
+            let turn = pose.rotation * rest.rotation.conjugate();
+            sum = Some(match sum {
+                Some(sum) if sum.dot(turn) < 0.0 => sum - turn,
+                Some(sum) => sum + turn,
+                None => turn,
+            });
+        }
+        let sum = sum.unwrap_or(DQuat::IDENTITY);
+        if sum.length_squared() > 1e-12 {
+            sum.normalize()
+        } else {
+            DQuat::IDENTITY
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rods() -> Vec<Pose> {
+        let place = |x: f64, y: f64| Pose {
+            translation: DVec3::new(x, y, 1.0),
+            rotation: DQuat::from_rotation_z(x - y),
+        };
+        vec![place(0.0, 0.1), place(0.2, 0.0), place(-0.1, -0.2)]
+    }
+
+    #[test]
+    fn rods_that_move_as_one_carry_exactly() {
+        let rest = rods();
+        let follower = Follower::new(vec![0, 1, 2], &rest, 0.1);
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.8);
+        let shift = DVec3::new(3.0, -1.0, 0.5);
+        let moved: Vec<Pose> = (rest.iter())
+            .map(|p| Pose {
+                translation: turn * p.translation + shift,
+                rotation: turn * p.rotation,
+            })
+            .collect();
+        let map = follower.pose(&moved).affine() * follower.at_rest().inverse();
+        let p = DVec3::new(0.7, 5.0, -2.0);
+        let off = map.transform_point3(p).distance(turn * p + shift);
+        assert!(off < 1e-12, "{off}");
+    }
+
+    #[test]
+    fn no_other_rigid_movement_is_nearer() {
+        let rest = rods();
+        let follower = Follower::new(vec![0, 1, 2], &rest, 0.1);
+        let mut moved = rest.clone();
+        for (k, pose) in moved.iter_mut().enumerate() {
+            let turn = DQuat::from_axis_angle(DVec3::Y, 0.3 + 0.2 * k as f64);
+            pose.rotation = turn * pose.rotation;
+            pose.translation = turn * pose.translation + DVec3::X * (0.01 * k as f64);
+        }
+        let miss = |pose: Pose| {
+            let map = pose.affine() * follower.at_rest().inverse();
+            let pairs = rest.iter().zip(&moved);
+            pairs
+                .flat_map(|(a, b)| follower.points(a).into_iter().zip(follower.points(b)))
+                .map(|((p, w), (q, _))| w * map.transform_point3(p).distance_squared(q))
+                .sum::<f64>()
+        };
+        let best = follower.pose(&moved);
+        let least = miss(best);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            for by in [-1e-3, 1e-3] {
+                let turned = Pose {
+                    rotation: DQuat::from_axis_angle(axis, by) * best.rotation,
+                    ..best
+                };
+                let shifted = Pose {
+                    translation: best.translation + axis * by,
+                    ..best
+                };
+                assert!(miss(turned) > least && miss(shifted) > least);
+            }
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The materials of a film: ours, then those of the input.
+
+use super::{FilmError, FilmOptions, Run};
+use crate::breaking::inner_wood;
+use crate::rods::body_material;
+use greenstick_geometry::{Context, Material, Scene};
+
+/// Places in the list of materials.
+pub(super) const INNER_MATERIAL: u32 = 0;
+pub(super) const BARK_MATERIAL: u32 = 1;
+pub(super) const BODY_MATERIAL: u32 = 2;
+pub(super) const OWN_MATERIALS: u32 = 3;
+
+impl Run {
+    /// The materials of all that is shown.
+    pub(super) fn materials(
+        &self,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<Scene, FilmError> {
+        let mut out = Scene::default();
+        if options.texture_width > 0 {
+            inner_wood(
+                &mut out,
+                &self.grown.stem,
+                (self.square.middle, self.square.side),
+                &self.looks,
+                options.texture_width,
+                context,
+            )?;
+        } else {
+            let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
+            out.materials.push(Material {
+                name: "inner_wood".into(),
+                base_color: [r, g, b, 1.0],
+                ..Material::default()
+            });
+        }
+        out.materials.push(crate::branch::bark_material());
+        out.materials.push(body_material());
+        // Those of the input behind ours.
+        let input = &self.grown.scene;
+        let (textures, images) = (out.textures.len(), out.images.len());
+        out.images.extend(input.images.iter().cloned());
+        out.textures.extend(input.textures.iter().map(|texture| {
+            let mut texture = texture.clone();
+            texture.image = texture.image.map(|i| i + images);
+            texture.alternatives.iter_mut().for_each(|a| a.1 += images);
+            texture
+        }));
+        out.materials.extend(input.materials.iter().map(|material| {
+            let mut material = material.clone();
+            for reference in [
+                &mut material.base_color_texture,
+                &mut material.metallic_roughness_texture,
+                &mut material.normal_texture,
+                &mut material.occlusion_texture,
+                &mut material.emissive_texture,
+            ] {
+                reference.iter_mut().for_each(|r| r.texture += textures);
+            }
+            material
+        }));
+        Ok(out)
+    }
+}
