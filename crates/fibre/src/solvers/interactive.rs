@@ -33,6 +33,8 @@ const PART: f64 = 0.7;
 const MUCH: f64 = 1.3;
 /// The same where forces are not balanced yet: without it one small bond that is torn far would keep all else whole.
 const FAR: f64 = 2.0;
+/// Where what breaks holds less than this part of all that is stored, the step is not done again: the next one sees it.
+const LITTLE: f64 = 1e-2;
 /// Most that a prediction moves anything, in shortest edges.
 const FARTHEST: f64 = 0.5;
 /// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
@@ -126,14 +128,24 @@ impl Interactive {
         self.newton.renew();
         // Bonds without stiffness, which are taken out at the end or with the next rod that breaks.
         let mut weak = Vec::new();
+        // Vertices at which rods break when the step has ended.
+        let mut late = Vec::new();
         let mut round = 0;
         let found = loop {
-            let found = self.equilibrium(world, &old, contacts, dt)?;
+            let mut found = self.equilibrium(world, &old, contacts, dt)?;
             if round == ROUNDS || !self.find_broken(world, &found) {
                 break found;
             }
             round += 1;
-            world.state = found.state;
+            std::mem::swap(&mut world.state, &mut found.state);
+            let lost = world.fracture_loss;
+            failure::note(world, &self.queue);
+            if found.settled && world.fracture_loss - lost < LITTLE * stored {
+                std::mem::swap(&mut world.state, &mut found.state);
+                weak.extend(numbers(&self.queue, true));
+                late = numbers(&self.queue, false);
+                break found;
+            }
             if let Some(before) = self.let_break(world, contacts, &mut weak) {
                 topology::split_state(&mut old, &before);
             }
@@ -141,8 +153,8 @@ impl Interactive {
         world.state = old;
         let mut book = Book::default();
         take(world, contacts, found, dt, &mut book);
-        if !weak.is_empty() {
-            failure::take_out(world, contacts, weak, Vec::new());
+        if !(weak.is_empty() && late.is_empty()) {
+            failure::take_out(world, contacts, weak, late);
         }
         let after = energies(&world.bundle, &world.state).total() + contacts.stored();
         report.work += book.work;
@@ -161,12 +173,7 @@ impl Interactive {
         contacts: &mut dyn Contacts,
         weak: &mut Vec<u32>,
     ) -> Option<Vec<u32>> {
-        failure::note(world, &self.queue);
-        let numbers = |bond: bool| -> Vec<u32> {
-            let all = self.queue.iter().filter(|b| b.bond == bond);
-            all.map(|b| b.number).collect()
-        };
-        let (bonds, splits) = (numbers(true), numbers(false));
+        let [bonds, splits] = [true, false].map(|bond| numbers(&self.queue, bond));
         for &b in &bonds {
             world.bundle.bonds.transverse[b as usize] = 0.0;
             world.bundle.bonds.shear[b as usize] = 0.0;
@@ -196,6 +203,12 @@ impl Interactive {
         self.queue = queue;
         !self.queue.is_empty()
     }
+}
+
+/// Numbers of the bonds, or of the vertices of rods, that break.
+fn numbers(queue: &[Break], bonds: bool) -> Vec<u32> {
+    let all = queue.iter().filter(|b| b.bond == bonds);
+    all.map(|b| b.number).collect()
 }
 
 /// What steps did, J.

@@ -24,6 +24,7 @@ pub mod newton;
 pub mod quasi_static;
 mod sections;
 mod strings;
+mod swing;
 
 pub use grips::Grip;
 pub use implicit::Implicit;

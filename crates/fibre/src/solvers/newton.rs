@@ -12,6 +12,7 @@
 use super::direct::Direct;
 use super::grips::{Grip, Held, resolve};
 use super::iterative::System;
+use super::swing::shorten;
 use crate::bundle::Bundle;
 use crate::energy::{Forces, rod};
 use crate::error::SolverError;
@@ -36,8 +37,6 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
-/// Most that a step swings an edge, in its lengths.
-const SWING: f64 = 0.5;
 /// Forces on a vertex count as balanced up to this part of those in its edges.
 const PART: f64 = 0.2;
 /// Moments count as couples so far apart, m.
@@ -327,23 +326,20 @@ impl Newton {
             }
             let fresh = !self.manner.one_matrix || self.stale;
             self.stale = false;
-            let step = self.direction(goal, base, &state, &prescribed, fresh);
+            let mut step = self.direction(goal, base, &state, &prescribed, fresh);
+            let free = !prescribed.iter().any(|d| *d != 0.0);
+            let last = iterations + 1 >= allowed;
+            let short = shorten(bundle, self.block, last, &mut step, &mut prescribed);
+            if short && allowed < 2 * self.manner.iterations {
+                allowed += 1;
+            }
             let slope: f64 = step
                 .iter()
                 .zip(&self.residual)
                 .zip(&self.held)
                 .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
             from.clone_from(&state);
-            let free = !prescribed.iter().any(|d| *d != 0.0);
-            let last = iterations + 1 >= allowed;
-            let mut length = if free || !last {
-                self.longest(bundle, &step)
-            } else {
-                1.0
-            };
-            if length < 1.0 && allowed < 2 * self.manner.iterations {
-                allowed += 1;
-            }
+            let mut length = 1.0;
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
                 self.balance(goal, base, contacts, &mut state);
@@ -371,9 +367,6 @@ impl Newton {
                 };
                 length *= part.clamp(0.1, 0.9);
             }
-            // Clamps that have gone a part of their way have the rest before them.
-            let left = if free { 0.0 } else { 1.0 - length };
-            prescribed.iter_mut().for_each(|d| *d *= left);
             iterations += 1;
             worst = self.worst();
             tolerance = self.manner.tolerance * self.scale;
@@ -544,18 +537,6 @@ impl Newton {
             }
         }
         worst
-    }
-
-    /// Most of a step that turns and stretches no edge by more than [`SWING`] of its length: an edge that is turned farther
-    /// may fold, beyond where its bending energy is singular.
-    fn longest(&self, bundle: &Bundle, step: &[f64]) -> f64 {
-        let mut worst = 0.0f64;
-        for v in (0..bundle.vertices()).filter(|&v| bundle.is_edge(v)) {
-            let part = |axis| step[self.freedom(v + 1, axis)] - step[self.freedom(v, axis)];
-            let by = DVec3::new(part(0), part(1), part(2));
-            worst = worst.max(by.length() / bundle.rest_length[v]);
-        }
-        if worst > SWING { SWING / worst } else { 1.0 }
     }
 
     fn place_at(

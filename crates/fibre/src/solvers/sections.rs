@@ -364,7 +364,7 @@ impl Pairs<'_> {
 }
 
 /// Vertices and edges of bonds that have stiffness.
-fn live_bonds(bundle: &Bundle) -> impl Iterator<Item = (usize, usize)> + '_ {
+pub(super) fn live_bonds(bundle: &Bundle) -> impl Iterator<Item = (usize, usize)> + '_ {
     let b = &bundle.bonds;
     (0..b.len())
         .filter(|&i| b.transverse[i] > 0.0 || b.shear[i] > 0.0)
