@@ -37,6 +37,11 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
+/// Where forces are unbalanced by more than this many times the largest in a rod at the start the last iterate is not taken yet:
+/// it holds energy that nobody put in.
+const WILD: f64 = 8.0;
+/// But after this many times the usual iterations.
+const WILDEST: usize = 3;
 /// Forces on a vertex count as balanced up to this part of those in its edges.
 const PART: f64 = 0.2;
 /// Moments count as couples so far apart, m.
@@ -312,11 +317,17 @@ impl Newton {
         // A load on all vertices is small at each: a tolerance that is coarse would not see it.
         let at_least = usize::from(moved || self.manner.take_last);
         let mut allowed = self.manner.iterations;
+        let begun = self.scale;
         while iterations < at_least || worst > tolerance || prescribed.iter().any(|d| *d != 0.0) {
-            if iterations >= allowed && self.manner.take_last && worst.is_finite() {
+            let most = if self.manner.take_last && worst > WILD * begun {
+                WILDEST * self.manner.iterations
+            } else {
+                allowed
+            };
+            if iterations >= most && self.manner.take_last && worst.is_finite() {
                 break;
             }
-            if iterations >= allowed || !worst.is_finite() {
+            if iterations >= most || !worst.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: goal.time,
                     iterations,
@@ -328,26 +339,18 @@ impl Newton {
             self.stale = false;
             let mut step = self.direction(goal, base, &state, &prescribed, fresh);
             let free = !prescribed.iter().any(|d| *d != 0.0);
-            let last = iterations + 1 >= allowed;
+            let last = iterations + 1 >= most;
             let short = shorten(bundle, self.block, last, &mut step, &mut prescribed);
             if short && allowed < 2 * self.manner.iterations {
                 allowed += 1;
             }
-            let slope: f64 = step
-                .iter()
-                .zip(&self.residual)
-                .zip(&self.held)
-                .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
+            let slope = self.slope(&step);
             from.clone_from(&state);
             let mut length = 1.0;
             for search in 0..SEARCHES {
                 self.place_at(bundle, &from, &step, length, &mut state);
                 self.balance(goal, base, contacts, &mut state);
-                let now: f64 = step
-                    .iter()
-                    .zip(&self.residual)
-                    .zip(&self.held)
-                    .fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r });
+                let now = self.slope(&step);
                 // The force along the step must not have turned round by much.
                 let ok = now.abs() <= SLOPE * slope.abs()
                     || self.worst() <= self.manner.tolerance * self.scale;
@@ -513,6 +516,12 @@ impl Newton {
         self.forces = forces;
         // Rounding of the stiffest rod is no force.
         self.scale = scale.max(stiffest * ROUNDING / TOLERANCE);
+    }
+
+    /// Work of the unbalanced forces along a step, where nothing is held.
+    fn slope(&self, step: &[f64]) -> f64 {
+        let all = step.iter().zip(&self.residual).zip(&self.held);
+        all.fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r })
     }
 
     /// The largest unbalanced force; moments count as couples a millimetre apart.
