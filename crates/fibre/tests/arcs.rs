@@ -39,14 +39,14 @@ fn bend() -> Scene {
     scene
 }
 
-/// Force on a clamp over the sum of all tension in the section in the middle, when the scene's first quarter is over.
+/// Force on a clamp over the sum of all tension in the section in the middle, when each end has turned by 11°.
 fn pull(made: &mut SetUp) -> f64 {
     made.world.failure = Failure::default();
     made.world.failure.rods_yield = false;
     made.world.failure.rods_break = false;
-    let mut solver = QuasiStatic::new(Some(0.0125));
+    let mut solver = QuasiStatic::new(Some(0.05));
     solver
-        .advance(&mut made.world, &mut NoContacts, 0.0625)
+        .advance(&mut made.world, &mut NoContacts, 0.25)
         .unwrap();
     let force = ForceRow::all(&made.world, &mut made.bodies, 1.0)[1].force;
     let (bundle, state) = (&made.world.bundle, &made.world.state);
