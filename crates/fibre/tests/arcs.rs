@@ -118,8 +118,8 @@ fn clamps_come_nearer_by_what_an_arc_is_shorter_than_the_stem() {
         |time: f64| [0, 1].map(|c| clamps[c].centre + clamps[c].motion.pose(time).translation);
     let [a, b] = centres(0.0);
     let whole = a.distance(b);
-    for time in [0.025f64, 0.08, 0.17, 0.25] {
-        let angle = (45.0 * time / 0.25).to_radians();
+    for time in [0.07f64, 0.22, 0.48, 0.7] {
+        let angle = (45.0 * time).to_radians();
         let chord = free * angle.sin() / angle + (whole - free) * angle.cos() - off * angle.sin();
         let [c, d] = centres(time);
         let found = c.distance(d);

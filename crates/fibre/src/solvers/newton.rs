@@ -37,10 +37,9 @@ const LINEAR: f64 = 1e-3;
 const SEARCHES: usize = 8;
 /// The slope along the step must fall to this part.
 const SLOPE: f64 = 0.5;
-/// Where forces are unbalanced by more than this many times the largest in a rod at the start the last iterate is not taken yet:
-/// it holds energy that nobody put in.
+/// Forces unbalanced by this many times the largest in a rod at the start hold energy that nobody put in: it is gone on then.
 const WILD: f64 = 8.0;
-/// But after this many times the usual iterations.
+/// For at most this many times the usual iterations.
 const WILDEST: usize = 3;
 /// Forces on a vertex count as balanced up to this part of those in its edges.
 const PART: f64 = 0.2;
@@ -307,8 +306,7 @@ impl Newton {
         contacts: &mut dyn Contacts,
     ) -> Result<Found, SolverError> {
         let bundle = goal.bundle;
-        let mut state = start.clone();
-        let mut from = start.clone();
+        let (mut state, mut from) = (start.clone(), start.clone());
         let mut prescribed = self.hold(goal, start);
         self.balance(goal, base, contacts, &mut state);
         let (mut iterations, mut worst) = (0, self.worst());
@@ -324,10 +322,10 @@ impl Newton {
             } else {
                 allowed
             };
-            if iterations >= most && self.manner.take_last && worst.is_finite() {
-                break;
-            }
             if iterations >= most || !worst.is_finite() {
+                if self.manner.take_last && worst.is_finite() {
+                    break;
+                }
                 return Err(SolverError::NotConverged {
                     time: goal.time,
                     iterations,

@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use greenstick_geometry::Pose;
 
-/// Most rounds of finding the turn; each has twice the digits of the one before.
+/// Most rounds of finding the turn: near it each of Newton's has twice the digits of the one before.
 const ROUNDS: usize = 30;
 /// How much the rods' own turn about themselves counts beside where they are and where they point: the turn of one rod is
 /// all there is where it is alone, among several their places tell it.
@@ -66,16 +66,23 @@ impl Follower {
         let centre = self.middle(now());
         let mut rotation = self.guess(now());
         for _ in 0..ROUNDS {
-            let (mut inertia, mut moment) = (DMat3::ZERO, DVec3::ZERO);
+            let (mut inertia, mut tangent) = (DMat3::ZERO, DMat3::ZERO);
+            let mut moment = DVec3::ZERO;
             for (rest, pose) in self.rest.iter().zip(now()) {
                 for ((p, w), (q, _)) in self.points(rest).into_iter().zip(self.points(pose)) {
                     let (p, q) = (rotation * (p - self.centre), q - centre);
                     let outer = DMat3::from_cols(p * p.x, p * p.y, p * p.z);
                     inertia += (DMat3::IDENTITY * p.length_squared() - outer) * w;
+                    let outer = DMat3::from_cols(p * q.x, p * q.y, p * q.z);
+                    tangent += (DMat3::from_diagonal(DVec3::splat(p.dot(q))) - outer) * w;
                     moment += p.cross(q) * w;
                 }
             }
-            let turn = inertia.inverse() * moment;
+            // Far from the nearest movement the tangent may lead away from it; the inertia never does.
+            let mut turn = tangent.inverse() * moment;
+            if !turn.is_finite() || turn.dot(moment) <= 0.0 || turn.length() > 1.0 {
+                turn = inertia.inverse() * moment;
+            }
             if !turn.is_finite() || turn.length() < 1e-15 {
                 break;
             }

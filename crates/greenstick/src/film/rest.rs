@@ -3,10 +3,10 @@
 use super::{Begun, FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_skin::rods::Parting;
+use greenstick_skin::rods::{Part, Parting};
 
-/// What is nearer to the end of the wood than this part of its length reaches the end.
-const END: f64 = 0.05;
+/// A piece that has this part of the rods at an end of the wood holds that end; one with fewer has a splinter of it.
+const HOLDS: f64 = 0.25;
 
 impl Run {
     /// What is broken in frame `number`, and its time, s.
@@ -55,7 +55,7 @@ impl Run {
                 parent: None,
             })
             .collect();
-        let swapped = self.name(&mut nodes, &mut report);
+        let swapped = self.name(&mut nodes, &skin.parts, &mut report);
         nodes.extend(rest.parts.into_iter().map(|part| Node {
             name: part.name,
             transform: DAffine3::IDENTITY,
@@ -80,22 +80,17 @@ impl Run {
 
     /// Names the pieces, which come with the one with the most wood first, and puts the lower one first;
     /// whether that changed their order.
-    fn name(&self, nodes: &mut [Node], report: &mut SkinReport) -> bool {
+    fn name(
+        &self,
+        nodes: &mut [Node],
+        parts: &[Vec<(u32, Part)>],
+        report: &mut SkinReport,
+    ) -> bool {
         let axis = self.grown.stem.grain.axis();
-        let reach = |node: &Node| {
-            let along = node.mesh.positions.iter().map(|&p| axis.length_at(p));
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| {
-                (a.min(s), b.max(s))
-            })
-        };
-        let reaches: Vec<(f64, f64)> = nodes.iter().take(2).map(reach).collect();
-        let ends = reach_of(&self.grown.placed.along);
-        let near = END * (ends.1 - ends.0);
         // From end to end; two such pieces are wood that is split lengthwise.
-        let spans: Vec<bool> = reaches
-            .iter()
-            .map(|r| r.0 <= ends.0 + near && r.1 >= ends.1 - near)
-            .collect();
+        let ends = held_ends(parts, self.bundle.rods());
+        let whole = |held: &[f64; 2]| held.iter().all(|h| *h >= HOLDS);
+        let spans: Vec<bool> = ends.iter().take(2).map(whole).collect();
         let (mut halves, mut swapped) = (2, false);
         if matches!(spans[..], [_] | [true, false]) {
             nodes[0].name = "whole".into();
@@ -119,9 +114,21 @@ impl Run {
     }
 }
 
-fn reach_of(along: &[f64]) -> (f64, f64) {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    along.iter().fold(none, |(a, b), &s| (a.min(s), b.max(s)))
+/// For each piece the part of all rods whose beginnings it has, and of those whose ends.
+fn held_ends(parts: &[Vec<(u32, Part)>], rods: usize) -> Vec<[f64; 2]> {
+    let mut last: Vec<Part> = vec![0; rods];
+    for &(rod, part) in parts.iter().flatten() {
+        let known = &mut last[rod as usize];
+        *known = part.max(*known);
+    }
+    let share = |piece: &Vec<(u32, Part)>| {
+        let count = |end: usize| {
+            let there = |&&(rod, part): &&(u32, Part)| part == [0, last[rod as usize]][end];
+            piece.iter().filter(there).count() as f64 / rods as f64
+        };
+        [count(0), count(1)]
+    };
+    parts.iter().map(share).collect()
 }
 
 /// The centre of a closed mesh's mass.

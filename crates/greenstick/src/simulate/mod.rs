@@ -231,7 +231,8 @@ fn advance(
     let scene = &run.request.scene;
     let mut solver = scene.make_solver();
     let rows = scene.rows();
-    let ticks = (scene.duration * rows).round() as u64;
+    // What is shorter than a row of the tables lasts a row.
+    let ticks = ((scene.duration * rows).round() as u64).max(u64::from(scene.duration > 0.0));
     let frame_of = |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
     while run.progress.ticks < ticks {
         let done = run.progress.ticks as f64 / ticks as f64;

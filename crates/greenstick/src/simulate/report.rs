@@ -22,6 +22,9 @@ pub struct EnergyDrift {
     pub largest_j: f64,
 }
 
+/// Less energy than this, J, is rounding: a part of it would tell nothing.
+const NOTHING: f64 = 1e-9;
+
 impl EnergyDrift {
     fn of(table: &Table) -> EnergyDrift {
         let balance = table.column("balance_J");
@@ -115,7 +118,7 @@ impl std::fmt::Display for SimulateReport {
             self.fracture_loss_j
         )?;
         let energy = &self.energy;
-        if energy.most_j > 0.0 {
+        if energy.most_j > NOTHING {
             writeln!(
                 f,
                 "energy   {:.4} J, of which the balance drifts by {:+.3} %, and is off by at most {:.3} %",
