@@ -4,12 +4,13 @@ use crate::arguments::AnatomyOptions;
 use crate::break_wood::{doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, spent, written};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::anatomy::{AnatomyReport, AnatomyRequest};
 use greenstick::files;
 use greenstick::formats::LengthUnit;
+use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
 use greenstick::wood::stem::Place;
 use serde::Serialize;
@@ -39,7 +40,7 @@ struct Told<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     scan: Option<&'a ScannedReport>,
     outputs: &'a [Written],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
@@ -47,11 +48,11 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let mut request = request(options, unit.unwrap_or_default())?;
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let source = load(options, request.place, unit, &progress)?;
+    let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
+    let source = load(options, request.place, unit, &read)?;
     request.place = source.place;
     files::check_folder(&options.output, MAIN)?;
-    let mut inside =
-        progress.watch(|context| greenstick::anatomy::anatomy(&source.scene, &request, context))?;
+    let mut inside = greenstick::anatomy::anatomy(&source.scene, &request, &work)?;
     let doubt = doubt_about_unit(
         options.input.as_deref(),
         options.unit,
@@ -60,7 +61,7 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     if let Some(doubt) = doubt {
         inside.note(doubt)?;
     }
-    progress.stage("write")?;
+    write.report(0.0)?;
     let planned: Vec<_> = inside
         .files
         .iter()
@@ -88,10 +89,10 @@ fn load(
     options: &AnatomyOptions,
     place: Place,
     unit: Option<LengthUnit>,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Loaded, Failure> {
     match &options.input {
-        Some(path) => scan::load(path, place, unit, &options.scan, progress),
+        Some(path) => scan::load(path, place, unit, &options.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
             place,
@@ -123,7 +124,7 @@ fn told(
     report: &AnatomyReport,
     scan: Option<&ScannedReport>,
     outputs: &[Written],
-    stages: &[Stage],
+    stages: &[StageTime],
     json: bool,
 ) -> Result<String, Failure> {
     if json {

@@ -4,13 +4,14 @@ use crate::arguments::BendTestOptions;
 use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use greenstick::bending::{
     BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
 };
 use greenstick::fibre::{BendError, BendSection, BendTest, HowMany, PlacementError};
 use greenstick::files;
 use greenstick::formats::Encoded;
+use greenstick::geometry::Context;
 use serde::Serialize;
 use std::fmt::{Display, Write};
 use std::process::ExitCode;
@@ -20,7 +21,7 @@ struct FullReport<'a, T> {
     #[serde(flatten)]
     report: &'a T,
     outputs: &'a [Written],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
@@ -36,6 +37,7 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
+    let [work, write] = progress.split([("bend", 20.0), ("write", 1.0)]);
     match &options.species {
         Some(species) => {
             let request = BendRequest {
@@ -43,16 +45,12 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
                 moisture: options.moisture,
                 test,
             };
-            let bent = progress
-                .watch(|context| bend(&request, context))
-                .map_err(failure)?;
-            tell(options, &bent.report, &progress, || bent.files())
+            let bent = bend(&request, &work).map_err(failure)?;
+            tell(options, &bent.report, (&progress, &write), || bent.files())
         }
         None => {
-            let table = progress
-                .watch(|context| bend_all(options.moisture, &test, context))
-                .map_err(failure)?;
-            tell(options, &table, &progress, || table.files())
+            let table = bend_all(options.moisture, &test, &work).map_err(failure)?;
+            tell(options, &table, (&progress, &write), || table.files())
         }
     }
 }
@@ -91,12 +89,12 @@ fn test(options: &BendTestOptions) -> BendTest {
 fn tell<T: Serialize + Display>(
     options: &BendTestOptions,
     report: &T,
-    progress: &Progress,
+    (progress, write): (&Progress, &Context),
     make: impl FnOnce() -> Result<Vec<Encoded>, BendingError>,
 ) -> Result<ExitCode, Failure> {
     let mut listed = Vec::new();
     if let Some(folder) = &options.output {
-        progress.stage("write")?;
+        write.report(0.0)?;
         let outputs = files::write_folder(folder, make().map_err(failure)?)?;
         listed = written(&outputs);
     }

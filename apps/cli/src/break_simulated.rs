@@ -4,13 +4,13 @@ use crate::arguments::BreakOptions;
 use crate::break_wood::{picture_options, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use crate::{scan, simulate, skin, values};
 use greenstick::fibre::scene::{Scene as Setting, StemWord};
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::Scene;
+use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
 use greenstick::skin::rods::RodSkinOptions;
@@ -29,7 +29,7 @@ struct FullReport<'a> {
     pieces: &'a SkinReport,
     hangs_together: bool,
     outputs: &'a [Written],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 /// A folder that goes with its content.
@@ -66,7 +66,15 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    progress.stage("read")?;
+    let [read, simulation, skin, encode, picture, write] = progress.split([
+        ("read", 0.5),
+        ("simulate", 30.0),
+        ("skin", 3.0),
+        ("encode", 0.1),
+        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
+        ("write", 0.1),
+    ]);
+    read.report(0.0)?;
     let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
     targets.check(&inputs)?;
     let mut mesh = None;
@@ -85,7 +93,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             None => values::place(&setting.stem.at, LengthUnit::Metre),
         };
         let at = at.map_err(Failure::request)?;
-        let loaded = scan::load(path, at, unit, &options.scan, &progress)?;
+        let loaded = scan::load(path, at, unit, &options.scan, &read)?;
         setting.stem.at = written_out(&loaded.place);
         scan = loaded.scan;
         let mut scene = loaded.scene;
@@ -96,7 +104,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         mesh = Some(scene);
     }
     // The run reads from the folder, and so is dropped before it.
-    let (report, _folder, mut run) = simulated(setting, &beside, mesh.as_ref(), &progress)?;
+    let (report, _folder, mut run) = simulated(setting, &beside, mesh.as_ref(), &simulation)?;
     let how = FilmOptions {
         skin: RodSkinOptions {
             seed: run.scene.seed,
@@ -107,24 +115,20 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         rest: true,
     };
     let last = run.frames() - 1;
-    let mut still = progress
-        .watch(|context| run.at_rest(last, &how, context))
-        .map_err(skin::failure)?;
+    let mut still = run.at_rest(last, &how, &skin).map_err(skin::failure)?;
     part(&mut still, &run, options.part);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
-        progress.stage("encode")?;
+        encode.report(0.0)?;
         outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
-        progress.stage("picture")?;
-        let shot = picture_options(&options.shot, options.telling.threads);
-        let picture =
-            progress.watch(|context| run.picture(&still.scene, still.inner, &shot, context))?;
+        let shot = picture_options(&options.shot);
+        let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
     }
-    progress.stage("write")?;
+    write.report(0.0)?;
     let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
     files::check_distinct(&paths, &inputs)?;
     files::write_all(&outputs)?;
@@ -143,12 +147,15 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The part of a simulated break that the simulation takes; opening what it left is the rest.
+const SIMULATED: f64 = 0.98;
+
 /// Runs the scene in a folder of its own and opens what it left.
 fn simulated(
     scene: Setting,
     beside: &Path,
     mesh: Option<&Scene>,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<(SimulateReport, Temporary, Run), Failure> {
     let folder = Temporary::new()?;
     let request = SimulateRequest {
@@ -157,8 +164,7 @@ fn simulated(
         folder: folder.0.clone(),
         resume: false,
     };
-    let report = progress
-        .watch(|context| greenstick::simulate::simulate(mesh, &request, context))
+    let report = greenstick::simulate::simulate(mesh, &request, &context.part(0.0, SIMULATED))
         .map_err(|error| match error {
             SimulateError::Cancelled(cancelled) => cancelled.into(),
             SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
@@ -170,8 +176,7 @@ fn simulated(
             _ => Failure::request(error),
         })?;
     let beside = request.origin.beside;
-    let run = progress
-        .watch(|context| Run::open(&folder.0, mesh, &beside, context))
+    let run = Run::open(&folder.0, mesh, &beside, &context.part(SIMULATED, 1.0))
         .map_err(skin::failure)?;
     Ok((report, folder, run))
 }

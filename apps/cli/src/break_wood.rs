@@ -3,12 +3,13 @@
 use crate::arguments::{BreakOptions, Shot, UnitWord};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, spent, written};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::fracture::recipe::{Recipe, RecipeError};
+use greenstick::geometry::Context;
 use greenstick::picture::{PictureOptions, View};
 use greenstick::wood::stem::Place;
 use greenstick::{BreakReport, BreakRequest};
@@ -35,7 +36,7 @@ struct FullReport<'a> {
     #[serde(flatten)]
     report: &'a BreakReport,
     outputs: &'a [Written],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
@@ -44,14 +45,21 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let mut request = request(options, unit.unwrap_or_default())?;
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let source = read(options, request.place, unit, &progress)?;
+    let [read, work, encode, picture, write] = progress.split([
+        ("read", 0.5),
+        ("break", 2.0),
+        ("encode", 0.1),
+        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
+        ("write", 0.1),
+    ]);
+    let source = load(options, request.place, unit, &read)?;
     targets.check(&source.files)?;
     request.place = source.place;
     let mut scene = source.scene;
     if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
-    let mut broken = progress.watch(|context| greenstick::break_scene(scene, &request, context))?;
+    let mut broken = greenstick::break_scene(scene, &request, &work)?;
     broken.report.scan = source.scan;
     broken.report.notes.extend(doubt_about_unit(
         options.input.as_deref(),
@@ -60,7 +68,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     ));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
-        progress.stage("encode")?;
+        encode.report(0.0)?;
         outputs.extend(files::encode(
             &broken.scene,
             path,
@@ -68,10 +76,8 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         )?);
     }
     if let Some(path) = &targets.picture {
-        progress.stage("picture")?;
-        let how = picture_options(&options.shot, options.telling.threads);
-        let picture =
-            progress.watch(|context| greenstick::picture_of_break(&broken, &how, context))?;
+        let how = picture_options(&options.shot);
+        let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
@@ -83,7 +89,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
             bytes: request.recipe.to_toml().into_bytes(),
         });
     }
-    progress.stage("write")?;
+    write.report(0.0)?;
     let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
     files::check_distinct(&paths, &source.files)?;
     files::write_all(&outputs)?;
@@ -152,15 +158,15 @@ impl Targets {
     }
 }
 
-fn read(
+fn load(
     options: &BreakOptions,
     place: Place,
     unit: Option<LengthUnit>,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Loaded, Failure> {
-    progress.stage("read")?;
+    context.report(0.0)?;
     match &options.input {
-        Some(path) => scan::load(path, place, unit, &options.scan, progress),
+        Some(path) => scan::load(path, place, unit, &options.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
             place,
@@ -265,7 +271,7 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
 }
 
 /// A shot as the picture crate takes it.
-pub fn picture_options(shot: &Shot, threads: Option<u16>) -> PictureOptions {
+pub fn picture_options(shot: &Shot) -> PictureOptions {
     let view = match shot.view {
         Some((azimuth, elevation)) => View::Direction { azimuth, elevation },
         None => View::Automatic,
@@ -275,7 +281,6 @@ pub fn picture_options(shot: &Shot, threads: Option<u16>) -> PictureOptions {
         height: shot.picture_size.1,
         samples: shot.samples,
         view,
-        threads: threads.map(usize::from),
         ..PictureOptions::default()
     }
 }
@@ -283,7 +288,7 @@ pub fn picture_options(shot: &Shot, threads: Option<u16>) -> PictureOptions {
 fn told(
     report: &BreakReport,
     outputs: &[Written],
-    stages: &[Stage],
+    stages: &[StageTime],
     json: bool,
 ) -> Result<String, Failure> {
     if json {

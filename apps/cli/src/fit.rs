@@ -29,7 +29,8 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
         files::check_writable(path)?;
     }
     let progress = Progress::start(options.quiet);
-    let mut run = skin::open(&options.run, &options.mesh, None, &progress)?;
+    let [read, work] = progress.split([("read", 1.0), ("fit", 3.0)]);
+    let mut run = skin::open(&options.run, &options.mesh, None, &read)?;
     let count = run.frames() as i64;
     let number = match options.frame {
         n if n < 0 => count + n,
@@ -40,9 +41,7 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
             "there are {count} frames, counted from 0 or from −1 backwards"
         ))
     })?;
-    let Fit { recipe, report, .. } = progress
-        .watch(|context| fit(&mut run, number, context))
-        .map_err(failure)?;
+    let Fit { recipe, report, .. } = fit(&mut run, number, &work).map_err(failure)?;
     let mut written = Vec::new();
     if let Some(path) = &options.output {
         let text = format!(

@@ -92,14 +92,14 @@ pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
     check_png(&options.output)?;
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
-    progress.stage("read")?;
+    let [read, work, write] = progress.split([("read", 1.0), ("picture", 8.0), ("write", 0.1)]);
+    read.report(0.0)?;
     let source = files::load(&options.file, options.unit.map(Into::into))?;
     files::check_distinct(&[&options.output], &source.files)?;
     files::check_writable(&options.output)?;
-    let how = picture_options(&options.shot, options.threads);
-    let picture =
-        progress.watch(|context| greenstick::picture_of_scene(&source.scene, &how, context))?;
-    progress.stage("write")?;
+    let how = picture_options(&options.shot);
+    let picture = greenstick::picture_of_scene(&source.scene, &how, &work)?;
+    write.report(0.0)?;
     let bytes = picture.png();
     files::write_all(&[Output {
         path: options.output.clone(),

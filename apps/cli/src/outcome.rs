@@ -1,6 +1,6 @@
 //! What reports of several commands have in common: the files that were written and the time that was spent.
 
-use crate::progress::Stage;
+use crate::progress::StageTime;
 use greenstick::files::Output;
 use serde::Serialize;
 
@@ -21,8 +21,8 @@ pub fn written(outputs: &[Output]) -> Vec<Written> {
 }
 
 /// Seconds of every stage that took any worth telling.
-pub fn spent(stages: &[Stage]) -> String {
-    let told = |s: &Stage| (s.seconds >= 0.005).then(|| format!("{} {:.2}", s.name, s.seconds));
+pub fn spent(stages: &[StageTime]) -> String {
+    let told = |s: &StageTime| (s.seconds >= 0.005).then(|| format!("{} {:.2}", s.name, s.seconds));
     stages
         .iter()
         .filter_map(told)

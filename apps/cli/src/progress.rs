@@ -1,34 +1,29 @@
 //! What the program tells while it works: stages with their seconds, a bar on stderr for work of more than a second, and
 //! Ctrl-C.
 
-use crate::failure::Failure;
-use greenstick::geometry::{Cancelled, Context};
+use greenstick::geometry::{CancelToken, Context, Progress as Report, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-
-/// Set by the first Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Work that is over sooner needs no bar.
 const SILENT: Duration = Duration::from_secs(1);
-/// Before so much of a stage is done, the time left would be a guess.
+/// Before so much of the work is done, the time left would be a guess.
 const TELLING: f64 = 0.05;
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
 /// A stage of the work and the time it took.
 #[derive(Debug, Clone, Serialize)]
-pub struct Stage {
-    pub name: String,
+pub struct StageTime {
+    pub name: &'static str,
     pub seconds: f64,
 }
 
 struct State {
-    stages: Vec<Stage>,
+    stages: Vec<StageTime>,
     /// When the last stage began.
     since: Instant,
     bar: Option<ProgressBar>,
@@ -36,93 +31,41 @@ struct State {
 
 /// Watches the stages of one run.
 pub struct Progress {
-    start: Instant,
-    shown: bool,
-    state: Mutex<State>,
+    root: Context,
+    state: Arc<Mutex<State>>,
 }
 
 impl Progress {
     /// Starts the clock, and takes over Ctrl-C: the first stops the work, the second ends the program at once.
     pub fn start(quiet: bool) -> Self {
+        let token = CancelToken::default();
+        let stop = token.clone();
         // Where no handler can be set, Ctrl-C ends the program as ever; output is renamed into place anyway.
-        let _ = ctrlc::set_handler(|| {
-            if STOP.swap(true, Ordering::Relaxed) {
+        let _ = ctrlc::set_handler(move || {
+            if stop.is_cancelled() {
                 std::process::exit(130);
             }
+            stop.cancel();
         });
-        let now = Instant::now();
-        Progress {
-            start: now,
-            shown: !quiet && std::io::stderr().is_terminal(),
-            state: Mutex::new(State {
-                stages: Vec::new(),
-                since: now,
-                bar: None,
-            }),
-        }
-    }
-
-    /// Does a piece of work of the libraries under this watch.
-    pub fn watch<T>(&self, work: impl FnOnce(&Context) -> T) -> T {
-        work(&Context {
-            cancel: &STOP,
-            progress: &|stage, fraction| self.tell(stage, fraction),
-        })
-    }
-
-    /// Does a piece of work of which no progress is told, only that it can be stopped.
-    pub fn silently<T>(&self, work: impl FnOnce(&Context) -> T) -> T {
-        work(&Context {
-            cancel: &STOP,
-            progress: &|_, _| (),
-        })
-    }
-
-    /// Tells how far a stage of the program's own is, 0 to 1.
-    ///
-    /// # Errors
-    /// Where the user asked to stop.
-    pub fn part(&self, name: &str, fraction: f64) -> Result<(), Failure> {
-        self.tell(name, fraction);
-        if STOP.load(Ordering::Relaxed) {
-            self.clear();
-            return Err(Cancelled.into());
-        }
-        Ok(())
-    }
-
-    /// Begins a stage of the program's own.
-    ///
-    /// # Errors
-    /// Where the user asked to stop.
-    pub fn stage(&self, name: &str) -> Result<(), Failure> {
-        self.part(name, 0.0)
-    }
-
-    fn tell(&self, stage: &str, fraction: f64) {
-        let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
-        let now = Instant::now();
-        if state.stages.last().is_none_or(|s| s.name != stage) {
-            state.end_stage(now);
-            state.stages.push(Stage {
-                name: stage.to_owned(),
-                seconds: 0.0,
-            });
-        }
-        if !self.shown || now - self.start < SILENT {
-            return;
-        }
-        let since = state.since;
-        let bar = state.bar.get_or_insert_with(new_bar);
-        bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
-        bar.set_prefix(stage.to_owned());
-        bar.set_message(if fraction > TELLING {
-            let spent = (now - since).as_secs_f64();
-            format!("{} left", duration(spent * (1.0 - fraction) / fraction))
-        } else {
-            String::new()
+        let start = Instant::now();
+        let shown = !quiet && std::io::stderr().is_terminal();
+        let state = Arc::new(Mutex::new(State {
+            stages: Vec::new(),
+            since: start,
+            bar: None,
+        }));
+        let telling = state.clone();
+        let root = Context::new(token, move |report| {
+            let mut state = telling.lock().unwrap_or_else(|e| e.into_inner());
+            state.tell(report, shown.then_some(start));
         });
-        bar.tick();
+        Progress { root, state }
+    }
+
+    /// Divides the whole of the work among stages, by the seconds that they usually take.
+    pub fn split<const N: usize>(&self, stages: [(&'static str, f64); N]) -> [Context; N] {
+        let stages = stages.map(|(name, weight)| (Stage::new(name), weight));
+        self.root.split(stages)
     }
 
     fn clear(&self) {
@@ -133,11 +76,11 @@ impl Progress {
     }
 
     /// Takes the bar away; all stages, those of one name together, in the order in which they began.
-    pub fn finish(&self) -> Vec<Stage> {
+    pub fn finish(&self) -> Vec<StageTime> {
         self.clear();
         let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
         state.end_stage(Instant::now());
-        let mut stages: Vec<Stage> = Vec::new();
+        let mut stages: Vec<StageTime> = Vec::new();
         for stage in &state.stages {
             match stages.iter_mut().find(|s| s.name == stage.name) {
                 Some(same) => same.seconds += stage.seconds,
@@ -155,6 +98,32 @@ impl Drop for Progress {
 }
 
 impl State {
+    /// Takes note of a report, and shows it where the work is long and began at `shown_since`.
+    fn tell(&mut self, report: Report, shown_since: Option<Instant>) {
+        let now = Instant::now();
+        let name = report.stage.name();
+        if self.stages.last().is_none_or(|s| s.name != name) {
+            self.end_stage(now);
+            self.stages.push(StageTime { name, seconds: 0.0 });
+        }
+        let Some(start) = shown_since.filter(|start| now - *start >= SILENT) else {
+            return;
+        };
+        let bar = self.bar.get_or_insert_with(new_bar);
+        bar.set_position((report.overall * STEPS as f64) as u64);
+        bar.set_prefix(name);
+        bar.set_message(if report.overall > TELLING {
+            let spent = (now - start).as_secs_f64();
+            format!(
+                "{} left",
+                duration(spent * (1.0 - report.overall) / report.overall)
+            )
+        } else {
+            String::new()
+        });
+        bar.tick();
+    }
+
     fn end_stage(&mut self, now: Instant) {
         if let Some(last) = self.stages.last_mut() {
             last.seconds = (now - self.since).as_secs_f64();
@@ -189,13 +158,14 @@ mod tests {
     #[test]
     fn stages_of_one_name_are_one_stage() {
         let progress = Progress::start(true);
-        let stages = ["read", "break", "break", "textures", "break"];
-        for name in stages {
-            progress.tell(name, 0.5);
+        let [read, broken, textures] =
+            progress.split([("read", 1.0), ("break", 1.0), ("textures", 1.0)]);
+        for stage in [&read, &broken, &broken, &textures, &broken] {
+            stage.report(0.5).unwrap();
         }
         std::thread::sleep(Duration::from_millis(20));
         let stages = progress.finish();
-        let names: Vec<&str> = stages.iter().map(|s| s.name.as_str()).collect();
+        let names: Vec<&str> = stages.iter().map(|s| s.name).collect();
         assert_eq!(names, ["read", "break", "textures"]);
         assert!(stages[1].seconds >= 0.02);
         assert_eq!(duration(200.0), "about 3 min");

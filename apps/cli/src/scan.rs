@@ -1,18 +1,20 @@
 //! Point clouds as input: the arguments about them, which several commands share, and the way from a file to a scene.
 
 use crate::failure::Failure;
-use crate::progress::Progress;
 use crate::values;
 use clap::Args;
 use greenstick::files;
 use greenstick::formats::{Content, LengthUnit};
-use greenstick::geometry::Scene;
 use greenstick::geometry::cloud::CleanOptions;
+use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanRequest, ScannedReport, cloud_of, scan_to_scene};
 use greenstick::wood::scan::ScanOptions;
 use greenstick::wood::stem::Place;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
+
+/// The part of loading a cloud that reading its file takes.
+const READ: f64 = 0.3;
 
 const HEADING: &str = "Point clouds";
 
@@ -97,9 +99,9 @@ pub fn load(
     place: Place,
     unit: Option<LengthUnit>,
     arguments: &ScanArguments,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Loaded, Failure> {
-    progress.stage("read")?;
+    context.report(0.0)?;
     keep_decompressor_quiet();
     let (content, files) = files::load_content(path, unit)?;
     let cloud = match content {
@@ -115,8 +117,7 @@ pub fn load(
         Content::Cloud(cloud) => cloud,
     };
     let request = arguments.request();
-    let scanned = progress
-        .watch(|context| scan_to_scene(&cloud, &place, &request, context))
+    let scanned = scan_to_scene(&cloud, &place, &request, &context.part(READ, 1.0))
         .map_err(|failure| Failure::from(failure).about(path))?;
     Ok(Loaded {
         scene: scanned.scene,

@@ -4,11 +4,12 @@ use crate::arguments::{SimulateOptions, SkinOptions};
 use crate::break_wood::{picture_options, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use crate::skin::{self, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
 use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
+use greenstick::geometry::Context;
 use greenstick::picture::PictureOptions;
 use greenstick::simulate::{
     Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames,
@@ -24,7 +25,7 @@ struct FullReport<'a> {
     #[serde(flatten)]
     report: &'a SimulateReport,
     pictures: &'a [String],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 #[derive(Serialize)]
@@ -69,10 +70,15 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
+    let [read, work, shots] = progress.split([
+        ("read", 0.5),
+        ("simulate", 30.0),
+        ("pictures", if options.no_pictures { 0.0 } else { 20.0 }),
+    ]);
     let unit = options.mesh.unit.map(LengthUnit::from);
     let input = match &options.mesh.input {
         Some(path) => {
-            progress.stage("read")?;
+            read.report(0.0)?;
             scene.stem.kind = greenstick::fibre::scene::StemWord::Input;
             Some(files::read(path, unit)?)
         }
@@ -85,10 +91,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         folder: folder.clone(),
         resume: options.resume,
     };
-    let report = progress
-        .watch(|context| simulate(input.as_ref(), &request, context))
-        .map_err(|e| failure(e, folder))?;
-    let pictures = pictures(&request, options, &progress).map_err(|e| {
+    let report = simulate(input.as_ref(), &request, &work).map_err(|e| failure(e, folder))?;
+    let pictures = pictures(&request, options, &shots).map_err(|e| {
         e.or_stopped(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
             folder.display()
@@ -205,12 +209,12 @@ fn failure(error: SimulateError, folder: &Path) -> Failure {
 fn pictures(
     request: &SimulateRequest,
     options: &SimulateOptions,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Vec<String>, Failure> {
     if options.no_pictures {
         return Ok(Vec::new());
     }
-    progress.stage("pictures")?;
+    context.report(0.0)?;
     let folder = &request.folder;
     let all = frames(folder).map_err(|e| failure(e, folder))?;
     let ran = SimulateRequest {
@@ -221,17 +225,18 @@ fn pictures(
     let mut numbers = vec![0, all.len() / 2, all.len().saturating_sub(1)];
     numbers.dedup();
     let mut outputs = Vec::new();
-    for number in numbers {
+    let count = numbers.len();
+    for (done, number) in numbers.into_iter().enumerate() {
         let Some(frame) = all.get(number) else {
             continue;
         };
         let scene = greenstick::rods_scene(frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
-            ..picture_options(&options.shot, options.telling.threads)
+            ..picture_options(&options.shot)
         };
-        let picture =
-            progress.watch(|context| greenstick::picture_of_scene(&scene, &how, context))?;
+        let shown = context.item(done, count);
+        let picture = greenstick::picture_of_scene(&scene, &how, &shown)?;
         outputs.push(Output {
             path: folder.join(format!("frame-{number:05}.png")),
             bytes: picture.png(),

@@ -6,7 +6,7 @@ use crate::arguments::{MeshOf, SkinOptions};
 use crate::break_wood::{check_png, picture_options, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, StageTime};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
 use greenstick::files::{self, Batch, Output};
@@ -14,7 +14,7 @@ use greenstick::film::{FilmError, FilmOptions, Run, SkinReport, SkinnedFilm};
 use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
-use greenstick::geometry::Scene;
+use greenstick::geometry::{Context, Scene, Stage};
 use greenstick::simulate::Origin;
 use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
@@ -31,7 +31,7 @@ struct FullReport<'a> {
     #[serde(flatten)]
     engines: &'a Engines,
     files: &'a [(String, usize)],
-    stages: &'a [Stage],
+    stages: &'a [StageTime],
 }
 
 /// What a film's file holds.
@@ -58,15 +58,16 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
+    let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
     let run = open(
         &options.run,
         &options.mesh,
         options.output.as_deref(),
-        &progress,
+        &read,
     )?;
     let (skin, film, mut files, engines) = match options.frame {
-        Some(number) => still(run, number, options, &progress)?,
-        None => film(run, options, &progress)?,
+        Some(number) => still(run, number, options, &work)?,
+        None => film(run, options, &work)?,
     };
     files.extend(engines.files.iter().cloned());
     let stages = progress.finish();
@@ -99,9 +100,9 @@ pub fn open(
     folder: &Path,
     mesh: &MeshOf,
     output: Option<&Path>,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Run, Failure> {
-    progress.stage("read")?;
+    context.report(0.0)?;
     let origin = Origin::read(folder).map_err(Failure::request)?;
     let unit = mesh.unit.map(LengthUnit::from);
     let named = mesh.input.as_ref().map(|path| (path.clone(), unit));
@@ -116,9 +117,7 @@ pub fn open(
         }
         None => None,
     };
-    progress
-        .watch(|context| Run::open(folder, mesh.as_ref(), &origin.beside, context))
-        .map_err(failure)
+    Run::open(folder, mesh.as_ref(), &origin.beside, context).map_err(failure)
 }
 
 fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
@@ -149,8 +148,16 @@ fn still(
     mut run: Run,
     number: i64,
     options: &SkinOptions,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Made, Failure> {
+    let [skin, picture, write] = context.split([
+        (Stage::new("skin"), 1.0),
+        (
+            Stage::new("picture"),
+            if options.picture.is_some() { 8.0 } else { 0.0 },
+        ),
+        (Stage::new("write"), 0.3),
+    ]);
     let count = run.frames() as i64;
     let number = if number < 0 { count + number } else { number };
     let number = usize::try_from(number).map_err(|_| {
@@ -159,21 +166,17 @@ fn still(
         ))
     })?;
     let how = film_options(options, &run);
-    let still = progress
-        .watch(|context| run.still(number, &how, context))
-        .map_err(failure)?;
+    let still = run.still(number, &how, &skin).map_err(failure)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
-        progress.stage("picture")?;
-        let shot = picture_options(&options.shot, options.telling.threads);
-        let picture =
-            progress.watch(|context| run.picture(&still.scene, still.inner, &shot, context))?;
+        let shot = picture_options(&options.shot);
+        let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
         });
     }
-    progress.stage("write")?;
+    write.report(0.0)?;
     if let Some(path) = &options.output {
         let unit = options
             .mesh
@@ -196,12 +199,13 @@ fn still(
     ))
 }
 
-fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made, Failure> {
+fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, Failure> {
+    let [skin, shots, video, write, extras] = context.split(film_stages(options));
     let how = film_options(options, &run);
     let (from, to) = options.frames.unwrap_or((0, run.frames()));
     let Some(path) = &options.output else {
-        let mut made = skinned(&mut run, from..to, &how, progress)?;
-        let files = frame_pictures(&run, &mut made, options, progress)?;
+        let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
+        let files = frame_pictures(&run, &mut made, options, &shots)?;
         return Ok((Some(made.report), None, files, Engines::default()));
     };
     let ending = ending(path);
@@ -225,28 +229,28 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
             ))
             .hint("name a film, such as -o film.glb"));
         }
-        return series(run, from..to, path, progress);
+        return series(run, from..to, path, context);
     }
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = skinned(&mut run, from..to, &how, progress)?;
-    let mut shown = frame_pictures(&run, &mut made, options, progress)?;
+    let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
+    let mut shown = frame_pictures(&run, &mut made, options, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
         let folder = match &options.pictures {
             Some(folder) => folder.clone(),
             None => {
-                pictures(&run, &mut made, &scratch.0, options, progress)?;
+                pictures(&run, &mut made, &scratch.0, options, &shots)?;
                 scratch.0.clone()
             }
         };
-        progress.stage("video")?;
+        video.report(0.0)?;
         let bytes = encode(&folder, run.scene.frames_per_second, path, &ending)?;
         shown.push((path.display().to_string(), bytes));
         return Ok((Some(made.report), None, shown, Engines::default()));
     }
-    progress.stage("write")?;
+    write.report(0.0)?;
     let glb = glb_options(options);
     let name = path
         .file_name()
@@ -254,16 +258,14 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
     // All of it or nothing.
     let mut batch = Batch::default();
     let (film, motion) = (&made.film, &mut made.motion);
-    let (written, beside) = progress
-        .watch(|context| {
-            batch.stream(path, |file| -> Result<_, FilmError> {
-                Ok(match usd {
-                    Some(format) => write_usd(format, film, motion, &name, file, context)?,
-                    None => (
-                        write_glb(film, motion, &name, &glb, file, context)?,
-                        Vec::new(),
-                    ),
-                })
+    let (written, beside) = batch
+        .stream(path, |file| -> Result<_, FilmError> {
+            Ok(match usd {
+                Some(format) => write_usd(format, film, motion, &name, file, &write)?,
+                None => (
+                    write_glb(film, motion, &name, &glb, file, &write)?,
+                    Vec::new(),
+                ),
             })
         })
         .map_err(failure)?;
@@ -277,7 +279,7 @@ fn film(mut run: Run, options: &SkinOptions, progress: &Progress) -> Result<Made
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    let engines = engines::write(&mut made, options, path, &mut batch, progress)?;
+    let engines = engines::write(&mut made, options, path, &mut batch, &extras)?;
     batch.finish()?;
     Ok((Some(made.report), Some(written), files, engines))
 }
@@ -289,15 +291,23 @@ fn glb_options(options: &SkinOptions) -> GlbOptions {
     }
 }
 
-fn skinned(
-    run: &mut Run,
-    range: Range<usize>,
-    how: &FilmOptions,
-    progress: &Progress,
-) -> Result<SkinnedFilm, Failure> {
-    progress
-        .watch(|context| run.film(range, how, context))
-        .map_err(failure)
+/// The stages of a film, by the seconds that they take.
+fn film_stages(options: &SkinOptions) -> [(Stage, f64); 5] {
+    let video = options
+        .output
+        .as_deref()
+        .is_some_and(|path| is_video(&ending(path)));
+    let on = |asked: bool, weight: f64| if asked { weight } else { 0.0 };
+    [
+        (Stage::new("skin"), 1.0),
+        (
+            Stage::new("pictures"),
+            on(video || options.pictures.is_some(), 100.0),
+        ),
+        (Stage::new("video"), on(video, 2.0)),
+        (Stage::new("write"), on(!video, 1.0)),
+        (Stage::new("for engines"), on(!video, 1.0)),
+    ]
 }
 
 /// Pictures of all frames, where they are asked for.
@@ -305,14 +315,14 @@ fn frame_pictures(
     run: &Run,
     made: &mut SkinnedFilm,
     options: &SkinOptions,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
     let Some(folder) = &options.pictures else {
         return Ok(Vec::new());
     };
     std::fs::create_dir_all(folder)
         .map_err(|e| Failure::work(format!("{}: cannot be made: {e}", folder.display())))?;
-    let all = pictures(run, made, folder, options, progress)?;
+    let all = pictures(run, made, folder, options, context)?;
     let bytes = all.iter().map(|f| f.1).sum();
     Ok(vec![(
         format!("{} pictures in {}", all.len(), folder.display()),
@@ -334,22 +344,18 @@ fn series(
     mut run: Run,
     range: Range<usize>,
     path: &Path,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Made, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path
         .file_stem()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let mut bytes = 0;
-    let count = progress
-        .watch(|context| {
-            let put = |file: Encoded| {
-                bytes += file.bytes.len();
-                Ok(files::write_all(&[in_folder(folder, file)])?)
-            };
-            run.series(range, &name, put, context)
-        })
-        .map_err(failure)?;
+    let put = |file: Encoded| {
+        bytes += file.bytes.len();
+        Ok(files::write_all(&[in_folder(folder, file)])?)
+    };
+    let count = run.series(range, &name, put, context).map_err(failure)?;
     let told = format!(
         "{} with the {} files that it lists",
         path.display(),
@@ -401,7 +407,7 @@ fn words(
     film: Option<&FilmReport>,
     engines: &Engines,
     files: &[(String, usize)],
-    stages: &[Stage],
+    stages: &[StageTime],
 ) -> String {
     let mut text = skin.map_or_else(String::new, ToString::to_string);
     if let Some(film) = film {

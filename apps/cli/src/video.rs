@@ -3,10 +3,10 @@
 use crate::arguments::SkinOptions;
 use crate::break_wood::picture_options;
 use crate::failure::Failure;
-use crate::progress::Progress;
 use crate::skin::failure;
 use greenstick::files::{self, Output};
 use greenstick::film::{Run, SkinnedFilm};
+use greenstick::geometry::Context;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -43,18 +43,16 @@ pub fn pictures(
     film: &mut SkinnedFilm,
     folder: &Path,
     options: &SkinOptions,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = picture_options(&options.shot, options.telling.threads);
+    let mut shot = picture_options(&options.shot);
     shot.shown = film.bounds().map_err(failure)?;
     let count = film.report.frames;
     let mut made = Vec::new();
     for number in 0..count {
-        progress.part("pictures", number as f64 / count as f64)?;
+        let shown = context.item(number, count);
         let scene = film.at(number).map_err(failure)?;
-        // The rendering of one frame tells no progress of its own.
-        let picture =
-            progress.silently(|context| run.picture(&scene, film.inner, &shot, context))?;
+        let picture = run.picture(&scene, film.inner, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
         let bytes = picture.png();
         made.push((path.display().to_string(), bytes.len()));

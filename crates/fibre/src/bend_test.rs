@@ -410,7 +410,7 @@ impl BendTest {
                 TO_THE_BREAK + (1.0 - TO_THE_BREAK) * fallen.clamp(0.0, 1.0)
             };
             done = done.max(part);
-            context.step("bend", done)?;
+            context.report(done)?;
             let aim = rig.world.state.time + step;
             last = match rig.advance(&last, aim) {
                 Ok(point) => point,

@@ -26,7 +26,7 @@ pub use bvh::{Aabb, Bvh};
 pub use check::{CheckOptions, Report, SelfIntersections};
 pub use cloud::PointCloud;
 pub use components::{Adjacency, Shells};
-pub use context::{Cancelled, Context};
+pub use context::{CancelToken, Cancelled, Context, Progress, Stage};
 pub use convex::{ConvexOptions, ConvexParts, convex_parts};
 pub use film::{Binding, Earlier, Extra, Film, Joint, Motion, Pose, Skinned};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};

@@ -13,7 +13,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{
-    Context, Image, ImageSource, Material, Mesh, Node, Scene, Texture, TextureReference,
+    Context, Image, ImageSource, Material, Mesh, Node, Scene, Stage, Texture, TextureReference,
     mesh::NO_MATERIAL,
 };
 use greenstick_skin::pieces::lacks_material;
@@ -88,7 +88,12 @@ pub fn break_scene(
     context: &Context,
 ) -> Result<Broken, Error> {
     let p = &request.recipe.face;
-    context.step("check", 0.0)?;
+    let [stem, cut, textures] = context.split([
+        (Stage::new("stem"), 1.0),
+        (Stage::new("break"), 2.0),
+        (Stage::new("textures"), 8.0),
+    ]);
+    stem.report(0.0)?;
     let mut repairs = scene.notes.clone();
     let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
     let area = scene
@@ -96,8 +101,7 @@ pub fn break_scene(
         .iter()
         .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
         .sum();
-    context.step("stem", 0.0)?;
-    let prepared = prepare(scene, &request.place, &request.stem, context)?;
+    let prepared = prepare(scene, &request.place, &request.stem, &stem)?;
     let species = request.recipe.species()?;
     let mut notes = Vec::new();
     let (relief, species_report) = relief(&prepared, &request.recipe, species, &mut notes)?;
@@ -121,11 +125,11 @@ pub fn break_scene(
         closed,
         repairs,
     };
-    context.step("break", 0.0)?;
+    cut.report(0.0)?;
     let material = prepared.scene.materials.len() as u32 + u32::from(lacks_material(&shell));
     let mut cracks = Cracks::plan(&request.recipe, &mut notes)?;
     let prepared = match &mut cracks {
-        Some(cracks) if cracks.sawn => cracks.open_end(prepared, p, material, context)?,
+        Some(cracks) if cracks.sawn => cracks.open_end(prepared, p, material, &cut)?,
         _ => prepared,
     };
     let stem = &prepared.found.stem;
@@ -189,14 +193,14 @@ pub fn break_scene(
     for node in &mut out.nodes[..ours] {
         notes.extend(untangled(node, &known));
     }
-    context.step("textures", 0.0)?;
+    textures.report(0.0)?;
     add_inner_material(
         &mut out,
         &prepared,
         &model,
         &looks,
         request.texture_width,
-        context,
+        &textures,
     )?;
     let pieces = out
         .nodes

@@ -4,7 +4,7 @@ use crate::Error;
 use glam::{DAffine3, DVec3};
 use greenstick_formats::CloudFile;
 use greenstick_geometry::cloud::{CleanError, CleanOptions, CleanReport, clean};
-use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene};
+use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene, Stage};
 use greenstick_wood::scan::{ScanError, ScanOptions, ScanReport, scanned_bark};
 use greenstick_wood::stem::Place;
 use serde::Serialize;
@@ -109,8 +109,10 @@ fn surfaced(
     request: &ScanRequest,
     context: &Context,
 ) -> Result<Made, ScanningError> {
-    let (cloud, cleaned) = clean(cloud, &request.clean, context)?;
-    let bark = scanned_bark(&cloud, place, &request.scan, context)?;
+    let [cleaning, finding] =
+        context.split([(Stage::new("clean"), 1.0), (Stage::new("bark"), 2.0)]);
+    let (cloud, cleaned) = clean(cloud, &request.clean, &cleaning)?;
+    let bark = scanned_bark(&cloud, place, &request.scan, &finding)?;
     let report = ScannedReport {
         clean: cleaned,
         notes: bark.report.notes.clone(),

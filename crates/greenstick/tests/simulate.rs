@@ -1,11 +1,10 @@
 //! A simulation that is stopped, or killed, and resumed ends in the same bytes; and what is refused.
 
 use greenstick::fibre::scene::Scene;
-use greenstick::geometry::Context;
+use greenstick::geometry::{CancelToken, Context};
 use greenstick::simulate::{Origin, SimulateError, SimulateRequest, frames, simulate};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 const SCENE: &str = "duration = 0.012\nframes_per_second = 250.0\nrows_per_second = 1000.0\n\
 [stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
@@ -52,16 +51,15 @@ fn a_run_that_was_stopped_or_killed_ends_in_the_same_bytes() {
     assert_eq!((report.frames, frames(&whole).unwrap().len()), (4, 4));
     let parts = folder("parts");
     for stop in [2, 7, 10] {
-        let cancel = AtomicBool::new(false);
-        let progress = |stage: &str, done: f64| {
-            if stage == "simulate" && done * 12.0 > f64::from(stop) - 0.5 {
-                cancel.store(true, Ordering::Relaxed);
+        let token = CancelToken::default();
+        let asking = token.clone();
+        let context = Context::new(token, move |progress| {
+            if progress.stage.name() == "simulate"
+                && progress.of_stage * 12.0 > f64::from(stop) - 0.5
+            {
+                asking.cancel();
             }
-        };
-        let context = Context {
-            cancel: &cancel,
-            progress: &progress,
-        };
+        });
         let stopped = simulate(None, &request(&parts, stop > 2), &context);
         assert!(
             matches!(stopped, Err(SimulateError::Cancelled(_))),

@@ -94,9 +94,6 @@ pub enum PictureError {
     /// A view that cannot be taken.
     #[error("the view cannot be taken: {0}")]
     View(&'static str),
-    /// The threads asked for could not be started.
-    #[error("cannot start threads for the picture: {0}")]
-    Threads(String),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

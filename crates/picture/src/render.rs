@@ -32,8 +32,6 @@ pub struct PictureOptions {
     pub floor: bool,
     /// Linear colour of the background in the middle of the picture; it darkens towards the corners.
     pub background: [f64; 3],
-    /// Threads to use; all that the machine offers where `None`. The picture is the same.
-    pub threads: Option<usize>,
 }
 
 impl Default for PictureOptions {
@@ -48,7 +46,6 @@ impl Default for PictureOptions {
             up: DVec3::Y,
             floor: true,
             background: [0.72, 0.72, 0.71],
-            threads: None,
         }
     }
 }
@@ -82,20 +79,7 @@ pub fn render(
     if samples == 0 || samples > MAXIMUM_SAMPLES {
         return Err(PictureError::Samples { samples });
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.unwrap_or(0))
-        .build()
-        .map_err(|e| PictureError::Threads(e.to_string()))?;
-    pool.install(|| take(items, options, context))
-}
-
-fn take(
-    items: &[Item],
-    options: &PictureOptions,
-    context: &Context,
-) -> Result<Picture, PictureError> {
-    let PictureOptions { width, height, .. } = *options;
-    context.step("picture", 0.0)?;
+    context.report(0.0)?;
     let points = world_points(items)?;
     let shown = if options.shown.is_empty() {
         &points
@@ -129,7 +113,7 @@ fn take(
     let number = bands.len();
     let mut row = 0;
     for (done, band) in bands.enumerate() {
-        context.step("picture", done as f64 / number as f64)?;
+        context.report(done as f64 / number as f64)?;
         band.par_chunks_mut(columns)
             .enumerate()
             .for_each(|(r, pixels)| {
@@ -139,7 +123,7 @@ fn take(
             });
         row += band.len() / columns;
     }
-    context.step("picture", 1.0)?;
+    context.report(1.0)?;
     let light = smooth(&seen, columns, camera.pixel);
     Ok(Picture::develop(width, height, &light))
 }

@@ -1,9 +1,8 @@
 //! Whole pictures: the same bits with any number of threads, what is in them, and what is refused.
 
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Attribute, Context, Mesh};
+use greenstick_geometry::{Attribute, CancelToken, Context, Mesh};
 use greenstick_picture::{Item, Picture, PictureError, PictureOptions, PlainShader, View, render};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A unit cube about the origin, red at its top and blue at its bottom by vertex colours.
 fn cube() -> Mesh {
@@ -72,20 +71,16 @@ fn small() -> PictureOptions {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let one = take(&PictureOptions {
-        threads: Some(1),
-        ..small()
-    })
-    .unwrap();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| take(&small()).unwrap())
+    };
+    let one = with(1);
     for threads in [2, 5] {
-        assert_eq!(
-            one,
-            take(&PictureOptions {
-                threads: Some(threads),
-                ..small()
-            })
-            .unwrap()
-        );
+        assert_eq!(one, with(threads));
     }
 }
 
@@ -232,8 +227,13 @@ fn what_cannot_be_shown_is_refused() {
 
 #[test]
 fn a_caller_can_stop_and_is_told_how_far_it_is() {
-    let cancel = AtomicBool::new(false);
-    let stop_halfway = |_: &str, fraction: f64| cancel.store(fraction > 0.4, Ordering::Relaxed);
+    let token = CancelToken::default();
+    let asking = token.clone();
+    let context = Context::new(token, move |progress| {
+        if progress.overall > 0.4 {
+            asking.cancel();
+        }
+    });
     let mesh = cube();
     let shader = PlainShader::uniform([1.0; 3]);
     let items = [Item {
@@ -241,14 +241,6 @@ fn a_caller_can_stop_and_is_told_how_far_it_is() {
         transform: DAffine3::IDENTITY,
         shader: &shader,
     }];
-    let options = PictureOptions {
-        threads: Some(1),
-        ..small()
-    };
-    let context = Context {
-        cancel: &cancel,
-        progress: &stop_halfway,
-    };
-    let stopped = render(&items, &options, &context);
+    let stopped = render(&items, &small(), &context);
     assert!(matches!(stopped, Err(PictureError::Cancelled(_))));
 }

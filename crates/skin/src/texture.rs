@@ -88,7 +88,7 @@ pub fn bake(
     let mut roughness = Vec::with_capacity(texels * 3);
     for row in 0..half {
         if row % 64 == 0 {
-            context.step("textures", f64::from(row) / f64::from(half))?;
+            context.report(f64::from(row) / f64::from(half))?;
         }
         let v = (f64::from(row) + 0.5) * texel;
         for column in 0..size {
@@ -116,7 +116,7 @@ pub fn bake(
             roughness.extend([255, byte(surface.roughness), 0]);
         }
     }
-    context.step("textures", 1.0)?;
+    context.report(1.0)?;
     Ok(WoodTextures {
         color: png(size, half, &color, true)?,
         normal: png(size, half, &normal, false)?,

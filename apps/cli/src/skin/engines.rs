@@ -4,11 +4,10 @@ use super::{ending, failure, glb_options, in_folder, in_metres};
 use crate::arguments::SkinOptions;
 use crate::break_wood::check_png;
 use crate::failure::Failure;
-use crate::progress::Progress;
 use greenstick::files::{Batch, Output};
 use greenstick::film::{CollisionPiece, FilmError, LevelReport, SkinnedFilm, collision, level};
 use greenstick::formats::film::{VertexTexture, write_glb, write_vertex_texture};
-use greenstick::geometry::ConvexOptions;
+use greenstick::geometry::{Context, ConvexOptions, Stage};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -101,24 +100,31 @@ pub fn write(
     options: &SkinOptions,
     film: &Path,
     batch: &mut Batch,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<Engines, Failure> {
     let mut engines = Engines::default();
+    let [hulls, levels, vertices] = context.split([
+        (
+            Stage::new("collision shapes"),
+            on(options.collision.is_some()),
+        ),
+        (Stage::new("levels of detail"), on(!options.lod.is_empty())),
+        (Stage::new("vertex texture"), on(options.vat.is_some())),
+    ]);
     if let Some(path) = &options.collision {
-        shapes(&mut engines, made, options, path, batch, progress)?;
+        shapes(&mut engines, made, options, path, batch, &hulls)?;
     }
     for (number, &share) in options.lod.iter().enumerate() {
         let path = level_path(film, number + 1);
         let name = name_of(&path);
-        let (told, bytes) = progress
-            .watch(|context| {
-                let (simpler, told) = level(made, share, context)?;
-                let motion = &mut made.motion;
-                let glb = glb_options(options);
-                batch.stream(&path, |file| -> Result<_, FilmError> {
-                    let written = write_glb(&simpler, motion, &name, &glb, file, context)?;
-                    Ok((told, written.bytes as usize))
-                })
+        let context = levels.item(number, options.lod.len());
+        let (simpler, told) = level(made, share, &context).map_err(failure)?;
+        let motion = &mut made.motion;
+        let glb = glb_options(options);
+        let (told, bytes) = batch
+            .stream(&path, |file| -> Result<_, FilmError> {
+                let written = write_glb(&simpler, motion, &name, &glb, file, &context)?;
+                Ok((told, written.bytes as usize))
             })
             .map_err(failure)?;
         engines.levels.push(told);
@@ -126,13 +132,10 @@ pub fn write(
     }
     if let Some(path) = &options.vat {
         let width = usize::from(options.vat_width);
-        let (about, encoded) = progress
-            .watch(|context| {
-                let (film, motion) = (&made.film, &mut made.motion);
-                let name = name_of(path);
-                Ok::<_, FilmError>(write_vertex_texture(film, motion, &name, width, context)?)
-            })
-            .map_err(failure)?;
+        let (film, motion) = (&made.film, &mut made.motion);
+        let name = name_of(path);
+        let (about, encoded) = write_vertex_texture(film, motion, &name, width, &vertices)
+            .map_err(|error| failure(error.into()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
         outputs.iter().try_for_each(|output| batch.add(output))?;
@@ -143,22 +146,25 @@ pub fn write(
     Ok(engines)
 }
 
+/// The weight of what is asked for, and of what is not.
+fn on(asked: bool) -> f64 {
+    f64::from(u8::from(asked))
+}
+
 fn shapes(
     engines: &mut Engines,
     made: &SkinnedFilm,
     options: &SkinOptions,
     path: &Path,
     batch: &mut Batch,
-    progress: &Progress,
+    context: &Context,
 ) -> Result<(), Failure> {
     let how = ConvexOptions {
         shapes: usize::from(options.collision_shapes),
         vertices: usize::from(options.collision_vertices),
         ..ConvexOptions::default()
     };
-    let made = progress
-        .watch(|context| Ok::<_, FilmError>(collision(&made.film, &how, context)?))
-        .map_err(failure)?;
+    let made = collision(&made.film, &how, context)?;
     engines.files.extend(in_metres(&made.scene, path, batch)?);
     engines.collision = made.pieces;
     Ok(())

@@ -92,7 +92,7 @@ pub fn write_vertex_texture<M: Motion>(
     let mut placed = Placed::default();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for frame in 0..about.frames {
-        context.step("survey of vertices", frame as f64 / about.frames as f64)?;
+        context.report(0.5 * frame as f64 / about.frames as f64)?;
         placed.at(film, &mut reel, frame)?;
         (low, high) =
             (placed.positions.iter()).fold((low, high), |(l, h), &p| (l.min(p), h.max(p)));
@@ -115,7 +115,7 @@ pub fn write_vertex_texture<M: Motion>(
         let texels = about.width * about.rows_per_frame;
         let mut row = Vec::with_capacity(6 * texels);
         for frame in 0..about.frames {
-            context.step("vertex texture", frame as f64 / about.frames as f64)?;
+            context.report(0.5 + 0.5 * frame as f64 / about.frames as f64)?;
             placed.at(film, &mut reel, frame)?;
             for (k, writer) in writers.iter_mut().enumerate() {
                 row.clear();

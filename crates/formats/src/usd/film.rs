@@ -259,7 +259,7 @@ impl Recording<'_> {
         let mut maps = Vec::new();
         let mut places: Vec<DVec3> = Vec::new();
         for frame in 0..frames {
-            context.step("film", frame as f64 / frames as f64)?;
+            context.report(frame as f64 / frames as f64)?;
             let poses = reel.at(frame)?;
             film.maps(poses, &mut maps);
             let mut wholes = Vec::new();

@@ -127,7 +127,7 @@ pub fn clean(
         read,
         ..CleanReport::default()
     };
-    context.step("clean", 0.0)?;
+    context.report(0.0)?;
     let finite: Vec<u32> = (0..read as u32)
         .filter(|&i| cloud.points[i as usize].is_finite())
         .collect();
@@ -153,7 +153,7 @@ pub fn clean(
             "another point is at the same place".to_owned()
         });
     }
-    context.step("clean", 0.1)?;
+    context.report(0.1)?;
     let mut near = measured(&at.points, context)?;
     if let Some(deviations) = options.outliers {
         let (kept, limit) = inliers(&near.means, deviations);
@@ -165,7 +165,7 @@ pub fn clean(
             )
         });
     }
-    context.step("clean", 0.7)?;
+    context.report(0.7)?;
     if let Some(times) = options.isolated {
         let (kept, radius) = near.connected(times);
         near.leave(&kept);
@@ -179,7 +179,7 @@ pub fn clean(
             format!("one point is kept for each cube of {side} m")
         });
     }
-    context.step("clean", 0.8)?;
+    context.report(0.8)?;
     let left = at.points.len();
     if left < LEAST {
         return Err(CleanError::TooFew {
@@ -192,7 +192,7 @@ pub fn clean(
         Some(_) => spacing(&at.points),
         None => near.spacing(),
     };
-    context.step("clean", 1.0)?;
+    context.report(1.0)?;
     Ok((at, report))
 }
 
@@ -261,10 +261,7 @@ fn measured(points: &[DVec3], context: &Context) -> Result<Near, Cancelled> {
     };
     let (mut means, mut nearest) = (Vec::new(), Vec::new());
     for part in points.chunks(AT_ONCE) {
-        context.step(
-            "clean",
-            0.2 + 0.5 * means.len() as f64 / points.len() as f64,
-        )?;
+        context.report(0.2 + 0.5 * means.len() as f64 / points.len() as f64)?;
         let some: Vec<(f64, [(f64, u32); 2])> = part.par_iter().map(of).collect();
         means.extend(some.iter().map(|s| s.0));
         nearest.extend(some.iter().map(|s| s.1));

@@ -138,7 +138,7 @@ pub fn poisson(
     let middle = 0.5 * (low + high);
     let mut values: Option<(Lattice, Vec<f64>)> = None;
     for level in 0..=halvings {
-        context.step("surface", f64::from(level) / f64::from(halvings + 1))?;
+        context.report(f64::from(level) / f64::from(halvings + 1))?;
         let cell = coarse / f64::from(1 << level);
         let cells = cells.map(|n| n << level);
         let reach = DVec3::from_array(cells.map(|n| n as f64)) * cell;

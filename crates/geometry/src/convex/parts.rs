@@ -126,7 +126,7 @@ impl Part {
             let low = along.iter().copied().fold(f64::INFINITY, f64::min);
             let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             for place in 1..places {
-                context.step("convex parts", 0.0)?;
+                context.check()?;
                 let at = low + (high - low) * place as f64 / places as f64;
                 let heights: Vec<f64> = along.iter().map(|x| x - at).collect();
                 let [below, above] = self.sides(&heights);
@@ -271,7 +271,7 @@ pub fn convex_parts(
     }
     let mut shapes = Vec::new();
     for part in &parts {
-        context.step("convex parts", 0.0)?;
+        context.check()?;
         let single: Vec<DVec3> = part.points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
         let size = crate::Aabb::around(&single).half_size().length();
         let limits = HullLimits {

@@ -201,7 +201,7 @@ impl<'a> Work<'a> {
             while self.left > target {
                 if steps.is_multiple_of(STEPS) {
                     let done = (first - self.left) as f64 / (first - target) as f64;
-                    context.step("simplify", done)?;
+                    context.report(done)?;
                 }
                 steps += 1;
                 let Some(Reverse(next)) = heap.pop() else {

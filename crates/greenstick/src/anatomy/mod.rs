@@ -17,7 +17,7 @@ use crate::looks::looks;
 use drawn::Look;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_geometry::{Context, Mesh, Node, Scene, Table};
+use greenstick_geometry::{Context, Mesh, Node, Scene, Stage, Table};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyOptions, Bundles, RingNumbers, Section, SurfaceColours,
 };
@@ -179,9 +179,37 @@ pub fn anatomy(
     context: &Context,
 ) -> Result<Inside, Error> {
     let species = request.species.as_deref().map(Species::find).transpose()?;
-    context.step("stem", 0.0)?;
+    let part = |part, weight| {
+        if request.parts.contains(&part) {
+            weight
+        } else {
+            0.0
+        }
+    };
+    let [
+        stem,
+        ring,
+        particle,
+        encode,
+        surface,
+        volume,
+        sections,
+        longitudinal,
+        last,
+    ] = context.split([
+        (Stage::new("stem"), 1.0),
+        (Stage::new("rings"), 1.0),
+        (Stage::new("particles"), 2.0),
+        (Stage::new("encode"), part(Part::Particles, 1.0)),
+        (Stage::new("surface"), part(Part::Surface, 1.0)),
+        (Stage::new("volume"), part(Part::Volume, 4.0)),
+        (Stage::new("sections"), part(Part::Sections, 4.0)),
+        (Stage::new("longitudinal"), part(Part::Longitudinal, 1.0)),
+        (Stage::new("report"), 0.2),
+    ]);
+    stem.report(0.0)?;
     let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
-    let found = find(&meshes, &request.place, &request.stem, context)?;
+    let found = find(&meshes, &request.place, &request.stem, &stem)?;
     let mesh = &meshes[found.node];
     let parameters = BreakParameters::default();
     let mut look = looks(&found.stem, &parameters, species, BARK).wood;
@@ -201,7 +229,7 @@ pub fn anatomy(
     };
     let mut made = Anatomy::new(&found, mesh, &options)?;
     if let Some(fronts) = &erosion {
-        context.step("rings", 0.0)?;
+        ring.report(0.0)?;
         made.rings = drawn::count_rings(&made, fronts)?;
         check(request, made.rings)?;
     }
@@ -237,17 +265,17 @@ pub fn anatomy(
             .filter(|n| !n.starts_with("the break"))
             .cloned(),
     );
-    let layers = particles::layers(&work, context)?;
+    let layers = particles::layers(&work, &particle)?;
     let table = layers.table();
     if wants(Part::Particles) {
         for (i, format) in TableFormat::ALL.into_iter().enumerate() {
-            context.step("encode", i as f64 / 4.0)?;
+            encode.report(i as f64 / 4.0)?;
             let name = format!("particles.{}", format.ending());
             files.push(greenstick_formats::write_table(format, &table, &name)?);
         }
     }
     if wants(Part::Surface) {
-        context.step("surface", 0.0)?;
+        surface.report(0.0)?;
         let ring = request.surface_ring.unwrap_or(rings);
         for (colours, name) in [
             (SurfaceColours::Ring, "surface_rings.glb"),
@@ -270,17 +298,17 @@ pub fn anatomy(
     }
     let mut segments = Vec::new();
     if wants(Part::Volume) {
-        let (made, reports) = volume::volume(&work, context)?;
+        let (made, reports) = volume::volume(&work, &volume)?;
         files.extend(made);
         segments = reports;
     }
     if wants(Part::Sections) {
-        files.extend(paint::sections(&work, context)?);
+        files.extend(paint::sections(&work, &sections)?);
     }
     if wants(Part::Longitudinal) {
-        files.push(paint::longitudinal(&work, context)?);
+        files.push(paint::longitudinal(&work, &longitudinal)?);
     }
-    context.step("report", 0.0)?;
+    last.report(0.0)?;
     let report = report::report(&work, &layers, (mesh, &found), segments, notes);
     files.push(numbers_file(&report)?);
     Ok(Inside {

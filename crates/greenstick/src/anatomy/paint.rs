@@ -144,7 +144,7 @@ pub(super) fn sections(work: &Work, context: &Context) -> Result<Vec<Encoded>, E
     let count = pixels * zoom;
     let mut files: Vec<Encoded> = Vec::new();
     for (i, section) in sections_at(work, &lengths).iter().enumerate() {
-        context.step("sections", i as f64 / lengths.len() as f64)?;
+        context.report(i as f64 / lengths.len() as f64)?;
         let drawn = work.drawn(section, &grid);
         let zone = |p: u16| match p {
             0 => [255; 3],
@@ -236,7 +236,7 @@ pub(super) fn longitudinal(work: &Work, context: &Context) -> Result<Encoded, Er
     let mut columns: Vec<Vec<[u8; 3]>> = Vec::with_capacity(width);
     const BATCH: usize = 64;
     for start in (0..width).step_by(BATCH) {
-        context.step("longitudinal", start as f64 / width as f64)?;
+        context.report(start as f64 / width as f64)?;
         let batch: Vec<Vec<[u8; 3]>> = (start..width.min(start + BATCH))
             .into_par_iter()
             .map(|k| {

@@ -57,7 +57,7 @@ pub(super) fn layers(work: &Work, context: &Context) -> Result<Layers, Error> {
     }
     let mut made: Vec<(Section, Vec<Particle>)> = Vec::new();
     for start in (0..count).step_by(BATCH) {
-        context.step("particles", f64::from(start) / f64::from(count))?;
+        context.report(f64::from(start) / f64::from(count))?;
         let batch: Vec<Option<(Section, Vec<Particle>)>> = (start..count.min(start + BATCH as u32))
             .into_par_iter()
             .map(|layer| {

@@ -40,7 +40,7 @@ pub(super) fn volume(
         let mut slices = Vec::with_capacity(count);
         for start in (0..count).step_by(BATCH) {
             let done = (i as f64 + start as f64 / count as f64) / segments.len() as f64;
-            context.step("volume", done)?;
+            context.report(done)?;
             let batch: Vec<Slice> = (start..count.min(start + BATCH))
                 .into_par_iter()
                 .map(|k| slice(work, work.anatomy.length_of(segment, k)))

@@ -139,17 +139,13 @@ pub fn bend_all(
         .filter(|s| s.source.starts_with(HANDBOOK));
     let all: Vec<&Species> = all.collect();
     let done = AtomicUsize::new(0);
-    context.step("bend", 0.0)?;
+    context.report(0.0)?;
     let rows: Result<Vec<BendRow>, Cancelled> = all
         .par_iter()
         .map(|species| {
-            let quiet = Context {
-                cancel: context.cancel,
-                progress: &|_, _| {},
-            };
-            let row = row(species, moisture, test, &quiet)?;
+            let row = row(species, moisture, test, &context.silenced())?;
             let now = done.fetch_add(1, Ordering::Relaxed) + 1;
-            context.step("bend", now as f64 / all.len() as f64)?;
+            context.report(now as f64 / all.len() as f64)?;
             Ok(row)
         })
         .collect();

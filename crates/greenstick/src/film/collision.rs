@@ -41,9 +41,9 @@ pub fn collision(
     options: &ConvexOptions,
     context: &Context,
 ) -> Result<Collision, Cancelled> {
-    context.step("collision shapes", 0.0)?;
+    context.report(0.0)?;
     let made: Vec<ConvexParts> = (film.pieces.par_iter())
-        .map(|piece| convex_parts(&piece.mesh, options, context))
+        .map(|piece| convex_parts(&piece.mesh, options, &context.silenced()))
         .collect::<Result<_, _>>()?;
     let mut scene = Scene::default();
     let mut pieces = Vec::with_capacity(made.len());

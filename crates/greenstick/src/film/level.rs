@@ -51,7 +51,7 @@ pub fn level(
     }
     let simpler = (film.pieces.par_iter().zip(&looks)).map(|(piece, looks)| {
         let target = (share * piece.mesh.triangles.len() as f64) as usize;
-        simplify(&piece.mesh, looks, target, context)
+        simplify(&piece.mesh, looks, target, &context.silenced())
     });
     let simpler: Vec<Simplified> = simpler.collect::<Result<_, Cancelled>>()?;
     let mut report = LevelReport {

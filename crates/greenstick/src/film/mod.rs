@@ -41,7 +41,7 @@ use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene};
+use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
     Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
@@ -391,12 +391,14 @@ impl Run {
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Begun, FilmError> {
-        context.step("skin", 0.0)?;
+        let [shape, textures] =
+            context.split([(Stage::new("skin"), 1.0), (Stage::new("textures"), 1.0)]);
+        shape.report(0.0)?;
         let frame = self.frame(number)?;
         let skin = self.skin(&frame, &options.skin)?;
         let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
         let rest = self.rest_of(&skin, options, &mut report);
-        let scene = self.materials(options, context)?;
+        let scene = self.materials(options, &textures)?;
         Ok(Begun {
             frame,
             skin,
@@ -482,17 +484,24 @@ impl Run {
                 count,
             });
         }
-        context.step("skin", 0.0)?;
+        let [breaks, shape, textures, pieces, rigid] = context.split([
+            (Stage::new("breaks"), 1.0),
+            (Stage::new("skin"), 1.0),
+            (Stage::new("textures"), 1.0),
+            (Stage::new("pieces"), 1.0),
+            (Stage::new("rigid pieces"), 1.0),
+        ]);
         let first = self.frame(range.start)?;
-        let history = self.history(range.clone(), context)?;
+        let history = self.history(range.clone(), &breaks)?;
+        shape.report(0.0)?;
         let skin = self.with_materials(|wood, materials| {
             rod_skin_over_time(wood, &history, materials, &options.skin)
         })?;
-        let materials = self.materials(options, context)?;
+        let materials = self.materials(options, &textures)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
         let rest = self.rest_of(&skin, options, &mut report);
         let joints = skin.joints.clone();
-        self.follow(&skin, range.clone(), &mut report, context)?;
+        self.follow(&skin, range.clone(), &mut report, &pieces)?;
         let mut film = film_of(skin, &self.scene);
         film.materials = materials.materials;
         film.textures = materials.textures;
@@ -551,7 +560,7 @@ impl Run {
             report,
             inner: INNER_MATERIAL,
         };
-        made.stiffen(rigid::TOLERANCE * self.spacing(), context)?;
+        made.stiffen(rigid::TOLERANCE * self.spacing(), &rigid)?;
         Ok(made)
     }
 }

@@ -17,7 +17,7 @@ impl Run {
         let mut history = History::new(&self.wood());
         let frames = range.len() as f64;
         for (done, number) in range.enumerate() {
-            context.step("breaks", done as f64 / frames)?;
+            context.report(done as f64 / frames)?;
             let frame = self.frame(number)?;
             history.see(&self.wood(), &frame, &self.causes)?;
         }
@@ -37,7 +37,7 @@ impl Run {
         let mut gapes = vec![Gape::default(); skin.pieces.len()];
         let frames = range.len() as f64;
         for (done, number) in range.enumerate() {
-            context.step("pieces", done as f64 / frames)?;
+            context.report(done as f64 / frames)?;
             let frame = self.frame(number)?;
             following.see(&frame);
             (skin.gapes).see(&skin.joints, done as u32, &frame, &mut gapes);

@@ -48,7 +48,7 @@ impl SkinnedFilm {
             if whole.is_empty() {
                 break;
             }
-            context.step("rigid pieces", frame as f64 / frames as f64)?;
+            context.report(frame as f64 / frames as f64)?;
             self.motion.poses(frame, &mut poses)?;
             film.maps(&poses, &mut maps);
             whole.retain(|w| {

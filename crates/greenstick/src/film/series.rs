@@ -26,7 +26,7 @@ impl Run {
         let mut files = Vec::new();
         let count = range.len();
         for (done, number) in range.enumerate() {
-            context.step("series", done as f64 / count as f64)?;
+            context.report(done as f64 / count as f64)?;
             let frame = self.frame(number)?;
             for file in [
                 self.rods(&frame, &format!("{name}_{number:05}_rods.vtp"))?,

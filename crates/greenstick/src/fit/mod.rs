@@ -83,7 +83,7 @@ pub struct Ground<'a> {
 /// # Errors
 /// [`FitError`].
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
-    context.step("fit", 0.0)?;
+    context.report(0.0)?;
     let (parting, time) = run.parting(number)?;
     let place = stem::Place::parse(&run.scene.stem.at, 1.0);
     let ground = Ground {
@@ -134,7 +134,7 @@ pub fn fit_parting(
     };
     // The middle layer is where the break is; known that, all is counted in the section that a break there has.
     let (_, _, rough) = known(stem, &|p| stem.grain.to_grain(p));
-    context.step("fit", 0.3)?;
+    context.report(0.3)?;
     let along = stem.place + rough.level * stem.radius;
     let place = if ground.by_point {
         stem::Place::Point(stem.grain.axis().frame(along).origin)
@@ -146,13 +146,17 @@ pub fn fit_parting(
         kind: Some(stem.kind),
         ..StemOptions::default()
     };
-    let prepared = prepare(ground.scene.clone(), &place, &options, context).map_err(|error| {
-        FitError::Place {
-            at: place,
-            error: Box::new(error),
-        }
+    let prepared = prepare(
+        ground.scene.clone(),
+        &place,
+        &options,
+        &context.part(0.3, 0.6),
+    )
+    .map_err(|error| FitError::Place {
+        at: place,
+        error: Box::new(error),
     })?;
-    context.step("fit", 0.6)?;
+    context.report(0.6)?;
     let there = &prepared.found.stem;
     let (places, section, mut shape) = known(there, &|p| prepared.layers.to_grain(p));
     let mut report = FitReport::of(wood, &places, &shape, there, &place);

@@ -27,7 +27,7 @@ use greenstick_fibre::store::{
     Checkpoint, ENERGY_HEADER, EVENT_HEADER, EnergyRow, FORCE_HEADER, ForceRow, Frame, Progress,
     event_row, set_back, write_header,
 };
-use greenstick_geometry::{Context, Scene};
+use greenstick_geometry::{Context, Scene, Stage};
 use growing::{ENERGIES, EVENTS, FORCES, FRAMES, Growing};
 use prepare::prepare;
 use report::{begin_report, finish_report};
@@ -175,7 +175,9 @@ pub fn simulate(
     request: &SimulateRequest,
     context: &Context,
 ) -> Result<SimulateReport, SimulateError> {
-    let (made, scene, hash) = prepare(request, input, context)?;
+    let [preparing, moving] =
+        context.split([(Stage::new("prepare"), 1.0), (Stage::new("simulate"), 20.0)]);
+    let (made, scene, hash) = prepare(request, input, &preparing)?;
     let request = &SimulateRequest {
         scene,
         ..request.clone()
@@ -216,7 +218,7 @@ pub fn simulate(
         Some(point) => run.restore(point)?,
         None => run.start()?,
     }
-    advance(&mut run, &mut report, context)?;
+    advance(&mut run, &mut report, &moving)?;
     run.save()?;
     finish_report(&mut report, &run)?;
     Ok(report)
@@ -236,7 +238,7 @@ fn advance(
     let frame_of = |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
     while run.progress.ticks < ticks {
         let done = run.progress.ticks as f64 / ticks as f64;
-        if let Err(stop) = context.step("simulate", done) {
+        if let Err(stop) = context.report(done) {
             run.save()?;
             return Err(stop.into());
         }

@@ -10,7 +10,7 @@ use greenstick_fibre::scene::{
     ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
 };
 use greenstick_fibre::store::checksum;
-use greenstick_geometry::{Context, Scene};
+use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
@@ -77,17 +77,18 @@ pub fn grow(
 ) -> Result<Grown, SimulateError> {
     setting.check()?;
     let wood = wood(setting)?;
-    context.step("stem", 0.0)?;
+    let [stem, rods] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
+    stem.report(0.0)?;
     let (scene, at) = meshes(setting, input)?;
     let found = find(
         &crate::prepare::in_world(&scene),
         &at,
         &StemOptions::default(),
-        context,
+        &stem,
     )?;
     let (from, to) = found.stem.usable;
     let part = setting.stem.part.map(|p| from + p * (to - from));
-    context.step("rods", 0.0)?;
+    rods.report(0.0)?;
     let setting = setting.for_stem(match setting.stem.kind {
         StemWord::Input => part[1] - part[0],
         // What is asked for: of a branch less may be of use.

@@ -62,6 +62,10 @@ impl Followed {
     }
 }
 
+/// Parts of the whole work after which the stem has been followed, and every point has its address.
+const FOLLOWED: f64 = 0.7;
+const ADDRESSED: f64 = 0.8;
+
 /// The bark of the stem or limb at `place`. Lengths and fractions are counted from the thicker end (the lower one where
 /// both are alike) of the largest stem in the cloud.
 ///
@@ -79,7 +83,7 @@ pub fn scanned_bark(
     let none = || ScanError::NoStem {
         points: cloud.points.len(),
     };
-    context.step("find stem", 0.0)?;
+    context.report(0.0)?;
     let (followed, notes) = match timber::timber(cloud) {
         Some((followed, size)) => {
             let [thick, wide] = [size.x, size.y].map(|x| 1e3 * x);
@@ -88,13 +92,13 @@ pub fn scanned_bark(
             );
             (followed, vec![note])
         }
-        None => round(cloud, place, context)?.ok_or_else(none)?,
+        None => round(cloud, place, &context.part(0.0, FOLLOWED))?.ok_or_else(none)?,
     };
     let at = asked(&followed, place)?;
-    context.step("bark", 0.0)?;
+    context.report(FOLLOWED)?;
     let mut addressed = Addressed::new(cloud, &followed, options.bark_only);
     addressed.drop_strangers(&followed);
-    context.step("bark", 0.4)?;
+    context.report(ADDRESSED)?;
     // Bark is most of what there is about a stem; of a crown any tube is the smaller part.
     let tube = followed.section == Section::Round;
     if tube && addressed.strangers > addressed.points.len() {
@@ -104,7 +108,8 @@ pub fn scanned_bark(
         Err(ScanError::NotStarShaped {
             from, to, share, ..
         }) if tube => {
-            let mut bark = folded::bark(cloud, &followed, at, options, context)?;
+            let mut bark =
+                folded::bark(cloud, &followed, at, options, &context.part(ADDRESSED, 1.0))?;
             bark.report.folded = addressed.folded(0.0, followed.axis.length());
             bark.report.notes.push(folded::note(from, to, share));
             bark
@@ -114,7 +119,7 @@ pub fn scanned_bark(
     if tube && bark.report.noise_m > CROWN * bark.report.radius_m {
         return Err(none());
     }
-    context.step("bark", 1.0)?;
+    context.report(1.0)?;
     bark.report.notes.extend(notes);
     Ok(bark)
 }

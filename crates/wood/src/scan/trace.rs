@@ -81,7 +81,7 @@ pub(super) fn limb(
     const AT_ONCE: usize = 4;
     for (k, few) in chosen.chunks(AT_ONCE).enumerate() {
         let done = (k * AT_ONCE) as f64 / chosen.len() as f64;
-        context.step("find stem", 0.5 + 0.5 * done)?;
+        context.report(0.5 + 0.5 * done)?;
         let limbs: Vec<Limb> = few.par_iter().map(|s| followed(cloud, *s)).collect();
         for limb in limbs {
             let score = score(&limb.0);
@@ -104,7 +104,7 @@ fn starts(cloud: &Searched, context: &Context) -> Result<Vec<Ring>, Cancelled> {
     let mut found = Vec::new();
     const AT_ONCE: i64 = 16;
     for first in (0..STARTS).step_by(AT_ONCE as usize) {
-        context.step("find stem", 0.5 * first as f64 / STARTS as f64)?;
+        context.report(0.5 * first as f64 / STARTS as f64)?;
         let some: Vec<Vec<Ring>> = (first..first + AT_ONCE)
             .into_par_iter()
             .map(|k| {

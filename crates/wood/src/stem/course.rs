@@ -58,7 +58,7 @@ pub(super) fn main_stem(
     let mut best: Option<(f64, usize, Course)> = None;
     let mut compared = 0;
     for &i in parts.order.iter().take(TRIED) {
-        context.step("stem", 0.2)?;
+        context.report(0.2)?;
         if parts.shells[i].triangles.len() < 6 {
             continue;
         }

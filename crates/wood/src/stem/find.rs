@@ -113,7 +113,7 @@ fn attempt(
     context: &Context,
     tolerance: f64,
 ) -> Result<Found, StemError> {
-    context.step("stem", 0.0)?;
+    context.report(0.0)?;
     let points: Vec<Points> = meshes
         .iter()
         .map(|m| shells::points(m, tolerance))
@@ -135,12 +135,12 @@ fn attempt(
         shells,
         order,
     };
-    context.step("stem", 0.2)?;
+    context.report(0.2)?;
     let (cut, mut followed, at) = match place {
         Place::Point(p) => at_point(&parts, *p, place, options.kind)?,
         _ => main_stem(&parts, options.kind, context)?,
     };
-    context.step("stem", 0.5)?;
+    context.report(0.5)?;
     let carriers: Vec<(usize, Surface)> = if parts.shells.len() == 1 {
         vec![(cut, parts.surface(cut))]
     } else {
@@ -183,7 +183,7 @@ fn attempt(
         options,
     };
     let mut found = search.stem(&followed, at, held)?;
-    context.step("stem", 0.8)?;
+    context.report(0.8)?;
     found.carried = search.carried(&found, &carriers);
     let moved: usize = parts.points.iter().map(|p| p.moved).sum();
     if tolerance > 0.0 {
@@ -194,7 +194,7 @@ fn attempt(
             ),
         );
     }
-    context.step("stem", 1.0)?;
+    context.report(1.0)?;
     Ok(found)
 }
 

@@ -204,7 +204,7 @@ impl Plan {
         for from in (0..frames).step_by(in_block) {
             block.clear();
             for frame in from..frames.min(from + in_block) {
-                context.step("film", frame as f64 / frames as f64)?;
+                context.report(frame as f64 / frames as f64)?;
                 let poses = reel.at(frame)?;
                 for (k, &j) in joints.iter().enumerate() {
                     before[k] = narrow(&poses[j as usize], Some(&before[k]));

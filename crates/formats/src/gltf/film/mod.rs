@@ -30,7 +30,7 @@ pub(crate) fn write_film(
 ) -> Result<FilmReport, FilmError> {
     let limits = limits(options, reel)?;
     let mut bound = bind(film, reel, limits)?;
-    let mut channels = survey(film, reel, &mut bound, context)?;
+    let mut channels = survey(film, reel, &mut bound, &context.part(0.0, 0.5))?;
     let still = channels.leave_out_still(&of_skins(film, &bound));
     let mut builder = Builder::default();
     let mut nodes = Nodes::write(film, &bound, &still, reel, &mut builder)?;
@@ -40,7 +40,7 @@ pub(crate) fn write_film(
     let further = plan.length();
     let finished = builder.finish(None, further);
     let head = container::head(finished.json, finished.binary.len() + further, reel.file())?;
-    let bytes = plan.write(reel, &head, &finished.binary, out, context)?;
+    let bytes = plan.write(reel, &head, &finished.binary, out, &context.part(0.5, 1.0))?;
     nodes.report.bytes = bytes;
     nodes.report.frames = reel.frames();
     (nodes.report.channels, nodes.report.constant) = plan.counts();
@@ -109,7 +109,7 @@ fn survey(
     let reduced = bound.iter().any(|(_, b)| b.reduction.is_some());
     let mut maps: Vec<DAffine3> = Vec::new();
     for frame in 0..frames {
-        context.step("survey of the film", frame as f64 / frames as f64)?;
+        context.report(frame as f64 / frames as f64)?;
         let poses = reel.at(frame)?;
         channels.look(frame, poses);
         if reduced {
