@@ -7,6 +7,7 @@ use crate::text::{lines, number, push_integer, push_number, shown, tokens};
 use crate::{Encoded, LengthUnit};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, Mesh, Node, Scene};
+use std::sync::Arc;
 
 /// What the header says a vertex has besides its position.
 #[derive(Clone, Copy, Default)]
@@ -104,7 +105,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     let node = Node {
         name: String::new(),
         transform: DAffine3::IDENTITY,
-        mesh,
+        mesh: Arc::new(mesh),
         parent: None,
     };
     Ok(Scene {

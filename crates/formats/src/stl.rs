@@ -7,6 +7,7 @@ use crate::{Encoded, LengthUnit};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Mesh, Node, Scene};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -121,7 +122,7 @@ fn node(name: String, welder: Welder) -> Node {
     Node {
         name,
         transform: DAffine3::IDENTITY,
-        mesh: welder.mesh,
+        mesh: Arc::new(welder.mesh),
         parent: None,
     }
 }

@@ -345,19 +345,19 @@ fn scenes_that_cannot_be_written() {
         }
     };
     broken(
-        &|s| s.nodes[1].mesh.triangles[3][1] = 99,
+        &|s| s.nodes[1].mesh_mut().triangles[3][1] = 99,
         "triangle 3 of node 1 (twig)",
     );
     broken(
-        &|s| s.nodes[0].mesh.positions[5].y = f64::NAN,
+        &|s| s.nodes[0].mesh_mut().positions[5].y = f64::NAN,
         "vertex 5 of node 0 (base)",
     );
-    broken(&|s| s.nodes[0].mesh.positions[5].y = 1e39, "32-bit");
+    broken(&|s| s.nodes[0].mesh_mut().positions[5].y = 1e39, "32-bit");
     broken(&|s| s.nodes.clear(), "no triangles");
     broken(
         &|s| {
             s.nodes[0]
-                .mesh
+                .mesh_mut()
                 .attributes
                 .get_mut("_RING")
                 .unwrap()

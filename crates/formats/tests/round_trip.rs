@@ -156,11 +156,15 @@ fn own_attributes_of_several_widths_are_written_as_numbers_and_come_back() {
             width,
             data: (0..width * vertices).map(|i| i as f32).collect(),
         };
-        node.mesh
+        node.mesh_mut()
             .attributes
             .retain(|name, _| !name.starts_with('_'));
-        node.mesh.attributes.insert("_GRAIN".into(), attribute(3));
-        node.mesh.attributes.insert("_RING".into(), attribute(1));
+        node.mesh_mut()
+            .attributes
+            .insert("_GRAIN".into(), attribute(3));
+        node.mesh_mut()
+            .attributes
+            .insert("_RING".into(), attribute(1));
     }
     let files = write(Format::Gltf, &scene, "cubes.gltf", LengthUnit::Metre).unwrap();
     let json: serde_json::Value = serde_json::from_slice(&files[0].bytes).unwrap();

@@ -475,7 +475,7 @@ fn the_same_gives_the_same_bytes_and_text_films_are_refused() {
     );
     assert!(error.unwrap_err().to_string().contains(".usdc"));
     let mut scene = two_cubes();
-    scene.nodes[0].mesh.positions[3].y = f64::INFINITY;
+    scene.nodes[0].mesh_mut().positions[3].y = f64::INFINITY;
     let error = write(UsdFormat::Usdc, &scene, "x.usdc").unwrap_err();
     assert!(error.to_string().contains("vertex 3"), "{error}");
 }

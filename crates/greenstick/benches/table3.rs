@@ -56,7 +56,7 @@ fn scene(mesh: Mesh) -> Scene {
         nodes: vec![Node {
             name: "stem".into(),
             transform: DAffine3::IDENTITY,
-            mesh,
+            mesh: mesh.into(),
             parent: None,
         }],
         ..Scene::default()

@@ -26,7 +26,7 @@ pub(crate) fn branch(options: &BranchOptions) -> Scene {
     let node = Node {
         name: "branch".into(),
         transform: DAffine3::IDENTITY,
-        mesh: primitive::branch(options),
+        mesh: primitive::branch(options).into(),
         parent: None,
     };
     // It takes longer than the rest, and most branches are the built-in one.

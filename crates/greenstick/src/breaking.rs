@@ -189,7 +189,7 @@ pub fn break_scene(
     let ours = pieces_in(&out);
     out.nodes[..ours]
         .iter_mut()
-        .for_each(|n| settle(&mut n.mesh, material));
+        .for_each(|n| settle(n.mesh_mut(), material));
     for node in &mut out.nodes[..ours] {
         notes.extend(untangled(node, &known));
     }
@@ -238,7 +238,7 @@ pub fn break_scene(
 
 /// Takes out what crosses itself in a piece at the precision of files; what was done, where there was anything.
 fn untangled(node: &mut Node, known: &Places) -> Option<String> {
-    let done = untangle(&mut node.mesh, known);
+    let done = untangle(node.mesh_mut(), known);
     let longest = done.longest * volume_scale(node).cbrt() * 1e6;
     (done.crossed > 0).then(|| {
         let mut note = format!(
@@ -458,12 +458,7 @@ fn assemble(
         images: scene.images.clone(),
         notes: Vec::new(),
     };
-    let node = |name: &str, transform, mesh| Node {
-        name: name.into(),
-        transform,
-        mesh,
-        parent: None,
-    };
+    let node = |name: &str, transform, mesh: Mesh| Node::new(name, transform, mesh);
     out.nodes
         .push(node("lower", cut.transform, model.lower.clone()));
     out.nodes
@@ -522,16 +517,11 @@ fn add_inner_material(
     if out.nodes.iter().any(|n| lacks_material(&n.mesh)) {
         let bark = out.materials.len() as u32;
         out.materials.push(bark_material());
-        for node in &mut out.nodes {
-            node.mesh
-                .materials
-                .resize(node.mesh.triangles.len(), NO_MATERIAL);
-            node.mesh
-                .materials
-                .iter_mut()
-                .filter(|m| **m == NO_MATERIAL)
-                .for_each(|m| *m = bark);
-        }
+        out.change_meshes(lacks_material, |mesh| {
+            mesh.materials.resize(mesh.triangles.len(), NO_MATERIAL);
+            let lacking = mesh.materials.iter_mut().filter(|m| **m == NO_MATERIAL);
+            lacking.for_each(|m| *m = bark);
+        });
     }
     inner_wood(
         out,

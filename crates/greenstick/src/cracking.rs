@@ -224,14 +224,14 @@ fn cracked(prepared: Prepared, mut stem: Mesh, fallen: &[(usize, Vec<u32>)]) -> 
     found.shell = (0..count).collect();
     for (i, gone) in gone.iter().enumerate() {
         let rest = (0..gone.len()).filter(|&t| !gone[t]);
-        let mesh = &mut scene.nodes[i].mesh;
+        let mesh = scene.nodes[i].mesh_mut();
         if i == node {
             append(&mut stem, &part_of(mesh, rest));
         } else if gone.contains(&true) {
             *mesh = part_of(mesh, rest);
         }
     }
-    scene.nodes[node].mesh = stem;
+    scene.nodes[node].mesh = stem.into();
     laid(scene, found, prepared.layers)
 }
 

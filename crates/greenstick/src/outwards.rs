@@ -8,7 +8,7 @@ use greenstick_wood::stem::Found;
 /// Puts a mirrored node's mesh into the world, so that its triangles face there as the file means them to.
 pub(crate) fn unmirror(node: &mut Node) {
     if node.transform.matrix3.determinant() < 0.0 {
-        node.mesh = node.mesh.transformed(&node.transform);
+        node.mesh = node.mesh.transformed(&node.transform).into();
         node.transform = DAffine3::IDENTITY;
     }
 }

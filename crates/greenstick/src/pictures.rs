@@ -10,6 +10,7 @@ use greenstick_picture::{
 };
 use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
 use greenstick_wood::stem::{Frame, Stem, StemKind};
+use std::sync::Arc;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark where nothing better is known.
 struct StemShader<'a> {
@@ -308,7 +309,7 @@ fn opened(broken: &Broken) -> Scene {
         if upper.contains(&i) {
             node.transform = about * node.transform;
         } else if !ours(node) {
-            node.mesh.triangles.clear();
+            node.mesh = Arc::default();
         }
     }
     scene

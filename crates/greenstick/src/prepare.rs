@@ -66,7 +66,7 @@ pub(crate) fn in_world(scene: &Scene) -> Vec<Mesh> {
 /// Takes a found stem to grain space.
 pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
     let transform = scene.nodes[found.node].transform;
-    let mut mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
+    let mut mesh = Arc::unwrap_or_clone(std::mem::take(&mut scene.nodes[found.node].mesh));
     let (points, count) = mesh.points();
     let mut grain = vec![DVec3::NAN; count];
     for &t in &found.limb {
@@ -111,7 +111,7 @@ pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> 
             &transform,
         )
     };
-    scene.nodes[found.node].mesh = refined.mesh;
+    scene.nodes[found.node].mesh = refined.mesh.into();
     Prepared {
         scene,
         found,

@@ -65,12 +65,7 @@ fn material(name: &str, base_color: [f32; 4]) -> Material {
 }
 
 fn node(name: &str, mesh: Mesh, transform: DAffine3) -> Node {
-    Node {
-        name: name.into(),
-        transform,
-        mesh,
-        parent: None,
-    }
+    Node::new(name, transform, mesh)
 }
 
 fn tubes(frame: &Frame) -> Mesh {

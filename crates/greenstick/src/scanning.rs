@@ -83,12 +83,7 @@ pub fn scan_to_scene(
     report.origin_m = file.origin.to_array();
     report.notes.splice(0..0, file.notes.iter().cloned());
     report.triangles = mesh.triangles.len();
-    let node = Node {
-        name: "bark".to_owned(),
-        transform: DAffine3::IDENTITY,
-        mesh,
-        parent: None,
-    };
+    let node = Node::new("bark", DAffine3::IDENTITY, mesh);
     let scene = Scene {
         nodes: vec![node],
         ..Scene::default()

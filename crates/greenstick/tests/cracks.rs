@@ -13,7 +13,7 @@ fn prepared(mesh: Mesh, at: f64) -> Prepared {
     let node = Node {
         name: "stem".into(),
         transform: glam::DAffine3::IDENTITY,
-        mesh,
+        mesh: mesh.into(),
         parent: None,
     };
     let scene = Scene {
@@ -228,7 +228,7 @@ fn cracked_ends_of_any_stem_are_sound_in_the_file() {
             nodes: vec![Node {
                 name: (*name).into(),
                 transform: glam::DAffine3::IDENTITY,
-                mesh: mesh.clone(),
+                mesh: mesh.clone().into(),
                 parent: None,
             }],
             ..Scene::default()

@@ -27,7 +27,7 @@ fn node(name: &str, mesh: Mesh, at: DVec3) -> Node {
     Node {
         name: name.into(),
         transform: DAffine3::from_translation(at),
-        mesh,
+        mesh: mesh.into(),
         parent: None,
     }
 }
@@ -259,7 +259,7 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
         };
         let shapes: Vec<&Mesh> = (made.scene.nodes.iter())
             .filter(|n| number(&n.name).is_some())
-            .map(|n| &n.mesh)
+            .map(|n| &*n.mesh)
             .collect();
         assert_eq!(shapes.len(), told.shapes, "{}", piece.name);
         assert!(

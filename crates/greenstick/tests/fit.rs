@@ -32,13 +32,13 @@ fn grown() -> Grown {
         nodes: vec![Node {
             name: "stem".into(),
             transform: DAffine3::IDENTITY,
-            mesh: primitive::cylinder(RADIUS, 0.4, 64),
+            mesh: primitive::cylinder(RADIUS, 0.4, 64).into(),
             parent: None,
         }],
         ..Scene::default()
     };
     let middle = "0.5".parse().unwrap();
-    let meshes = [scene.nodes[0].mesh.clone()];
+    let meshes = [(*scene.nodes[0].mesh).clone()];
     let stem = find(&meshes, &middle, &StemOptions::default(), &Context::quiet())
         .unwrap()
         .stem;

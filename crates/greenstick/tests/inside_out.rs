@@ -34,7 +34,7 @@ fn a_mesh_inside_out_is_turned_over() {
     };
     assert!(!turned_over(&plain));
     let mut scene = built_in_branch();
-    for t in &mut scene.nodes[0].mesh.triangles {
+    for t in &mut scene.nodes[0].mesh_mut().triangles {
         t.swap(1, 2);
     }
     let made = broken(scene);
@@ -57,10 +57,13 @@ fn an_open_tube_inside_out_shows_wood() {
                 |p: &DVec3| p[along] > low[along] + margin && p[along] < high[along] - margin;
             mesh.corners(t).iter().all(inner)
         });
-        node.mesh.triangles = kept.map(|t| mesh.triangles[t]).collect();
-        node.mesh.materials.clear();
+        node.mesh_mut().triangles = kept.map(|t| mesh.triangles[t]).collect();
+        node.mesh_mut().materials.clear();
         if inside_out {
-            node.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            node.mesh_mut()
+                .triangles
+                .iter_mut()
+                .for_each(|t| t.swap(1, 2));
         }
         broken(scene)
     };
@@ -77,7 +80,7 @@ fn a_mirrored_node_breaks_like_the_mesh_it_shows() {
     let mut scene = built_in_branch();
     let mirror = DAffine3::from_scale(DVec3::new(1.0, -1.0, 1.0));
     let node = &mut scene.nodes[0];
-    node.mesh = node.mesh.transformed(&mirror);
+    node.mesh = node.mesh.transformed(&mirror).into();
     node.transform *= mirror;
     assert_alike(&broken(scene), plain);
 }

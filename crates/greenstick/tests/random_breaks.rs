@@ -17,7 +17,7 @@ fn scene(mesh: Mesh, scale: f64) -> Scene {
     let node = Node {
         name: "stem".into(),
         transform,
-        mesh,
+        mesh: mesh.into(),
         parent: None,
     };
     Scene {

@@ -171,7 +171,7 @@ fn check(film: &Film, file: InFile) -> Result<(), FormatError> {
         check_transform(node, &place, file)?;
     }
     let bodies = film.bodies.iter().map(|(node, _)| node);
-    let nodes = bodies.chain(&film.fixed).map(|n| &n.mesh);
+    let nodes = bodies.chain(&film.fixed).map(|n| &*n.mesh);
     let meshes = nodes.chain(film.pieces.iter().map(|p| &p.mesh));
     Surfaces::of_film(film).check(meshes.clone(), file)?;
     if meshes.into_iter().all(|m| m.triangles.is_empty()) {

@@ -12,6 +12,7 @@ use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, Binding, Context, Film, Motion, Node, Scene, Skinned};
 use serde::Serialize;
 use std::io::Write;
+use std::sync::Arc;
 
 /// Widest and highest picture that common graphics hardware reads.
 pub const LARGEST_TEXTURE: usize = 16384;
@@ -286,7 +287,7 @@ fn at_rest(film: &Film, about: &VertexTexture) -> Scene {
         Node {
             name: piece.name.clone(),
             transform: DAffine3::IDENTITY,
-            mesh,
+            mesh: Arc::new(mesh),
             parent: None,
         }
     });

@@ -8,6 +8,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use greenstick_geometry::{Mesh, Node, Scene};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::sync::Arc;
 
 /// Vertices and triangles that a scene may hold once its instances are copied out. A mesh placed a million times is
 /// a few bytes each in the file, so that nothing else bounds the memory.
@@ -80,15 +81,16 @@ struct Placement<'a> {
 
 /// Reads each mesh once and puts it wherever it is used.
 fn place(source: &Source, placements: &[Placement], scene: &mut Scene) -> Result<(), FormatError> {
-    let mut meshes: BTreeMap<usize, (Mesh, usize)> = BTreeMap::new();
+    let mut meshes: BTreeMap<usize, Arc<Mesh>> = BTreeMap::new();
     let mut expanded = 0_usize;
     for placement in placements {
         let index = placement.mesh;
-        let (mesh, uses) = match meshes.entry(index) {
+        let mesh = match meshes.entry(index) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(free) => free.insert((primitive::read_mesh(source, index, scene)?, 0)),
+            Entry::Vacant(free) => {
+                free.insert(Arc::new(primitive::read_mesh(source, index, scene)?))
+            }
         };
-        *uses += 1;
         expanded = expanded.saturating_add(mesh.positions.len() + mesh.triangles.len());
         if expanded > MOST_EXPANDED {
             let found = format!("more than {MOST_EXPANDED} vertices and triangles");
@@ -100,14 +102,7 @@ fn place(source: &Source, placements: &[Placement], scene: &mut Scene) -> Result
     let mut numbers: Vec<Option<usize>> = Vec::with_capacity(placements.len());
     for placement in placements {
         let parent = placement.parent.and_then(|p| numbers[p]);
-        let mesh = match meshes.get_mut(&placement.mesh) {
-            Some((mesh, uses)) if *uses > 1 => {
-                *uses -= 1;
-                mesh.clone()
-            }
-            Some((mesh, _)) => std::mem::take(mesh),
-            None => Mesh::default(),
-        };
+        let mesh = meshes.get(&placement.mesh).cloned().unwrap_or_default();
         if mesh.triangles.is_empty() {
             numbers.push(parent);
             continue;

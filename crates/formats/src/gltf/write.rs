@@ -7,8 +7,9 @@ use crate::error::{FormatError, InFile};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Material, Mesh, Node, Scene};
 use serde_json::{Map, Value, json};
-use std::borrow::Cow;
+
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -206,7 +207,7 @@ pub struct Finished {
 pub(crate) fn write(scene: &Scene, name: &str, glb: bool) -> Result<Vec<Encoded>, FormatError> {
     let file = InFile(name);
     let surfaces = Surfaces::of(scene);
-    surfaces.check(scene.nodes.iter().map(|n| &n.mesh), file)?;
+    surfaces.check(scene.nodes.iter().map(|n| &*n.mesh), file)?;
     let mut builder = Builder::default();
     let roots = write_nodes(&scene.nodes, scene.materials.as_slice(), &mut builder, file)?;
     builder.push("scenes", json!({ "nodes": roots }));
@@ -287,6 +288,8 @@ pub fn write_nodes(
             }
         }
     }
+    // Instances of one mesh that are written as they are share it in the file, too.
+    let mut shared: BTreeMap<*const Mesh, usize> = BTreeMap::new();
     for (i, node) in nodes.iter().enumerate() {
         let mut out = Map::new();
         if !node.name.is_empty() {
@@ -297,19 +300,28 @@ pub fn write_nodes(
         }
         put_transform(&mut out, &locals[i]);
         if !node.mesh.triangles.is_empty() {
-            let mesh = if baked[i] {
-                Cow::Owned(node.mesh.transformed(&node.transform))
-            } else {
-                Cow::Borrowed(&node.mesh)
+            let known = shared.get(&Arc::as_ptr(&node.mesh)).filter(|_| !baked[i]);
+            let mesh = match known {
+                Some(&mesh) => mesh,
+                None => {
+                    let mesh = if baked[i] {
+                        &Arc::new(node.mesh.transformed(&node.transform))
+                    } else {
+                        &node.mesh
+                    };
+                    write_mesh(
+                        mesh,
+                        &node.name,
+                        materials,
+                        builder,
+                        file,
+                        &mut |_, _, _| {},
+                    )?
+                }
             };
-            let mesh = write_mesh(
-                &mesh,
-                &node.name,
-                materials,
-                builder,
-                file,
-                &mut |_, _, _| {},
-            )?;
+            if !baked[i] {
+                shared.insert(Arc::as_ptr(&node.mesh), mesh);
+            }
             out.insert("mesh".to_owned(), json!(mesh));
         }
         builder.push("nodes", Value::Object(out));

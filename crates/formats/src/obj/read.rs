@@ -11,6 +11,7 @@ use glam::{DAffine3, DVec3};
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Mesh, Node, Scene};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A face: its corners are a range of [`Group::corners`] up to `end`.
 struct Face {
@@ -315,7 +316,7 @@ impl Reader<'_> {
                 scene.nodes.push(Node {
                     name,
                     transform,
-                    mesh,
+                    mesh: Arc::new(mesh),
                     parent: None,
                 });
             }

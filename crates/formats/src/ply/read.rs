@@ -11,6 +11,7 @@ use glam::{DAffine3, DVec3};
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Material, Mesh, Node, Scene};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// The body, number by number.
 pub(super) struct Body<'a> {
@@ -445,7 +446,7 @@ fn place(mut mesh: Mesh, faces: &Faces, comments: &[String], scene: &mut Scene) 
     let node = |name, mesh| Node {
         name,
         transform: DAffine3::IDENTITY,
-        mesh,
+        mesh: Arc::new(mesh),
         parent: None,
     };
     if parts.len() < 2 {

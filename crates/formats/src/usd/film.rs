@@ -27,7 +27,7 @@ pub(crate) fn write_film(
     }
     let pieces = film.pieces.iter().map(|p| &p.mesh);
     let nodes = film.bodies.iter().map(|b| &b.0).chain(&film.fixed);
-    let meshes = pieces.chain(nodes.map(|n| &n.mesh));
+    let meshes = pieces.chain(nodes.map(|n| &*n.mesh));
     let mut stage = Stage::new(Surfaces::of_film(film), meshes, reel.name, archive);
     let files = std::mem::take(&mut stage.looks.files);
     let mut report = FilmReport {
@@ -186,7 +186,7 @@ impl Recording<'_> {
             }
         }
         for (node, joint) in &film.bodies {
-            let body = (node.name.as_str(), &node.mesh, node.transform);
+            let body = (node.name.as_str(), &*node.mesh, node.transform);
             self.whole(body, *joint, &none, stage, reel, file)?;
         }
         Ok(())

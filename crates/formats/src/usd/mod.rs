@@ -66,9 +66,14 @@ pub fn write(format: UsdFormat, scene: &Scene, name: &str) -> Result<Vec<Encoded
     let file = InFile(name);
     check_scene(scene, name)?;
     let surfaces = Surfaces::of(scene);
-    surfaces.check(scene.nodes.iter().map(|n| &n.mesh), file)?;
+    surfaces.check(scene.nodes.iter().map(|n| &*n.mesh), file)?;
     let archive = format == UsdFormat::Usdz;
-    let mut stage = Stage::new(surfaces, scene.nodes.iter().map(|n| &n.mesh), name, archive);
+    let mut stage = Stage::new(
+        surfaces,
+        scene.nodes.iter().map(|n| &*n.mesh),
+        name,
+        archive,
+    );
     for node in &scene.nodes {
         if let Some(prim) = stage.still(node, file)? {
             stage.root.children.push(prim);

@@ -56,7 +56,7 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
     let node = |name: &str, transform| Node {
         name: name.to_owned(),
         transform,
-        mesh: super::cube(),
+        mesh: super::cube().into(),
         parent: None,
     };
     Film {

@@ -167,7 +167,7 @@ pub fn two_cubes() -> Scene {
     let node = |name: &str, transform, parent| Node {
         name: name.to_owned(),
         transform,
-        mesh: cube(),
+        mesh: cube().into(),
         parent,
     };
     let png = png_pixel();

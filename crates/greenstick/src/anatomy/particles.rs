@@ -183,7 +183,7 @@ impl Layers {
             nodes: vec![Node {
                 name: format!("ring_{ring}"),
                 transform: DAffine3::IDENTITY,
-                mesh,
+                mesh: mesh.into(),
                 parent: None,
             }],
             materials: vec![Material {

@@ -301,7 +301,7 @@ impl Rest {
                 film.fixed.push(Node {
                     name: part.name,
                     transform: DAffine3::IDENTITY,
-                    mesh,
+                    mesh: mesh.into(),
                     parent: None,
                 });
                 continue;

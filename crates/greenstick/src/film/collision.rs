@@ -60,7 +60,7 @@ pub fn collision(
         scene.nodes.extend(shapes.map(|(number, mesh)| Node {
             name: format!("UCX_{}_{number:02}", piece.name),
             transform: DAffine3::IDENTITY,
-            mesh,
+            mesh: mesh.into(),
             parent: None,
         }));
     }

@@ -224,12 +224,7 @@ fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
                 .flat_map(|n| n.as_vec3().to_array())
                 .collect();
         }
-        Node {
-            name: piece.name.clone(),
-            transform: DAffine3::IDENTITY,
-            mesh,
-            parent: None,
-        }
+        Node::new(piece.name.clone(), DAffine3::IDENTITY, mesh)
     };
     film.pieces.iter().enumerate().map(piece).collect()
 }

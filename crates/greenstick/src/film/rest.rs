@@ -51,7 +51,7 @@ impl Run {
             .map(|piece| Node {
                 name: piece.name,
                 transform: DAffine3::IDENTITY,
-                mesh: piece.mesh.transformed(&back),
+                mesh: piece.mesh.transformed(&back).into(),
                 parent: None,
             })
             .collect();
@@ -59,7 +59,7 @@ impl Run {
         nodes.extend(rest.parts.into_iter().map(|part| Node {
             name: part.name,
             transform: DAffine3::IDENTITY,
-            mesh: part.mesh,
+            mesh: part.mesh.into(),
             parent: part.by.map(|by| match rest.carriers[by].1 {
                 piece @ 0..2 if swapped => 1 - piece,
                 piece => piece,

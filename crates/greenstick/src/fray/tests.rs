@@ -16,7 +16,9 @@ fn board() -> Scene {
     let node = Node {
         name: "board".into(),
         transform: DAffine3::from_scale(DVec3::splat(1e-3)) * DAffine3::from_rotation_x(0.4),
-        mesh: mesh.transformed(&DAffine3::from_scale(DVec3::splat(1e3))),
+        mesh: mesh
+            .transformed(&DAffine3::from_scale(DVec3::splat(1e3)))
+            .into(),
         parent: None,
     };
     Scene {

@@ -9,7 +9,7 @@ fn board() -> Scene {
         nodes: vec![Node {
             name: "board".into(),
             transform: DAffine3::from_axis_angle(DVec3::X, 0.4),
-            mesh: primitive::board(0.5, 0.06, 0.02),
+            mesh: primitive::board(0.5, 0.06, 0.02).into(),
             parent: None,
         }],
         ..Scene::default()

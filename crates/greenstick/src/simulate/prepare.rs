@@ -39,7 +39,7 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), Si
     let node = greenstick_geometry::Node {
         name: "stem".into(),
         transform: DAffine3::IDENTITY,
-        mesh,
+        mesh: mesh.into(),
         parent: None,
     };
     let scene = Scene {

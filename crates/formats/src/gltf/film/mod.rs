@@ -181,7 +181,7 @@ impl Nodes {
         }
         for (node, joint) in &film.bodies {
             if !node.mesh.triangles.is_empty() {
-                let body = (node.name.as_str(), &node.mesh, node.transform);
+                let body = (node.name.as_str(), &*node.mesh, node.transform);
                 nodes.write_body(film, body, (*joint, still), &none, builder, reel)?;
             }
         }
