@@ -6,6 +6,7 @@ use super::slot::{Found, Ids, Slot};
 use crate::Error;
 use crate::report::SpeciesReport;
 use crate::request::{Break, BreakStage};
+use glam::DVec3;
 use greenstick_fracture::cracks::{CrackPlan, plan};
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{self, HeightCache, HeightSource, Heights};
@@ -131,6 +132,15 @@ impl CrackKey {
     }
 }
 
+/// What the stem is found by.
+#[derive(Debug, Clone, PartialEq)]
+struct FoundKey {
+    scene: u64,
+    place: Place,
+    options: StemOptions,
+    above: Option<LowestAbove>,
+}
+
 /// What an opened end is made from: the stem, the cracks, and what the wood in it shows.
 #[derive(Debug, Clone, PartialEq)]
 struct OpenedKey {
@@ -161,7 +171,7 @@ struct CutKey {
 /// The last value of each stage of a break.
 #[derive(Debug, Default)]
 pub(super) struct Chain {
-    found: Slot<(u64, Place, StemOptions), PreparedStem>,
+    found: Slot<FoundKey, PreparedStem>,
     /// Layout and heights on the stem as it was found, where the break asks for another: spiral grain winds no farther
     /// than the break, and the relief that a species calls for is that of the sound stem.
     found_layout: Slot<(u64, LayoutKey), FaceLayout>,
@@ -244,8 +254,55 @@ pub(super) struct ChainInput<'a> {
     pub scene: &'a Scene,
     /// Number of the scene, which no other of the session has.
     pub id: u64,
-    /// The most that a break may reach up, where another break is above it: a length along the stem, m.
+    /// What is known of the stem.
     pub stem: &'a StemOptions,
+    /// The lowest place of the break beyond this one, where there is one.
+    pub above: Option<LowestAbove>,
+    /// How many breaks have been made whose wood inside has a material of its own.
+    pub inner_wood_before: u32,
+}
+
+impl<'a> ChainInput<'a> {
+    /// The scene that came in.
+    pub fn whole(scene: &'a Scene, stem: &'a StemOptions) -> Self {
+        ChainInput {
+            scene,
+            id: 0,
+            stem,
+            above: None,
+            inner_wood_before: 0,
+        }
+    }
+}
+
+/// The lowest place of a broken face, which a break nearer to the base stays clear of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LowestAbove {
+    /// A point of the axis there, m.
+    point: DVec3,
+    /// Length of stem that the break stays away from it, m.
+    margin: f64,
+}
+
+/// Wood that stays whole between two breaks of a stem, radii.
+const BETWEEN_BREAKS: f64 = 0.1;
+
+impl LowestAbove {
+    pub fn new(stages: &BreakStages) -> Self {
+        let stem = &stages.stem.stem().found.stem;
+        let low = stages.heights.heights.range.0;
+        LowestAbove {
+            point: stem.grain.axis().frame(stem.place + low).origin,
+            margin: BETWEEN_BREAKS * stem.radius,
+        }
+    }
+
+    /// Keeps a stem clear of it.
+    fn limit(self, stem: &mut PreparedStem) {
+        let stem = &mut stem.found.stem;
+        let length = stem.grain.axis().length_at(self.point) - self.margin;
+        stem.usable.1 = stem.usable.1.min(length).max(stem.place);
+    }
 }
 
 /// Takes down the earliest stage that was made anew.
@@ -357,9 +414,19 @@ impl Chain {
     ) -> Result<(StemStage, SpeciesRelief), Error> {
         context.report(0.0)?;
         let p = &asked.recipe.face;
-        let key = (input.id, asked.place, *input.stem);
+        let key = FoundKey {
+            scene: input.id,
+            place: asked.place,
+            options: *input.stem,
+            above: input.above,
+        };
         let found = self.found.get(key, ids, |_| {
-            PreparedStem::find(input.scene.clone(), &asked.place, input.stem, context)
+            let scene = input.scene.clone();
+            let mut stem = PreparedStem::find(scene, &asked.place, input.stem, context)?;
+            if let Some(above) = input.above {
+                above.limit(&mut stem);
+            }
+            Ok::<_, Error>(stem)
         })?;
         changes.note(BreakStage::Stem, found.is_new);
         let spiral = is_spiral(&found.value, p);
@@ -375,7 +442,8 @@ impl Chain {
         };
         let bare = |n: &greenstick_geometry::Node| lacks_material(&n.mesh);
         let scene = &sound.value.scene;
-        let inner_material = scene.materials.len() as u32 + u32::from(scene.nodes.iter().any(bare));
+        let before = u32::from(scene.nodes.iter().any(bare)) + input.inner_wood_before;
+        let inner_material = scene.materials.len() as u32 + before;
         let mut stage = StemStage {
             sound: sound.value,
             opened: None,
