@@ -14,12 +14,13 @@ mod pieces;
 mod report;
 mod scene;
 mod slot;
+mod stages;
 
 pub use appearance::Looks;
-pub use chain::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
 pub use notes::BreakNote;
 pub use pieces::{Piece, PieceRole, Pieces};
 pub use scene::NodeRole;
+pub use stages::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
 
 use crate::Error;
 use crate::report::BreakReport;

@@ -1,7 +1,8 @@
 //! The finish of a break: pieces as meshes of their own, frayed, hung, and brought to the precision of files.
 
-use super::chain::{BreakStages, is_spiral};
+use super::chain::is_spiral;
 use super::notes::BreakNote;
+use super::stages::BreakStages;
 use crate::Error;
 use crate::report::PieceReport;
 use crate::request::Break;

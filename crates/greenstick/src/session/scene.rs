@@ -1,8 +1,8 @@
 //! The scene of broken pieces and of everything that was not cut.
 
 use super::PiecesOfBreak;
-use super::chain::BreakStages;
 use super::pieces::{Piece, PieceRole, Pieces};
+use super::stages::BreakStages;
 use crate::report::PieceReport;
 use glam::DAffine3;
 use greenstick_geometry::{Node, Scene};
