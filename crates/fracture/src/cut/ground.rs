@@ -241,8 +241,6 @@ pub struct Ground {
     pub(super) regions: Vec<u32>,
     /// For each region its facets that border on others.
     pub(super) rims: Vec<Vec<u32>>,
-    /// Whether each facet is one of those.
-    on_rim: Vec<bool>,
     /// For each node where its facets start in `around`.
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
@@ -257,13 +255,6 @@ impl Ground {
     /// Whether a facet lies near the skin at any length along it; others lie wholly inside or wholly outside.
     pub fn is_near(&self, facet: u32) -> bool {
         self.regions[facet as usize] == NEAR
-    }
-
-    /// What joins a facet's part of a broken face to that of others, where it is not joined by others of its region
-    /// anyway: [`NEAR`], where it must be asked of all, or the region, where it borders on others.
-    pub(super) fn joint(&self, facet: u32) -> Option<u32> {
-        let region = self.regions[facet as usize];
-        (region == NEAR || self.on_rim[facet as usize]).then_some(region)
     }
 
     /// Facets whose boxes meet that of the limb triangle of a rank, ascending. `flat` are its corners; `marks` has the
@@ -355,7 +346,6 @@ impl Ground {
     /// Parts the facets where there is no skin into regions that are joined.
     fn part(&mut self) {
         let layout = self.layout.clone();
-        self.on_rim = vec![false; layout.facets.len()];
         let mut queue = Vec::new();
         for first in 0..layout.facets.len() as u32 {
             if self.regions[first as usize] != UNKNOWN {
@@ -380,7 +370,6 @@ impl Ground {
                     }
                 }
                 if borders {
-                    self.on_rim[f as usize] = true;
                     rim.push(f);
                 }
             }

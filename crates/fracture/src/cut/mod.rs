@@ -116,9 +116,8 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
-    /// Where there are several: the triangles of `cap` that decide how the vertices of the skin are joined by it, each
-    /// with the region of the layout whose triangles are all joined ([`NONE`] beside the skin), and of how many.
-    pub(crate) joints: (Vec<(u32, u32)>, usize),
+    /// For each of `vertices` the number of the outline it lies on, or [`NONE`].
+    pub(crate) outline_of: Vec<u32>,
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -211,8 +210,8 @@ pub fn cut_again(
     let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
     let sides = lay(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
-    let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay, outlines > 1)?;
+    let (outlines, outline_of) = outlines(&overlay);
+    let cap = cap::build(surface, ground, &mut overlay)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -220,7 +219,7 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
-        joints: (cap.joints, cap.triangles.len()),
+        outline_of,
         cap: cap.triangles,
         faces: cap.faces,
         walls: cap.walls,
@@ -283,8 +282,9 @@ fn lay(
     Ok(sides)
 }
 
-/// Number of closed lines that the outline of the break consists of.
-fn outlines(overlay: &Overlay) -> usize {
+/// Number of closed lines that the outline of the break consists of, and for each of the cut's vertices on the skin the
+/// number of the line it lies on, or [`NONE`].
+fn outlines(overlay: &Overlay) -> (usize, Vec<u32>) {
     let edges = overlay.tops.iter().chain(&overlay.walls);
     // All of its vertices are the cut's own.
     let points = overlay.points() as u32;
@@ -294,22 +294,26 @@ fn outlines(overlay: &Overlay) -> usize {
             *next = b;
         }
     }
-    let mut take = |at: u32| {
-        let next = next.get_mut(at.wrapping_sub(points) as usize)?;
-        let to = std::mem::replace(next, NONE);
-        (to != NONE).then_some(to)
-    };
+    let mut outline_of = vec![NONE; overlay.vertices.len()];
     let mut count = 0;
+    let mut take = |at: u32, outline: u32| {
+        let vertex = at.wrapping_sub(points) as usize;
+        let to = std::mem::replace(next.get_mut(vertex)?, NONE);
+        (to != NONE).then(|| {
+            outline_of[vertex] = outline;
+            to
+        })
+    };
     for (_, [start, _]) in &overlay.tops {
-        let Some(mut at) = take(*start) else {
+        let Some(mut at) = take(*start, count) else {
             continue;
         };
-        count += 1;
-        while let Some(to) = take(at) {
+        while let Some(to) = take(at, count) {
             at = to;
         }
+        count += 1;
     }
-    count
+    (count as usize, outline_of)
 }
 
 fn root(parent: &mut [u32], mut i: u32) -> u32 {
