@@ -12,7 +12,7 @@ use greenstick::files;
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -87,7 +87,7 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
 /// The scene of an input, a cloud's as the bark of its stem, or the branch that comes with the program.
 fn load(
     options: &AnatomyOptions,
-    place: Place,
+    place: StemLocation,
     unit: Option<LengthUnit>,
     context: &Context,
 ) -> Result<Loaded, Failure> {

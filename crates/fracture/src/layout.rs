@@ -13,7 +13,7 @@ use crate::heights::NodeNoise;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, Mutex};
 

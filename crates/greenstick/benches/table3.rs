@@ -64,7 +64,7 @@ fn scene(mesh: Mesh) -> Scene {
 }
 
 fn prepared(scene: Scene) -> Prepared {
-    let place = stem::Place::Fraction(0.5);
+    let place = stem::StemLocation::Fraction(0.5);
     prepare(scene, &place, &Default::default(), &Context::quiet())
         .expect("the built-in branch has a stem")
 }
@@ -160,7 +160,7 @@ fn stages(prepared: &Prepared) {
         limb: &prepared.found.limb,
     };
     let skin = Skin::new(&solid, stem.usable);
-    let chart = stem::LayeredGrain::mapped(&prepared.layers, &prepared.transform().inverse());
+    let chart = stem::LayeredGrain::transformed(&prepared.layers, &prepared.transform().inverse());
     let levels: Vec<f64> = prepared.layers.levels().collect();
     let mut vertices = vec![0; solid.points.len()];
     for (vertex, &point) in prepared.points.iter().enumerate() {
@@ -199,7 +199,7 @@ fn stages(prepared: &Prepared) {
             };
             let setting = heights::Setting {
                 radius: stem.radius,
-                place: stem.place,
+                place: stem.location,
                 usable: stem.usable,
                 pith: stem.rings.pith(),
                 wedge: None,

@@ -23,13 +23,13 @@ use greenstick_skin::untangle::{Places, untangle};
 use greenstick_skin::wind::Wound;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule, Species};
-use greenstick_wood::stem::{Place, Stem, StemKind, StemOptions};
+use greenstick_wood::stem::{Stem, StemKind, StemLocation, StemOptions};
 
 /// What is to be broken, where and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BreakRequest {
     /// Where.
-    pub place: Place,
+    pub place: StemLocation,
     /// What is known of the stem.
     pub stem: StemOptions,
     /// How.
@@ -45,7 +45,7 @@ pub struct BreakRequest {
 impl Default for BreakRequest {
     fn default() -> Self {
         BreakRequest {
-            place: Place::Fraction(0.5),
+            place: StemLocation::Fraction(0.5),
             stem: StemOptions::default(),
             recipe: Recipe::default(),
             part: 0.0,
@@ -141,8 +141,8 @@ pub fn break_scene(
             model.heights.limited,
             model.heights.wanted.0 * 1e3,
             model.heights.wanted.1 * 1e3,
-            (stem.usable.0 - stem.place) * 1e3,
-            (stem.usable.1 - stem.place) * 1e3
+            (stem.usable.0 - stem.location) * 1e3,
+            (stem.usable.1 - stem.location) * 1e3
         ));
     }
     if model.chips > 0 {
@@ -182,7 +182,7 @@ pub fn break_scene(
         .stem
         .grain
         .axis()
-        .frame(prepared.found.stem.place)
+        .frame(prepared.found.stem.location)
         .tangent;
     let moved = DAffine3::from_translation(along * request.part) * turn.unwrap_or_default();
     let mut out = assemble(&prepared, &model, splinters, moved);
@@ -339,8 +339,8 @@ fn place_report(prepared: &Prepared) -> PlaceReport {
             StemKind::Board => "board".into(),
         },
         stem_length_m: stem.length,
-        length_m: stem.place,
-        point_m: stem.grain.axis().frame(stem.place).origin.to_array(),
+        length_m: stem.location,
+        point_m: stem.grain.axis().frame(stem.location).origin.to_array(),
         radius_m: stem.radius,
         pith_m: stem.rings.pith().to_array(),
         free_m: [stem.usable.0, stem.usable.1],
@@ -475,12 +475,12 @@ fn assemble(
     for &t in &found.shell {
         gone[found.node][t as usize] = true;
     }
-    for (n, (i, triangles)) in found.carried.iter().enumerate() {
-        for &t in triangles {
-            gone[*i][t as usize] = true;
+    for (n, shell) in found.carried.iter().enumerate() {
+        for &t in &shell.triangles {
+            gone[shell.node][t as usize] = true;
         }
-        let source = &scene.nodes[*i];
-        let mesh = part_of(&source.mesh, triangles.iter().map(|&t| t as usize));
+        let source = &scene.nodes[shell.node];
+        let mesh = part_of(&source.mesh, shell.triangles.iter().map(|&t| t as usize));
         let name = format!("{}_with_upper_{n:03}", source.name);
         out.nodes.push(Node {
             parent: Some(1),

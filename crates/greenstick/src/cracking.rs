@@ -10,7 +10,9 @@ use greenstick_fracture::parameters::{BreakParameters, CrackEnd};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Context, Mesh};
-use greenstick_wood::stem::{Place, Section, StemError, StemOptions, find};
+use greenstick_wood::stem::{
+    CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
+};
 
 /// Cracks on their way into a stem.
 pub(crate) struct Cracks {
@@ -104,7 +106,7 @@ impl Cracks {
         let stem = &prepared.found.stem;
         // A board's pith may lie outside it.
         let height = made.end.at(stem.rings.pith());
-        let off = |s: &&Section| (s.length - height).abs();
+        let off = |s: &&CrossSection| (s.length - height).abs();
         let nearest = (stem.sections.iter()).min_by(|a, b| off(a).total_cmp(&off(b)));
         let middle = nearest.map_or(stem.rings.pith(), |s| s.centroid);
         let point = prepared.layers.to_world(middle.extend(made.end.at(middle)));
@@ -127,7 +129,7 @@ impl Cracks {
         } else {
             Vec::new()
         };
-        self.fallen = fallen.iter().map(|(_, shell)| shell.len()).sum();
+        self.fallen = fallen.iter().map(|shell| shell.triangles.len()).sum();
         let mut prepared = cracked(prepared, made.stem, &fallen);
         let stem = &mut prepared.found.stem;
         stem.usable.1 = stem.usable.1.min(clear);
@@ -189,19 +191,22 @@ pub struct SawnEnd {
 const CLEAR: f64 = 0.05;
 
 /// What was prepared with `stem` in place of the stem's shell, and without the shells that have `fallen`.
-fn cracked(prepared: Prepared, mut stem: Mesh, fallen: &[(usize, Vec<u32>)]) -> Prepared {
+fn cracked(prepared: Prepared, mut stem: Mesh, fallen: &[CarriedShell]) -> Prepared {
     let (mut scene, mut found) = (prepared.scene, prepared.found);
     let node = found.node;
     let count = stem.triangles.len() as u32;
     let mut gone: Vec<Vec<bool>> = (scene.nodes.iter())
         .map(|n| vec![false; n.mesh.triangles.len()])
         .collect();
-    let ours = (node, std::mem::take(&mut found.shell));
-    for (i, triangles) in fallen.iter().chain([&ours]) {
+    let ours = CarriedShell {
+        node,
+        triangles: std::mem::take(&mut found.shell),
+    };
+    for CarriedShell { node: i, triangles } in fallen.iter().chain([&ours]) {
         triangles.iter().for_each(|&t| gone[*i][t as usize] = true);
     }
     found.carried.retain(|shell| !fallen.contains(shell));
-    for (i, triangles) in &mut found.carried {
+    for CarriedShell { node: i, triangles } in &mut found.carried {
         // Numbers of the triangles that stay, behind those of the stem.
         let mut next = if *i == node { count } else { 0 };
         let number = |gone: &bool| {
@@ -235,12 +240,8 @@ fn cracked(prepared: Prepared, mut stem: Mesh, fallen: &[(usize, Vec<u32>)]) -> 
     laid(scene, found, prepared.layers)
 }
 
-/// Shells that hang on the stem beyond a saw that cuts at a length along it, m: (node, its triangles).
-fn fallen(
-    prepared: &Prepared,
-    level: f64,
-    context: &Context,
-) -> Result<Vec<(usize, Vec<u32>)>, Error> {
+/// Shells that hang on the stem beyond a saw that cuts at a length along it, m.
+fn fallen(prepared: &Prepared, level: f64, context: &Context) -> Result<Vec<CarriedShell>, Error> {
     let meshes = in_world(&prepared.scene);
     let ours = &prepared.found;
     let stem = &ours.stem;
@@ -250,9 +251,9 @@ fn fallen(
     };
     // Too near to the end or to other wood no stem is found; nothing hangs on the free wood before the saw.
     let mut back = 0.0;
-    while level - back > stem.place {
+    while level - back > stem.location {
         let point = stem.grain.axis().frame(level - back).origin;
-        match find(&meshes, &Place::Point(point), &options, context) {
+        match find_stem(&meshes, &StemLocation::Point(point), &options, context) {
             Ok(found) if found.node == ours.node && found.shell.first() == ours.shell.first() => {
                 return Ok(found.carried);
             }

@@ -122,7 +122,7 @@ impl Prepared {
         // The wood of the end itself may be cracked, though not broken.
         let beyond = end.at(stem.rings.pith());
         let (low, high) = setting.usable;
-        let place = stem.place;
+        let place = stem.location;
         setting.usable = if far {
             let half = place + OF_THE_WAY * (beyond - place);
             (low.max(half), high.max(beyond + end.clearance))

@@ -196,7 +196,7 @@ fn reach(prepared: &Prepared, middle: DVec2, direction: DVec2, (low, high): (f64
     let near = (low - 4.0 * stem.radius)..(high + 4.0 * stem.radius);
     let points = prepared.grain.iter();
     points
-        .filter(|p| near.contains(&(p.z - stem.place)))
+        .filter(|p| near.contains(&(p.z - stem.location)))
         .map(|p| (p.truncate() - middle).dot(direction))
         .fold(stem.radius, f64::max)
 }
@@ -211,7 +211,7 @@ fn throw(
     (mesh, cell): &(Mesh, u32),
 ) -> DAffine3 {
     let stem = &prepared.found.stem;
-    let frame = stem.grain.axis().frame(stem.place);
+    let frame = stem.grain.axis().frame(stem.location);
     let random = |i: i64| noise::unit(seed ^ purpose::THROW, i64::from(*cell), i, 0);
     // An unparted break is shown with the upper piece set aside along x: no splinter falls there.
     let open = if options.part == 0.0 { TAU / 6.0 } else { 0.0 };

@@ -73,7 +73,7 @@ impl Prepared {
         let least = (self.found.limb.iter())
             .flat_map(|&t| self.corners[t as usize])
             .map(|point| self.grain[point as usize])
-            .filter(|g| (g.z - stem.place).abs() < NEAR * stem.radius)
+            .filter(|g| (g.z - stem.location).abs() < NEAR * stem.radius)
             .map(|g| g.truncate().dot(toward))
             .fold(f64::INFINITY, f64::min);
         let angle = p.hang.to_radians() * USED;
@@ -87,7 +87,7 @@ impl Prepared {
 
     fn hinge(&self, wedge: &Wedge) -> Hinge {
         let stem = &self.found.stem;
-        let frame = stem.grain.axis().frame(stem.place);
+        let frame = stem.grain.axis().frame(stem.location);
         let toward = frame.x * wedge.toward.x + frame.y * wedge.toward.y;
         Hinge {
             point: frame.origin + toward * wedge.from + frame.tangent * (0.5 * LIFT * stem.radius),

@@ -4,7 +4,7 @@ use crate::Prepared;
 use glam::{DAffine3, DVec2};
 use greenstick_fracture::cut::{Ground, Skin, Solid};
 use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
-use greenstick_wood::stem::{Found, LayeredGrain};
+use greenstick_wood::stem::{FoundStem, LayeredGrain};
 use std::sync::{Arc, Mutex};
 
 /// Made once for a prepared stem.
@@ -38,7 +38,7 @@ pub(crate) struct Laid {
 impl Kept {
     /// Makes what is kept for a mesh, its vertices' points, and their grain coordinates.
     pub fn new(
-        found: &Found,
+        found: &FoundStem,
         layers: &LayeredGrain,
         solid: &Solid,
         triangles: &[[u32; 3]],
@@ -61,7 +61,7 @@ impl Kept {
             triangles: skin.order.iter().map(|&t| triangles[t as usize]).collect(),
             skin,
             vertices,
-            chart: layers.mapped(&transform.inverse()),
+            chart: layers.transformed(&transform.inverse()),
             levels: layers.levels().collect(),
             square: ((low + high) / 2.0, (high - low).max_element() * 1.02),
             last: Mutex::default(),

@@ -94,7 +94,7 @@ impl Prepared {
         .map_err(|error| self.locate(error))?;
         let chips = cut.absorb_chips_again(&self.solid(), &self.kept.skin);
         cut.part_at(&self.grain, &self.kept.levels);
-        let wound = self.layers.winds().then(|| {
+        let wound = self.layers.has_spiral_grain().then(|| {
             let transform = self.transform();
             let to_grain = |p| self.layers.to_grain(transform.transform_point3(p));
             unwind(&self.source(), &mut cut, &self.kept.skin, &to_grain)
@@ -147,7 +147,7 @@ impl Prepared {
         let stem = &self.found.stem;
         Setting {
             radius: stem.radius,
-            place: stem.place,
+            place: stem.location,
             usable: stem.usable,
             pith: stem.rings.pith(),
             wedge: self.wedge(p),
@@ -219,7 +219,7 @@ impl Prepared {
                 *at
             }
             CutError::Misses | CutError::Joined { .. } => {
-                DVec3::new(0.0, 0.0, self.found.stem.place)
+                DVec3::new(0.0, 0.0, self.found.stem.location)
             }
         };
         Error::Cut {

@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Mesh, Node};
-use greenstick_wood::stem::Found;
+use greenstick_wood::stem::FoundStem;
 
 /// Puts a mirrored node's mesh into the world, so that its triangles face there as the file means them to.
 pub(crate) fn unmirror(node: &mut Node) {
@@ -15,7 +15,12 @@ pub(crate) fn unmirror(node: &mut Node) {
 
 /// Turns the shell of a stem over where its skin faces inwards. `points` are those of the mesh's vertices and `grain`
 /// their grain coordinates.
-pub(crate) fn turn_outwards(mesh: &mut Mesh, points: &[u32], grain: &[DVec3], found: &mut Found) {
+pub(crate) fn turn_outwards(
+    mesh: &mut Mesh,
+    points: &[u32],
+    grain: &[DVec3],
+    found: &mut FoundStem,
+) {
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| grain[points[v as usize] as usize]);
     // What is off the middle of the limb flows out through its skin alone, as sections across it let nothing of it
     // through: twice the volume, with its sign, of an open tube, too.

@@ -208,7 +208,7 @@ const MOST_OF_IT: f64 = 0.85;
 
 /// Points the camera at the whole of both faces and a stub of stem behind each.
 fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
-    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+    let frame = broken.stem.grain.axis().frame(broken.stem.location);
     let [low, high] = broken.report.face.range_m;
     let stub = STUB.0 * broken.stem.radius + STUB.1 * (high - low);
     let Some(rest) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
@@ -250,7 +250,7 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
         ends.sort_unstable_by(f64::total_cmp);
         let end = ends[(MOST_OF_IT * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
         let end = if upper { end } else { -end };
-        let at = broken.stem.grain.axis().frame(broken.stem.place + end);
+        let at = broken.stem.grain.axis().frame(broken.stem.location + end);
         shown.extend(
             [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
                 .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
@@ -292,7 +292,7 @@ fn aside(broken: &Broken, across: DVec3) -> DVec3 {
 
 /// The scene with the upper piece turned over and set beside the lower, both faces up.
 fn opened(broken: &Broken) -> Scene {
-    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+    let frame = broken.stem.grain.axis().frame(broken.stem.location);
     let [low, high] = broken.report.face.range_m;
     let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
     let centre = frame.origin + frame.tangent * ((low + high) / 2.0);

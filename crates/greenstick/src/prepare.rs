@@ -8,7 +8,9 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::Solid;
 use greenstick_fracture::parameters::{BreakParameters, Surface};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_wood::stem::{Found, LayeredGrain, Place, StemKind, StemOptions, find};
+use greenstick_wood::stem::{
+    FoundStem, LayeredGrain, StemKind, StemLocation, StemOptions, find_stem,
+};
 use std::sync::Arc;
 
 /// A scene with the stem found in it.
@@ -17,7 +19,7 @@ pub struct Prepared {
     /// The scene as it was read, but for the node that is cut, whose long edges may be halved near the break.
     pub scene: Scene,
     /// The stem, and which triangles of which node it is made of.
-    pub found: Found,
+    pub found: FoundStem,
     /// The map between the world and grain space that the stem is cut in.
     pub layers: LayeredGrain,
     /// Point of every vertex of the cut node's mesh.
@@ -40,13 +42,13 @@ pub struct Prepared {
 /// [`Error::Stem`] where there is no stem that can be broken.
 pub fn prepare(
     mut scene: Scene,
-    place: &Place,
+    place: &StemLocation,
     options: &StemOptions,
     context: &Context,
 ) -> Result<Prepared, Error> {
     scene.nodes.iter_mut().for_each(unmirror);
-    let mut found = find(&in_world(&scene), place, options, context)?;
-    let (layers, free) = LayeredGrain::of(&found.stem);
+    let mut found = find_stem(&in_world(&scene), place, options, context)?;
+    let (layers, free) = LayeredGrain::from_stem(&found.stem);
     found.stem.usable = free;
     Ok(laid(scene, found, layers))
 }
@@ -64,7 +66,7 @@ pub(crate) fn in_world(scene: &Scene) -> Vec<Mesh> {
 }
 
 /// Takes a found stem to grain space.
-pub(crate) fn laid(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> Prepared {
+pub(crate) fn laid(mut scene: Scene, mut found: FoundStem, layers: LayeredGrain) -> Prepared {
     let transform = scene.nodes[found.node].transform;
     let mut mesh = Arc::unwrap_or_clone(std::mem::take(&mut scene.nodes[found.node].mesh));
     let (points, count) = mesh.points();
@@ -143,7 +145,7 @@ const BARK: (f64, f64) = (0.88, 0.96);
 /// How far along the stem, in radii, the skin tells how deep the bark's furrows are.
 const NEAR: f64 = 1.5;
 
-fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
+fn extent(found: &FoundStem, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
     let (rings, stem) = (&found.stem.rings, &found.stem);
     let pith = rings.pith();
     let board = stem.kind == StemKind::Board;
@@ -174,7 +176,7 @@ fn extent(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Extent {
             let (rho, _) = rings.address(point);
             most = most.max(rho);
             radius = radius.max(point.distance(pith));
-            if (c[k].z - stem.place).abs() < NEAR * stem.radius {
+            if (c[k].z - stem.location).abs() < NEAR * stem.radius {
                 near.push(rho);
             }
             let angle = libm::atan2(forward.perp_dot(point - pith), forward.dot(point - pith));
@@ -217,8 +219,8 @@ impl Prepared {
         let margin = BEYOND * stem.radius;
         let (low, high) = heights.range;
         let winds = (
-            (stem.place + low - margin).max(stem.usable.0),
-            (stem.place + high + margin).min(stem.usable.1),
+            (stem.location + low - margin).max(stem.usable.0),
+            (stem.location + high + margin).min(stem.usable.1),
         );
         let turn = p.spiral_angle.to_radians() / stem.radius;
         let layers = self.layers.clone().with_spiral(turn, winds);

@@ -7,7 +7,7 @@ pub use eroded::ErodedRings;
 use crate::erosion::InnerCircleError;
 use glam::DVec2;
 use greenstick_picture::Picture;
-use greenstick_wood::rings::{RingError, RingField, RingList, likely_pith};
+use greenstick_wood::rings::{RingError, RingField, RingList, estimate_pith};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
@@ -185,7 +185,7 @@ impl Section {
         let first = given.or(self.outline.first().copied()).unwrap_or_default();
         let field = match RingField::of_section(&self.outline, first) {
             Err(RingError::Pith { .. }) | Ok(_) if given.is_none() => {
-                RingField::of_section(&self.outline, likely_pith(&self.outline))?
+                RingField::of_section(&self.outline, estimate_pith(&self.outline))?
             }
             other => other?,
         };

@@ -29,9 +29,9 @@ impl Prepared {
         let stem = &self.found.stem;
         let (low, high) = stem.usable;
         let level = high - FROM_END * stem.radius;
-        if level - stem.place < LEAST_LEFT * stem.radius {
+        if level - stem.location < LEAST_LEFT * stem.radius {
             return Err(CrackError::TooShort {
-                left: high - stem.place,
+                left: high - stem.location,
                 needed: (FROM_END + LEAST_LEFT) * stem.radius,
             }
             .into());
@@ -44,7 +44,7 @@ impl Prepared {
         let setting = Setting {
             radius: stem.radius,
             usable: (
-                low.max(stem.place + OF_THE_WAY * (level - stem.place)),
+                low.max(stem.location + OF_THE_WAY * (level - stem.location)),
                 high,
             ),
             level: f64::INFINITY,

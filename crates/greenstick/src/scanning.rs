@@ -5,8 +5,8 @@ use glam::{DAffine3, DVec3};
 use greenstick_formats::CloudFile;
 use greenstick_geometry::cloud::{CleanError, CleanOptions, CleanReport, clean};
 use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene, Stage};
-use greenstick_wood::scan::{ScanError, ScanOptions, ScanReport, scanned_bark};
-use greenstick_wood::stem::Place;
+use greenstick_wood::scan::{ScanError, ScanOptions, ScanReport, reconstruct_bark};
+use greenstick_wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt;
 
@@ -40,7 +40,7 @@ pub struct Scanned {
     /// One node, `bark`, in metres.
     pub scene: Scene,
     /// Where the place asked for lies on it.
-    pub place: Place,
+    pub place: StemLocation,
     /// Points of the centreline from the base, m.
     pub centreline: Vec<DVec3>,
     /// What was done.
@@ -70,12 +70,12 @@ impl From<greenstick_geometry::Cancelled> for ScanningError {
 /// [`Error::Scan`] where the cloud cannot be cleaned or holds no stem there.
 pub fn scan_to_scene(
     file: &CloudFile,
-    place: &Place,
+    place: &StemLocation,
     request: &ScanRequest,
     context: &Context,
 ) -> Result<Scanned, Error> {
     let place = match *place {
-        Place::Point(p) => Place::Point(p - file.origin),
+        StemLocation::Point(p) => StemLocation::Point(p - file.origin),
         other => other,
     };
     let made = surfaced(&file.cloud, &place, request, context)?;
@@ -96,25 +96,25 @@ pub fn scan_to_scene(
     })
 }
 
-type Made = (Mesh, Place, Vec<DVec3>, ScannedReport);
+type Made = (Mesh, StemLocation, Vec<DVec3>, ScannedReport);
 
 fn surfaced(
     cloud: &PointCloud,
-    place: &Place,
+    place: &StemLocation,
     request: &ScanRequest,
     context: &Context,
 ) -> Result<Made, ScanningError> {
     let [cleaning, finding] =
         context.split([(Stage::new("clean"), 1.0), (Stage::new("bark"), 2.0)]);
     let (cloud, cleaned) = clean(cloud, &request.clean, &cleaning)?;
-    let bark = scanned_bark(&cloud, place, &request.scan, &finding)?;
+    let bark = reconstruct_bark(&cloud, place, &request.scan, &finding)?;
     let report = ScannedReport {
         clean: cleaned,
         notes: bark.report.notes.clone(),
         bark: Some(bark.report),
         ..ScannedReport::default()
     };
-    Ok((bark.mesh, bark.place, bark.centreline, report))
+    Ok((bark.mesh, bark.location, bark.centreline, report))
 }
 
 /// Points on the triangles of a scene, about; more where there are more triangles. Of thin boards narrow sides show, too.
@@ -200,18 +200,18 @@ impl fmt::Display for ScannedReport {
                 b.span_m[1],
                 b.radius_m * 100.0,
                 b.points,
-                b.strangers,
+                b.foreign_points,
                 b.fracture_points
             )?;
             let parts: Vec<String> = b
-                .cover
+                .coverage
                 .iter()
                 .map(|c| format!("{:.0}", c.share * 100.0))
                 .collect();
             writeln!(
                 f,
                 "cover    {:.0} % of the girth seen; metre by metre {} %",
-                b.mean_cover * 100.0,
+                b.mean_coverage * 100.0,
                 parts.join(" ")
             )?;
             writeln!(

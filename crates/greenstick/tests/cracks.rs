@@ -20,7 +20,7 @@ fn prepared(mesh: Mesh, at: f64) -> Prepared {
         nodes: vec![node],
         ..Scene::default()
     };
-    let place = stem::Place::Fraction(at);
+    let place = stem::StemLocation::Fraction(at);
     prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap()
 }
 
@@ -214,7 +214,7 @@ fn cracked_ends_of_any_stem_are_sound_in_the_file() {
         let (name, mesh, torn) = &bodies[seed as usize % bodies.len()];
         let what = format!("{name}, seed {seed}");
         let mut request = greenstick::BreakRequest {
-            place: stem::Place::Fraction(0.4),
+            place: stem::StemLocation::Fraction(0.4),
             texture_width: 64,
             ..Default::default()
         };

@@ -162,7 +162,7 @@ fn faults(prepared: &Prepared, set: usize, volume: f64) -> Vec<String> {
 fn run(name: &str, scenes: [Scene; 2], place: f64) {
     let bodies = scenes.map(|scene| {
         let volume = scene.nodes[0].mesh.volume();
-        let place = stem::Place::Fraction(place);
+        let place = stem::StemLocation::Fraction(place);
         let prepared = prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap();
         let report = prepared.scene.nodes[0].mesh.check();
         assert!(report.is_solid(), "{name}, before any break: {report}");
@@ -211,7 +211,7 @@ fn random_breaks_of_a_scanned_pole_are_sound() {
 fn a_break_with_winding_grain_is_closed_and_adds_up() {
     let scene = scene(primitive::branch(&Default::default()), 1.0);
     let volume = scene.nodes[0].mesh.volume();
-    let place = stem::Place::Fraction(0.5);
+    let place = stem::StemLocation::Fraction(0.5);
     let prepared = prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap();
     for seed in 0..2 {
         let mut p = BreakParameters {

@@ -36,7 +36,7 @@ fn scanned() -> Prepared {
         origin: DVec3::ZERO,
         notes: Vec::new(),
     };
-    let place = stem::Place::Fraction(0.5);
+    let place = stem::StemLocation::Fraction(0.5);
     let context = Context::quiet();
     let made = scan_to_scene(&file, &place, &ScanRequest::default(), &context).unwrap();
     prepare(made.scene, &made.place, &Default::default(), &context).unwrap()
@@ -55,7 +55,7 @@ fn new_vertices(prepared: &Prepared, cracked: &Mesh, plain: &Mesh) -> Vec<(f64, 
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     let old: BTreeSet<_> = plain.positions.iter().map(bits).collect();
     let stem = &prepared.found.stem;
-    let frame = stem.grain.axis().frame(stem.place);
+    let frame = stem.grain.axis().frame(stem.location);
     let fresh = cracked.positions.iter().filter(|p| !old.contains(&bits(p)));
     fresh
         .map(|p| {

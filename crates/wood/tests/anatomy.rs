@@ -10,7 +10,7 @@ use greenstick_wood::anatomy::{
     rebuilt_surface,
 };
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
-use greenstick_wood::stem::{Found, StemKind, StemOptions, find};
+use greenstick_wood::stem::{FoundStem, StemKind, StemOptions, find_stem};
 use greenstick_wood::tissue::Proportions;
 use std::f64::consts::{PI, TAU};
 
@@ -20,14 +20,14 @@ const TISSUE: Proportions = Proportions {
     phloem: 0.1,
 };
 
-fn found(mesh: &Mesh) -> Found {
+fn found(mesh: &Mesh) -> FoundStem {
     found_at(mesh, "0.5", StemOptions::default())
 }
 
-fn found_at(mesh: &Mesh, place: &str, options: StemOptions) -> Found {
+fn found_at(mesh: &Mesh, place: &str, options: StemOptions) -> FoundStem {
     let place = place.parse().unwrap();
     let meshes = std::slice::from_ref(mesh);
-    find(meshes, &place, &options, &Context::quiet()).unwrap()
+    find_stem(meshes, &place, &options, &Context::quiet()).unwrap()
 }
 
 fn options(resolution: usize) -> AnatomyOptions {
@@ -38,7 +38,7 @@ fn options(resolution: usize) -> AnatomyOptions {
 }
 
 /// Volume of all voxels, m³.
-fn volume(found: &Found, mesh: &Mesh, resolution: usize) -> f64 {
+fn volume(found: &FoundStem, mesh: &Mesh, resolution: usize) -> f64 {
     let anatomy = Anatomy::new(found, mesh, &options(resolution)).unwrap();
     let mut voxels = 0;
     for segment in &anatomy.segments {
@@ -219,7 +219,7 @@ fn holes_are_closed_and_told() {
     });
     assert!(torn.triangles.len() < whole.triangles.len());
     let shell: Vec<u32> = (0..torn.triangles.len() as u32).collect();
-    let found_torn = Found {
+    let found_torn = FoundStem {
         shell,
         ..found_whole.clone()
     };
@@ -287,7 +287,7 @@ fn odd_requests_are_refused() {
         let made = Anatomy::new(&found, &mesh, &options(resolution));
         assert_eq!(made.err(), Some(AnatomyError::Resolution(resolution)));
     }
-    let nothing = Found {
+    let nothing = FoundStem {
         shell: vec![u32::MAX],
         ..found
     };

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use greenstick_wood::noise;
-use greenstick_wood::rings::{RingError, RingField, RingList, likely_pith};
+use greenstick_wood::rings::{RingError, RingField, RingList, estimate_pith};
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
@@ -126,7 +126,7 @@ fn a_guessed_pith_is_nearer_than_the_centroid() {
             moment += (a + b) * a.perp_dot(b) / 6.0;
         }
         let radius = (area.abs() / PI).sqrt();
-        let errors = [likely_pith(&outline), moment / area].map(|p| p.distance(pith) / radius);
+        let errors = [estimate_pith(&outline), moment / area].map(|p| p.distance(pith) / radius);
         println!("{name}: guess {:.3}, centroid {:.3}", errors[0], errors[1]);
         sums = [sums[0] + errors[0], sums[1] + errors[1]];
     }

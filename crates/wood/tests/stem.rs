@@ -5,11 +5,11 @@ mod support;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
-use greenstick_wood::stem::{Found, Place, StemError, StemKind, StemOptions, find};
+use greenstick_wood::stem::{FoundStem, StemError, StemKind, StemLocation, StemOptions, find_stem};
 use std::f64::consts::TAU;
 
-fn at(meshes: &[Mesh], place: &str) -> Result<Found, StemError> {
-    find(
+fn at(meshes: &[Mesh], place: &str) -> Result<FoundStem, StemError> {
+    find_stem(
         meshes,
         &place.parse().unwrap(),
         &StemOptions::default(),
@@ -108,11 +108,11 @@ fn fractions_and_lengths_count_from_the_base() {
     ] {
         let found = at(std::slice::from_ref(&mesh), place).unwrap();
         assert!(
-            (found.stem.place - s).abs() < 1e-3,
+            (found.stem.location - s).abs() < 1e-3,
             "{place}: {}",
-            found.stem.place
+            found.stem.location
         );
-        let origin = found.stem.grain.axis().frame(found.stem.place).origin;
+        let origin = found.stem.grain.axis().frame(found.stem.location).origin;
         assert!(origin.distance(DVec3::new(0.0, s, 0.0)) < 1e-3);
         assert!(found.stem.rings.pith().length() < 1e-3);
         assert!((found.stem.rings.outer(0.3) - 0.1).abs() < 1e-3);
@@ -257,7 +257,7 @@ fn a_welded_fork_is_refused_inside_and_limbs_are_told_apart() {
         );
     }
     let (low, high) = limb.stem.usable;
-    assert!(low < limb.stem.place && limb.stem.place < high && high - low > 0.5);
+    assert!(low < limb.stem.location && limb.stem.location < high && high - low > 0.5);
     // The trunk, by a fraction of the main stem, which goes on into the thicker arm.
     let trunk = at(std::slice::from_ref(&mesh), "0.2").unwrap();
     assert!((trunk.stem.radius - 0.12).abs() < 0.005);
@@ -311,7 +311,7 @@ fn twigs_stuck_into_a_stem_keep_the_break_away_and_move_with_it() {
     let found = at(&meshes, "0.5").unwrap();
     assert_eq!(found.node, 0);
     assert_eq!(
-        found.carried.iter().map(|c| c.0).collect::<Vec<_>>(),
+        found.carried.iter().map(|c| c.node).collect::<Vec<_>>(),
         [2, 3]
     );
     assert!(
@@ -379,7 +379,7 @@ fn real_meshes_have_stems() {
     }
     if let Some(stump) = support::obj("scans/stump.obj") {
         let stem = at(&[stump], "0.5").unwrap().stem;
-        assert!(stem.grain.axis().frame(stem.place).tangent.y > 0.9);
+        assert!(stem.grain.axis().frame(stem.location).tangent.y > 0.9);
         assert!(stem.usable.1 - stem.usable.0 > 0.15, "{:?}", stem.usable);
     }
     if let Some(board) = support::gltf("scans/homecart_cutting_board.gltf") {
@@ -396,9 +396,9 @@ fn real_meshes_have_stems() {
         let (mut free, mut hopeless) = (0, 0);
         for k in 0..48 {
             let p = tree.positions[(2 * k + 1) * tree.positions.len() / 96];
-            let place = Place::Point(p);
+            let place = StemLocation::Point(p);
             let options = StemOptions::default();
-            match find(
+            match find_stem(
                 std::slice::from_ref(&tree),
                 &place,
                 &options,
@@ -406,7 +406,7 @@ fn real_meshes_have_stems() {
             ) {
                 Ok(found) => {
                     free += 1;
-                    assert!(found.carried.iter().all(|c| c.1 != found.shell));
+                    assert!(found.carried.iter().all(|c| c.triangles != found.shell));
                 }
                 Err(StemError::Unusable { nearest, .. }) => {
                     let again = at(std::slice::from_ref(&tree), &nearest.to_string());

@@ -8,7 +8,7 @@
 use super::cells::{Grid, inside};
 use glam::DVec2;
 use greenstick_wood::noise::unit;
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use std::f64::consts::TAU;
 
 /// Tries around an active point (Bridson's k).

@@ -22,7 +22,7 @@ use greenstick_wood::anatomy::{
     Anatomy, AnatomyOptions, Bundles, RingNumbers, Section, SurfaceColours,
 };
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
+use greenstick_wood::stem::{StemKind, StemLocation, StemOptions, find_stem};
 use greenstick_wood::tissue::Zone;
 
 /// A kind of output.
@@ -65,7 +65,7 @@ pub enum RingColours {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnatomyRequest {
     /// Which stem or limb, and where the first pictured section lies.
-    pub place: Place,
+    pub place: StemLocation,
     /// What is known of the stem.
     pub stem: StemOptions,
     /// Species, by common or scientific name.
@@ -95,7 +95,7 @@ pub struct AnatomyRequest {
 impl Default for AnatomyRequest {
     fn default() -> Self {
         AnatomyRequest {
-            place: Place::Fraction(0.5),
+            place: StemLocation::Fraction(0.5),
             stem: StemOptions::default(),
             species: None,
             resolution: 128,
@@ -209,7 +209,7 @@ pub fn anatomy(
     ]);
     stem.report(0.0)?;
     let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
-    let found = find(&meshes, &request.place, &request.stem, &stem)?;
+    let found = find_stem(&meshes, &request.place, &request.stem, &stem)?;
     let mesh = &meshes[found.node];
     let parameters = BreakParameters::default();
     let mut look = looks(&found.stem, &parameters, species, BARK).wood;

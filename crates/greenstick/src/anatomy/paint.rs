@@ -124,7 +124,7 @@ impl Work<'_> {
 pub(super) fn sections(work: &Work, context: &Context) -> Result<Vec<Encoded>, Error> {
     let (low, high) = work.anatomy.whole;
     let others = work.request.sections - 1;
-    let mut lengths = vec![work.anatomy.stem().place];
+    let mut lengths = vec![work.anatomy.stem().location];
     lengths
         .extend((0..others).map(|k| low + (high - low) * (f64::from(k) + 0.5) / f64::from(others)));
     let side = work.anatomy.grid.pixel * work.anatomy.grid.count as f64;

@@ -5,7 +5,7 @@ use super::particles::Layers;
 use crate::report::closed_volume;
 use greenstick_geometry::Mesh;
 use greenstick_wood::anatomy::Section;
-use greenstick_wood::stem::{Found, StemKind};
+use greenstick_wood::stem::{FoundStem, StemKind};
 use greenstick_wood::tissue::Zone;
 use serde::Serialize;
 use std::fmt;
@@ -129,7 +129,7 @@ pub struct RingRows {
 pub(super) fn report(
     work: &Work,
     layers: &Layers,
-    (mesh, found): (&Mesh, &Found),
+    (mesh, found): (&Mesh, &FoundStem),
     segments: Vec<SegmentReport>,
     mut notes: Vec<String>,
 ) -> AnatomyReport {

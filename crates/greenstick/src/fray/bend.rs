@@ -87,7 +87,7 @@ impl<'a> Bend<'a> {
             middle: model.square.0,
             radius: stem.radius,
             reach: model.square.1 / 2.0,
-            firm: sorted.get(at).copied().unwrap_or(stem.place),
+            firm: sorted.get(at).copied().unwrap_or(stem.location),
             sign,
             amount,
             seed: seed + u64::from(upper),

@@ -5,7 +5,7 @@ use crate::{BreakRequest, break_scene, built_in_branch, prepare};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{CheckOptions, Context, Node, Scene};
 use greenstick_wood::primitive;
-use greenstick_wood::stem::{Place, StemOptions};
+use greenstick_wood::stem::{StemLocation, StemOptions};
 
 const QUICK: CheckOptions = CheckOptions {
     self_intersections: false,
@@ -34,7 +34,7 @@ fn parameters(settings: &[&str]) -> BreakParameters {
 }
 
 fn made(scene: Scene, p: &BreakParameters) -> (Prepared, Model, FrayOptions) {
-    let place = Place::Fraction(0.5);
+    let place = StemLocation::Fraction(0.5);
     let prepared = prepare(scene, &place, &StemOptions::default(), &Context::quiet()).unwrap();
     let model = prepared.model(p, 1.0, 1).unwrap();
     let options = FrayOptions {
@@ -122,7 +122,7 @@ fn bent_pieces_stay_whole_and_splinters_lie_clear_of_the_stem() {
         .stem
         .grain
         .axis()
-        .frame(prepared.found.stem.place);
+        .frame(prepared.found.stem.location);
     for (mesh, thrown) in &made.splinters {
         assert!((thrown.matrix3.determinant() - 1.0).abs() < 1e-9);
         let move_to = *thrown * *prepared.transform();
@@ -178,7 +178,7 @@ fn the_bend_is_one_to_one() {
     let stem = &prepared.found.stem;
     for upper in [false, true] {
         let bend = Bend::new(&prepared, &model, 1.0, 5, upper);
-        let worst = bend.least_stretch(stem.place, 3.5 * stem.radius, 6.0 * stem.radius);
+        let worst = bend.least_stretch(stem.location, 3.5 * stem.radius, 6.0 * stem.radius);
         assert!(worst > 0.1, "{worst}");
     }
 }

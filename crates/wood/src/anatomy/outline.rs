@@ -4,7 +4,8 @@
 //! Triangles that meet the plane come from a tree; their cuts are joined through the edges they share. Where the mesh has
 //! a hole the ends of the line are joined straight across, the nearest first, and the length so guessed is told.
 
-use crate::stem::{Frame, polygon};
+use crate::polygon;
+use crate::stem::Frame;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Aabb, Bvh, Mesh};
 

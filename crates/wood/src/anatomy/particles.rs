@@ -10,7 +10,7 @@ use super::fill::Grid;
 use super::outline::Outline;
 use super::rings::RingNumbers;
 use super::sections::Section;
-use crate::stem::RingField;
+use crate::rings::RingField;
 use crate::tissue::{Proportions, Zone};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

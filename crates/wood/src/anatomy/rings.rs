@@ -5,7 +5,7 @@
 //! of rings are taken the same way by whatever comes after.
 
 use super::fill::{Grid, Scan};
-use crate::stem::RingField;
+use crate::rings::RingField;
 use crate::tissue::{Proportions, Zone};
 use glam::DVec2;
 use greenstick_geometry::Bitmap;

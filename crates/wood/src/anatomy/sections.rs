@@ -3,7 +3,9 @@
 
 use super::fill::{Grid, fill};
 use super::outline::{Outline, Slicer};
-use crate::stem::{Axis, Found, Frame, RingField, Stem, StemKind, polygon};
+use crate::polygon;
+use crate::rings::RingField;
+use crate::stem::{Axis, FoundStem, Frame, Stem, StemKind};
 use glam::DVec2;
 use greenstick_geometry::{Bitmap, Mesh};
 
@@ -93,7 +95,7 @@ impl<'a> Anatomy<'a> {
     /// # Errors
     /// [`AnatomyError`] where no section can be made, or not with such options.
     pub fn new(
-        found: &'a Found,
+        found: &'a FoundStem,
         mesh: &Mesh,
         options: &AnatomyOptions,
     ) -> Result<Self, AnatomyError> {

@@ -18,7 +18,7 @@
 //!
 //! In a board rings are arcs about the pith and ρ is the distance from it over the largest one in the section.
 
-use crate::stem::polygon;
+use crate::polygon;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 

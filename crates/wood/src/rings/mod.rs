@@ -13,6 +13,6 @@ pub use erosion::{Circle, NEVER, TwoSided, erode, passes, passes_of_all, two_sid
 pub use field::RingField;
 pub use kernel::Kernel;
 pub use kernels::KernelsError;
-pub use pith::likely_pith;
+pub use pith::estimate_pith;
 pub use schedule::{Kind, Pass, Schedule, ScheduleError, rings_of};
 pub use series::{RingError, RingList};

@@ -7,7 +7,7 @@
 //! error from 16.5, 7.6 and 2.0 % of the mean radius (centroid) to 14.6, 4.6 and 1.9 %. Three sections of one genus
 //! prove little: a known pith should be given.
 
-use crate::stem::polygon;
+use crate::polygon;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
@@ -22,7 +22,7 @@ const FARTHEST: f64 = 0.16;
 
 /// The likely pith of a section with the closed `outline`, in its units. It lies inside, and not close to the outline,
 /// where there is such a place.
-pub fn likely_pith(outline: &[DVec2]) -> DVec2 {
+pub fn estimate_pith(outline: &[DVec2]) -> DVec2 {
     let (area, centroid) = polygon::area_and_centroid(outline);
     let radius = (area.abs() / PI).sqrt();
     let guess = centroid + egg(outline, centroid, radius) * radius;

@@ -1,7 +1,7 @@
 //! The rings of one section, given as a number, as mean radii or as widths (a climate series).
 
 use super::RingField;
-use crate::stem::polygon;
+use crate::polygon;
 use glam::DVec2;
 
 /// Rings are at most this many: more are no wood.

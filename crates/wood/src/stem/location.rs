@@ -1,12 +1,20 @@
-//! Where a stem is to be broken, as people write it.
+//! A location on a stem, as people write it.
 
 use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// A place on a stem.
+/// A location on a stem.
+///
+/// ```
+/// use greenstick_wood::stem::StemLocation;
+///
+/// assert_eq!("0.4".parse(), Ok(StemLocation::Fraction(0.4)));
+/// assert_eq!("12cm".parse(), Ok(StemLocation::Length(0.12)));
+/// assert!("0.3,2.1,-0.4".parse::<StemLocation>().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Place {
+pub enum StemLocation {
     /// Fraction of the stem's length from its base, 0 to 1.
     Fraction(f64),
     /// Length along the stem from its base, m.
@@ -15,27 +23,27 @@ pub enum Place {
     Point(DVec3),
 }
 
-/// A place that cannot be read.
+/// A text that is no location.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "place {text:?}: {found}; a place is a fraction of the stem from 0 to 1 (0.4), a length from its \
      base (12cm, 120mm, 1.2m) or a point (x,y,z)"
 )]
-pub struct PlaceError {
-    /// What was given.
+pub struct StemLocationError {
+    /// The text.
     pub text: String,
     /// What is wrong with it.
     pub found: String,
 }
 
-impl Place {
-    /// Reads `0.4`, `12cm`, `120mm`, `1.2m` or `x,y,z`; the numbers of a point are in units of `unit` metres (1 for
-    /// metres, 0.001 for a file in millimetres) unless they carry a unit themselves.
+impl StemLocation {
+    /// Parses `0.4`, `12cm`, `120mm`, `1.2m` or `x,y,z`. The coordinates of a point are in units of `unit` metres (1 for
+    /// metres, 0.001 for a file in millimetres) unless they have a unit of their own.
     ///
     /// # Errors
-    /// [`PlaceError`] where the text is none of these.
-    pub fn parse(text: &str, unit: f64) -> Result<Self, PlaceError> {
-        let error = |found: String| PlaceError {
+    /// [`StemLocationError`] where the text is none of these.
+    pub fn parse(text: &str, unit: f64) -> Result<Self, StemLocationError> {
+        let error = |found: String| StemLocationError {
             text: text.to_owned(),
             found,
         };
@@ -52,12 +60,12 @@ impl Place {
                 let (number, scale) = quantity(part).map_err(error)?;
                 *value = number * scale.unwrap_or(unit);
             }
-            return Ok(Place::Point(DVec3::from_array(point)));
+            return Ok(StemLocation::Point(DVec3::from_array(point)));
         }
         match quantity(text.trim()).map_err(error)? {
-            (number, Some(scale)) if number >= 0.0 => Ok(Place::Length(number * scale)),
+            (number, Some(scale)) if number >= 0.0 => Ok(StemLocation::Length(number * scale)),
             (_, Some(_)) => Err(error("the length is negative".to_owned())),
-            (number, None) if (0.0..=1.0).contains(&number) => Ok(Place::Fraction(number)),
+            (number, None) if (0.0..=1.0).contains(&number) => Ok(StemLocation::Fraction(number)),
             (number, None) => Err(error(format!(
                 "{number} without a unit is a fraction and must lie between 0 and 1"
             ))),
@@ -65,12 +73,12 @@ impl Place {
     }
 }
 
-/// A finite number and the metres in its unit, where it has one.
+/// Splits a text into a finite number and the metres in its unit, where it has one.
 fn quantity(text: &str) -> Result<(f64, Option<f64>), String> {
     const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("cm", 1e-2), ("%", 0.0), ("m", 1.0)];
     let unit = UNITS.iter().find(|(name, _)| text.ends_with(name));
     let (digits, scale) = match unit {
-        Some(("%", _)) => return Err("percent are not read, write a fraction".to_owned()),
+        Some(("%", _)) => return Err("percentages are not supported; write a fraction".to_owned()),
         Some((name, scale)) => (text[..text.len() - name.len()].trim_end(), Some(*scale)),
         None => (text, None),
     };
@@ -82,22 +90,22 @@ fn quantity(text: &str) -> Result<(f64, Option<f64>), String> {
     }
 }
 
-impl FromStr for Place {
-    type Err = PlaceError;
+impl FromStr for StemLocation {
+    type Err = StemLocationError;
 
-    /// [`Place::parse`] with points in metres.
-    fn from_str(text: &str) -> Result<Self, PlaceError> {
-        Place::parse(text, 1.0)
+    /// [`StemLocation::parse`] with points in metres.
+    fn from_str(text: &str) -> Result<Self, StemLocationError> {
+        StemLocation::parse(text, 1.0)
     }
 }
 
-impl fmt::Display for Place {
-    /// The form that [`Place::parse`] reads, points in metres.
+impl fmt::Display for StemLocation {
+    /// The form that [`StemLocation::parse`] reads, with points in metres.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Fraction(x) => write!(f, "{x:.4}"),
-            Place::Length(x) => write!(f, "{x:.4}m"),
-            Place::Point(p) => write!(f, "{:.4},{:.4},{:.4}", p.x, p.y, p.z),
+            StemLocation::Fraction(x) => write!(f, "{x:.4}"),
+            StemLocation::Length(x) => write!(f, "{x:.4}m"),
+            StemLocation::Point(p) => write!(f, "{:.4},{:.4},{:.4}", p.x, p.y, p.z),
         }
     }
 }
@@ -107,15 +115,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_read() {
-        assert_eq!("0.4".parse(), Ok(Place::Fraction(0.4)));
-        assert_eq!("12 cm".parse(), Ok(Place::Length(0.12)));
-        assert_eq!("120mm".parse(), Ok(Place::Length(0.12)));
+    fn locations_are_parsed() {
+        assert_eq!("0.4".parse(), Ok(StemLocation::Fraction(0.4)));
+        assert_eq!("12 cm".parse(), Ok(StemLocation::Length(0.12)));
+        assert_eq!("120mm".parse(), Ok(StemLocation::Length(0.12)));
         let point = DVec3::new(0.1, 2.3, -0.4);
-        assert_eq!("0.1, 2.3,-0.4".parse(), Ok(Place::Point(point)));
-        assert_eq!(Place::parse("125,2000,-500", 1e-3), "0.125,2,-0.5".parse());
-        for place in ["0.4000", "0.1200m", "0.1000,2.3000,-0.4000"] {
-            assert_eq!(place.parse::<Place>().unwrap().to_string(), place);
+        assert_eq!("0.1, 2.3,-0.4".parse(), Ok(StemLocation::Point(point)));
+        assert_eq!(
+            StemLocation::parse("125,2000,-500", 1e-3),
+            "0.125,2,-0.5".parse()
+        );
+        for text in ["0.4000", "0.1200m", "0.1000,2.3000,-0.4000"] {
+            assert_eq!(text.parse::<StemLocation>().unwrap().to_string(), text);
         }
         for (text, part) in [
             ("1.2", "between 0 and 1"),
@@ -127,7 +138,7 @@ mod tests {
             ("-3cm", "negative"),
             ("40%", "fraction"),
         ] {
-            let message = text.parse::<Place>().unwrap_err().to_string();
+            let message = text.parse::<StemLocation>().unwrap_err().to_string();
             assert!(message.contains(part), "{text}: {message}");
         }
     }

@@ -1,4 +1,4 @@
-//! What a species' rings and heartwood look like, by genus.
+//! Ring character and heartwood colour by genus.
 //!
 //! Sources: R. B. Hoadley, *Identifying Wood*, and the species descriptions of the Wood Handbook,
 //! chapter 2. The genus decides but for the exceptions listed; a genus that is not in the table has
@@ -26,7 +26,7 @@ pub enum RingCharacter {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeartwoodColour {
-    /// Hardly to be told from the sapwood.
+    /// Hardly distinguishable from the sapwood.
     Light,
     /// Clearly darker than the sapwood.
     Dark,
@@ -90,8 +90,10 @@ const EXCEPTIONS: &[(&str, RingCharacter, HeartwoodColour)] = &[
     ("Thuja occidentalis", GradualLatewood, Light),
 ];
 
-/// Ring character and heartwood of a scientific name; `None` for an unknown genus.
-pub(super) fn of(scientific_name: &str) -> Option<(RingCharacter, HeartwoodColour)> {
+/// Ring character and heartwood colour by scientific name; `None` for an unknown genus.
+pub(super) fn ring_character_and_heartwood(
+    scientific_name: &str,
+) -> Option<(RingCharacter, HeartwoodColour)> {
     let genus = scientific_name.split(' ').next()?;
     EXCEPTIONS
         .iter()

@@ -1,14 +1,16 @@
-//! The form of a stem's sections and the address of a point in one: an angle in turns and a radius. Round sections are
-//! addressed from their middle; those of squared timber from a core, a line as long as they are wider than thick, so that
-//! equal steps of the angle are equal lengths of the girth, a flat side has one radius, and corners stay where they are.
+//! The shape of a stem's sections and the address of a point in one: an angle in turns and a radius.
+//!
+//! Round sections are addressed from their middle; those of squared timber from a core, a line as long as they are wider
+//! than thick, so that equal steps of the angle are equal lengths of the girth, a flat side has one radius, and corners
+//! stay where they are.
 
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// The form of sections.
+/// The shape of sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Section {
-    /// As addressed from one middle.
+pub(crate) enum SectionShape {
+    /// Addressed from one middle.
     Round,
     /// A rectangle: half its thickness, and half its width less that, along the first axis.
     Squared {
@@ -19,15 +21,15 @@ pub(crate) enum Section {
     },
 }
 
-impl Section {
+impl SectionShape {
     /// Angle in turns, 0 to 1, and radius of a point.
     pub fn address(&self, p: DVec2) -> (f64, f64) {
         match *self {
-            Section::Round => {
+            SectionShape::Round => {
                 let turn = libm::atan2(p.y, p.x) / TAU;
                 (turn - turn.floor(), p.length())
             }
-            Section::Squared { half, core } => {
+            SectionShape::Squared { half, core } => {
                 let from = p.x.clamp(-core, core);
                 let d = DVec2::new(p.x - from, p.y);
                 let radius = d.x.abs().max(d.y.abs());
@@ -35,7 +37,7 @@ impl Section {
                     return (0.0, 0.0);
                 }
                 let on = DVec2::new(from, 0.0) + d * (half / radius);
-                (turn_on(on, half, core), radius)
+                (turn_of_girth_point(on, half, core), radius)
             }
         }
     }
@@ -43,12 +45,12 @@ impl Section {
     /// The point at an angle in turns and a radius.
     pub fn point(&self, turn: f64, radius: f64) -> DVec2 {
         match *self {
-            Section::Round => {
+            SectionShape::Round => {
                 let angle = TAU * turn;
                 DVec2::new(libm::cos(angle), libm::sin(angle)) * radius
             }
-            Section::Squared { half, core } => {
-                let on = on_girth(turn, half, core);
+            SectionShape::Squared { half, core } => {
+                let on = girth_point(turn, half, core);
                 let from = on.x.clamp(-core, core);
                 DVec2::new(from, 0.0) + DVec2::new(on.x - from, on.y) * (radius / half)
             }
@@ -58,37 +60,37 @@ impl Section {
     /// Girth at a mean radius, m.
     pub fn girth(&self, radius: f64) -> f64 {
         match *self {
-            Section::Round => TAU * radius,
-            Section::Squared { core, .. } => 8.0 * radius + 4.0 * core,
+            SectionShape::Round => TAU * radius,
+            SectionShape::Squared { core, .. } => 8.0 * radius + 4.0 * core,
         }
     }
 
     /// Radius of the circle of the same area, m, at a mean radius.
     pub fn equal_radius(&self, radius: f64) -> f64 {
         match *self {
-            Section::Round => radius,
-            Section::Squared { core, .. } => {
+            SectionShape::Round => radius,
+            SectionShape::Squared { core, .. } => {
                 (4.0 * radius * (radius + core) / std::f64::consts::PI).sqrt()
             }
         }
     }
 
-    /// Angles of corners, in turns, ascending.
+    /// Angles of the corners, in turns, ascending.
     pub fn corners(&self) -> Vec<f64> {
         match *self {
-            Section::Round => Vec::new(),
-            Section::Squared { half, core } => {
+            SectionShape::Round => Vec::new(),
+            SectionShape::Squared { half, core } => {
                 let wide = core + half;
                 [(wide, half), (-wide, half), (-wide, -half), (wide, -half)]
-                    .map(|(x, y)| turn_on(DVec2::new(x, y), half, core))
+                    .map(|(x, y)| turn_of_girth_point(DVec2::new(x, y), half, core))
                     .to_vec()
             }
         }
     }
 }
 
-/// Place along the girth of a rectangle, in turns from the middle of its first narrow side.
-fn turn_on(p: DVec2, half: f64, core: f64) -> f64 {
+/// Position along the girth of a rectangle, in turns from the middle of its first narrow side.
+fn turn_of_girth_point(p: DVec2, half: f64, core: f64) -> f64 {
     let wide = core + half;
     let along = if p.x >= wide * (1.0 - 1e-12) {
         if p.y >= 0.0 {
@@ -108,7 +110,7 @@ fn turn_on(p: DVec2, half: f64, core: f64) -> f64 {
 }
 
 /// The point of a rectangle's girth at `turn`.
-fn on_girth(turn: f64, half: f64, core: f64) -> DVec2 {
+fn girth_point(turn: f64, half: f64, core: f64) -> DVec2 {
     let wide = core + half;
     let along = (turn - turn.floor()) * (8.0 * half + 4.0 * core);
     let sides = [
@@ -136,13 +138,13 @@ mod tests {
 
     #[test]
     fn addresses_lead_back_and_corners_are_corners() {
-        for section in [
-            Section::Round,
-            Section::Squared {
+        for shape in [
+            SectionShape::Round,
+            SectionShape::Squared {
                 half: 0.07,
                 core: 0.03,
             },
-            Section::Squared {
+            SectionShape::Squared {
                 half: 0.01,
                 core: 0.0,
             },
@@ -150,22 +152,22 @@ mod tests {
             for k in 0..1000 {
                 let turn = f64::from(k) / 1000.0;
                 for radius in [0.02, 0.1] {
-                    let (t, r) = section.address(section.point(turn, radius));
+                    let (t, r) = shape.address(shape.point(turn, radius));
                     let off = (t - turn + 0.5).rem_euclid(1.0) - 0.5;
                     assert!(off.abs() < 1e-9 && (r - radius).abs() < 1e-12, "{turn} {t}");
                 }
             }
         }
-        let section = Section::Squared {
+        let shape = SectionShape::Squared {
             half: 0.07,
             core: 0.03,
         };
-        let corners = section.corners();
+        let corners = shape.corners();
         assert!(corners.is_sorted());
         let expected = [(0.1, 0.07), (-0.1, 0.07), (-0.1, -0.07), (0.1, -0.07)];
         for (turn, (x, y)) in corners.into_iter().zip(expected) {
-            assert!(section.point(turn, 0.07).distance(DVec2::new(x, y)) < 1e-12);
+            assert!(shape.point(turn, 0.07).distance(DVec2::new(x, y)) < 1e-12);
         }
-        assert!((section.girth(0.07) - 0.68).abs() < 1e-12);
+        assert!((shape.girth(0.07) - 0.68).abs() < 1e-12);
     }
 }

@@ -1,10 +1,19 @@
-//! Plane geometry of a section's outline: area, centroid, enclosing rectangle, largest inscribed circle.
+//! Plane geometry of closed outlines: area, centroid, enclosing rectangle, largest inscribed circle.
 
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
-/// Signed area (counter-clockwise positive) and centroid of a closed polygon.
-pub(crate) fn area_and_centroid(outline: &[DVec2]) -> (f64, DVec2) {
+/// Returns the signed area (counter-clockwise positive) and the centroid of a closed polygon; its first point where the
+/// area is 0.
+///
+/// ```
+/// use glam::DVec2;
+/// use greenstick_wood::polygon::area_and_centroid;
+///
+/// let triangle = [DVec2::ZERO, DVec2::new(3.0, 0.0), DVec2::new(0.0, 3.0)];
+/// assert_eq!(area_and_centroid(&triangle), (4.5, DVec2::ONE));
+/// ```
+pub fn area_and_centroid(outline: &[DVec2]) -> (f64, DVec2) {
     let Some(&origin) = outline.first() else {
         return (0.0, DVec2::ZERO);
     };
@@ -56,7 +65,7 @@ pub(crate) fn distance(outline: &[DVec2], p: DVec2) -> f64 {
     best.sqrt()
 }
 
-/// Farthest crossing of the ray from `from` along the unit vector `direction` with the outline.
+/// The farthest crossing of the ray from `from` along the unit vector `direction` with the outline.
 pub(crate) fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2) -> Option<f64> {
     let mut best: Option<f64> = None;
     for (i, &p) in outline.iter().enumerate() {
@@ -72,7 +81,8 @@ pub(crate) fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2
     best
 }
 
-/// [`farthest_crossing`] in `count` directions at equal angles, the first at −π, each edge looked at only where it lies.
+/// [`farthest_crossing`] in `count` directions at equal angles, the first at −π. Each edge is tested only against the
+/// directions under which it is seen.
 pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -> Vec<Option<f64>> {
     let directions: Vec<DVec2> = (0..count)
         .map(|j| {
@@ -88,7 +98,7 @@ pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -
     let mut best: Vec<Option<f64>> = vec![None; count];
     for (i, &(a, start)) in corners.iter().enumerate() {
         let (b, end) = corners[(i + 1) % corners.len()];
-        // An edge is seen under less than half a turn.
+        // An edge subtends less than half a turn.
         let half = 0.5 * count as f64;
         let turn = (end - start + half).rem_euclid(count as f64) - half;
         let (low, high) = (start.min(start + turn), start.max(start + turn));
@@ -109,8 +119,8 @@ pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -
     best
 }
 
-/// Convex hull, counter-clockwise (Andrew 1979).
-pub(crate) fn hull(points: &[DVec2]) -> Vec<DVec2> {
+/// The convex hull, counter-clockwise (Andrew 1979, Another Efficient Algorithm for Convex Hulls in Two Dimensions).
+fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
@@ -137,10 +147,10 @@ pub(crate) fn hull(points: &[DVec2]) -> Vec<DVec2> {
     chain
 }
 
-/// A rectangle about a section.
+/// A rectangle in any direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
-    /// Middle.
+    /// Its centre.
     pub centre: DVec2,
     /// Direction of its longer side (unit).
     pub wide: DVec2,
@@ -150,9 +160,9 @@ pub(crate) struct Rectangle {
     pub thickness: f64,
 }
 
-/// The enclosing rectangle of least area: one of its sides lies on a side of the hull.
+/// The enclosing rectangle of least area. One of its sides lies on a side of the convex hull (Freeman and Shapira 1975).
 pub(crate) fn smallest_rectangle(points: &[DVec2]) -> Option<Rectangle> {
-    let hull = hull(points);
+    let hull = convex_hull(points);
     let mut best: Option<(f64, Rectangle)> = None;
     for (i, &a) in hull.iter().enumerate() {
         let Some(u) = (hull[(i + 1) % hull.len()] - a).try_normalize() else {
@@ -187,7 +197,7 @@ pub(crate) fn smallest_rectangle(points: &[DVec2]) -> Option<Rectangle> {
     best.map(|(_, r)| r)
 }
 
-/// At most `count` of the outline's points, evenly taken.
+/// At most `count` of the outline's points, evenly spaced by index.
 pub(crate) fn thinned(outline: &[DVec2], count: usize) -> Vec<DVec2> {
     if outline.len() <= count {
         return outline.to_vec();
@@ -250,7 +260,7 @@ mod tests {
 
     #[test]
     fn crossings_in_all_directions_are_those_in_each() {
-        // A star that folds back, seen from within, from beside and from a corner.
+        // A star that folds back, seen from inside, from outside and from a corner.
         let star: Vec<DVec2> = (0..41)
             .map(|i| {
                 let a = f64::from(i) * 0.9 + 0.3 * f64::from(i % 5);
