@@ -1,8 +1,7 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::branch::OWN_BARK;
-use crate::breaking::Broken;
-use crate::looks::Looks;
+use crate::session::{Broken, Looks, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
@@ -211,17 +210,19 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
     let frame = broken.stem.grain.axis().frame(broken.stem.location);
     let [low, high] = broken.report.face.range_m;
     let stub = STUB.0 * broken.stem.radius + STUB.1 * (high - low);
-    let Some(rest) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
+    let lower = NodeRole::Piece(PieceRole::Lower);
+    let Some(at) = broken.roles.iter().position(|&role| role == lower) else {
         return;
     };
+    let rest = &broken.scene.nodes[at];
     let (along, origin) = (frame.tangent, frame.origin);
     let reach = 0.5 * broken.width;
     let mut shown = Vec::new();
-    for node in &scene.nodes {
-        let upper = node.name == "upper";
-        if node.name != "lower" && !upper && !node.name.starts_with("splinter_") {
+    for (node, role) in scene.nodes.iter().zip(&broken.roles) {
+        let NodeRole::Piece(role) = role else {
             continue;
-        }
+        };
+        let upper = *role == PieceRole::Upper;
         let rings = node.mesh.attributes.get("_RING");
         let face = (node.mesh.triangles.iter().enumerate())
             .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material))
@@ -242,7 +243,7 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
                 shown.push(node.transform.transform_point3(at));
             }
         }
-        if node.name.starts_with("splinter_") {
+        if matches!(role, PieceRole::Splinter(_)) {
             continue;
         }
         // The stem runs on behind the face: its section once more. Pieces have one transform at rest.
@@ -300,16 +301,14 @@ fn opened(broken: &Broken) -> Scene {
         * turn
         * DAffine3::from_translation(-centre);
     let mut scene = broken.scene.clone();
-    let upper: Vec<usize> = (0..scene.nodes.len())
-        .filter(|&i| scene.nodes[i].name == "upper" || scene.nodes[i].parent == Some(1))
-        .collect();
-    // What was not cut would only stand in the way.
-    let ours = |n: &greenstick_geometry::Node| n.name == "lower" || n.name.starts_with("splinter_");
-    for (i, node) in scene.nodes.iter_mut().enumerate() {
-        if upper.contains(&i) {
-            node.transform = about * node.transform;
-        } else if !ours(node) {
-            node.mesh = Arc::default();
+    for (node, role) in scene.nodes.iter_mut().zip(&broken.roles) {
+        match role {
+            NodeRole::Piece(PieceRole::Upper) | NodeRole::Carried => {
+                node.transform = about * node.transform;
+            }
+            NodeRole::Piece(_) => {}
+            // It would only stand in the way.
+            NodeRole::Untouched => node.mesh = Arc::default(),
         }
     }
     scene

@@ -1,7 +1,7 @@
 //! What a break did, in numbers with units.
 
-use crate::hang::HangReport;
 use greenstick_geometry::Mesh;
+use greenstick_skin::hang::HangReport;
 use serde::Serialize;
 use std::fmt;
 
@@ -117,7 +117,7 @@ pub struct BreakReport {
 
 impl PieceReport {
     /// The report on a mesh whose coordinates must be multiplied by `scale` (m³ per unit³) for its volume.
-    pub(crate) fn of(name: &str, mesh: &Mesh, scale: f64) -> Self {
+    pub(crate) fn new(name: &str, mesh: &Mesh, scale: f64) -> Self {
         let (closed, volume) = closed_volume(mesh);
         PieceReport {
             name: name.to_owned(),

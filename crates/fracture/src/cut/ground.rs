@@ -1,11 +1,10 @@
 //! What of a cut stays while its parameters change: the skin sorted along the grain and across it, and which facets of a
 //! layout lie near it.
 
-use super::overlay::clips::Clips;
 use super::{Side, Solid};
 use crate::surface::{Layout, NONE, Surface, range};
 use glam::DVec2;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::Arc;
 
 /// Cells of the finest grid, each way.
 const FINEST: usize = 256;
@@ -19,7 +18,7 @@ const LEVELS: usize = 5;
 pub struct Skin {
     /// Triangles of the shell by rank.
     pub order: Vec<u32>,
-    ranks: Arc<Vec<u32>>,
+    pub(super) ranks: Arc<Vec<u32>>,
     /// Lowest and highest length of each, by rank, m.
     spans: Vec<(f64, f64)>,
     /// Highest length of all up to each rank, and lowest of all from it on.
@@ -248,8 +247,6 @@ pub struct Ground {
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
-    /// Parts of the skin's triangles over the facets, as far as breaks have asked for them.
-    clips: Arc<Mutex<Clips>>,
 }
 
 /// "Near the skin" in [`Ground::regions`].
@@ -267,12 +264,6 @@ impl Ground {
     pub(super) fn joint(&self, facet: u32) -> Option<u32> {
         let region = self.regions[facet as usize];
         (region == NEAR || self.on_rim[facet as usize]).then_some(region)
-    }
-
-    /// What earlier breaks have found out.
-    pub(super) fn clips(&self) -> MutexGuard<'_, Clips> {
-        // Whatever a panic elsewhere has left there is whole or empty.
-        self.clips.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     /// Facets whose boxes meet that of the limb triangle of a rank, ascending. `flat` are its corners; `marks` has the

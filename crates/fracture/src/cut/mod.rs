@@ -8,10 +8,11 @@ mod layers;
 mod overlay;
 mod polygon;
 
-use crate::surface::{NONE, Surface};
+use crate::surface::{Layout, NONE, Surface};
 use glam::DVec3;
 pub use ground::{Ground, Sides, Skin};
 use overlay::{Overlay, Place, clips::Clips};
+use std::sync::Arc;
 
 /// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,11 +168,35 @@ pub enum CutError {
 pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
     let ground = Ground::new(&skin, &surface.layout);
-    cut_again(solid, &skin, &ground, surface)
+    cut_again(solid, &skin, &ground, surface, &mut CutWorkspace::default())
+}
+
+/// What one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as cuts have
+/// asked for it. A cut is the same with a fresh workspace.
+#[derive(Debug, Default)]
+pub struct CutWorkspace {
+    clips: Clips,
+    /// The skin and the layout that `clips` are of.
+    of: Option<(Arc<Vec<u32>>, Arc<Layout>)>,
+}
+
+impl CutWorkspace {
+    /// The clips of a skin and a layout, those from before where they are of the same.
+    fn clips(&mut self, skin: &Skin, layout: &Arc<Layout>) -> &mut Clips {
+        let same = self.of.as_ref().is_some_and(|(ranks, known)| {
+            Arc::ptr_eq(ranks, &skin.ranks) && Arc::ptr_eq(known, layout)
+        });
+        if !same {
+            self.of = Some((skin.ranks.clone(), layout.clone()));
+        }
+        let sizes = (skin.order.len(), layout.facets.len());
+        self.clips.begin(same, sizes);
+        &mut self.clips
+    }
 }
 
 /// [`cut`] with what stays the same from cut to cut: the sorted `skin` of `solid`, within whose reach the surface must
-/// lie, and the `ground` of the surface's layout on it.
+/// lie, the `ground` of the surface's layout on it, and the workspace that earlier cuts have left.
 ///
 /// # Errors
 /// As [`cut`].
@@ -180,20 +205,12 @@ pub fn cut_again(
     skin: &Skin,
     ground: &Ground,
     surface: &Surface,
+    workspace: &mut CutWorkspace,
 ) -> Result<Cut, CutError> {
-    // Another break of the same ground at the same time works out anew what it needs.
-    let mut clips = std::mem::take(&mut *ground.clips());
-    clips.begin(skin.order.len(), surface.layout.facets.len());
+    let clips = workspace.clips(skin, &surface.layout);
     let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
-    let sides = lay(solid, skin, ground, surface, &mut clips, &mut overlay);
+    let sides = lay(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
-    {
-        let mut kept = ground.clips();
-        if kept.size() <= clips.size() {
-            *kept = clips;
-        }
-    }
-    let sides = sides?;
     let outlines = outlines(&overlay);
     let cap = cap::build(surface, ground, &mut overlay, outlines > 1)?;
     Ok(Cut {

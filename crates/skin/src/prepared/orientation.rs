@@ -1,29 +1,29 @@
-//! Triangles that face inwards, as scanners and mirrored nodes leave them, turned over before a stem is cut: what is
-//! inside of a skin is told by the side on which it faces.
+//! Turning triangles outwards. Scanners and mirrored nodes leave triangles that face inwards, but the side on which a
+//! skin faces decides where its wood is.
 
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Mesh, Node};
 use greenstick_wood::stem::FoundStem;
 
-/// Puts a mirrored node's mesh into the world, so that its triangles face there as the file means them to.
-pub(crate) fn unmirror(node: &mut Node) {
+/// Moves the mesh of a mirrored node into the world, so that its triangles face there as the file means them to.
+pub fn unmirror(node: &mut Node) {
     if node.transform.matrix3.determinant() < 0.0 {
         node.mesh = node.mesh.transformed(&node.transform).into();
         node.transform = DAffine3::IDENTITY;
     }
 }
 
-/// Turns the shell of a stem over where its skin faces inwards. `points` are those of the mesh's vertices and `grain`
-/// their grain coordinates.
-pub(crate) fn turn_outwards(
+/// Reverses the shell of a stem whose skin faces inwards. `points` are those of the mesh's vertices and `grain` their
+/// grain coordinates.
+pub(super) fn orient_outwards(
     mesh: &mut Mesh,
     points: &[u32],
     grain: &[DVec3],
     found: &mut FoundStem,
 ) {
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| grain[points[v as usize] as usize]);
-    // What is off the middle of the limb flows out through its skin alone, as sections across it let nothing of it
-    // through: twice the volume, with its sign, of an open tube, too.
+    // The flow of the field (p − middle) across the grain leaves the limb through its skin alone, as it is parallel to
+    // all sections across the grain: twice the volume with its sign, even of an open tube.
     let count = 3 * found.limb.len().max(1);
     let flat = |p: DVec3| p.truncate();
     let middle: DVec2 = found
@@ -48,15 +48,15 @@ pub(crate) fn turn_outwards(
     for &t in &found.shell {
         mesh.triangles[t as usize].swap(1, 2);
     }
-    turn_normals(mesh, &found.shell);
+    reverse_normals(mesh, &found.shell);
     found.notes.push(format!(
         "the mesh was inside out: {} triangles were turned over",
         found.shell.len()
     ));
 }
 
-/// Turns the normals of a shell's vertices where they, too, point inwards.
-fn turn_normals(mesh: &mut Mesh, shell: &[u32]) {
+/// Reverses the normals of a shell's vertices where they, too, point inwards.
+fn reverse_normals(mesh: &mut Mesh, shell: &[u32]) {
     let Some(normals) = mesh.attributes.get("NORMAL").filter(|n| n.width >= 3) else {
         return;
     };
@@ -75,15 +75,16 @@ fn turn_normals(mesh: &mut Mesh, shell: &[u32]) {
     if agreement >= 0.0 {
         return;
     }
-    let mut own = vec![false; mesh.positions.len()];
+    let mut of_shell = vec![false; mesh.positions.len()];
     for &t in shell {
         mesh.triangles[t as usize]
             .iter()
-            .for_each(|&v| own[v as usize] = true);
+            .for_each(|&v| of_shell[v as usize] = true);
     }
     if let Some(normals) = mesh.attributes.get_mut("NORMAL") {
         let width = normals.width;
-        for (n, _) in (normals.data.chunks_exact_mut(width).zip(&own)).filter(|n| *n.1) {
+        let pairs = normals.data.chunks_exact_mut(width).zip(&of_shell);
+        for (n, _) in pairs.filter(|n| *n.1) {
             n[..3].iter_mut().for_each(|x| *x = -*x);
         }
     }

@@ -1,8 +1,10 @@
-use crate::{BreakRequest, break_scene, built_in_branch};
+//! Pieces that hang on, as that of a greenstick fracture.
+
 use glam::{DAffine3, DVec3};
-use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_wood::primitive;
+use greenstick::fracture::recipe::Recipe;
+use greenstick::geometry::{Context, Mesh, Node, Scene};
+use greenstick::wood::primitive;
+use greenstick::{Break, BreakRequest, break_scene, built_in_branch};
 
 fn board() -> Scene {
     Scene {
@@ -41,9 +43,11 @@ fn a_hanging_piece_touches_the_other_nowhere_and_stays_at_its_hinge() {
         let settings = [format!("seed={seed}"), format!("hang={angle}")];
         let settings = settings.each_ref().map(String::as_str);
         let request = BreakRequest {
-            recipe: Recipe::resolve(&["green-stick"], None, &settings).unwrap(),
             texture_width: 16,
-            ..BreakRequest::default()
+            ..BreakRequest::single(Break {
+                recipe: Recipe::resolve(&["green-stick"], None, &settings).unwrap(),
+                ..Break::default()
+            })
         };
         let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
         let nodes = &broken.scene.nodes[..2];

@@ -1,19 +1,19 @@
-//! Bringing a mesh to the precision of files: what is too fine for `f32` is folded away, and the mesh stays closed.
+//! Snapping a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
 
-use greenstick_geometry::Mesh;
+use crate::Mesh;
 use rustc_hash::FxHashMap;
 
-/// Rounds positions to `f32`, drops triangles two corners of which fall together, and takes out pairs of triangles that
-/// have come to lie back to back, one of them of material `inner`: what the input had of such pairs stays. Each step leaves every edge with as many triangles one way as the other, so what was
-/// closed stays closed.
-pub fn settle(mesh: &mut Mesh, inner: u32) {
+/// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
+/// then lie back to back if at least one of the two has the material `inner`; pairs that the input brought along stay.
+/// Each step leaves every edge with as many triangles one way as the other, so a closed mesh stays closed.
+pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
     for p in &mut mesh.positions {
         *p = p.as_vec3().as_dvec3();
     }
     let (points, _) = mesh.points();
     let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
     let mut keep = vec![true; mesh.triangles.len()];
-    // Triangles met so far that none lies back to back with, by their points.
+    // Triangles met so far without one back to back with them, by their points.
     let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
     for (i, t) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = corners(t);
@@ -53,7 +53,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn a_feature_too_fine_for_files_is_folded_away_and_the_mesh_stays_closed() {
+    fn a_feature_too_fine_for_files_is_removed_and_the_mesh_stays_closed() {
         // A tetrahedron with a spike far thinner than an f32 can tell apart.
         let at = [
             DVec3::new(1.0, 0.0, 0.0),
@@ -77,7 +77,7 @@ mod tests {
             ..Mesh::default()
         };
         assert!(mesh.check().closed);
-        settle(&mut mesh, 0);
+        snap_to_f32(&mut mesh, 0);
         let report = mesh.check();
         assert_eq!((mesh.triangles.len(), report.degenerate_triangles), (4, 0));
         assert!(report.is_solid(), "{report}");

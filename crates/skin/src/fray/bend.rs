@@ -1,55 +1,55 @@
 //! Bending of torn fibres: a smooth, one-to-one map of the space about the break.
 //!
 //! Above a reference height every plane across the grain is spread and lowered, and then carried, in a few small steps,
-//! along a smooth random field without sources. No two places ever fall together, nothing tears, and volumes stay but
-//! for what straight triangles are off the curved map; triangles that would cross for it are halved.
+//! along a smooth random field without sources. The map is one to one, so nothing tears, and it preserves volume; straight
+//! triangles deviate a little from the curved map, and those that would cross because of it are bisected.
 
-use super::part::{part, vertex_between};
-use crate::Prepared;
-use crate::model::Model;
+use super::FrayedBreak;
+use super::levels::{push_vertex_between, split_at_levels};
 use glam::{DAffine3, DVec2, DVec3};
+use greenstick_geometry::repair::{EdgeBisector, crossing_pairs};
 use greenstick_geometry::{Aabb, Mesh};
-use greenstick_skin::halve::{Halver, crossing};
 use greenstick_wood::noise::{self, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
 
 /// Width of the random field's features, radii.
-const FEATURE: f64 = 0.7;
-/// Way along the random field per slope of its noise (about 2 at most), as part of its features' width.
-const WAY: f64 = 0.2;
-/// Steps of that way, each of which strains little.
+const FEATURE_WIDTH: f64 = 0.7;
+/// Displacement along the random field per slope of its noise (about 2 at most), as part of its features' width.
+const DISPLACEMENT: f64 = 0.2;
+/// Steps of that displacement, each of which strains little.
 const STEPS: u32 = 8;
 /// How far fibres at the bark spread outwards, radii.
 const SPLAY: f64 = 0.08;
-/// Part of the face's corners that lie below the height from which on fibres bend.
-const FIRM: f64 = 0.2;
+/// Part of the face's corners that lie below the height above which fibres bend.
+const FIRM_SHARE: f64 = 0.2;
 
-/// Distance along the grain at which triangles are parted to follow the bend, radii.
-const SPACING: f64 = 0.5;
+/// Distance along the grain at which triangles are split to follow the bend, radii.
+const LEVEL_SPACING: f64 = 0.5;
 
-/// Rounds in which triangles that cross are halved before the bend is made weaker.
-const HALVINGS: u32 = 8;
-/// How much weaker the bend is then, and how often.
-const LESS: f64 = 0.7;
-const WEAKER: u32 = 4;
+/// Rounds in which triangles that cross are bisected before the bend is made weaker.
+const BISECTIONS: u32 = 8;
+/// Factor by which the bend is made weaker then.
+const WEAKENING: f64 = 0.7;
+/// How often it is made weaker.
+const MAX_WEAKENINGS: u32 = 4;
 
-/// What was done lest a bent piece cross itself.
+/// How a piece was bent, and what kept it from crossing itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Bent {
+pub struct BendReport {
     /// Pairs of triangles that crossed at first.
     pub crossed: usize,
-    /// Edges halved.
-    pub halved: usize,
+    /// Edges bisected.
+    pub bisected: usize,
     /// Pairs that still cross.
-    pub left: usize,
-    /// How much the piece was bent, 0 to 1: what was asked for, or less.
+    pub remaining: usize,
+    /// How much the piece was bent, 0 to 1: as requested, or less.
     pub amount: f64,
     /// Change of the piece's volume, as part of it.
-    pub change: f64,
+    pub volume_change: f64,
 }
 
 /// The bend of one piece.
-pub(super) struct Bend<'a> {
+pub struct Bend<'a> {
     layers: &'a LayeredGrain,
     transform: DAffine3,
     inverse: DAffine3,
@@ -65,10 +65,9 @@ pub(super) struct Bend<'a> {
 }
 
 impl<'a> Bend<'a> {
-    pub fn new(prepared: &'a Prepared, model: &Model, amount: f64, seed: u64, upper: bool) -> Self {
-        let mut sorted: Vec<f64> = model
-            .heights
-            .surface
+    pub(super) fn new(frayed: &FrayedBreak<'a>, seed: u64, upper: bool) -> Self {
+        let prepared = frayed.stem;
+        let mut sorted: Vec<f64> = (frayed.heights.surface)
             .heights
             .iter()
             .flatten()
@@ -76,7 +75,7 @@ impl<'a> Bend<'a> {
             .collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let sign = if upper { -1.0 } else { 1.0 };
-        let part = if upper { 1.0 - FIRM } else { FIRM };
+        let part = if upper { 1.0 - FIRM_SHARE } else { FIRM_SHARE };
         let at = (part * sorted.len().saturating_sub(1) as f64) as usize;
         let transform = *prepared.transform();
         let stem = &prepared.found.stem;
@@ -84,12 +83,12 @@ impl<'a> Bend<'a> {
             layers: &prepared.layers,
             inverse: transform.inverse(),
             transform,
-            middle: model.square.0,
+            middle: prepared.square.middle,
             radius: stem.radius,
-            reach: model.square.1 / 2.0,
+            reach: prepared.square.side / 2.0,
             firm: sorted.get(at).copied().unwrap_or(stem.location),
             sign,
-            amount,
+            amount: frayed.amount,
             seed: seed + u64::from(upper),
         }
     }
@@ -106,16 +105,16 @@ impl<'a> Bend<'a> {
     /// The field at a place, radii per unit of way: the curl of noise, which moves areas without changing them.
     fn field(&self, at: DVec2) -> DVec2 {
         const H: f64 = 1e-4;
-        let p = (at - self.middle) / (FEATURE * self.radius);
+        let p = (at - self.middle) / (FEATURE_WIDTH * self.radius);
         let slope = |e: DVec2| {
             let noise = |p| noise::plane(self.seed << 1, p);
             (noise(p + e * H) - noise(p - e * H)) / (2.0 * H)
         };
-        DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (WAY * FEATURE)
+        DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (DISPLACEMENT * FEATURE_WIDTH)
     }
 
-    /// Where a place in grain space goes: first down, then aside within its plane.
-    fn moved(&self, grain: DVec3) -> DVec3 {
+    /// Where a place in grain space (m) goes: first down, then aside within its plane.
+    pub fn moved(&self, grain: DVec3) -> DVec3 {
         let over = self.over(grain);
         let at = grain.truncate();
         // Other limbs beside the stem stay where they are.
@@ -144,26 +143,26 @@ impl<'a> Bend<'a> {
         (to != grain).then(|| self.inverse.transform_point3(self.layers.to_world(to)))
     }
 
-    /// The mesh, bent, with what was done lest it cross itself.
-    pub fn apply(mut self, mesh: &Mesh) -> (Mesh, Bent) {
-        let mut done = Bent::default();
-        for attempt in 0..=WEAKER {
-            let last = attempt == WEAKER;
+    /// The mesh, bent, and how.
+    pub(super) fn apply(mut self, mesh: &Mesh) -> (Mesh, BendReport) {
+        let mut done = BendReport::default();
+        for attempt in 0..=MAX_WEAKENINGS {
+            let last = attempt == MAX_WEAKENINGS;
             let straight = self.straight(mesh, &mut done);
-            if done.left == 0 || last {
+            if done.remaining == 0 || last {
                 done.amount = self.amount;
                 return (self.bent(&straight), done);
             }
-            self.amount *= LESS;
+            self.amount *= WEAKENING;
         }
         (mesh.clone(), done)
     }
 
-    /// The mesh before it is bent, in triangles so fine that it can be: halved where they would cross when bent.
-    fn straight(&self, mesh: &Mesh, done: &mut Bent) -> Mesh {
-        // Long triangles along the grain are parted, so that they bend instead of leaning.
+    /// The mesh before it is bent, in triangles so small that it can be: bisected where they would cross when bent.
+    fn straight(&self, mesh: &Mesh, done: &mut BendReport) -> Mesh {
+        // Long triangles along the grain are split, so that they bend instead of leaning.
         let over = |place: DVec3| self.over(self.grain(place));
-        let mut mesh = part(mesh, &over, SPACING);
+        let mut mesh = split_at_levels(mesh, &over, LEVEL_SPACING);
         let map = |p: DVec3| self.map(p).unwrap_or(p);
         let mut bent: Vec<DVec3> = mesh.positions.iter().map(|&p| map(p)).collect();
         let moved: Vec<bool> = (mesh.triangles.iter())
@@ -179,33 +178,34 @@ impl<'a> Bend<'a> {
             .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
             .collect();
         let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
-        let mut pairs = crossing(&bent, &triangles, None);
+        let mut pairs = crossing_pairs(&bent, &triangles, None);
         for t in pairs.iter_mut().flatten() {
             *t = near[*t as usize];
         }
-        // What crosses without being bent is the input's own.
+        // What crosses without being bent is a fault of the input.
         pairs.retain(|p| p.iter().any(|&t| moved[t as usize]));
         done.crossed = done.crossed.max(pairs.len());
-        (done.halved, done.left) = (0, pairs.len());
+        (done.bisected, done.remaining) = (0, pairs.len());
         if pairs.is_empty() {
             return mesh;
         }
         let (points, count) = mesh.points();
-        let mut halver = Halver::new(std::mem::take(&mut mesh.triangles), points, count as u32);
-        for _ in 0..HALVINGS {
-            let mut fresh = vec![false; halver.triangles.len()];
+        let mut bisector =
+            EdgeBisector::new(std::mem::take(&mut mesh.triangles), points, count as u32);
+        for _ in 0..BISECTIONS {
+            let mut fresh = vec![false; bisector.triangles.len()];
             let mut changed = Vec::new();
             for t in pairs.iter().flatten().copied() {
                 if fresh[t as usize] {
                     continue;
                 }
                 let length = |a: u32, b: u32| bent[a as usize].distance(bent[b as usize]);
-                let mut make = |a: u32, b: u32| vertex_between(&mut mesh, a, b, 0.5);
-                if let Some(four) = halver.halve(t, &length, &mut make) {
-                    fresh.resize(halver.triangles.len(), true);
+                let mut make = |a: u32, b: u32| push_vertex_between(&mut mesh, a, b, 0.5);
+                if let Some(four) = bisector.bisect(t, &length, &mut make) {
+                    fresh.resize(bisector.triangles.len(), true);
                     four.iter().for_each(|&t| fresh[t as usize] = true);
                     changed.extend(four);
-                    done.halved += 1;
+                    done.bisected += 1;
                 }
                 let new = mesh.positions[bent.len()..].iter().map(|&p| map(p));
                 bent.extend(new.collect::<Vec<_>>());
@@ -213,19 +213,19 @@ impl<'a> Bend<'a> {
             changed.sort_unstable();
             changed.dedup();
             pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
-            pairs.extend(crossing(&bent, &halver.triangles, Some(&changed)));
+            pairs.extend(crossing_pairs(&bent, &bisector.triangles, Some(&changed)));
             pairs.sort_unstable();
             pairs.dedup();
-            done.left = pairs.len();
+            done.remaining = pairs.len();
             if pairs.is_empty() || changed.is_empty() {
                 break;
             }
         }
         if !mesh.materials.is_empty() {
-            let of = halver.origins.iter().map(|&t| mesh.materials[t as usize]);
+            let of = bisector.origins.iter().map(|&t| mesh.materials[t as usize]);
             mesh.materials = of.collect();
         }
-        mesh.triangles = halver.triangles;
+        mesh.triangles = bisector.triangles;
         mesh
     }
 
@@ -280,22 +280,4 @@ fn lowered(over: f64, k: f64) -> f64 {
         u = (u - (sum - over) / (spread * spread)).max(0.0);
     }
     u
-}
-
-#[cfg(test)]
-impl Bend<'_> {
-    /// Least determinant of the map's derivative at places within `aside` of the middle and `along` of `length` (m).
-    pub fn least_stretch(&self, length: f64, aside: f64, along: f64) -> f64 {
-        let h = 1e-6 * self.radius;
-        let mut least = f64::INFINITY;
-        for i in 0..20_000 {
-            let unit = |k: i64| 2.0 * noise::unit(77, i, k, 0) - 1.0;
-            let across = self.middle + DVec2::new(unit(0), unit(1)) * aside;
-            let at = across.extend(length + unit(2) * along);
-            let column = |e: DVec3| (self.moved(at + e * h) - self.moved(at - e * h)) / (2.0 * h);
-            let d = glam::DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z));
-            least = least.min(d.determinant());
-        }
-        least
-    }
 }

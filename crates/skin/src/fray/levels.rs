@@ -1,23 +1,23 @@
-//! Parting a mesh at even heights, so that what is straight can bend.
+//! Splitting a mesh at even heights, so that straight triangles can bend.
 
 use glam::DVec3;
 use greenstick_geometry::Mesh;
 use rustc_hash::FxHashMap;
 
 /// Part of the spacing within which a vertex counts as lying on a level.
-const NEAR: f64 = 1e-5;
+const ON_LEVEL: f64 = 1e-5;
 
-/// Parts every triangle at the heights that are multiples of `spacing` above 0. Vertices at one position are parted
-/// alike, so a closed mesh stays closed.
-pub(super) fn part(mesh: &Mesh, height: &dyn Fn(DVec3) -> f64, spacing: f64) -> Mesh {
-    let mut parter = Parter {
+/// Splits every triangle at the heights that are multiples of `spacing` above 0. Edges at one position are split alike,
+/// so a closed mesh stays closed.
+pub(super) fn split_at_levels(mesh: &Mesh, height: &dyn Fn(DVec3) -> f64, spacing: f64) -> Mesh {
+    let mut splitter = Splitter {
         levels: mesh
             .positions
             .iter()
             .map(|&p| {
                 let level = height(p) / spacing;
                 let whole = level.round();
-                if (level - whole).abs() < NEAR {
+                if (level - whole).abs() < ON_LEVEL {
                     whole
                 } else {
                     level
@@ -35,16 +35,16 @@ pub(super) fn part(mesh: &Mesh, height: &dyn Fn(DVec3) -> f64, spacing: f64) -> 
     for (t, &triangle) in mesh.triangles.iter().enumerate() {
         stack.push(triangle);
         while let Some(triangle) = stack.pop() {
-            if !parter.split(triangle, &mut stack) {
-                parter.mesh.triangles.push(triangle);
-                parter.mesh.materials.extend(mesh.materials.get(t));
+            if !splitter.split(triangle, &mut stack) {
+                splitter.mesh.triangles.push(triangle);
+                splitter.mesh.materials.extend(mesh.materials.get(t));
             }
         }
     }
-    parter.mesh
+    splitter.mesh
 }
 
-struct Parter {
+struct Splitter {
     mesh: Mesh,
     /// Height of every vertex, in spacings.
     levels: Vec<f64>,
@@ -52,7 +52,7 @@ struct Parter {
     made: FxHashMap<(u32, u32, u64), u32>,
 }
 
-impl Parter {
+impl Splitter {
     /// Splits a triangle at the lowest level that it crosses; false where it crosses none.
     fn split(&mut self, t: [u32; 3], stack: &mut Vec<[u32; 3]>) -> bool {
         let s = t.map(|v| self.levels[v as usize]);
@@ -78,7 +78,7 @@ impl Parter {
     }
 
     fn vertex(&mut self, a: u32, b: u32, level: f64) -> u32 {
-        // From the lower end up, whichever vertices stand there, so that both sides of a seam get the same position.
+        // From the lower end up, whichever vertices are there, so that both sides of a seam get the same position.
         let (a, b) = if self.levels[a as usize] < self.levels[b as usize] {
             (a, b)
         } else {
@@ -90,15 +90,15 @@ impl Parter {
         }
         let (from, to) = (self.levels[a as usize], self.levels[b as usize]);
         let t = (level - from) / (to - from);
-        let made = vertex_between(&mut self.mesh, a, b, t);
+        let made = push_vertex_between(&mut self.mesh, a, b, t);
         self.levels.push(level);
         self.made.insert(key, made);
         made
     }
 }
 
-/// Makes a vertex at fraction `t` from one vertex to another, with their attributes.
-pub(super) fn vertex_between(mesh: &mut Mesh, a: u32, b: u32, t: f64) -> u32 {
+/// Adds a vertex at fraction `t` from one vertex to another, with their attributes.
+pub(super) fn push_vertex_between(mesh: &mut Mesh, a: u32, b: u32, t: f64) -> u32 {
     let [p, q] = [a, b].map(|v| mesh.positions[v as usize]);
     mesh.positions.push(p.lerp(q, t));
     for (name, attribute) in &mut mesh.attributes {

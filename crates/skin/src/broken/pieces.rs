@@ -1,12 +1,14 @@
 //! The pieces of a cut as meshes: skin with its attributes carried over, broken faces with their own.
 
-use crate::face::Face;
-use glam::{DVec2, DVec3};
+use super::face::Face;
+use crate::texture::SectionSquare;
+use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::layout::Bundles;
 use greenstick_fracture::surface::NONE;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
 use greenstick_wood::stem::{LayeredGrain, Stem};
+use greenstick_wood::tissue::Proportions;
 use std::collections::BTreeMap;
 
 /// The mesh that was cut.
@@ -31,12 +33,12 @@ pub struct InnerWood<'a> {
     pub stem: &'a Stem,
     /// Its fibre bundles.
     pub bundles: &'a Bundles,
-    /// Code of the tissue zone at a ring coordinate.
-    pub zone: &'a dyn Fn(f64) -> u8,
+    /// Proportions of the tissues.
+    pub proportions: Proportions,
     /// Material of the broken face.
     pub material: u32,
-    /// Middle of the section (grain x, y) and side W of the square that the texture covers, m.
-    pub square: (DVec2, f64),
+    /// The square of the section that the texture covers.
+    pub square: SectionSquare,
     /// Whether the surface is smooth across cells.
     pub smooth: bool,
 }
@@ -202,7 +204,8 @@ impl Inside {
             let bundle = inner.bundles.bundles.get(cell as usize);
             inside.rings.push(rho.min(1.0) as f32);
             inside.sectors.push(bundle.map_or(0.0, |b| b.sector as f32));
-            inside.zones.push(f32::from((inner.zone)(rho)));
+            let zone = inner.proportions.zone_at(rho, 0.0);
+            inside.zones.push(f32::from(zone.code()));
             inside.grain.extend(grain.as_vec3().to_array());
         }
         inside

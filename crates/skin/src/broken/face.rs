@@ -5,7 +5,7 @@
 //! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
 //! therefore serves both, with the scale (1/2W, 1/W).
 
-use crate::pieces::{InnerWood, Source};
+use super::pieces::{InnerWood, Source};
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host};
 use greenstick_fracture::layout::wrap;
@@ -119,7 +119,7 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
             places,
             ..Face::default()
         },
-        corner: inner.square.0 - inner.square.1 / 2.0,
+        corner: inner.square.middle - inner.square.side / 2.0,
         pith: inner.stem.rings.pith(),
     };
     let run = maker.tops(tops);
@@ -325,7 +325,7 @@ impl Maker<'_> {
             self.cut.points,
             self.cut.vertices.len() + self.cut.inside.len(),
         );
-        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.1);
+        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.side);
         let (pith, corner) = (self.pith, self.corner);
         let (source, cut, places) = (self.source, self.cut, &self.face.places);
         let polar = &mut self.polar;
