@@ -145,7 +145,12 @@ impl From<greenstick::Error> for Failure {
             Error::Stem(StemError::Empty | StemError::Invalid { .. })
             | Error::Species(_)
             | Error::Amount(_)
-            | Error::Anatomy(AnatomyError::Resolution(_)) => {
+            | Error::Anatomy(
+                AnatomyError::Resolution(_)
+                | AnatomyError::BoardErosion
+                | AnatomyError::InnerCircle(_)
+                | AnatomyError::TooManyParticles(_),
+            ) => {
                 Failure::request(&error)
             }
             Error::Stem(StemError::NoStem { .. }) => Failure::work(&error).hint(format!(

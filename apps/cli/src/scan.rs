@@ -7,7 +7,7 @@ use greenstick::files;
 use greenstick::formats::{Content, LengthUnit};
 use greenstick::geometry::cloud::CleanOptions;
 use greenstick::geometry::{Context, Scene};
-use greenstick::scanning::{ScanRequest, ScannedReport, cloud_of, scan_to_scene};
+use greenstick::scanning::{ScanRequest, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::scan::ScanOptions;
 use greenstick::wood::stem::StemLocation;
 use std::path::{Path, PathBuf};
@@ -113,7 +113,7 @@ pub fn load(
                 files,
             });
         }
-        Content::Mesh(scene) => cloud_of(&scene),
+        Content::Mesh(scene) => cloud_from_scene(&scene),
         Content::Cloud(cloud) => cloud,
     };
     let request = arguments.request();
@@ -121,7 +121,7 @@ pub fn load(
         .map_err(|failure| Failure::from(failure).about(path))?;
     Ok(Loaded {
         scene: scanned.scene,
-        place: scanned.place,
+        place: scanned.location,
         scan: Some(scanned.report),
         files,
     })

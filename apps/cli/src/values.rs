@@ -123,10 +123,14 @@ pub fn texture_size(text: &str) -> Result<u32, String> {
 
 /// Voxels along the side of a segment or pixels along that of a section, 32 to 512.
 pub fn resolution(text: &str) -> Result<usize, String> {
-    let (least, most) = greenstick::wood::anatomy::RESOLUTIONS;
+    let range = greenstick::wood::anatomy::RESOLUTION_RANGE;
     match text.parse::<usize>() {
-        Ok(x) if (least..=most).contains(&x) => Ok(x),
-        _ => Err(format!("expected a number from {least} to {most}")),
+        Ok(x) if range.contains(&x) => Ok(x),
+        _ => Err(format!(
+            "expected a number from {} to {}",
+            range.start(),
+            range.end()
+        )),
     }
 }
 

@@ -7,7 +7,8 @@ use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
+use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface};
+use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
 
@@ -36,13 +37,15 @@ impl StemShader<'_> {
             ),
         };
         let point = WoodPoint {
-            ring,
-            angle,
-            across: grain.truncate() - self.stem.rings.pith(),
-            along: grain.z,
+            address: StemAddress {
+                rho: ring,
+                angle,
+                across: grain.truncate() - self.stem.rings.pith(),
+                along: grain.z,
+            },
             end_grain,
         };
-        let surface = self.looks.wood.wood(&point, hit.footprint);
+        let surface = self.looks.wood.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
@@ -78,7 +81,7 @@ impl StemShader<'_> {
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = bark(&self.looks.bark, &point, hit.footprint);
+        let surface = self.looks.bark.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }

@@ -44,7 +44,7 @@ fn scanned() -> (BreakSession, stem::StemLocation) {
     let place = stem::StemLocation::Fraction(0.5);
     let context = Context::quiet();
     let made = scan_to_scene(&file, &place, &ScanRequest::default(), &context).unwrap();
-    (BreakSession::new(made.scene), made.place)
+    (BreakSession::new(made.scene), made.location)
 }
 
 fn crack(kind: &str, values: &[(&str, f64)]) -> Crack {

@@ -4,11 +4,12 @@
 
 pub mod anatomy;
 pub mod appearance;
-mod bark;
+pub mod colour;
 pub mod moisture;
 pub mod noise;
 pub mod polygon;
 pub mod primitive;
+pub mod raster;
 pub mod rings;
 pub mod scan;
 pub mod species;

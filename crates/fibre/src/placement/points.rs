@@ -84,7 +84,7 @@ pub fn by_anatomy(outline: &[DVec2], rings: &RingField, spacing: f64, seed: u64)
     if inside(outline, rings.pith()) {
         low = 0.0;
         high = 1.0;
-        let around = (0..64).map(|k| rings.outer(TAU * f64::from(k) / 64.0));
+        let around = (0..64).map(|k| rings.outer_radius(TAU * f64::from(k) / 64.0));
         radius = around.sum::<f64>() / 64.0;
     }
     let count = ((high - low) * radius / spacing).round().clamp(1.0, 1e5) as i64;

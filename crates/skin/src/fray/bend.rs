@@ -107,7 +107,7 @@ impl<'a> Bend<'a> {
         const H: f64 = 1e-4;
         let p = (at - self.middle) / (FEATURE_WIDTH * self.radius);
         let slope = |e: DVec2| {
-            let noise = |p| noise::plane(self.seed << 1, p);
+            let noise = |p| noise::gradient_2d(self.seed << 1, p);
             (noise(p + e * H) - noise(p - e * H)) / (2.0 * H)
         };
         DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (DISPLACEMENT * FEATURE_WIDTH)

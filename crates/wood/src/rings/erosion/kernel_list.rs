@@ -1,26 +1,28 @@
 //! Schedules as text: lists of rings, each of kernels, from the bark inwards (Forests 2023 §3.3 gives its own in words).
 //!
-//! `4*3/5,6*3/3,7x5+1-2t4/9`: rings are parted by commas, their kernels by slashes. The first kernel of a ring takes off
+//! `4*3/5,6*3/3,7x5+1-2t4/9`: rings are separated by commas, their kernels by slashes. The first kernel of a ring takes off
 //! latewood, the others earlywood; a ring of one kernel uses it for both. `4*` is four such rings. A kernel is K for
-//! K × K pixels or WxH, then if wanted where its middle lies, +X+Y or with minus signs, then if wanted t and the threshold.
-//! When the list is through its last ring repeats.
+//! K × K pixels or WxH, optionally followed by where its middle lies, +X+Y or with minus signs, and by t and the threshold.
+//! After the end of the list its last ring repeats.
 
-use super::{Kernel, Kind, Pass, Schedule};
+use super::kernel::Kernel;
+use super::schedule::{KernelSchedule, Pass};
+use crate::rings::RingPart;
 use std::fmt;
 use std::str::FromStr;
 
-/// Most pixels along a side of a kernel, and most of its offset.
-const LARGEST: u32 = 4096;
+/// Most pixels along a side of a kernel, and largest offset.
+const MAX_SIDE: u32 = 4096;
 /// Most passes of a list.
-const MOST: usize = 10_000;
+const MAX_PASSES: usize = 10_000;
 
-/// Why a text is no list of kernels.
+/// Why a text is not a list of kernels.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("ring {ring}, \"{text}\": {found}; expected {wanted}")]
-pub struct KernelsError {
+pub struct KernelListError {
     /// Which ring of the list, counted from 1.
     pub ring: usize,
-    /// Its text.
+    /// The text of that ring.
     pub text: String,
     /// What is wrong.
     pub found: String,
@@ -28,34 +30,33 @@ pub struct KernelsError {
     pub wanted: &'static str,
 }
 
-const RING: &str =
-    "kernels from latewood to earlywood, such as 3/5, and before them how often, such as 4*";
+const RING: &str = "kernels from latewood to earlywood, such as 3/5, with an optional count before them, such as 4*";
 const KERNEL: &str =
-    "a size and if wanted an offset and a threshold, such as 3, 5x3, 5x3+1-2 or 5t4";
+    "a size, with an optional offset and threshold, such as 3, 5x3, 5x3+1-2 or 5t4";
 
-impl FromStr for Schedule {
-    type Err = KernelsError;
+impl FromStr for KernelSchedule {
+    type Err = KernelListError;
 
-    fn from_str(list: &str) -> Result<Self, KernelsError> {
+    fn from_str(list: &str) -> Result<Self, KernelListError> {
         let mut passes = Vec::new();
         let mut last = 0;
         for (i, text) in list.split(',').enumerate() {
-            let wrong = |(found, wanted): (String, &'static str)| KernelsError {
+            let wrong = |(found, wanted): (String, &'static str)| KernelListError {
                 ring: i + 1,
                 text: text.trim().to_owned(),
                 found,
                 wanted,
             };
             let (count, ring) = ring(text.trim()).map_err(wrong)?;
-            if count > MOST || passes.len() + count * ring.len() > MOST {
-                let found = format!("more than {MOST} passes");
+            if count > MAX_PASSES || passes.len() + count * ring.len() > MAX_PASSES {
+                let found = format!("more than {MAX_PASSES} passes");
                 return Err(wrong((found, "fewer: the last ring repeats anyway")));
             }
             last = ring.len();
             passes.extend(std::iter::repeat_n(ring, count).flatten());
         }
         let repeat_from = passes.len().saturating_sub(last);
-        Schedule::new(passes, repeat_from).map_err(|e| KernelsError {
+        KernelSchedule::new(passes, repeat_from).map_err(|e| KernelListError {
             ring: 1,
             text: list.to_owned(),
             found: e.to_string(),
@@ -64,7 +65,7 @@ impl FromStr for Schedule {
     }
 }
 
-/// How often, and the passes of one ring.
+/// How often a ring repeats, and its passes.
 fn ring(text: &str) -> Result<(usize, Vec<Pass>), (String, &'static str)> {
     let (count, kernels) = match text.split_once('*') {
         None => (1, text),
@@ -82,9 +83,9 @@ fn ring(text: &str) -> Result<(usize, Vec<Pass>), (String, &'static str)> {
         [] => vec![latewood],
         more => more.to_vec(),
     };
-    let pass = |kernel, kind| Pass { kernel, kind };
-    let passes = std::iter::once(pass(latewood, Kind::Latewood))
-        .chain(earlywood.into_iter().map(|k| pass(k, Kind::Earlywood)))
+    let pass = |kernel, part| Pass { kernel, part };
+    let passes = std::iter::once(pass(latewood, RingPart::Latewood))
+        .chain(earlywood.into_iter().map(|k| pass(k, RingPart::Earlywood)))
         .collect();
     Ok((count, passes))
 }
@@ -108,15 +109,18 @@ fn kernel(text: &str) -> Result<Kernel, (String, &'static str)> {
     let (size, offset) = match signs[..] {
         [] => (rest, (0, 0)),
         [a, b] => {
-            let moved = |t: &str| match number(&t[1..])? {
-                n if n <= LARGEST => Ok(if t.starts_with('-') {
+            let coordinate = |t: &str| match number(&t[1..])? {
+                n if n <= MAX_SIDE => Ok(if t.starts_with('-') {
                     -(n as i32)
                 } else {
                     n as i32
                 }),
                 _ => Err(wrong()),
             };
-            (&rest[..a], (moved(&rest[a..b])?, moved(&rest[b..])?))
+            (
+                &rest[..a],
+                (coordinate(&rest[a..b])?, coordinate(&rest[b..])?),
+            )
         }
         _ => return Err(wrong()),
     };
@@ -124,7 +128,7 @@ fn kernel(text: &str) -> Result<Kernel, (String, &'static str)> {
         None => (number(size)?, number(size)?),
         Some((w, h)) => (number(w)?, number(h)?),
     };
-    if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
+    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
         let found = format!("\"{text}\" is {width} × {height} pixels");
         return Err((found, "1 to 4096 pixels along each side"));
     }
@@ -152,7 +156,7 @@ fn kernel(text: &str) -> Result<Kernel, (String, &'static str)> {
     Ok(kernel)
 }
 
-impl fmt::Display for Schedule {
+impl fmt::Display for KernelSchedule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut rings: Vec<(usize, String)> = Vec::new();
         for (i, pass) in self.passes().iter().enumerate() {
@@ -168,7 +172,7 @@ impl fmt::Display for Schedule {
                 text += &format!("t{}", k.threshold);
             }
             match rings.last_mut() {
-                Some(ring) if i > 0 && pass.kind == Kind::Earlywood => {
+                Some(ring) if i > 0 && pass.part == RingPart::Earlywood => {
                     ring.1 += &format!("/{text}")
                 }
                 _ => rings.push((1, text)),
@@ -195,12 +199,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_of_kernels_are_read_and_told_again() {
-        let figure: Schedule = "4*3/5, 6*3, 5*3/5,4*3/7,3*3/9,2*3/11".parse().unwrap();
-        assert_eq!(figure, Schedule::figure_6());
+    fn lists_of_kernels_are_parsed_and_formatted() {
+        let figure: KernelSchedule = "4*3/5, 6*3, 5*3/5,4*3/7,3*3/9,2*3/11".parse().unwrap();
+        assert_eq!(figure, KernelSchedule::figure_6());
         assert_eq!(figure.to_string(), "4*3/5,6*3/3,5*3/5,4*3/7,3*3/9,2*3/11");
-        assert_eq!("3".parse::<Schedule>().unwrap(), Schedule::thinnest());
-        let free: Schedule = "5x3+1-2t4/9/1x2+0+1".parse().unwrap();
+        assert_eq!(
+            "3".parse::<KernelSchedule>().unwrap(),
+            KernelSchedule::one_pixel_per_pass()
+        );
+        let free: KernelSchedule = "5x3+1-2t4/9/1x2+0+1".parse().unwrap();
         let first = Kernel {
             width: 5,
             height: 3,
@@ -208,16 +215,16 @@ mod tests {
             threshold: 4,
         };
         assert_eq!((free.pass(1).kernel, free.pass(4).kernel), (first, first));
-        assert_eq!(free.pass(3).kind, Kind::Earlywood);
+        assert_eq!(free.pass(3).part, RingPart::Earlywood);
         assert_eq!(free.to_string(), "5x3+1-2t4/9/1x2+0+1");
-        assert_eq!(free.rings(7), [0, 1, 1, 1, 2, 2, 2, 3]);
-        let moved = "1+1+0".parse::<Schedule>().unwrap();
+        assert_eq!(free.ring_numbers(7), [0, 1, 1, 1, 2, 2, 2, 3]);
+        let moved = "1+1+0".parse::<KernelSchedule>().unwrap();
         assert_eq!(moved.pass(1).kernel.offset, (1, 0));
     }
 
     #[test]
-    fn what_is_no_list_is_refused_with_the_ring() {
-        for (text, told) in [
+    fn a_text_that_is_no_list_is_refused_with_the_ring() {
+        for (text, expected) in [
             ("", "ring 1"),
             ("3,", "ring 2"),
             ("3/x", "\"x\" is no kernel"),
@@ -232,8 +239,8 @@ mod tests {
             ("9999*3/3/3", "10000 passes"),
             ("3+99999999999+0", "no kernel"),
         ] {
-            let error = text.parse::<Schedule>().unwrap_err().to_string();
-            assert!(error.contains(told), "{text}: {error}");
+            let error = text.parse::<KernelSchedule>().unwrap_err().to_string();
+            assert!(error.contains(expected), "{text}: {error}");
         }
     }
 }

@@ -6,16 +6,16 @@
 use greenstick_geometry::Bitmap;
 use std::ops::Range;
 
-/// A white pixel is taken off where at least `threshold` (the paper's M_K) pixels of its window are black. What lies
-/// beyond the picture is black.
+/// The kernel of an erosion: a white pixel is taken off where at least `threshold` (the paper's M_K) pixels of its window are
+/// black. What lies beyond the bitmap is black.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kernel {
     /// Pixels along x, K_x.
     pub width: u32,
     /// Pixels along y, K_y.
     pub height: u32,
-    /// Where the window's middle lies relative to the pixel, (x, y). Of an even number of pixels the lower of the two
-    /// in the middle counts.
+    /// Where the window's middle lies relative to the pixel, (x, y). Of an even number of pixels it is the lower of the two
+    /// in the middle.
     pub offset: (i32, i32),
     /// Black pixels from which on the pixel goes. 0 takes every pixel, more than `width` × `height` none.
     pub threshold: u32,
@@ -32,25 +32,25 @@ impl Kernel {
         }
     }
 
-    /// The kernel that does in a picture `factor` times as large what this one does.
+    /// The kernel that does in a bitmap `factor` times as large what this one does.
     pub(super) fn scaled(self, factor: u32) -> Self {
         let reach = |k: u32| k.saturating_sub(1).saturating_mul(factor).saturating_add(1);
-        let moved = |o: i32| o.saturating_mul(i32::try_from(factor).unwrap_or(i32::MAX));
+        let scaled = |o: i32| o.saturating_mul(i32::try_from(factor).unwrap_or(i32::MAX));
         Kernel {
             width: reach(self.width),
             height: reach(self.height),
-            offset: (moved(self.offset.0), moved(self.offset.1)),
+            offset: (scaled(self.offset.0), scaled(self.offset.1)),
             threshold: self.threshold,
         }
     }
 
     /// White pixels the window must hold for its pixel to stay.
-    pub(super) fn whites(&self) -> Least {
+    pub(super) fn required_whites(&self) -> Least {
         let all = u64::from(self.width) * u64::from(self.height);
         match u64::from(self.threshold) {
             0 => Least::Never,
             black if black > all => Least::Always,
-            black => Least::Of(all - black + 1),
+            black => Least::Count(all - black + 1),
         }
     }
 
@@ -65,18 +65,18 @@ impl Kernel {
     }
 }
 
-/// When a count is enough.
+/// From which count on a pixel stays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Least {
-    /// Whatever it is.
+    /// Whatever the count is.
     Always,
-    /// Whatever it is, it is not.
+    /// At no count.
     Never,
-    /// From this number on (1 or more).
-    Of(u64),
+    /// From this count on (1 or more).
+    Count(u64),
 }
 
-/// Bit x of the answer is bit x + `by` of `row`; beyond the row there is nothing.
+/// Shifts a row: bit x of `out` is bit x + `by` of `row`; bits beyond the row are 0.
 pub(super) fn shift(row: &[u64], by: i64, out: &mut [u64]) {
     let words = by.div_euclid(64);
     let bits = by.rem_euclid(64) as u32;
@@ -125,7 +125,7 @@ impl Counters {
         }
     }
 
-    /// Adds or takes off the counts of another set of counters with no more planes.
+    /// Adds or subtracts the counts of another set of counters with no more planes.
     fn combine(&mut self, other: &[u64], add: bool) {
         for i in 0..self.stride {
             let mut carry = 0;
@@ -141,7 +141,7 @@ impl Counters {
         }
     }
 
-    /// Bits where the count is at least `least`, which must be below 2 to the number of planes: the carry out of
+    /// Sets the bits where the count is at least `least`, which must be below 2 to the number of planes: the carry out of
     /// adding what is missing to that power.
     fn at_least(&self, least: u64, out: &mut [u64]) {
         let missing = least.wrapping_neg();
@@ -160,7 +160,7 @@ impl Counters {
 }
 
 /// The pixels in `rows` whose window holds at least `least` set pixels, as words of whole rows; nothing is set beyond
-/// the picture. Only the rows `set` can have set pixels.
+/// the bitmap. Only the rows `set` can have set pixels.
 pub(super) fn windows_with(
     map: &Bitmap,
     kernel: &Kernel,

@@ -1,46 +1,35 @@
-//! The look of wood and bark as pure functions of the address: colour, roughness and micro relief, asked both at the
-//! pixels of pictures and for baked textures. A figure in the wood (a ring, a vessel, a ray) is a body in space, so
-//! it runs on from one face of a splinter to the next.
-//!
-//! Shapes follow Hoadley, *Identifying Wood* (1990): rings with a dark outer edge, vessels and rays as lines or dots
-//! according to how they are cut. Colours are those of air-dry wood under daylight. Detail finer than the asked
-//! footprint is averaged away.
+//! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
 
-mod figures;
+use super::mix::{mix, mix_scalar, visible_detail};
+use super::surface::WoodSurface;
+use crate::colour::linear_from_srgb as srgb;
+use crate::noise::{gradient_3d, smoothstep};
+use crate::rings::{IrregularRings, RingSource, StemAddress, TissueEdges, periodic_cells};
+use glam::DVec3;
 
-pub use crate::bark::{BarkAppearance, BarkPoint, bark};
-use crate::noise::{smoothstep, space};
-use glam::{DVec2, DVec3};
-
-/// A place in the wood.
+/// A point in the wood, and how the surface cuts the grain there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WoodPoint {
-    /// Ring coordinate: 0 at the pith, 1 at the outside of the bark.
-    pub ring: f64,
-    /// Angle about the pith, rad.
-    pub angle: f64,
-    /// Place in the section, m, from the pith.
-    pub across: DVec2,
-    /// Length along the grain, m.
-    pub along: f64,
+    /// Where it is.
+    pub address: StemAddress,
     /// |normal · grain|: 0 on side grain, 1 on end grain.
     pub end_grain: f64,
 }
 
-/// What wood or bark looks like at one place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WoodSurface {
-    /// Linear colour, each 0 to 1.
-    pub color: [f64; 3],
-    /// Roughness as in glTF, 0 to 1.
-    pub roughness: f64,
-    /// Micro relief, m outwards.
-    pub height: f64,
-    /// Change of `height` along x and y of the section and along the grain, m per m.
-    pub slope: DVec3,
-}
-
 /// How the wood of a stem looks. Colours are linear.
+///
+/// ```
+/// use glam::DVec2;
+/// use greenstick_wood::appearance::{WoodAppearance, WoodPoint};
+/// use greenstick_wood::rings::StemAddress;
+///
+/// let oak = WoodAppearance::ring_porous();
+/// let across = DVec2::new(0.015, 0.0); // m from the pith
+/// let address = StemAddress { rho: across.length() / oak.radius, angle: 0.0, across, along: 0.2 };
+/// let end_grain = oak.surface_at(&WoodPoint { address, end_grain: 1.0 }, 1e-4);
+/// let side_grain = oak.surface_at(&WoodPoint { address, end_grain: 0.0 }, 1e-4);
+/// assert!(end_grain.color[0] < side_grain.color[0]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct WoodAppearance {
     /// Number of annual rings between pith and phloem.
@@ -67,46 +56,25 @@ pub struct WoodAppearance {
     pub phloem_color: [f64; 3],
     /// The outer bark where it is cut or torn.
     pub cork_color: [f64; 3],
-    /// Strength of the latewood line, 0 (none) to 1.
-    pub latewood: f64,
+    /// How much latewood is darker, 0 (not at all) to 1.
+    pub latewood_contrast: f64,
     /// Part of a ring's width over which its latewood darkens, 0 to 1.
     pub latewood_width: f64,
     /// Whether wide vessels stand in the first wood of each ring (oak, ash, elm).
     pub ring_porous: bool,
     /// Diameter of the vessels, m; 0 for softwoods, which have none.
-    pub vessels: f64,
-    /// Visibility of the rays, 0 to 1.
-    pub rays: f64,
+    pub vessel_diameter: f64,
+    /// How much rays stand out, 0 to 1.
+    pub ray_contrast: f64,
     /// Height of the rays along the grain, m.
     pub ray_height: f64,
     /// Seed of everything irregular.
     pub seed: u64,
-    /// Length along the grain (m) after which the look repeats, for tiling textures; `None` for wood as it grows.
+    /// Length along the grain (m) after which the appearance repeats, for tiling textures; `None` for wood as it grows.
     pub period: Option<f64>,
 }
 
-/// An 8-bit sRGB colour as linear numbers.
-pub(crate) fn srgb(color: [u8; 3]) -> [f64; 3] {
-    color.map(|c| {
-        let v = f64::from(c) / 255.0;
-        if v <= 0.040_45 {
-            v / 12.92
-        } else {
-            libm::pow((v + 0.055) / 1.055, 2.4)
-        }
-    })
-}
-
-pub(crate) fn mix(a: DVec3, b: DVec3, t: f64) -> DVec3 {
-    a + (b - a) * t
-}
-
-/// How much of a figure of the given size is left when averaged over a footprint.
-pub(crate) fn left_of(size: f64, footprint: f64) -> f64 {
-    1.0 - smoothstep(0.4, 1.2, footprint / size)
-}
-
-/// End grain swallows light in its open cells.
+/// How much darker end grain is: its open cells swallow light.
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
@@ -135,11 +103,11 @@ impl WoodAppearance {
             pith_color: srgb([112, 74, 44]),
             phloem_color: srgb([128, 88, 58]),
             cork_color: srgb([80, 60, 46]),
-            latewood: 0.95,
+            latewood_contrast: 0.95,
             latewood_width: 0.6,
             ring_porous: false,
-            vessels: 0.0,
-            rays: 0.25,
+            vessel_diameter: 0.0,
+            ray_contrast: 0.25,
             ray_height: 0.4e-3,
             seed: 0,
             period: None,
@@ -154,10 +122,10 @@ impl WoodAppearance {
             sapwood_color: srgb([218, 186, 144]),
             latewood_color: srgb([176, 132, 90]),
             heartwood_color: srgb([188, 144, 102]),
-            latewood: 0.85,
+            latewood_contrast: 0.85,
             latewood_width: 0.35,
-            vessels: 0.08e-3,
-            rays: 0.6,
+            vessel_diameter: 0.08e-3,
+            ray_contrast: 0.6,
             ray_height: 2.5e-3,
             ..WoodAppearance::softwood()
         }
@@ -171,37 +139,70 @@ impl WoodAppearance {
             sapwood_color: srgb([214, 184, 140]),
             latewood_color: srgb([178, 136, 90]),
             heartwood_color: srgb([168, 124, 80]),
-            latewood: 0.6,
+            latewood_contrast: 0.6,
             latewood_width: 0.7,
             ring_porous: true,
-            vessels: 0.22e-3,
-            rays: 0.8,
+            vessel_diameter: 0.22e-3,
+            ray_contrast: 0.8,
             ray_height: 12e-3,
             ..WoodAppearance::softwood()
         }
     }
 
-    /// What the wood (or the bark, where the ring coordinate lies beyond it) looks like at a place; detail finer than
-    /// `footprint` (m) is averaged.
-    pub fn wood(&self, at: &WoodPoint, footprint: f64) -> WoodSurface {
-        let place = DVec3::new(at.across.x, at.across.y, at.along);
+    /// The tissues' edges.
+    pub fn tissue_edges(&self) -> TissueEdges {
+        TissueEdges {
+            pith: self.pith,
+            heartwood: self.heartwood,
+            phloem: self.phloem,
+            cork: self.cork,
+        }
+    }
+
+    /// The rings that this wood shows where no others are given.
+    pub fn irregular_rings(&self) -> IrregularRings {
+        IrregularRings {
+            count: self.rings,
+            latewood: self.latewood_width,
+            radius: self.radius,
+            tissue: self.tissue_edges(),
+            seed: self.seed,
+            period: self.period,
+        }
+    }
+
+    /// Returns what the wood (or the bark, where the ring coordinate lies beyond it) looks like at a point; detail finer
+    /// than `footprint` (m) is averaged.
+    pub fn surface_at(&self, at: &WoodPoint, footprint: f64) -> WoodSurface {
+        self.surface_with_rings(&self.irregular_rings(), at, footprint)
+    }
+
+    /// [`WoodAppearance::surface_at`] with the rings of a source.
+    pub fn surface_with_rings(
+        &self,
+        rings: &dyn RingSource,
+        at: &WoodPoint,
+        footprint: f64,
+    ) -> WoodSurface {
+        let address = &at.address;
+        let place = DVec3::new(address.across.x, address.across.y, address.along);
         let end = at.end_grain.clamp(0.0, 1.0);
-        let (streak, mut height, mut slope) = self.streaks(place, footprint);
-        let (late, late_slope, early) = self.ring(at, place, footprint);
+        let streaks = self.streaks(place, footprint);
+        let latewood = self.latewood(rings, address, footprint);
+        let vessel = self.vessel(place, latewood.first_earlywood, footprint);
+        let ray = self.ray_contrast * self.ray(address, footprint);
 
         let sapwood = DVec3::from_array(self.sapwood_color);
         let mut color = mix(
             sapwood,
             DVec3::from_array(self.heartwood_color),
-            self.heart(at, place),
+            self.heartwood_share(address, place),
         );
+        let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
         color *= mix(DVec3::ONE, darker, late);
         color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
-
-        let vessel = self.vessel(place, early, footprint);
         color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
-        let ray = self.rays * self.ray(at, footprint);
         // Rays shine pale across the end and as brown flecks along it.
         color *= mix(
             DVec3::new(0.80, 0.74, 0.68),
@@ -210,91 +211,121 @@ impl WoodAppearance {
         ) * ray
             + (1.0 - ray);
         // Blue falls most in the dark gaps between fibres: light that gets out of there went through more wood.
-        color *= (DVec3::ONE + DVec3::new(1.0, 1.18, 1.45) * streak).max(DVec3::splat(0.1));
+        color *= (DVec3::ONE + DVec3::new(1.0, 1.18, 1.45) * streaks.shade).max(DVec3::splat(0.1));
 
-        height += RING_RELIEF * late - 0.5 * self.vessels * vessel;
-        let outward = at.across.normalize_or_zero();
-        slope += DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * late_slope);
-        let mut roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streak.abs();
+        let height = streaks.height + (RING_RELIEF * late - 0.5 * self.vessel_diameter * vessel);
+        let outward = address.across.normalize_or_zero();
+        let ring_slope = DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * latewood.slope);
+        let roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streaks.shade.abs();
+        let mut surface = TissueBlend {
+            color,
+            roughness,
+            end,
+            shade: streaks.shade,
+        };
+        self.blend_tissues(&mut surface, address, place, footprint);
+        WoodSurface {
+            color: surface
+                .color
+                .clamp(DVec3::splat(0.004), DVec3::ONE)
+                .to_array(),
+            roughness: surface.roughness.clamp(0.3, 1.0),
+            height,
+            slope: streaks.slope + ring_slope,
+        }
+    }
 
+    /// Blends pith and barks over the wood near and beyond their edges.
+    fn blend_tissues(
+        &self,
+        surface: &mut TissueBlend,
+        address: &StemAddress,
+        place: DVec3,
+        footprint: f64,
+    ) {
+        let rho = address.rho;
         let soft = (footprint / self.radius).max(0.004);
         let margin = 0.01 + (self.cork - self.phloem).clamp(0.0, 0.1);
-        let outer = at.ring > self.phloem - soft - margin;
-        if !outer && at.ring > self.pith * 1.15 + soft + 0.01 {
-            return WoodSurface {
-                color: color.clamp(DVec3::splat(0.004), DVec3::ONE).to_array(),
-                roughness: roughness.clamp(0.3, 1.0),
-                height,
-                slope,
-            };
+        let near_bark = rho > self.phloem - soft - margin;
+        let near_pith = rho <= self.pith * 1.15 + soft + 0.01;
+        if !near_bark && !near_pith {
+            return;
         }
-        let (long, period) = self.cells(8e-3);
+        let (long, period) = periodic_cells(8e-3, self.period);
         let scale = DVec3::new(900.0, 900.0, 1.0 / long);
-        let ragged = space(self.seed ^ SPECK, place * scale, period).0;
-        let speck = ragged * left_of(1.1e-3, footprint);
+        let ragged = gradient_3d(self.seed ^ SPECK, place * scale, period).0;
+        let speck = ragged * visible_detail(1.1e-3, footprint);
+        // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats into the
+        // inner bark in places.
+        let in_pith = 1.0
+            - smoothstep(
+                self.pith * 0.7 - soft,
+                self.pith * 1.15 + soft,
+                rho + 0.008 * ragged,
+            );
+        surface.blend(self.pith_color, 0.22 * speck, in_pith);
         let uneven = self.uneven_bark(place);
-        for (edge, zone, grain) in [
-            (-1.0, self.pith_color, 0.22),
+        for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
         ] {
-            // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats
-            // into the inner bark in places.
-            let wavy = 0.008 * ragged + if edge < 0.0 { 0.0 } else { uneven };
-            let inside = if edge < 0.0 {
-                1.0 - smoothstep(
-                    self.pith * 0.7 - soft,
-                    self.pith * 1.15 + soft,
-                    at.ring + wavy,
-                )
-            } else {
-                smoothstep(edge - soft, edge + soft, at.ring + wavy)
-            };
-            if inside > 0.0 {
-                let shade = (1.0 + grain * speck + 0.5 * streak) * (1.0 - 0.15 * end);
-                color = mix(color, DVec3::from_array(zone) * shade, inside);
-                roughness = mix_scalar(roughness, 0.94, inside);
-            }
-        }
-        WoodSurface {
-            color: color.clamp(DVec3::splat(0.004), DVec3::ONE).to_array(),
-            roughness: roughness.clamp(0.3, 1.0),
-            height,
-            slope,
+            let wavy = rho + (0.008 * ragged + uneven);
+            let inside = smoothstep(edge - soft, edge + soft, wavy);
+            surface.blend(color, grain * speck, inside);
         }
     }
-}
 
-impl WoodAppearance {
     /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
     fn uneven_bark(&self, place: DVec3) -> f64 {
         let thick = (self.cork - self.phloem).clamp(0.0, 0.1);
         let mut shift = 0.0;
         for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
             let size = size * self.radius.max(1e-6);
-            let (long, period) = self.cells(4.0 * size);
+            let (long, period) = periodic_cells(4.0 * size, self.period);
             let scale = DVec3::new(1.0 / size, 1.0 / size, 1.0 / long);
-            shift += share * space(self.seed ^ SPECK ^ (n << 8), place * scale, period).0;
+            shift += share * gradient_3d(self.seed ^ SPECK ^ (n << 8), place * scale, period).0;
         }
         thick * shift
     }
 }
 
-pub(crate) fn mix_scalar(a: f64, b: f64, t: f64) -> f64 {
-    a + (b - a) * t
+/// Colour and roughness that tissues are blended into.
+struct TissueBlend {
+    color: DVec3,
+    roughness: f64,
+    /// |normal · grain|.
+    end: f64,
+    /// Change of brightness by streaks.
+    shade: f64,
+}
+
+impl TissueBlend {
+    /// Blends a tissue in, whose brightness is changed by `speck`, by the part `inside` of the footprint that it takes.
+    fn blend(&mut self, color: [f64; 3], speck: f64, inside: f64) {
+        const TISSUE_ROUGHNESS: f64 = 0.94;
+        if inside > 0.0 {
+            let shade = (1.0 + speck + 0.5 * self.shade) * (1.0 - 0.15 * self.end);
+            self.color = mix(self.color, DVec3::from_array(color) * shade, inside);
+            self.roughness = mix_scalar(self.roughness, TISSUE_ROUGHNESS, inside);
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::{BarkAppearance, BarkPoint};
+    use glam::DVec2;
 
     fn at(x: f64, y: f64, along: f64, end_grain: f64) -> WoodPoint {
         let across = DVec2::new(x, y);
         WoodPoint {
-            ring: across.length() / 0.03,
-            angle: y.atan2(x),
-            across,
-            along,
+            address: StemAddress {
+                rho: across.length() / 0.03,
+                angle: y.atan2(x),
+                across,
+                along,
+            },
             end_grain,
         }
     }
@@ -309,8 +340,8 @@ mod tests {
         for i in -60..60 {
             for j in -60..60 {
                 let p = at(f64::from(i) * 5.03e-4, f64::from(j) * 5.03e-4, 0.0, end);
-                if (from..to).contains(&p.ring) {
-                    sum += brightness(look.wood(&p, 1e-4).color);
+                if (from..to).contains(&p.address.rho) {
+                    sum += brightness(look.surface_at(&p, 1e-4).color);
                     number += 1.0;
                 }
             }
@@ -357,8 +388,8 @@ mod tests {
                     0.0,
                     0.0,
                 );
-                fine += brightness(look.wood(&p, 1e-6).color);
-                coarse += brightness(look.wood(&p, 2.5e-3).color);
+                fine += brightness(look.surface_at(&p, 1e-6).color);
+                coarse += brightness(look.surface_at(&p, 2.5e-3).color);
             }
         }
         assert!(
@@ -374,7 +405,10 @@ mod tests {
         for i in 0..500 {
             let s = f64::from(i) * 3.7e-3;
             let color = |dx: f64, ds: f64| {
-                brightness(look.wood(&at(0.02 + dx, 0.0, s + ds, 0.0), 1e-5).color)
+                brightness(
+                    look.surface_at(&at(0.02 + dx, 0.0, s + ds, 0.0), 1e-5)
+                        .color,
+                )
             };
             across += (color(5e-4, 0.0) - color(0.0, 0.0)).abs();
             along += (color(0.0, 5e-4) - color(0.0, 0.0)).abs();
@@ -398,19 +432,16 @@ mod tests {
         let step = 1e-9;
         for i in 0..100 {
             let (angle, along) = (f64::from(i) * 0.071, f64::from(i) * 0.0137);
-            let height = |a: f64| wood.wood(&at(0.01 + a, 0.003, along, 0.0), 1e-5);
+            let height = |a: f64| wood.surface_at(&at(0.01 + a, 0.003, along, 0.0), 1e-5);
             let slope = (height(step).height - height(-step).height) / (2.0 * step);
             assert!((slope - height(0.0).slope.x).abs() < 1e-3, "{slope}");
             let height = |s: f64| {
-                bark(
-                    &look,
-                    &BarkPoint {
-                        angle,
-                        along: s,
-                        radius: 0.1,
-                    },
-                    1e-5,
-                )
+                let at = BarkPoint {
+                    angle,
+                    along: s,
+                    radius: 0.1,
+                };
+                look.surface_at(&at, 1e-5)
             };
             let slope = (height(along + 1e-7).height - height(along - 1e-7).height) / 2e-7;
             assert!((slope - height(along).slope.z).abs() < 1e-2, "{slope}");
@@ -418,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn the_look_repeats_after_its_period() {
+    fn the_appearance_repeats_after_its_period() {
         for base in [
             WoodAppearance::softwood(),
             WoodAppearance::hardwood(),
@@ -436,11 +467,12 @@ mod tests {
                     t * 2.3e-4,
                     0.0,
                 );
-                let q = WoodPoint {
-                    along: p.along + 0.06,
-                    ..p
-                };
-                let (a, b) = (look.wood(&p, 1e-5).color, look.wood(&q, 1e-5).color);
+                let mut q = p;
+                q.address.along += 0.06;
+                let (a, b) = (
+                    look.surface_at(&p, 1e-5).color,
+                    look.surface_at(&q, 1e-5).color,
+                );
                 assert!(
                     (0..3).all(|c| (a[c] - b[c]).abs() < 1e-6),
                     "{a:?} {b:?} at {i}"

@@ -1,45 +1,64 @@
-//! Filling outlines on a grid of pixels, a row at a time: what lies within is found from crossings of the rows' middles.
+//! Filling outlines on a grid of pixels, a row at a time: the inside is found from crossings of the rows' middles.
 
 use glam::DVec2;
 use greenstick_geometry::Bitmap;
 use std::ops::Range;
 
-/// A square picture over a section: `count` × `count` pixels, the middle of it at the section's origin. Row 0 is that
-/// of the lowest y.
+/// A square grid of pixels over a section: `count` × `count` pixels about the section's origin. Row 0 has the lowest y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct PixelGrid {
     /// Pixels along a side.
     pub count: usize,
     /// Side of a pixel, m.
     pub pixel: f64,
 }
 
-impl Grid {
-    /// Middle of a pixel, m.
-    pub fn middle(&self, x: usize, y: usize) -> DVec2 {
+impl PixelGrid {
+    /// Centre of a pixel, m.
+    pub fn pixel_centre(&self, x: usize, y: usize) -> DVec2 {
         let half = 0.5 * self.count as f64;
         DVec2::new(x as f64 + 0.5 - half, y as f64 + 0.5 - half) * self.pixel
     }
 
-    fn place(&self, p: DVec2) -> DVec2 {
+    /// A point (m) in pixels from the grid's corner.
+    pub(crate) fn to_pixels(self, p: DVec2) -> DVec2 {
         p / self.pixel + 0.5 * self.count as f64
+    }
+
+    /// A point (m) in pixels from the centre of pixel (0, 0).
+    pub(crate) fn to_pixel_centres(self, p: DVec2) -> DVec2 {
+        p / self.pixel + DVec2::splat(0.5 * self.count as f64 - 0.5)
+    }
+
+    /// Side of the grid, m.
+    pub fn side(&self) -> f64 {
+        self.pixel * self.count as f64
+    }
+
+    /// A grid of `count` × `count` pixels over the same square.
+    #[must_use]
+    pub fn resampled(&self, count: usize) -> Self {
+        PixelGrid {
+            count,
+            pixel: self.side() / count as f64,
+        }
     }
 }
 
-/// Rows' crossings with outlines; kept from one outline to the next for its memory.
+/// Scan conversion of outlines. It holds the crossings of rows, and is reused from one outline to the next for its memory.
 #[derive(Debug, Default)]
-pub(crate) struct Scan {
+pub(crate) struct ScanConverter {
     rows: Vec<Vec<(f64, i32)>>,
 }
 
-impl Scan {
-    /// Calls `span` with the row and pixels of every run of pixels whose middles lie within `outline` (m), which may
-    /// cross itself: what it winds about is within.
+impl ScanConverter {
+    /// Visits the row and pixels of every run of pixels whose centres lie within `outline` (m). It may cross itself: where its
+    /// winding number is not 0 is inside.
     pub fn spans(
         &mut self,
-        grid: &Grid,
+        grid: &PixelGrid,
         outline: &[DVec2],
-        mut span: impl FnMut(usize, Range<usize>),
+        mut visit: impl FnMut(usize, Range<usize>),
     ) {
         let count = grid.count;
         self.rows.resize_with(count, Vec::new);
@@ -48,10 +67,10 @@ impl Scan {
         };
         // The first pixel or row whose middle is not below a coordinate.
         let first = |v: f64| (v - 0.5).ceil().clamp(0.0, count as f64) as usize;
-        let mut from = grid.place(last);
+        let mut from = grid.to_pixels(last);
         let (mut low, mut high) = (count, 0);
         for &p in outline {
-            let to = grid.place(p);
+            let to = grid.to_pixels(p);
             let (a, b, turn) = if from.y < to.y {
                 (from, to, 1)
             } else {
@@ -81,7 +100,7 @@ impl Scan {
                 if winding == 0 {
                     let pixels = first(start)..first(x);
                     if !pixels.is_empty() {
-                        span(y, pixels);
+                        visit(y, pixels);
                     }
                 }
             }
@@ -90,17 +109,17 @@ impl Scan {
     }
 }
 
-/// The pixels within loops; a loop within another is a hollow in it.
-pub fn fill(grid: &Grid, loops: &[Vec<DVec2>]) -> Bitmap {
+/// Returns the pixels within loops (m); a loop within another is a hollow in it.
+pub fn fill_loops(grid: &PixelGrid, loops: &[Vec<DVec2>]) -> Bitmap {
     let mut map = Bitmap::new(grid.count, grid.count);
-    let mut scan = Scan::default();
+    let mut converter = ScanConverter::default();
     for outline in loops {
-        scan.spans(grid, outline, |y, pixels| flip(map.row_mut(y), pixels));
+        converter.spans(grid, outline, |y, pixels| flip(map.row_mut(y), pixels));
     }
     map
 }
 
-/// Turns over the bits of a row from `pixels.start` to before `pixels.end`.
+/// Inverts the bits of a row from `pixels.start` to before `pixels.end`.
 fn flip(row: &mut [u64], pixels: Range<usize>) {
     let (first, last) = (pixels.start / 64, (pixels.end - 1) / 64);
     let low = u64::MAX << (pixels.start % 64);
@@ -133,29 +152,29 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_those_that_the_outline_winds_about() {
+    fn pixels_inside_have_a_winding_number() {
         let ring = |radius: f64, lobes: f64, turn: f64| -> Vec<DVec2> {
             (0..97)
                 .map(|i| turn * f64::from(i) * std::f64::consts::TAU / 97.0)
                 .map(|a| DVec2::from_angle(a) * radius * (1.0 + 0.4 * (lobes * a).sin()) + 0.013)
                 .collect()
         };
-        // A lobed outline that crosses the picture's edge, a hollow in it, and a pentagram, which crosses itself.
+        // A lobed outline that crosses the grid's edge, a hollow in it, and a pentagram, which crosses itself.
         let star = (0..5)
             .map(|i| DVec2::from_angle(f64::from(i) * 2.513_274) * 0.2 - 0.3)
             .collect();
         let loops = [ring(0.5, 5.0, 1.0), ring(0.15, 3.0, -1.0), star];
         for count in [64, 130] {
-            let grid = Grid {
+            let grid = PixelGrid {
                 count,
                 pixel: 1.1 / count as f64,
             };
-            let map = fill(&grid, &loops);
+            let map = fill_loops(&grid, &loops);
             for y in 0..count {
                 for x in 0..count {
                     assert_eq!(
                         map.get(x, y),
-                        within(&loops, grid.middle(x, y)),
+                        within(&loops, grid.pixel_centre(x, y)),
                         "{x} {y} of {count}"
                     );
                 }

@@ -1,6 +1,12 @@
 use super::*;
 use crate::noise;
-use crate::rings::Pass;
+use crate::rings::{ErodedPasses, Pass, PixelCircle, RingPart, erode_from_both_sides};
+use glam::DVec2;
+
+/// The passes, which nobody cancels.
+fn passes(map: &Bitmap, schedule: &KernelSchedule) -> Vec<u16> {
+    erosion_passes(map, schedule, &Context::quiet()).unwrap()
+}
 
 /// The definition, pixel by pixel.
 fn plain(map: &Bitmap, kernel: &Kernel) -> Bitmap {
@@ -87,21 +93,21 @@ fn words_of_pixels_erode_as_single_pixels_do() {
 fn passes_are_the_erosions_one_after_the_other() {
     for seed in 0..60 {
         let map = random_map(seed);
-        let kinds = [Kind::Latewood, Kind::Earlywood, Kind::Latewood];
+        let parts = [RingPart::Latewood, RingPart::Earlywood, RingPart::Latewood];
         let list = (0..3)
             .map(|i| Pass {
                 kernel: random_kernel(seed * 3 + i),
-                kind: kinds[i as usize],
+                part: parts[i as usize],
             })
             .collect();
-        let schedule = Schedule::new(list, 1).unwrap();
+        let schedule = KernelSchedule::new(list, 1).unwrap();
         let numbers = passes(&map, &schedule);
         let mut now = map.clone();
         for number in 0..25 {
             for (i, &n) in numbers.iter().enumerate() {
                 let white = now.get(i % map.width(), i / map.width());
-                let kept = map.get(i % map.width(), i / map.width()) && n > number;
-                assert_eq!(white, kept, "seed {seed}, pass {number}, pixel {i}");
+                let remains = map.get(i % map.width(), i / map.width()) && n > number;
+                assert_eq!(white, remains, "seed {seed}, pass {number}, pixel {i}");
             }
             now = plain(&now, &schedule.pass(usize::from(number) + 1).kernel);
         }
@@ -109,7 +115,7 @@ fn passes_are_the_erosions_one_after_the_other() {
 }
 
 #[test]
-fn huge_kernels_and_empty_pictures_are_ordinary() {
+fn huge_kernels_and_empty_bitmaps_are_valid() {
     let mut map = Bitmap::new(70, 9);
     for y in 0..9 {
         for x in 0..70 {
@@ -142,11 +148,11 @@ fn huge_kernels_and_empty_pictures_are_ordinary() {
         for kernel in [Kernel::square(3), huge(5), wide] {
             assert_eq!(erode(&nothing, &kernel), nothing);
         }
-        assert!(passes(&nothing, &Schedule::thinnest()).is_empty());
+        assert!(passes(&nothing, &KernelSchedule::one_pixel_per_pass()).is_empty());
     }
     // The paper's K = 1 never takes anything.
-    let stuck = Schedule::alternating(Kernel::square(1), Kernel::square(1));
-    assert!(passes(&map, &stuck).iter().all(|&n| n == NEVER));
+    let stuck = KernelSchedule::alternating(Kernel::square(1), Kernel::square(1));
+    assert!(passes(&map, &stuck).iter().all(|&n| n == NOT_ERODED));
 }
 
 /// A bumpy section whose largest inscribed square is `2 * half` − 1 pixels wide.
@@ -173,7 +179,7 @@ fn section(size: usize, half: usize) -> Bitmap {
 fn the_papers_sections_have_its_numbers_of_contours() {
     for (size, contours) in [(32, 11), (64, 21), (128, 41), (256, 80), (512, 159)] {
         let map = section(size, (159 * size + 256) / 512);
-        let numbers = passes(&map, &Schedule::thinnest());
+        let numbers = passes(&map, &KernelSchedule::one_pixel_per_pass());
         let last = numbers.iter().copied().max().unwrap();
         // Chebyshev distance to the outside, by the largest white square about each pixel (dynamic programming).
         let mut side = vec![0u16; size * size];
@@ -189,15 +195,18 @@ fn the_papers_sections_have_its_numbers_of_contours() {
         assert_eq!(last, widest.div_ceil(2), "{size}");
         assert!(last.abs_diff(contours) <= 1, "{size}: {last}");
     }
-    let numbers = passes(&section(256, 80), &Schedule::figure_6());
+    let numbers = passes(&section(256, 80), &KernelSchedule::figure_6());
     let last = numbers.iter().copied().max().unwrap();
-    assert_eq!(Schedule::figure_6().rings(last).last(), Some(&24));
+    assert_eq!(
+        KernelSchedule::figure_6().ring_numbers(last).last(),
+        Some(&24)
+    );
 }
 
 #[test]
 fn eccentric_kernels_move_the_middle() {
     let map = section(128, 40);
-    let middle = |schedule: &Schedule| {
+    let middle = |schedule: &KernelSchedule| {
         let numbers = passes(&map, schedule);
         let last = *numbers.iter().max().unwrap();
         let (sum, count) = (0..numbers.len())
@@ -205,7 +214,7 @@ fn eccentric_kernels_move_the_middle() {
             .fold((0, 0), |(s, c), i| (s + i % 128, c + 1));
         sum as f64 / f64::from(count)
     };
-    let wide = Schedule::alternating(Kernel::square(3), Kernel::square(5));
+    let wide = KernelSchedule::alternating(Kernel::square(3), Kernel::square(5));
     let still = middle(&wide);
     let moved = middle(&wide.eccentric(2, (2, 0)));
     assert!(moved < still - 8.0, "{moved} {still}");
@@ -214,15 +223,16 @@ fn eccentric_kernels_move_the_middle() {
 #[test]
 fn two_fronts_meet_and_cover_the_section() {
     let map = section(128, 40);
-    let inward = Schedule::alternating(Kernel::square(3), Kernel::square(5));
-    let outward = inward.clone().outwards();
-    let circle = Circle {
+    let inward = KernelSchedule::alternating(Kernel::square(3), Kernel::square(5));
+    let outward = inward.clone().for_outward_front();
+    let circle = PixelCircle {
         centre: DVec2::new(60.0, 66.0),
         radius: 9.0,
     };
-    let both = two_sided(&map, &inward, &outward, circle);
+    let both: ErodedPasses =
+        erode_from_both_sides(&map, &inward, &outward, circle, &Context::quiet()).unwrap();
     let alone = passes(&map, &inward);
-    let last = both.kinds.len() as u16;
+    let last = both.parts.len() as u16;
     let steps = (last - 1) / 2;
     let disc: Vec<DVec2> = (0..128 * 128)
         .map(|j| DVec2::new(f64::from(j % 128), f64::from(j / 128)))
@@ -252,6 +262,6 @@ fn two_fronts_meet_and_cover_the_section() {
             assert!(near, "{x} {y}");
         }
     }
-    assert_eq!(both.kinds[0], Kind::Latewood);
-    assert_eq!(both.kinds[usize::from(last) - 2], Kind::Earlywood);
+    assert_eq!(both.parts[0], RingPart::Latewood);
+    assert_eq!(both.parts[usize::from(last) - 2], RingPart::Earlywood);
 }

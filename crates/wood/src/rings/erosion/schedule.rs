@@ -1,50 +1,43 @@
-//! Which kernel erodes a section in which pass (Forests 2023 §3.3 and Fig. 6).
+//! The order of kernels in an erosion (Forests 2023 §3.3 and Fig. 6).
 
-use super::Kernel;
-
-/// What a pass takes off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// The dark outer part of an annual ring.
-    Latewood,
-    /// The light inner part of an annual ring.
-    Earlywood,
-}
+use super::kernel::Kernel;
+use crate::rings::RingPart;
 
 /// One pass of the erosion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
-    /// What it looks at.
+    /// Its kernel.
     pub kernel: Kernel,
     /// What it takes off.
-    pub kind: Kind,
+    pub part: RingPart,
 }
 
-/// Why a list of passes is no schedule.
+/// Why a list of passes is not a schedule.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ScheduleError {
-    /// There is no pass in it.
+    /// It has no pass.
     #[error("the schedule has no passes; give at least one")]
     Empty,
-    /// The place to repeat from lies beyond its end.
+    /// The pass to repeat from lies beyond its end.
     #[error("the schedule repeats from pass {from}, but has {count} passes, counted from 0")]
     Repeat {
-        /// The index asked for.
+        /// The index that was given.
         from: usize,
         /// Passes in the list.
         count: usize,
     },
 }
 
-/// Passes from the contour inwards; when they are through, some of the last ones repeat until the section is gone.
+/// The passes of an erosion from the contour inwards; after the last one, some of the last repeat until the section is
+/// gone.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Schedule {
+pub struct KernelSchedule {
     passes: Vec<Pass>,
     repeat_from: usize,
 }
 
-impl Schedule {
-    /// All `passes` once, then those from index `repeat_from` on again and again.
+impl KernelSchedule {
+    /// All `passes` once, then those from index `repeat_from` on repeatedly.
     ///
     /// # Errors
     /// [`ScheduleError`] where there are none or `repeat_from` lies beyond them.
@@ -59,7 +52,7 @@ impl Schedule {
                 count,
             });
         }
-        Ok(Schedule {
+        Ok(KernelSchedule {
             passes,
             repeat_from,
         })
@@ -67,15 +60,15 @@ impl Schedule {
 
     /// Rings all alike: a latewood pass, then an earlywood pass, and again.
     pub fn alternating(latewood: Kernel, earlywood: Kernel) -> Self {
-        Schedule {
+        KernelSchedule {
             passes: ring(latewood, earlywood).to_vec(),
             repeat_from: 0,
         }
     }
 
     /// The paper's Table 1 and Fig. 5: every pass takes off one pixel. Its kernel of 1 × 1 for latewood cannot erode
-    /// anything as defined (it would see only the pixel itself), so that 3 × 3 stands for it.
-    pub fn thinnest() -> Self {
+    /// anything as defined (it would see only the pixel itself), so that 3 × 3 takes its place.
+    pub fn one_pixel_per_pass() -> Self {
         Self::alternating(Kernel::square(3), Kernel::square(3))
     }
 
@@ -92,13 +85,13 @@ impl Schedule {
             .flatten()
             .collect();
         let repeat_from = passes.len() - 2;
-        Schedule {
+        KernelSchedule {
             passes,
             repeat_from,
         }
     }
 
-    /// The same for pictures `factor` times as large: a kernel that takes off d pixels takes off `factor` · d.
+    /// The same for bitmaps `factor` times as large: a kernel that takes off d pixels takes off `factor` · d.
     #[must_use]
     pub fn scaled(mut self, factor: u32) -> Self {
         for pass in &mut self.passes {
@@ -107,7 +100,7 @@ impl Schedule {
         self
     }
 
-    /// The same with every kernel moved by (x, y) pixels and its reach along x multiplied by `wide`: eccentric rings
+    /// The same with every kernel shifted by (x, y) pixels and its reach along x multiplied by `wide`: eccentric rings
     /// (the paper's Fig. 8).
     #[must_use]
     pub fn eccentric(mut self, wide: u32, offset: (i32, i32)) -> Self {
@@ -118,13 +111,15 @@ impl Schedule {
         self
     }
 
-    /// The schedule of a front that runs outwards: latewood and earlywood of every ring in exchanged order, as a
-    /// year's earlywood lies inside its latewood.
+    /// The schedule of a front that runs outwards: latewood and earlywood of every ring exchanged, as a year's earlywood lies
+    /// inside its latewood.
     #[must_use]
-    pub fn outwards(mut self) -> Self {
+    pub fn for_outward_front(mut self) -> Self {
         let mut i = 0;
         while i + 1 < self.passes.len() {
-            if (self.passes[i].kind, self.passes[i + 1].kind) == (Kind::Latewood, Kind::Earlywood) {
+            if (self.passes[i].part, self.passes[i + 1].part)
+                == (RingPart::Latewood, RingPart::Earlywood)
+            {
                 self.passes.swap(i, i + 1);
                 i += 1;
             }
@@ -148,28 +143,29 @@ impl Schedule {
         &self.passes
     }
 
-    /// Passes after which the schedule has been seen whole, counted from any pass on.
+    /// Number of passes after which every kernel has had its turn, from any pass on.
     pub(super) fn period(&self) -> usize {
         self.passes.len()
     }
 
-    /// The annual ring of every pass up to `last`, as [`rings_of`] counts them.
-    pub fn rings(&self, last: u16) -> Vec<u16> {
-        rings_of((1..=usize::from(last)).map(|n| self.pass(n).kind))
+    /// The annual ring of every pass up to `last`, as [`ring_numbers`] counts them.
+    pub fn ring_numbers(&self, last: u16) -> Vec<u16> {
+        ring_numbers((1..=usize::from(last)).map(|n| self.pass(n).part))
     }
 }
 
-/// The annual ring of every pass of given kinds, counted from 1 at the bark; entry 0, outside the section, is 0. A ring
+/// The annual ring of every pass of given parts, counted from 1 at the bark; entry 0, outside the section, is 0. A ring
 /// begins where latewood follows earlywood.
-pub fn rings_of(kinds: impl Iterator<Item = Kind>) -> Vec<u16> {
+pub fn ring_numbers(parts: impl Iterator<Item = RingPart>) -> Vec<u16> {
     let mut ring = 0;
     let mut before = None;
     std::iter::once(0)
-        .chain(kinds.map(|kind| {
-            if before.is_none() || (before, kind) == (Some(Kind::Earlywood), Kind::Latewood) {
+        .chain(parts.map(|part| {
+            if before.is_none() || (before, part) == (Some(RingPart::Earlywood), RingPart::Latewood)
+            {
                 ring += 1;
             }
-            before = Some(kind);
+            before = Some(part);
             ring
         }))
         .collect()
@@ -179,11 +175,11 @@ fn ring(latewood: Kernel, earlywood: Kernel) -> [Pass; 2] {
     [
         Pass {
             kernel: latewood,
-            kind: Kind::Latewood,
+            part: RingPart::Latewood,
         },
         Pass {
             kernel: earlywood,
-            kind: Kind::Earlywood,
+            part: RingPart::Earlywood,
         },
     ]
 }
@@ -194,19 +190,22 @@ mod tests {
 
     #[test]
     fn the_last_passes_repeat_and_rings_begin_with_latewood() {
-        let schedule = Schedule::figure_6();
+        let schedule = KernelSchedule::figure_6();
         let sizes = [1, 2, 8, 10, 30, 47, 48, 49, 50].map(|n| schedule.pass(n).kernel.width);
         assert_eq!(sizes, [3, 5, 5, 3, 5, 3, 11, 3, 11]);
-        let rings = schedule.rings(50);
+        let rings = schedule.ring_numbers(50);
         assert_eq!([rings[0], rings[1], rings[2], rings[3]], [0, 1, 1, 2]);
         assert_eq!((rings[48], rings[50]), (24, 25));
-        assert_eq!(schedule.clone().outwards().pass(1).kernel.width, 5);
+        assert_eq!(schedule.clone().for_outward_front().pass(1).kernel.width, 5);
         assert_eq!(
-            Schedule::new(Vec::new(), 0).unwrap_err(),
+            KernelSchedule::new(Vec::new(), 0).unwrap_err(),
             ScheduleError::Empty
         );
         let one = vec![*schedule.pass(1)];
-        assert!(Schedule::new(one.clone(), 1).is_err());
-        assert_eq!(Schedule::new(one, 0).unwrap().rings(3), [0, 1, 1, 1]);
+        assert!(KernelSchedule::new(one.clone(), 1).is_err());
+        assert_eq!(
+            KernelSchedule::new(one, 0).unwrap().ring_numbers(3),
+            [0, 1, 1, 1]
+        );
     }
 }
