@@ -170,7 +170,7 @@ fn without_fray_nothing_changes_and_the_same_seed_gives_the_same() {
     let p = parameters(&["seed=3"]);
     let made = Made::new(built_in_branch(), &p);
     for (node, mut piece) in plain.scene.nodes.iter().zip(made.pieces) {
-        snap_to_f32(&mut piece, plain.inner_material);
+        snap_to_f32(&mut piece, plain.woods[0].material);
         assert_eq!(node.mesh.positions, piece.positions);
     }
     let names: Vec<&str> = some.scene.nodes.iter().map(|n| n.name.as_str()).collect();

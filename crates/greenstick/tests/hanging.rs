@@ -68,7 +68,7 @@ fn a_hanging_piece_touches_the_other_nowhere_and_stays_at_its_hinge() {
                 })
                 .fold(f64::INFINITY, f64::min)
         };
-        let radius = broken.stem.radius;
+        let radius = broken.woods[0].stem.radius;
         for node in nodes {
             assert!(nearest(node) < 0.15 * radius, "{} is away", node.name);
         }

@@ -3,111 +3,26 @@
 
 use super::notes::BreakNote;
 use super::slot::{Found, Ids, Slot};
+use super::stages::{
+    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage, inner_wood,
+};
 use crate::Error;
 use crate::report::SpeciesReport;
 use crate::request::{Break, BreakStage};
-use greenstick_fracture::cracks::{CrackPlan, plan};
+use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
-use greenstick_fracture::heights::{self, HeightCache, HeightSource, Heights};
-use greenstick_fracture::parameters::{BreakParameters, CrackEnd, CrackParameters, Surface};
-use greenstick_fracture::recipe::{CrackShrinkage, Recipe};
-use greenstick_geometry::{Context, Mesh, Scene};
+use greenstick_fracture::heights::{self, HeightCache, HeightSource};
+use greenstick_fracture::parameters::{BreakParameters, CrackParameters, Surface};
+use greenstick_fracture::recipe::Recipe;
+use greenstick_geometry::{Context, Scene};
 use greenstick_skin::broken::{
-    BrokenFace, Cutter, FaceLayout, InnerWood, LayoutKey, height_setting, lacks_material,
+    Cutter, FaceLayout, InnerWood, LayoutKey, height_setting, lacks_material,
 };
-use greenstick_skin::cracks::{CrackedFace, OpenedEnd, crack_faces, open_end};
+use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule};
 use greenstick_wood::stem::{StemKind, StemLocation, StemOptions};
-use std::sync::Arc;
-
-/// The stem of a break.
-#[derive(Debug, Clone)]
-pub struct StemStage {
-    /// The stem as it was found, with the grain that the break asks for.
-    pub sound: Arc<PreparedStem>,
-    /// The same with cracks in its end, where the break asks for them there.
-    pub opened: Option<Arc<OpenedEnd>>,
-    /// Material of the wood inside.
-    pub inner_material: u32,
-    /// Number of the stem that is broken, which no other of the session has.
-    id: u64,
-}
-
-impl StemStage {
-    /// The stem that is broken.
-    pub fn stem(&self) -> &PreparedStem {
-        match &self.opened {
-            Some(opened) => &opened.stem,
-            None => &self.sound,
-        }
-    }
-}
-
-/// The heights of a break.
-#[derive(Debug, Clone)]
-pub struct HeightStage {
-    /// The surface, and what was done to fit it in.
-    pub heights: Heights,
-    /// What the species did.
-    pub relief: SpeciesRelief,
-}
-
-/// What a species does to the relief of a face.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpeciesRelief {
-    /// Factor on the torn relief.
-    pub factor: f64,
-    /// Where the factor comes from, where a species is named and has the values.
-    pub report: Option<SpeciesReport>,
-    /// Why it is 1 although a species is named.
-    pub note: Option<BreakNote>,
-}
-
-/// A stem cut along the surface of a break.
-#[derive(Debug, Clone)]
-pub struct CutStage {
-    /// The broken face of both pieces, without cracks.
-    pub face: BrokenFace,
-    /// The faces of the lower and the upper piece with cracks, where the break asks for them there.
-    pub cracked: Option<Box<[CrackedFace; 2]>>,
-}
-
-/// The cracks of a break, drawn for a stem.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cracks {
-    /// The cracks.
-    pub plan: CrackPlan,
-    /// Whether they open at a sawn end instead of at the break.
-    pub sawn: bool,
-    /// The shrinkage that they open by.
-    pub shrinkage: CrackShrinkage,
-    /// How many tangential cracks were moved to a ring boundary.
-    pub moved: usize,
-}
-
-impl Cracks {
-    /// The cracks that a recipe asks for, if any.
-    pub(super) fn plan(recipe: &Recipe) -> Result<Option<Cracks>, Error> {
-        if recipe.cracks.is_empty() {
-            return Ok(None);
-        }
-        let shrinkage = recipe.crack_shrinkage()?;
-        let mut asked = recipe.cracks.clone();
-        let moved = asked.follow_rings(recipe.face.rings);
-        Ok(Some(Cracks {
-            plan: plan(
-                &asked,
-                (shrinkage.tangential, shrinkage.radial),
-                recipe.face.seed,
-            ),
-            sawn: recipe.cracks.settings.end == CrackEnd::Sawn,
-            shrinkage,
-            moved,
-        }))
-    }
-}
 
 /// What the cracks of a break are drawn from.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,6 +44,15 @@ impl CrackKey {
             seed: recipe.face.seed,
         }
     }
+}
+
+/// What the stem is found by.
+#[derive(Debug, Clone, PartialEq)]
+struct FoundKey {
+    scene: u64,
+    place: StemLocation,
+    options: StemOptions,
+    above: Option<LowestAbove>,
 }
 
 /// What an opened end is made from: the stem, the cracks, and what the wood in it shows.
@@ -161,7 +85,7 @@ struct CutKey {
 /// The last value of each stage of a break.
 #[derive(Debug, Default)]
 pub(super) struct Chain {
-    found: Slot<(u64, StemLocation, StemOptions), PreparedStem>,
+    found: Slot<FoundKey, PreparedStem>,
     /// Layout and heights on the stem as it was found, where the break asks for another: spiral grain winds no farther
     /// than the break, and the relief that a species calls for is that of the sound stem.
     found_layout: Slot<(u64, LayoutKey), FaceLayout>,
@@ -193,59 +117,60 @@ impl Clone for Chain {
     }
 }
 
-/// All stages of one break up to the cut.
-#[derive(Debug, Clone)]
-pub struct BreakStages {
-    /// The stem.
-    pub stem: StemStage,
-    /// The layout of its section.
-    pub layout: Arc<FaceLayout>,
-    /// The heights of its face.
-    pub heights: Arc<HeightStage>,
-    /// The cracks.
-    pub cracks: Option<Cracks>,
-    /// The stem cut along them.
-    pub cut: Arc<CutStage>,
-    /// Number of the cut, which no other of the session has.
-    pub(super) cut_id: u64,
-}
-
-impl BreakStages {
-    /// One piece of the break as a mesh of its own, without cracks and as it broke.
-    pub fn piece(&self, p: &BreakParameters, upper: bool) -> Mesh {
-        let inner = self.inner_wood(p);
-        (self.cut.face).piece(&self.stem.stem().source(), &inner, upper)
-    }
-
-    /// What the broken face shows.
-    pub fn inner_wood<'a>(&'a self, p: &BreakParameters) -> InnerWood<'a> {
-        inner_wood(&self.stem, &self.layout, p)
-    }
-}
-
-fn inner_wood<'a>(
-    stage: &'a StemStage,
-    layout: &'a FaceLayout,
-    p: &BreakParameters,
-) -> InnerWood<'a> {
-    let stem = stage.stem();
-    InnerWood {
-        stem: &stem.found.stem,
-        bundles: &layout.bundles,
-        proportions: p.proportions(),
-        material: stage.inner_material,
-        square: stem.square,
-        smooth: p.surface == Surface::Smooth,
-    }
-}
-
 /// The scene that a break is made in.
 pub(super) struct ChainInput<'a> {
     pub scene: &'a Scene,
     /// Number of the scene, which no other of the session has.
     pub id: u64,
-    /// The most that a break may reach up, where another break is above it: a length along the stem, m.
+    /// What is known of the stem.
     pub stem: &'a StemOptions,
+    /// The lowest place of the break beyond this one, where there is one.
+    pub above: Option<LowestAbove>,
+    /// How many breaks have been made whose wood inside has a material of its own.
+    pub inner_wood_before: u32,
+}
+
+impl<'a> ChainInput<'a> {
+    /// The scene that came in.
+    pub fn whole(scene: &'a Scene, stem: &'a StemOptions) -> Self {
+        ChainInput {
+            scene,
+            id: 0,
+            stem,
+            above: None,
+            inner_wood_before: 0,
+        }
+    }
+}
+
+/// The lowest place of a broken face, which a break nearer to the base stays clear of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LowestAbove {
+    /// A point of the axis there, m.
+    point: DVec3,
+    /// Length of stem that the break stays away from it, m.
+    margin: f64,
+}
+
+/// Wood that stays whole between two breaks of a stem, radii.
+const BETWEEN_BREAKS: f64 = 0.1;
+
+impl LowestAbove {
+    pub fn new(stages: &BreakStages) -> Self {
+        let stem = &stages.stem.stem().found.stem;
+        let low = stages.heights.heights.range.0;
+        LowestAbove {
+            point: stem.grain.axis().frame(stem.location + low).origin,
+            margin: BETWEEN_BREAKS * stem.radius,
+        }
+    }
+
+    /// Keeps a stem clear of it.
+    fn limit(self, stem: &mut PreparedStem) {
+        let stem = &mut stem.found.stem;
+        let length = stem.grain.axis().length_at(self.point) - self.margin;
+        stem.usable.1 = stem.usable.1.min(length).max(stem.location);
+    }
 }
 
 /// Takes down the earliest stage that was made anew.
@@ -357,9 +282,19 @@ impl Chain {
     ) -> Result<(StemStage, SpeciesRelief), Error> {
         context.report(0.0)?;
         let p = &asked.recipe.face;
-        let key = (input.id, asked.place, *input.stem);
+        let key = FoundKey {
+            scene: input.id,
+            place: asked.place,
+            options: *input.stem,
+            above: input.above,
+        };
         let found = self.found.get(key, ids, |_| {
-            PreparedStem::find(input.scene.clone(), &asked.place, input.stem, context)
+            let scene = input.scene.clone();
+            let mut stem = PreparedStem::find(scene, &asked.place, input.stem, context)?;
+            if let Some(above) = input.above {
+                above.limit(&mut stem);
+            }
+            Ok::<_, Error>(stem)
         })?;
         changes.note(BreakStage::Stem, found.is_new);
         let spiral = is_spiral(&found.value, p);
@@ -375,7 +310,8 @@ impl Chain {
         };
         let bare = |n: &greenstick_geometry::Node| lacks_material(&n.mesh);
         let scene = &sound.value.scene;
-        let inner_material = scene.materials.len() as u32 + u32::from(scene.nodes.iter().any(bare));
+        let before = u32::from(scene.nodes.iter().any(bare)) + input.inner_wood_before;
+        let inner_material = scene.materials.len() as u32 + before;
         let mut stage = StemStage {
             sound: sound.value,
             opened: None,

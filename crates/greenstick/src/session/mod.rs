@@ -9,28 +9,31 @@ pub(crate) mod appearance;
 mod chain;
 pub(crate) mod materials;
 mod notes;
+mod order;
 mod pieces;
+mod report;
 mod scene;
 mod slot;
+mod stages;
 
 pub use appearance::Looks;
-pub use chain::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
 pub use notes::BreakNote;
 pub use pieces::{Piece, PieceRole, Pieces};
 pub use scene::NodeRole;
+pub use stages::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
 
 use crate::Error;
-use crate::report::{BreakReport, FaceReport, InputReport, PlaceReport, closed_volume};
+use crate::report::BreakReport;
 use crate::request::{Break, BreakRequest, BreakStage};
 use appearance::looks;
-use chain::{Chain, ChainInput, Changes};
+use chain::{Chain, ChainInput, Changes, LowestAbove};
 use glam::DVec3;
-use greenstick_fracture::parameters::Surface;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_skin::cracks::EndOfStem;
-use greenstick_skin::prepared::{PreparedStem, volume_scale};
+use greenstick_skin::prepared::volume_scale;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
-use greenstick_wood::stem::{Stem, StemKind};
+use greenstick_wood::stem::Stem;
+use order::BreakOrder;
 use scene::{Assembled, assemble};
 use slot::{Ids, Slot};
 use std::sync::Arc;
@@ -59,22 +62,59 @@ struct TextureKey {
     width: u32,
 }
 
+/// The values of one break of a request.
+#[derive(Debug, Clone, Default)]
+struct OneBreak {
+    chain: Chain,
+    pieces: Slot<(u64, Break), Pieces>,
+    textures: Slot<TextureKey, WoodTextures>,
+    /// What is left of the scene to be broken further down.
+    rest: Slot<u64, Scene>,
+}
+
 /// A scene that is broken again and again. Sessions share nothing that changes, so each thread can have its own:
 /// [`BreakSession::fork`].
 #[derive(Debug)]
 pub struct BreakSession {
     input: Arc<Input>,
     ids: Ids,
-    chain: Chain,
-    pieces: Slot<(u64, Break), Pieces>,
-    textures: Slot<TextureKey, WoodTextures>,
+    order: BreakOrder,
+    /// In the order in which they are made.
+    breaks: Vec<OneBreak>,
     changes: Changes,
+}
+
+/// One break of a request, with its pieces.
+#[derive(Debug, Clone)]
+pub struct PiecesOfBreak {
+    /// Its number in the request.
+    pub number: usize,
+    /// The break as it was made.
+    pub made: Break,
+    /// Its stages up to the cut.
+    pub stages: BreakStages,
+    /// Its pieces.
+    pub pieces: Arc<Pieces>,
+}
+
+/// The wood inside a break.
+#[derive(Debug, Clone)]
+pub struct BrokenWood {
+    /// Its material.
+    pub material: u32,
+    /// The stem that was broken, placed at the break.
+    pub stem: Stem,
+    /// What its wood and bark look like.
+    pub looks: Looks,
+    /// Side of the square that holds the section, m.
+    pub width: f64,
 }
 
 /// Broken pieces.
 #[derive(Debug, Clone)]
 pub struct Broken {
-    /// The pieces `lower`, `upper` and so on, then what was not touched.
+    /// The pieces first: `lower`, `upper` and splinters, or, of several breaks, `piece_0` and so on from the base and
+    /// splinters. Then what moves with them, then what was not touched.
     pub scene: Scene,
     /// What each node of the scene is.
     pub roles: Vec<NodeRole>,
@@ -82,14 +122,8 @@ pub struct Broken {
     pub report: BreakReport,
     /// The notes of the report by their kinds.
     pub notes: Vec<BreakNote>,
-    /// The stem that was broken.
-    pub stem: Stem,
-    /// What its wood and bark look like.
-    pub looks: Looks,
-    /// Material of the wood inside.
-    pub inner_material: u32,
-    /// Side of the square that holds the section, m.
-    pub width: f64,
+    /// The wood inside each break, in the order of the request.
+    pub woods: Vec<BrokenWood>,
     /// Whether the pieces were moved apart, or one hangs on the other.
     pub apart: bool,
     /// Direction of the hinge that the upper piece hangs on, where it does.
@@ -122,9 +156,8 @@ impl BreakSession {
                 area_m2,
             }),
             ids: Ids::default(),
-            chain: Chain::default(),
-            pieces: Slot::default(),
-            textures: Slot::default(),
+            order: BreakOrder::default(),
+            breaks: Vec::new(),
             changes: Changes::default(),
         }
     }
@@ -134,9 +167,8 @@ impl BreakSession {
         BreakSession {
             input: self.input.clone(),
             ids: self.ids.clone(),
-            chain: self.chain.clone(),
-            pieces: self.pieces.clone(),
-            textures: self.textures.clone(),
+            order: self.order.clone(),
+            breaks: self.breaks.clone(),
             changes: Changes::default(),
         }
     }
@@ -146,25 +178,21 @@ impl BreakSession {
         self.changes.first()
     }
 
-    /// The stem of the request's break.
+    /// The stem of the request's only break.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
     pub fn stem(&mut self, request: &BreakRequest, context: &Context) -> Result<StemStage, Error> {
-        self.changes = Changes::default();
-        let input = self.input.clone();
-        let input = ChainInput {
-            scene: &input.scene,
-            id: 0,
-            stem: &request.stem,
-        };
         let asked = only(request)?;
-        self.chain
-            .stem_only(&input, asked, &mut self.ids, &mut self.changes, context)
+        self.begin(request);
+        let input = self.input.clone();
+        let input = ChainInput::whole(&input.scene, &request.stem);
+        let chain = &mut self.breaks[0].chain;
+        chain.stem_only(&input, asked, &mut self.ids, &mut self.changes, context)
     }
 
-    /// Height between the 5th and the 95th hundredth of the corners of the request's face, before it is limited and without
-    /// what a species adds to its relief, m.
+    /// Height between the 5th and the 95th hundredth of the corners of the request's only face, before it is limited and
+    /// without what a species adds to its relief, m.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
@@ -174,11 +202,13 @@ impl BreakSession {
         context: &Context,
     ) -> Result<f64, Error> {
         let stem = self.stem(request, context)?;
-        self.chain
-            .relief_range(&stem, &only(request)?.recipe.face, &mut self.ids)
+        let face = &only(request)?.recipe.face;
+        self.breaks[0]
+            .chain
+            .relief_range(&stem, face, &mut self.ids)
     }
 
-    /// The stages of the request's break up to the cut, which is what is drawn.
+    /// The stages of the request's only break up to the cut, which is what is drawn.
     ///
     /// # Errors
     /// [`Error`] where there is no stem at the place, it cannot be cut there, or the caller cancelled.
@@ -187,19 +217,22 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<BreakStages, Error> {
-        self.changes = Changes::default();
-        let input = self.input.clone();
-        let input = ChainInput {
-            scene: &input.scene,
-            id: 0,
-            stem: &request.stem,
-        };
         let asked = only(request)?;
-        self.chain
-            .update(&input, asked, &mut self.ids, &mut self.changes, context)
+        self.begin(request);
+        let input = self.input.clone();
+        let input = ChainInput::whole(&input.scene, &request.stem);
+        let chain = &mut self.breaks[0].chain;
+        chain.update(&input, asked, &mut self.ids, &mut self.changes, context)
     }
 
-    /// The pieces of the request's break as meshes of their own.
+    fn begin(&mut self, request: &BreakRequest) {
+        self.changes = Changes::default();
+        self.breaks
+            .resize_with(request.breaks.len(), OneBreak::default);
+    }
+
+    /// The pieces of the request's breaks as meshes of their own, from the farthest break from the base to the nearest.
+    /// Each breaks what the one before left at the base.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
@@ -207,17 +240,55 @@ impl BreakSession {
         &mut self,
         request: &BreakRequest,
         context: &Context,
-    ) -> Result<(BreakStages, Arc<Pieces>), Error> {
-        let [cut, finishing] = context.split([(CUT, 3.0), (FINISH, 2.0)]);
-        let stages = self.stages(request, &cut)?;
-        finishing.report(0.0)?;
-        let asked = only(request)?;
-        let key = (stages.cut_id, asked.clone());
-        let pieces = self
-            .pieces
-            .get(key, &mut self.ids, |_| pieces::finish(&stages, asked))?;
-        self.changes.note(BreakStage::Finish, pieces.is_new);
-        Ok((stages, pieces.value))
+    ) -> Result<Vec<PiecesOfBreak>, Error> {
+        self.begin(request);
+        let input = self.input.clone();
+        let [locating, breaking] = context.split([
+            (STEM, request.breaks.len() as f64 - 1.0),
+            (CUT, 4.0 * request.breaks.len() as f64),
+        ]);
+        let order = self.order.of(&input.scene, request, &locating)?;
+        let mut made: Vec<PiecesOfBreak> = Vec::new();
+        let mut rest: Option<(Arc<Scene>, u64)> = None;
+        for (at, placed) in order.iter().enumerate() {
+            let [cutting, finishing] = breaking
+                .item(at, order.len())
+                .split([(CUT, 3.0), (FINISH, 2.0)]);
+            let one = &mut self.breaks[at];
+            let (scene, id) = match &rest {
+                Some((scene, id)) => (&**scene, *id),
+                None => (&input.scene, 0),
+            };
+            let above = made.last().map(|m| LowestAbove::new(&m.stages));
+            let input = ChainInput {
+                scene,
+                id,
+                stem: &request.stem,
+                above,
+                inner_wood_before: at as u32,
+            };
+            let (ids, changes) = (&mut self.ids, &mut self.changes);
+            let stages = (one.chain).update(&input, &placed.asked, ids, changes, &cutting)?;
+            finishing.report(0.0)?;
+            let key = (stages.cut_id, placed.asked.clone());
+            let pieces = one
+                .pieces
+                .get(key, ids, |_| pieces::finish(&stages, &placed.asked))?;
+            changes.note(BreakStage::Finish, pieces.is_new);
+            if at + 1 < order.len() {
+                let found = one.rest.get(pieces.id, ids, |_| {
+                    Ok::<_, Error>(scene::left_at_base(&stages, &pieces.value))
+                })?;
+                rest = Some((found.value, found.id));
+            }
+            made.push(PiecesOfBreak {
+                number: placed.number,
+                made: placed.asked.clone(),
+                stages,
+                pieces: pieces.value,
+            });
+        }
+        Ok(made)
     }
 
     /// The broken scene with its materials and textures, as files hold it.
@@ -226,94 +297,64 @@ impl BreakSession {
     /// As [`BreakSession::stages`], or where the textures cannot be made.
     pub fn broken(&mut self, request: &BreakRequest, context: &Context) -> Result<Broken, Error> {
         let [breaking, baking] = context.split([(CUT, 1.0), (TEXTURES, 2.0)]);
-        let (stages, pieces) = self.pieces(request, &breaking)?;
-        let asked = only(request)?;
-        let p = &asked.recipe.face;
-        let prepared = stages.stem.stem();
-        let stem = &prepared.found.stem;
-        let species = asked.recipe.species()?;
-        let looks = looks(stem, p, species, prepared.extent.bark);
-        baking.report(0.0)?;
-        let key = TextureKey {
-            stem: stem.clone(),
-            square: prepared.square,
-            looks: looks.clone(),
-            width: request.texture_width,
-        };
-        let baked = self.textures.get(key, &mut self.ids, |_| {
-            materials::bake(
-                stem,
-                prepared.square,
-                &looks,
-                request.texture_width,
-                &baking,
-            )
-        })?;
-        self.changes.note(BreakStage::Finish, baked.is_new);
-        let Assembled { mut scene, roles } = assemble(&stages, &pieces);
+        let made = self.pieces(request, &breaking)?;
+        let Assembled { mut scene, roles } = assemble(&made);
         materials::add_missing_bark(&mut scene);
-        materials::add_inner_wood(&mut scene, prepared.square, &baked.value);
+        let mut woods = Vec::new();
+        for (at, one) in made.iter().enumerate() {
+            let width = request.texture_width;
+            let wood = self.bake(at, one, width, &baking.item(at, made.len()))?;
+            let square = one.stages.stem.stem().square;
+            materials::add_inner_wood(&mut scene, square, &wood.1);
+            woods.push((one.number, wood.0));
+        }
+        woods.sort_by_key(|w| w.0);
+        let first = made.iter().min_by_key(|m| m.number);
+        let pieces = first.map(|m| &m.pieces);
+        let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
-            scene,
             roles,
-            report: self.report(&stages, &pieces, asked),
-            notes: pieces.notes.clone(),
-            stem: stem.clone(),
-            looks,
-            inner_material: stages.stem.inner_material,
-            width: prepared.square.side,
-            apart: asked.separation != 0.0 || p.hang > 0.0,
-            hinge: pieces.hang.as_ref().map(|h| DVec3::from_array(h.axis)),
-            end: pieces.end,
+            report: report::report(&self.input, &made, &scene),
+            scene,
+            notes: report::notes(&made).into_iter().cloned().collect(),
+            woods: woods.into_iter().map(|w| w.1).collect(),
+            apart: (request.breaks.iter()).any(|b| b.separation != 0.0 || b.recipe.face.hang > 0.0),
+            hinge: hang.map(|h| DVec3::from_array(h.axis)),
+            end: pieces.and_then(|p| p.end),
         })
     }
 
-    fn report(&self, stages: &BreakStages, pieces: &Pieces, asked: &Break) -> BreakReport {
-        let heights = &stages.heights.heights;
-        let p = &asked.recipe.face;
-        BreakReport {
-            scan: None,
-            input: self.input_report(&stages.stem.sound),
-            place: place_report(stages.stem.stem()),
-            face: FaceReport {
-                surface: match p.surface {
-                    Surface::Smooth => "smooth".into(),
-                    Surface::Fibrous => "fibrous".into(),
-                },
-                bundles: stages.layout.bundles.bundles.len(),
-                thorns: heights.thorns.len(),
-                range_m: [heights.range.0, heights.range.1],
-                limited: heights.limited,
-                wanted_m: [heights.wanted.0, heights.wanted.1],
-            },
-            species: stages.heights.relief.report.clone(),
-            pieces: pieces.reports.clone(),
-            hang: pieces.hang.clone(),
-            crack_volume_m3: pieces.crack_volume_m3,
-            notes: pieces.notes.iter().map(ToString::to_string).collect(),
-        }
-    }
-
-    fn input_report(&self, stem: &PreparedStem) -> InputReport {
-        let found = &stem.found;
-        let mut repairs = self.input.scene.notes.clone();
-        repairs.extend(found.notes.iter().cloned());
-        if stem.split > 0 {
-            repairs.push(format!(
-                "{} triangles near the break were parted because the stem is bent there",
-                stem.split
-            ));
-        }
-        let shell = found.shell.iter().map(|&t| t as usize);
-        let (closed, volume) = closed_volume(&stem.node().mesh.submesh(shell));
-        InputReport {
-            meshes: stem.scene.nodes.len(),
-            triangles: self.input.triangles,
-            area_m2: self.input.area_m2,
-            volume_m3: volume.map(|v| v * stem.volume_scale()),
-            closed,
-            repairs,
-        }
+    /// Bakes the textures of a break.
+    fn bake(
+        &mut self,
+        at: usize,
+        one: &PiecesOfBreak,
+        width: u32,
+        context: &Context,
+    ) -> Result<(BrokenWood, Arc<WoodTextures>), Error> {
+        context.report(0.0)?;
+        let recipe = &one.made.recipe;
+        let prepared = one.stages.stem.stem();
+        let (stem, square) = (&prepared.found.stem, prepared.square);
+        let looks = looks(stem, &recipe.face, recipe.species()?, prepared.extent.bark);
+        let key = TextureKey {
+            stem: stem.clone(),
+            square,
+            looks: looks.clone(),
+            width,
+        };
+        let slot = &mut self.breaks[at].textures;
+        let baked = slot.get(key, &mut self.ids, |_| {
+            materials::bake(stem, square, &looks, width, context)
+        })?;
+        self.changes.note(BreakStage::Finish, baked.is_new);
+        let wood = BrokenWood {
+            material: one.stages.stem.inner_material,
+            stem: stem.clone(),
+            looks,
+            width: square.side,
+        };
+        Ok((wood, baked.value))
     }
 }
 
@@ -325,23 +366,6 @@ fn only(request: &BreakRequest) -> Result<&Break, Error> {
             "{} breaks; expected 1",
             others.len()
         ))),
-    }
-}
-
-fn place_report(prepared: &PreparedStem) -> PlaceReport {
-    let stem = &prepared.found.stem;
-    PlaceReport {
-        mesh: prepared.node().name.clone(),
-        kind: match stem.kind {
-            StemKind::Round => "round".into(),
-            StemKind::Board => "board".into(),
-        },
-        stem_length_m: stem.length,
-        length_m: stem.location,
-        point_m: stem.grain.axis().frame(stem.location).origin.to_array(),
-        radius_m: stem.radius,
-        pith_m: stem.rings.pith().to_array(),
-        free_m: [stem.usable.0, stem.usable.1],
     }
 }
 

@@ -1,7 +1,8 @@
 //! The finish of a break: pieces as meshes of their own, frayed, hung, and brought to the precision of files.
 
-use super::chain::{BreakStages, is_spiral};
+use super::chain::is_spiral;
 use super::notes::BreakNote;
+use super::stages::BreakStages;
 use crate::Error;
 use crate::report::PieceReport;
 use crate::request::Break;
@@ -21,16 +22,19 @@ pub enum PieceRole {
     Lower,
     /// What lies beyond the break.
     Upper,
+    /// Of a stem that is broken at several places, the piece of this number, from 0 at the base.
+    Segment(usize),
     /// A splinter that came loose.
     Splinter(usize),
 }
 
 impl PieceRole {
-    /// Name of the piece's node, where the stem is broken once.
+    /// Name of the piece's node.
     pub fn name(self) -> String {
         match self {
             PieceRole::Lower => "lower".to_owned(),
             PieceRole::Upper => "upper".to_owned(),
+            PieceRole::Segment(number) => format!("piece_{number}"),
             PieceRole::Splinter(number) => format!("splinter_{number:03}"),
         }
     }

@@ -134,7 +134,7 @@ impl Cutter<'_> {
         let mut cut = cut_again(&solid, self.skin, self.ground, surface, workspace)
             .map_err(|error| self.stem.locate(error))?;
         let chips = if self.absorb_chips {
-            cut.absorb_chips_again(&solid, self.skin)
+            cut.absorb_chips(&solid, self.skin, self.ground)
         } else {
             0
         };
