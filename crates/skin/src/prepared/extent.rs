@@ -3,6 +3,7 @@
 use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_wood::stem::{FoundStem, StemKind};
+use greenstick_wood::tissue::{MAX_BARK_START, MIN_BARK_START};
 
 /// How far the skin of the limb reaches about the pith.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +18,6 @@ pub struct SectionExtent {
     pub arc: Option<(f64, f64)>,
 }
 
-/// Ring coordinates between which bark may begin: relief deeper than that reaches into the wood.
-const BARK_BEGINS: (f64, f64) = (0.88, 0.96);
 /// Length of stem on either side of the break, in radii, whose skin tells how deep the bark's furrows are.
 const FURROW_REACH: f64 = 1.5;
 /// Part of the skin that lies in furrows.
@@ -113,11 +112,11 @@ impl Gathered {
     fn round(mut self) -> SectionExtent {
         self.near.sort_by(f64::total_cmp);
         let furrow = self.near.get(self.near.len() / FURROW_SHARE).copied();
-        let bark = furrow.unwrap_or(BARK_BEGINS.1) - BELOW_FURROWS;
+        let bark = furrow.unwrap_or(MAX_BARK_START) - BELOW_FURROWS;
         SectionExtent {
             reach: (0.0, self.rho.1.max(1.0)),
             radius: self.radius,
-            bark: bark.clamp(BARK_BEGINS.0, BARK_BEGINS.1),
+            bark: bark.clamp(MIN_BARK_START, MAX_BARK_START),
             arc: None,
         }
     }

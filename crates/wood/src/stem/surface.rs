@@ -2,6 +2,9 @@
 //!
 //! Triangles are sorted into the cells of a grid, each with the bounding box of its triangles, so that a plane or a
 //! ray looks at a small part of a large mesh.
+//!
+//! Not the geometry crate's tree of boxes: finding a stem takes some 300 sections of a shell that is used once. Of 551 000
+//! triangles the grid takes 24 ms to build and 54 ms for 300 sections, the tree 179 ms and 38 ms.
 
 use super::shells::{Shell, WeldedMesh};
 use super::slice::{Segment, SliceLine, chain, cut_triangle};
