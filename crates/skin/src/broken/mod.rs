@@ -79,7 +79,7 @@ pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> 
     let found = &stem.found.stem;
     Setting {
         radius: found.radius,
-        place: found.place,
+        place: found.location,
         usable: found.usable,
         pith: found.rings.pith(),
         wedge: crate::hang::wedge(stem, p),
