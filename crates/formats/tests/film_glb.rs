@@ -5,7 +5,7 @@ mod common;
 use common::bundle::{Bend, film};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use greenstick_formats::film::{FilmError, FilmReport, GlbOptions, write_glb};
-use greenstick_geometry::{Context, Film, Mesh, Motion, Pose};
+use greenstick_geometry::{Context, Film, Mesh, Motion, Pose, RigidBody};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Seek, SeekFrom};
@@ -209,7 +209,7 @@ fn worst(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
             let away = right.iter().zip(&played).map(|(a, b)| a.distance(*b));
             worst = away.fold(worst, f64::max);
         }
-        for (node, joint) in &film.bodies {
+        for RigidBody { node, joint } in &film.bodies {
             let joint = *joint as usize;
             let map = poses[joint].affine() * film.joints[joint].rest.inverse() * node.transform;
             let places: Vec<DVec3> = node
@@ -269,7 +269,7 @@ fn rotations_stay_on_one_side() {
 #[test]
 fn the_error_that_is_stated_is_the_error_that_is_there() {
     let film = film(30, 40, 8);
-    let exact = film.pieces[0].binding.of(100).count();
+    let exact = film.pieces[0].binding.influences(100).count();
     assert_eq!(exact, 8);
     let limits = [(Some(12), 8), (Some(5), 8), (Some(1), 8), (Some(30), 4)];
     let mut before = 0.0;

@@ -260,8 +260,8 @@ fn a_film_lies_where_it_was_made() {
     for frame in 0..40 {
         motion.poses(frame, &mut poses).unwrap();
         film.pose_piece(0, &poses, &mut places);
-        film.maps(&poses, &mut maps);
-        film.place_normals(0, &maps, &mut directions);
+        film.joint_maps(&poses, &mut maps);
+        film.deform_normals(0, &maps, &mut directions);
         for (right, value) in [(&places, points[frame]), (&directions, normals[frame])] {
             let found = layer.floats(value);
             assert_eq!(found.len(), right.len());

@@ -6,7 +6,9 @@
 //! Refining Triangular Grids), until nothing crosses.
 
 use glam::DVec3;
-use greenstick_geometry::intersect::{Contact, contact_tree, contacts_between, self_contacts};
+use greenstick_geometry::intersect::{
+    Contact, TriangleTree, contact_tree, contacts_between, self_contacts,
+};
 use greenstick_geometry::{Bvh, Mesh};
 use rustc_hash::FxHashMap;
 
@@ -154,10 +156,20 @@ pub fn crossing(
         }),
         Some(changed) => {
             let some = part(changed.iter().map(|&t| triangles[t as usize]).collect());
-            let trees = [Bvh::of_triangles(&some), Bvh::of_triangles(&all)];
-            contacts_between((&some, &trees[0]), (&all, &trees[1]), |s, t, c| {
-                found(changed[s], t as u32, c);
-            });
+            let trees = [Bvh::from_mesh(&some), Bvh::from_mesh(&all)];
+            contacts_between(
+                TriangleTree {
+                    mesh: &some,
+                    tree: &trees[0],
+                },
+                TriangleTree {
+                    mesh: &all,
+                    tree: &trees[1],
+                },
+                |s, t, c| {
+                    found(changed[s], t as u32, c);
+                },
+            );
         }
     }
     pairs.sort_unstable();

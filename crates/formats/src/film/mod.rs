@@ -164,13 +164,13 @@ fn check(film: &Film, file: InFile) -> Result<(), FormatError> {
     for (p, piece) in film.pieces.iter().enumerate() {
         check_mesh(&piece.mesh, &|| format!("piece {p} ({})", piece.name), file)?;
     }
-    let bodies = film.bodies.iter().map(|(node, _)| node);
+    let bodies = film.bodies.iter().map(|body| &body.node);
     for (b, node) in bodies.chain(&film.fixed).enumerate() {
         let place = || format!("body {b} ({})", node.name);
         check_mesh(&node.mesh, &place, file)?;
         check_transform(node, &place, file)?;
     }
-    let bodies = film.bodies.iter().map(|(node, _)| node);
+    let bodies = film.bodies.iter().map(|body| &body.node);
     let nodes = bodies.chain(&film.fixed).map(|n| &*n.mesh);
     let meshes = nodes.chain(film.pieces.iter().map(|p| &p.mesh));
     Surfaces::of_film(film).check(meshes.clone(), file)?;

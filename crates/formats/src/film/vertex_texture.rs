@@ -9,7 +9,9 @@ use super::{FilmError, Reel};
 use crate::error::InFile;
 use crate::{Encoded, Format, LengthUnit, stem};
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Attribute, Binding, Context, Film, Motion, Node, Scene, Skinned};
+use greenstick_geometry::{
+    Attribute, Binding, Context, Film, Motion, Node, RigidBody, Scene, SkinnedMesh,
+};
 use serde::Serialize;
 use std::io::Write;
 use std::sync::Arc;
@@ -158,12 +160,12 @@ pub fn write_vertex_texture<M: Motion>(
 /// The film with bodies that move as pieces of one joint.
 fn with_bodies(film: &Film) -> Film {
     let mut film = film.clone();
-    for (node, joint) in std::mem::take(&mut film.bodies) {
-        film.pieces.push(Skinned {
+    for RigidBody { node, joint } in std::mem::take(&mut film.bodies) {
+        film.pieces.push(SkinnedMesh {
             binding: Binding::rigid(node.mesh.positions.len(), joint),
             mesh: node.mesh.transformed(&node.transform),
             name: node.name,
-            ..Skinned::default()
+            ..SkinnedMesh::default()
         });
     }
     film
@@ -199,7 +201,7 @@ fn layout(film: &Film, reel: &Reel, stem: &str, width: usize) -> Result<VertexTe
             format!("at most {LARGEST_TEXTURE} rows: fewer frames, fewer vertices or wider rows");
         return Err(file.unwritable(found, right).into());
     }
-    let has_normals = |p: &Skinned| {
+    let has_normals = |p: &SkinnedMesh| {
         p.mesh
             .attributes
             .get("NORMAL")
@@ -234,13 +236,13 @@ struct Placed {
 
 impl Placed {
     fn at(&mut self, film: &Film, reel: &mut Reel, frame: usize) -> Result<(), FilmError> {
-        film.maps(reel.at(frame)?, &mut self.maps);
+        film.joint_maps(reel.at(frame)?, &mut self.maps);
         self.positions.clear();
         self.normals.clear();
         for piece in 0..film.pieces.len() {
-            film.place_piece_at(frame, piece, &self.maps, &mut self.piece);
+            film.deform_positions_at(frame, piece, &self.maps, &mut self.piece);
             self.positions.extend(&self.piece);
-            film.place_normals_at(frame, piece, &self.maps, &mut self.piece);
+            film.deform_normals_at(frame, piece, &self.maps, &mut self.piece);
             self.normals.extend(&self.piece);
         }
         Ok(())

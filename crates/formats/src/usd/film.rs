@@ -8,7 +8,7 @@ use crate::assemble::{Surfaces, narrow};
 use crate::film::{FilmError, FilmReport, Reel, Sink};
 use crate::{Encoded, stem};
 use glam::{DAffine3, DQuat, DVec3};
-use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, Skinned};
+use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, RigidBody, SkinnedMesh};
 use std::collections::BTreeMap;
 use std::io::{Error, Result as Written};
 
@@ -26,7 +26,7 @@ pub(crate) fn write_film(
         return Err(reel.file().unwritable("a film as .usda text", right).into());
     }
     let pieces = film.pieces.iter().map(|p| &p.mesh);
-    let nodes = film.bodies.iter().map(|b| &b.0).chain(&film.fixed);
+    let nodes = film.bodies.iter().map(|b| &b.node).chain(&film.fixed);
     let meshes = pieces.chain(nodes.map(|n| &*n.mesh));
     let mut stage = Stage::new(Surfaces::of_film(film), meshes, reel.name, archive);
     let files = std::mem::take(&mut stage.looks.files);
@@ -177,7 +177,7 @@ impl Recording<'_> {
         let film = self.film;
         let none = BTreeMap::new();
         for (p, piece) in film.pieces.iter().enumerate() {
-            match piece.binding.used().as_slice() {
+            match piece.binding.used_joints().as_slice() {
                 [joint] if piece.earlier.count() == 0 => {
                     let body = (piece.name.as_str(), &piece.mesh, DAffine3::IDENTITY);
                     self.whole(body, *joint, &piece.extras, stage, reel, file)?;
@@ -185,7 +185,7 @@ impl Recording<'_> {
                 _ => self.piece(p, piece, stage, reel, file)?,
             }
         }
-        for (node, joint) in &film.bodies {
+        for RigidBody { node, joint } in &film.bodies {
             let body = (node.name.as_str(), &*node.mesh, node.transform);
             self.whole(body, *joint, &none, stage, reel, file)?;
         }
@@ -195,7 +195,7 @@ impl Recording<'_> {
     fn piece(
         &mut self,
         number: usize,
-        piece: &Skinned,
+        piece: &SkinnedMesh,
         stage: &mut Stage,
         reel: &Reel,
         file: &mut Crate,
@@ -261,7 +261,7 @@ impl Recording<'_> {
         for frame in 0..frames {
             context.report(frame as f64 / frames as f64)?;
             let poses = reel.at(frame)?;
-            film.maps(poses, &mut maps);
+            film.joint_maps(poses, &mut maps);
             let mut wholes = Vec::new();
             for (_, mover) in &mut self.movers {
                 if let Mover::Whole(joint, last, _) = mover {
@@ -272,11 +272,11 @@ impl Recording<'_> {
             for (_, mover) in &mut self.movers {
                 let put = match mover {
                     Mover::Piece(number, normals, tracks) => {
-                        film.place_piece_at(frame, *number, &maps, &mut places);
+                        film.deform_positions_at(frame, *number, &maps, &mut places);
                         let narrowed = places.iter().map(|&p| narrow(p, reel.file()));
                         let points = narrowed.collect::<Result<Vec<_>, _>>()?;
                         let extent = extent(&points);
-                        film.turn_directions_at(frame, *number, &maps, normals, &mut places);
+                        film.deform_directions_at(frame, *number, &maps, normals, &mut places);
                         let normals = places.iter().map(|n| n.as_vec3().to_array()).collect();
                         put_piece(tracks, points, extent, normals, file)
                     }

@@ -4,7 +4,7 @@
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_geometry::{
     Attribute, Binding, Extra, Film, Image, ImageSource, Joint, Material, Mesh, Motion, Node, Pose,
-    Skinned, Texture, TextureReference,
+    RigidBody, SkinnedMesh, Texture, TextureReference,
 };
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -62,25 +62,28 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
     Film {
         joints: all,
         pieces: vec![
-            Skinned {
+            SkinnedMesh {
                 name: "stick".to_owned(),
                 mesh: stick,
                 binding,
                 extras,
-                ..Skinned::default()
+                ..SkinnedMesh::default()
             },
-            Skinned {
+            SkinnedMesh {
                 name: "half".to_owned(),
                 mesh: half,
                 binding: rigid,
-                ..Skinned::default()
+                ..SkinnedMesh::default()
             },
         ],
         fixed: vec![node(
             "anvil",
             DAffine3::from_translation(DVec3::new(0.0, -1.5, 0.0)),
         )],
-        bodies: vec![(node("hammer", place), joints as u32 + 1)],
+        bodies: vec![RigidBody {
+            node: node("hammer", place),
+            joint: joints as u32 + 1,
+        }],
         materials: materials(),
         textures: vec![Texture {
             image: Some(0),

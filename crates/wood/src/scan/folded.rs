@@ -7,8 +7,8 @@ use super::surface::{covers, span};
 use super::{Followed, MOST_FOLDED};
 use crate::stem::Place;
 use glam::DVec3;
-use greenstick_geometry::cloud::{MOST_NODES, Neighbours, normals, orient_along_tree, poisson};
-use greenstick_geometry::{Attribute, Bvh, Context, Mesh, PointCloud};
+use greenstick_geometry::cloud::{KdTree, MAX_NODES, orient_along_tree, poisson, try_normals};
+use greenstick_geometry::{Attribute, Bvh, Cancelled, Context, Mesh, PointCloud};
 
 /// Points in a cell on average, at least.
 const PER_CELL: f64 = 4.0;
@@ -42,7 +42,7 @@ pub(super) fn bark(
         .iter()
         .map(|p| cloud.points[p.number as usize])
         .collect();
-    let directions = directions(&addressed, &points);
+    let directions = directions(&addressed, &points, context)?;
     let mean_cover = cover
         .iter()
         .map(|c| c.share * (c.to_m - c.from_m))
@@ -58,7 +58,7 @@ pub(super) fn bark(
     let extent = (high - low + 2.0 * radius).to_array();
     let cell = (PER_CELL * area / points.len().max(1) as f64)
         .sqrt()
-        .max((extent.iter().product::<f64>() / (NODES * MOST_NODES)).cbrt());
+        .max((extent.iter().product::<f64>() / (NODES * MAX_NODES)).cbrt());
     let [base, end] = [from, to].map(|s| followed.axis.frame(s));
     let inside = |p: DVec3| {
         let ahead = (p - base.origin).dot(base.tangent);
@@ -72,7 +72,7 @@ pub(super) fn bark(
     }
     let noise_m = noise(&mesh, &points, &addressed, (from, to));
     if !cloud.colours.is_empty() {
-        let tree = Neighbours::new(&points);
+        let tree = KdTree::new(&points);
         let data = mesh.positions.iter().flat_map(|p| {
             let near = tree.nearest(*p, 1).first().map_or(0, |n| n.1 as usize);
             let number = addressed.points[near].number as usize;
@@ -125,16 +125,20 @@ pub(super) fn note(from: f64, to: f64, folded: f64) -> String {
 }
 
 /// Normals of the points out of the wood: the cloud's own, or those of their neighbourhoods.
-fn directions(addressed: &Addressed, points: &[DVec3]) -> Vec<DVec3> {
+fn directions(
+    addressed: &Addressed,
+    points: &[DVec3],
+    context: &Context,
+) -> Result<Vec<DVec3>, Cancelled> {
     let own = &addressed.cloud.normals;
     if !own.is_empty() {
         let numbers = addressed.points.iter().map(|p| p.number as usize);
-        return numbers.map(|n| own[n]).collect();
+        return Ok(numbers.map(|n| own[n]).collect());
     }
-    let tree = Neighbours::new(points);
-    let mut found = normals(points, &tree, NEAR);
-    orient_along_tree(points, &mut found, &tree, LINKED);
-    found
+    let tree = KdTree::try_new(points, context)?;
+    let mut found = try_normals(points, &tree, NEAR, context)?;
+    orient_along_tree(points, &mut found, &tree, LINKED, context)?;
+    Ok(found)
 }
 
 /// The connected part of a closed mesh that holds most.
@@ -166,12 +170,12 @@ fn largest(mesh: Mesh) -> Mesh {
 
 /// Standard deviation of the points from the surface.
 fn noise(mesh: &Mesh, points: &[DVec3], addressed: &Addressed, span: (f64, f64)) -> f64 {
-    let bvh = Bvh::of_triangles(mesh);
+    let bvh = Bvh::from_mesh(mesh);
     let stride = points.len().div_ceil(JUDGED).max(1);
     let (mut squares, mut count) = (0.0, 0usize);
     for (p, a) in points.iter().zip(&addressed.points).step_by(stride) {
         if (span.0..=span.1).contains(&a.s)
-            && let Some(near) = bvh.nearest_on(mesh, *p, f64::INFINITY)
+            && let Some(near) = bvh.nearest_on_mesh(mesh, *p, f64::INFINITY)
         {
             squares += near.point.distance_squared(*p);
             count += 1;

@@ -20,7 +20,7 @@ pub use report::{Cover, ScanError, ScanOptions, ScanReport, ScannedBark};
 use crate::stem::centreline::{Station, smooth};
 use crate::stem::{Axis, Place};
 use glam::DVec3;
-use greenstick_geometry::cloud::Neighbours;
+use greenstick_geometry::cloud::KdTree;
 use greenstick_geometry::{Context, PointCloud};
 use points::Addressed;
 use section::Section;
@@ -132,12 +132,12 @@ fn round(
 ) -> Result<Option<(Followed, Vec<String>)>, ScanError> {
     let stride = cloud.points.len().div_ceil(SEARCHED).max(1);
     let searched: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
-    let tree = Neighbours::new(&searched);
+    let tree = KdTree::new(&searched);
     let found = trace::limb(
         &Searched {
             points: &searched,
             tree: &tree,
-            spacing: greenstick_geometry::cloud::spacing(&searched),
+            spacing: greenstick_geometry::cloud::spacing(&searched, context)?,
         },
         place,
         context,

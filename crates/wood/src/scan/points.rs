@@ -6,7 +6,7 @@ use super::section::Section;
 use crate::stem::Frame;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::PointCloud;
-use greenstick_geometry::cloud::{Neighbours, normals};
+use greenstick_geometry::cloud::{KdTree, normals};
 use rayon::prelude::*;
 
 /// Points beyond so many radii belong to something else.
@@ -49,7 +49,7 @@ pub(super) struct Addressed<'a> {
 /// The frames of an axis at equal steps, to find lengths quickly.
 struct Frames {
     frames: Vec<Frame>,
-    tree: Neighbours,
+    tree: KdTree,
     step: f64,
     section: Section,
 }
@@ -66,7 +66,7 @@ impl Frames {
         let origins: Vec<DVec3> = frames.iter().map(|f| f.origin).collect();
         Frames {
             frames,
-            tree: Neighbours::new(&origins),
+            tree: KdTree::new(&origins),
             step,
             section: followed.section,
         }
@@ -141,7 +141,7 @@ impl<'a> Addressed<'a> {
                 .map(|p| cloud.points[p.number as usize])
                 .collect();
             let directions = if cloud.normals.is_empty() {
-                normals(&places, &Neighbours::new(&places), 12)
+                normals(&places, &KdTree::new(&places), 12)
             } else {
                 points
                     .iter()

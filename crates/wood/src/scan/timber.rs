@@ -8,7 +8,8 @@ use super::section::Section;
 use crate::stem::Axis;
 use glam::{DMat3, DVec2, DVec3};
 use greenstick_geometry::PointCloud;
-use greenstick_geometry::cloud::{Neighbours, eigen, normals};
+use greenstick_geometry::cloud::{KdTree, normals};
+use greenstick_geometry::symmetric_eigen;
 
 /// Points that are looked at.
 const LOOKED_AT: usize = 20_000;
@@ -46,7 +47,7 @@ pub(super) fn timber(cloud: &PointCloud) -> Option<(Followed, DVec2)> {
     if points.len() < 100 {
         return None;
     }
-    let tree = Neighbours::new(&points);
+    let tree = KdTree::new(&points);
     let directions = if cloud.normals.is_empty() {
         normals(&points, &tree, NEAR)
     } else {
@@ -55,7 +56,7 @@ pub(super) fn timber(cloud: &PointCloud) -> Option<(Followed, DVec2)> {
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
     let points: Vec<DVec3> = points.iter().map(|p| *p - mean).collect();
     // The grain runs along one of the directions in which normals vary: the one along which the piece is longest.
-    let mut grains = eigen(spread(directions.iter())).map(|e| e.1);
+    let mut grains = symmetric_eigen(spread(directions.iter())).map(|e| e.1);
     let length = |along: DVec3| {
         let places: Vec<f64> = points.iter().map(|p| p.dot(along)).collect();
         let (low, high) = quantiles(places, 0.02);
@@ -171,7 +172,7 @@ fn side(points: &[DVec3], first: &[DVec3], outward: DVec3, grain: DVec3) -> Opti
         }
         let mean = on.iter().sum::<DVec3>() / on.len() as f64;
         let around: Vec<DVec3> = on.iter().map(|p| *p - mean).collect();
-        let normal = eigen(spread(around.iter()))[0].1;
+        let normal = symmetric_eigen(spread(around.iter()))[0].1;
         let normal = normal * normal.dot(outward).signum();
         if normal.dot(outward) < ALONG {
             return None;
@@ -204,7 +205,7 @@ fn settled(sides: &[Side], frame: DMat3) -> Option<DMat3> {
     for side in sides {
         matrix += spread([side.normal].iter()) * side.count as f64;
     }
-    let grain = eigen(matrix)[0].1;
+    let grain = symmetric_eigen(matrix)[0].1;
     let grain = grain * grain.dot(frame.z_axis).signum();
     let mut first = DVec3::ZERO;
     for (side, plain) in sides.iter().zip([1.0, -1.0, 1.0, -1.0]) {

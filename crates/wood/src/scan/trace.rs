@@ -7,7 +7,8 @@ use super::circle::{Circle, Expected, fit};
 use crate::noise;
 use crate::stem::Place;
 use glam::{DMat3, DVec2, DVec3};
-use greenstick_geometry::cloud::{Neighbours, eigen, normals};
+use greenstick_geometry::cloud::{KdTree, normals};
+use greenstick_geometry::symmetric_eigen;
 use greenstick_geometry::{Cancelled, Context};
 use rayon::prelude::*;
 
@@ -27,7 +28,7 @@ pub(super) struct Ring {
 /// Points with what is asked of them.
 pub(super) struct Searched<'a> {
     pub points: &'a [DVec3],
-    pub tree: &'a Neighbours,
+    pub tree: &'a KdTree,
     pub spacing: f64,
 }
 
@@ -165,7 +166,7 @@ fn rings_at(cloud: &Searched, at: DVec3, seed: u64) -> Vec<Ring> {
     let mut found = Vec::new();
     let mut reach = 6.0 * cloud.spacing;
     while reach < largest {
-        let ball = cloud.tree.around(at, reach);
+        let ball = cloud.tree.within_unordered(at, reach);
         if ball.len() >= 24 {
             found.extend(ring_of(cloud, at, &ball, reach, seed));
         }
@@ -189,9 +190,9 @@ fn ring_of(cloud: &Searched, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> 
         .map(|&i| cloud.points[i as usize])
         .collect();
     let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-    let own = Neighbours::new(&points);
-    let by_normals = eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
-    let by_length = eigen(spread(points.iter().map(|p| *p - mean)))[2].1;
+    let own = KdTree::new(&points);
+    let by_normals = symmetric_eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
+    let by_length = symmetric_eigen(spread(points.iter().map(|p| *p - mean)))[2].1;
     let mut best: Option<Ring> = None;
     for along in [by_normals, by_length] {
         let (x, y) = along.any_orthonormal_pair();
@@ -236,7 +237,7 @@ fn section(
     seed: u64,
 ) -> Option<(Circle, f64)> {
     let (x, y) = along.any_orthonormal_pair();
-    let near = cloud.tree.around(centre, 2.2 * radius);
+    let near = cloud.tree.within_unordered(centre, 2.2 * radius);
     for half in [0.25, 0.5, 1.0] {
         let slab: Vec<DVec3> = near
             .iter()

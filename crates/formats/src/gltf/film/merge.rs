@@ -1,7 +1,7 @@
 //! Fewer joints for a piece: some are kept, the others move as a blend of two of those.
 
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::Skinned;
+use greenstick_geometry::SkinnedMesh;
 use std::collections::BTreeMap;
 
 /// The joints that stand for one, and their shares, which add up to 1.
@@ -21,7 +21,12 @@ const CANDIDATES: usize = 32;
 /// minimize the maximum intercluster distance"), then moved to the middle of those that are nearest to them. Each other
 /// one moves as that blend of the nearest and one more which fits it best in the samples: along a rod that is what lies
 /// between two joints.
-pub fn merge(piece: &Skinned, used: &[u32], most: usize, samples: &[Vec<DAffine3>]) -> Vec<Shares> {
+pub fn merge(
+    piece: &SkinnedMesh,
+    used: &[u32],
+    most: usize,
+    samples: &[Vec<DAffine3>],
+) -> Vec<Shares> {
     let crowd = Crowd::new(probes(piece, used), used, samples);
     let first = (0..used.len())
         .rev()
@@ -187,12 +192,12 @@ impl Probe {
     }
 }
 
-fn probes(piece: &Skinned, used: &[u32]) -> Vec<Probe> {
+fn probes(piece: &SkinnedMesh, used: &[u32]) -> Vec<Probe> {
     let mut probes = vec![Probe::default(); used.len()];
     let mut squares = vec![0.0; used.len()];
     let entries = |v: usize| {
         let known = move |(j, w): (u32, f64)| Some((used.binary_search(&j).ok()?, w));
-        piece.binding.of(v).filter_map(known)
+        piece.binding.influences(v).filter_map(known)
     };
     for (v, &p) in piece.mesh.positions.iter().enumerate() {
         for (k, w) in entries(v) {

@@ -12,7 +12,7 @@ use crate::error::FormatError;
 use crate::film::{FilmError, FilmReport, GlbOptions, Reel, Sink};
 use channels::Channels;
 use glam::DAffine3;
-use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, Skinned};
+use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, RigidBody, SkinnedMesh};
 use serde_json::{Map, Value, json};
 use skin::{Bound, Follow, Limits, Skin};
 use std::collections::BTreeMap;
@@ -71,14 +71,14 @@ fn bind(film: &Film, reel: &mut Reel, limits: Limits) -> Result<Vec<(usize, Boun
     let shown = |p: &usize| !film.pieces[*p].mesh.triangles.is_empty();
     let pieces: Vec<usize> = (0..film.pieces.len()).filter(shown).collect();
     let mut samples = Vec::new();
-    let many = |&p: &usize| film.pieces[p].binding.used().len() > limits.joints;
+    let many = |&p: &usize| film.pieces[p].binding.used_joints().len() > limits.joints;
     if pieces.iter().any(many) {
         let (frames, count) = (reel.frames(), reel.frames().min(SAMPLES));
         for sample in 0..count {
             // The last frame is always among them.
             let frame = (sample + 1) * frames / count - 1;
             let mut maps = Vec::new();
-            film.maps(reel.at(frame)?, &mut maps);
+            film.joint_maps(reel.at(frame)?, &mut maps);
             samples.push(maps);
         }
     }
@@ -101,8 +101,8 @@ fn survey(
         }
     }
     let bodies = film.bodies.iter();
-    let shown = bodies.filter(|(node, _)| !node.mesh.triangles.is_empty());
-    shown.for_each(|(_, j)| used[*j as usize] = true);
+    let shown = bodies.filter(|body| !body.node.mesh.triangles.is_empty());
+    shown.for_each(|body| used[body.joint as usize] = true);
     let joints = (0..used.len() as u32).filter(|&j| used[j as usize]);
     let mut channels = Channels::new(joints.collect());
     let frames = reel.frames();
@@ -113,7 +113,7 @@ fn survey(
         let poses = reel.at(frame)?;
         channels.look(frame, poses);
         if reduced {
-            film.maps(poses, &mut maps);
+            film.joint_maps(poses, &mut maps);
             for (_, bound) in bound.iter_mut() {
                 skin::measure(film, bound, &maps, frame);
             }
@@ -158,7 +158,7 @@ impl Nodes {
             Follow::Skin(skin) => Some((&film.pieces[*p], skin)),
             Follow::One(_) => None,
         });
-        let skins: Vec<(&Skinned, &Skin)> = skins.collect();
+        let skins: Vec<(&SkinnedMesh, &Skin)> = skins.collect();
         let joint_nodes = nodes.write_joints(film, &skins, builder);
         for (piece, skin) in skins {
             let index = write_skin(film, skin, &joint_nodes, builder);
@@ -179,7 +179,7 @@ impl Nodes {
                 nodes.write_body(film, body, (joint, still), &piece.extras, builder, reel)?;
             }
         }
-        for (node, joint) in &film.bodies {
+        for RigidBody { node, joint } in &film.bodies {
             if !node.mesh.triangles.is_empty() {
                 let body = (node.name.as_str(), &*node.mesh, node.transform);
                 nodes.write_body(film, body, (*joint, still), &none, builder, reel)?;
@@ -192,7 +192,7 @@ impl Nodes {
     fn write_joints(
         &mut self,
         film: &Film,
-        skins: &[(&Skinned, &Skin)],
+        skins: &[(&SkinnedMesh, &Skin)],
         builder: &mut Builder,
     ) -> BTreeMap<u32, usize> {
         let mut joints: BTreeMap<u32, usize> = BTreeMap::new();
@@ -303,7 +303,7 @@ fn write_skin(
 
 fn write_skinned(
     film: &Film,
-    piece: &Skinned,
+    piece: &SkinnedMesh,
     skin: &Skin,
     builder: &mut Builder,
     reel: &Reel,

@@ -3,7 +3,7 @@
 use super::merge::{Shares, merge};
 use crate::film::Reduction;
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Film, Skinned};
+use greenstick_geometry::{Film, SkinnedMesh};
 
 /// What a piece follows.
 pub enum Follow {
@@ -51,7 +51,7 @@ pub struct Limits {
 /// are too many.
 pub fn bind(film: &Film, number: usize, limits: Limits, samples: &[Vec<DAffine3>]) -> Bound {
     let piece = &film.pieces[number];
-    let used = piece.binding.used();
+    let used = piece.binding.used_joints();
     let stands_for: Vec<Shares> = if used.len() > limits.joints {
         merge(piece, &used, limits.joints, samples)
     } else {
@@ -84,7 +84,7 @@ pub fn bind(film: &Film, number: usize, limits: Limits, samples: &[Vec<DAffine3>
 
 /// The entries of all vertices, and how many vertices lost some.
 fn entries(
-    piece: &Skinned,
+    piece: &SkinnedMesh,
     used: &[u32],
     stands_for: &[Shares],
     slot_of: &[u16],
@@ -101,7 +101,7 @@ fn entries(
     let mut own: Vec<(u16, f64)> = Vec::new();
     for v in 0..piece.binding.vertices() {
         own.clear();
-        for (joint, weight) in piece.binding.of(v).filter(|e| e.1 != 0.0) {
+        for (joint, weight) in piece.binding.influences(v).filter(|e| e.1 != 0.0) {
             let Ok(k) = used.binary_search(&joint) else {
                 continue;
             };
@@ -148,7 +148,7 @@ pub fn measure(film: &Film, bound: &mut Bound, maps: &[DAffine3], frame: usize) 
     for (v, &p) in piece.mesh.positions.iter().enumerate() {
         let place =
             |sum: DVec3, (joint, w): (u32, f64)| sum + maps[joint as usize].transform_point3(p) * w;
-        let right = piece.binding.of(v).fold(DVec3::ZERO, place);
+        let right = piece.binding.influences(v).fold(DVec3::ZERO, place);
         let written = match &bound.follow {
             Follow::One(joint) => maps[*joint as usize].transform_point3(p),
             Follow::Skin(skin) => skin
