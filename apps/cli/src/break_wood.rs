@@ -116,7 +116,7 @@ pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
         recipe: options.save_recipe.clone(),
     };
     if let Some(path) = &targets.pieces
-        && Format::of_path(path).is_none()
+        && Format::from_path(path).is_none()
     {
         let (path, expected) = (path.clone(), files::mesh_endings());
         return Err(files::FileError::UnknownEnding { path, expected }.into());
@@ -185,7 +185,7 @@ pub fn doubt_about_unit(
     unit: Option<UnitWord>,
     length: f64,
 ) -> Option<String> {
-    let format = input.and_then(InputFormat::of_path)?;
+    let format = input.and_then(InputFormat::from_path)?;
     let doubtful = unit.is_none() && !format.is_in_metres() && length > LONGEST;
     doubtful.then(|| {
         format!(

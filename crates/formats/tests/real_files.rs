@@ -1,4 +1,4 @@
-//! Files that others have made.
+//! Files written by other software.
 
 mod common;
 
@@ -7,14 +7,14 @@ use greenstick_formats::{Format, LengthUnit};
 use greenstick_geometry::ImageSource;
 
 #[test]
-fn the_compressed_stump_is_its_decoded_twin() {
+fn the_compressed_stump_equals_its_decoded_copy() {
     let (Some(glb), Some(obj)) = (read_data("scans/stump.glb"), read_data("scans/stump.obj"))
     else {
         return;
     };
     assert_eq!(glb.nodes.len(), 1);
     assert_eq!(glb.nodes[0].mesh.triangles.len(), 38918);
-    // The OBJ has six decimals.
+    // The OBJ file has six decimals.
     assert!(distance(&glb, &obj) < 1e-6, "{}", distance(&glb, &obj));
     let (a, b) = (&glb.nodes[0].mesh, &obj.nodes[0].mesh);
     let corners = |m: &greenstick_geometry::Mesh| {
@@ -26,7 +26,7 @@ fn the_compressed_stump_is_its_decoded_twin() {
             .collect::<Vec<_>>()
     };
     let (u, v) = (corners(a), corners(b));
-    // That OBJ has the v of glTF as it is, not turned over, and five decimals.
+    // That OBJ file has the v coordinate of glTF, which is not flipped, with five decimals.
     for (p, q) in u.chunks_exact(2).zip(v.chunks_exact(2)) {
         assert!(
             (p[0] - q[0]).abs() < 6e-6 && (p[1] - (1.0 - q[1])).abs() < 6e-6,
@@ -49,7 +49,7 @@ fn the_compressed_stump_is_its_decoded_twin() {
 
 #[test]
 fn every_real_file_survives_every_format() {
-    // Name, vertices, triangles: of the sources' own descriptions where they give them.
+    // Name, vertices, triangles, according to the sources where they state them.
     for (path, vertices, triangles) in [
         ("scans/pole.ply", 2399, 4794),
         ("scans/stump.glb", 21356, 38918),
@@ -74,7 +74,7 @@ fn every_real_file_survives_every_format() {
             .transformed(&scene.nodes[0].transform)
             .bounds()
             .unwrap();
-        // Positions are narrowed to 32 bits on the way out, those of OFF and OBJ in decimal.
+        // Positions are written in single precision, in OFF and OBJ as decimal numbers.
         let tolerance = 1e-6 * low.abs().max(high.abs()).max_element();
         for format in Format::ALL {
             let back = round_trip(format, &scene, LengthUnit::Millimetre);
@@ -90,7 +90,7 @@ fn every_real_file_survives_every_format() {
 }
 
 #[test]
-fn absent_textures_and_materials_are_kept_by_name() {
+fn missing_textures_and_materials_are_kept_by_name() {
     if let Some(board) = read_data("scans/homecart_cutting_board.gltf") {
         let back = round_trip(Format::Gltf, &board, LengthUnit::Metre);
         assert_eq!(back.images, board.images);
@@ -110,13 +110,15 @@ fn absent_textures_and_materials_are_kept_by_name() {
 }
 
 #[test]
-fn a_cloud_of_points_is_refused_by_its_number() {
+fn a_point_cloud_is_refused_with_the_number_of_points() {
     let Some(path) = common::data("scans/timber_beam_cloud.ply") else {
         return;
     };
     let error = common::read_alone(Format::Ply, &std::fs::read(path).unwrap()).unwrap_err();
     assert!(
-        error.to_string().contains("holds 6832 points and no faces"),
+        error
+            .to_string()
+            .contains("contains 6832 points and no faces"),
         "{error}"
     );
 }

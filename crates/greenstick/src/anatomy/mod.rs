@@ -270,7 +270,7 @@ pub fn anatomy(
     if wants(Part::Particles) {
         for (i, format) in TableFormat::ALL.into_iter().enumerate() {
             encode.report(i as f64 / 4.0)?;
-            let name = format!("particles.{}", format.ending());
+            let name = format!("particles.{}", format.extension());
             files.push(greenstick_formats::write_table(format, &table, &name)?);
         }
     }

@@ -10,7 +10,7 @@ use crate::Error;
 use glam::DVec3;
 use greenstick_formats::Encoded;
 use greenstick_formats::vtk::{
-    Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
+    Block, Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
 };
 use greenstick_geometry::Context;
 use greenstick_wood::anatomy::Segment;
@@ -53,7 +53,10 @@ pub(super) fn volume(
         };
         reports.push(report(work, segment, &slices, &name));
         files.push(write_image(&image(work, segment, slices), &name)?);
-        listed.push((format!("segment {i}"), name));
+        listed.push(Block {
+            name: format!("segment {i}"),
+            file: name,
+        });
     }
     if listed.len() > 1 {
         files.push(write_multiblock(&listed, "volume.vtm"));

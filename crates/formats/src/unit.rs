@@ -1,0 +1,61 @@
+//! Units of length.
+
+/// A unit of length in files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LengthUnit {
+    /// 0.001 m.
+    Millimetre,
+    /// 0.01 m.
+    Centimetre,
+    /// 1 m.
+    #[default]
+    Metre,
+}
+
+impl LengthUnit {
+    /// The length of the unit, m.
+    pub fn metres(self) -> f64 {
+        match self {
+            LengthUnit::Millimetre => 0.001,
+            LengthUnit::Centimetre => 0.01,
+            LengthUnit::Metre => 1.0,
+        }
+    }
+
+    /// The number of units in a metre, which is exact, unlike the reciprocal of [`Self::metres`].
+    pub(crate) fn per_metre(self) -> f64 {
+        match self {
+            LengthUnit::Millimetre => 1000.0,
+            LengthUnit::Centimetre => 100.0,
+            LengthUnit::Metre => 1.0,
+        }
+    }
+}
+
+impl std::fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            LengthUnit::Millimetre => "mm",
+            LengthUnit::Centimetre => "cm",
+            LengthUnit::Metre => "m",
+        })
+    }
+}
+
+/// The text is no known unit of length.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a known unit of length; expected mm, cm or m")]
+pub struct UnknownUnit(pub String);
+
+impl std::str::FromStr for LengthUnit {
+    type Err = UnknownUnit;
+
+    fn from_str(text: &str) -> Result<Self, UnknownUnit> {
+        match text {
+            "mm" => Ok(LengthUnit::Millimetre),
+            "cm" => Ok(LengthUnit::Centimetre),
+            "m" => Ok(LengthUnit::Metre),
+            _ => Err(UnknownUnit(text.to_owned())),
+        }
+    }
+}
