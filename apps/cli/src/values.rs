@@ -100,7 +100,7 @@ pub fn view(text: &str) -> Result<(f64, f64), String> {
 
 /// `1200x900`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
-    let most = greenstick::picture::MAXIMUM_SIDE;
+    let most = greenstick::picture::MAX_SIDE;
     let wrong =
         || format!("expected WIDTHxHEIGHT in pixels, each from 1 to {most}, such as 1200x900");
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;

@@ -6,7 +6,8 @@ use crate::looks::Looks;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
+    Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
+    Sphere, View, render,
 };
 use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
 use greenstick_wood::stem::{Frame, Stem, StemKind};
@@ -89,7 +90,7 @@ fn finish(hit: &Hit, surface: &WoodSurface, [x, y, along]: [DVec3; 3]) -> Appear
     Appearance {
         color: surface.color,
         roughness: surface.roughness,
-        normal: hit.bumped(rise),
+        normal: hit.bumped_normal(rise),
     }
 }
 
@@ -141,7 +142,7 @@ pub fn picture_of_skin(
         stem,
         looks,
         inner,
-        plain: PlainShader::of_materials(&scene.materials),
+        plain: PlainShader::from_materials(&scene.materials),
         blank: blank(scene),
         moved: true,
     };
@@ -161,7 +162,7 @@ pub fn picture_of_break(
         stem: &broken.stem,
         looks: &broken.looks,
         inner: broken.inner_material,
-        plain: PlainShader::of_materials(&broken.scene.materials),
+        plain: PlainShader::from_materials(&broken.scene.materials),
         blank: blank(&broken.scene),
         moved: false,
     };
@@ -174,10 +175,10 @@ pub fn picture_of_break(
     let mut options = options.clone();
     if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
-        options.zoom = Some((
-            end.middle - end.outward * (0.2 * end.radius),
-            1.5 * end.radius,
-        ));
+        options.zoom = Some(Sphere {
+            centre: end.middle - end.outward * (0.2 * end.radius),
+            radius: 1.5 * end.radius,
+        });
         (options.up, options.floor) = (end.outward, false);
         if options.view == View::Automatic {
             options.view = View::Direction {
@@ -266,7 +267,10 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
             let opened = axis.cross(frame.tangent) * -1.0;
             let (sin, cos) = libm::sincos(HANGING_TURN);
             let back = axis * cos + opened * sin;
-            let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+            let Horizontal {
+                right: across,
+                toward,
+            } = greenstick_picture::horizontal(frame.tangent);
             let azimuth = libm::atan2(back.dot(across), back.dot(toward));
             (frame.tangent, (azimuth, HANGING_ELEVATION))
         }
@@ -280,7 +284,10 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
 
 /// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
 fn azimuth(frame: &Frame) -> f64 {
-    let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+    let Horizontal {
+        right: across,
+        toward,
+    } = greenstick_picture::horizontal(frame.tangent);
     // The viewer stands on the far side of the frame's y, so that x runs to the right.
     libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
@@ -324,7 +331,7 @@ pub fn picture_of_scene(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = PlainShader::of_materials(&scene.materials);
+    let shader = PlainShader::from_materials(&scene.materials);
     render(&items(scene, &shader), options, context)
 }
 
