@@ -2,6 +2,8 @@
 
 mod file;
 mod las;
+#[cfg(feature = "laz")]
+mod laz;
 mod xyz;
 
 pub use file::CloudFile;
