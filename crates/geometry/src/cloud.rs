@@ -8,6 +8,7 @@ mod lattice;
 mod normals;
 mod poisson;
 mod report;
+mod sample;
 mod tetrahedra;
 
 pub use clean::clean;
@@ -16,6 +17,7 @@ pub use kd_tree::KdTree;
 pub use normals::{normals, orient_along_tree, orient_from, try_normals};
 pub use poisson::{MAX_NODES, PoissonError, poisson};
 pub use report::{CleanError, CleanOptions, CleanReport, CleanStep};
+pub use sample::sample_meshes;
 
 use glam::DVec3;
 

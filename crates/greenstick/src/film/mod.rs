@@ -52,13 +52,12 @@ use greenstick_skin::rods::{
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
+use greenstick_wood::tissue::BARK_START;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// Ring coordinate at which bark begins.
-const BARK: f64 = 0.94;
 /// The texture's square over the section's width.
 const ROOM: f64 = 1.02;
 
@@ -285,7 +284,7 @@ impl Run {
             seed: scene.seed,
             ..BreakParameters::default()
         };
-        let looks = looks(&grown.stem, &parameters, species, BARK);
+        let looks = looks(&grown.stem, &parameters, species, BARK_START);
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
