@@ -3,6 +3,10 @@
 //!
 //! No function here opens a file: companion files (a `.bin`, a `.mtl`) are requested through [`Resolve`] and returned as
 //! [`Encoded`]. The same scene always gives the same bytes.
+//!
+//! # Features
+//!
+//! `laz` (compressed point clouds), `parquet` (tables as Parquet) and `usd` (scenes and films as USD) are on by default.
 #![deny(missing_docs)]
 
 mod attribute;
@@ -26,6 +30,7 @@ mod subset;
 mod table;
 mod text;
 mod unit;
+#[cfg(feature = "usd")]
 pub mod usd;
 pub mod vtk;
 

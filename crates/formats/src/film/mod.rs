@@ -15,8 +15,10 @@ pub(crate) use frames::Frames;
 pub use report::{FilmReport, GlbOptions, Reduction};
 pub use vertex_texture::{MAX_TEXTURE_SIZE, TexturePiece, VertexTexture, write_vertex_texture};
 
+#[cfg(feature = "usd")]
 use crate::companions::Encoded;
 use crate::gltf;
+#[cfg(feature = "usd")]
 use crate::usd::{self, UsdFormat};
 use greenstick_geometry::{Context, Film, Motion};
 use std::io::{Seek, Write};
@@ -50,6 +52,7 @@ pub fn write_glb<M: Motion, W: Write + Seek>(
 ///
 /// # Errors
 /// As [`write_glb`], and [`FilmError::Format`] for [`UsdFormat::Usda`], which is for stills.
+#[cfg(feature = "usd")]
 pub fn write_usd<M: Motion, W: Write + Seek>(
     format: UsdFormat,
     film: &Film,

@@ -20,6 +20,7 @@ mod write_material;
 mod write_mesh;
 mod write_node;
 
+#[cfg(feature = "usd")]
 pub(crate) use attributes::prepared_attributes;
 pub(crate) use film::write_film;
 pub(crate) use read::read;

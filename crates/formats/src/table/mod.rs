@@ -1,6 +1,7 @@
 //! Writers of tables: comma-separated values, Parquet, and, for tables with positions, points in PLY and VTK.
 
 mod csv;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod points;
 mod positions;
@@ -18,6 +19,7 @@ pub enum TableFormat {
     /// Comma-separated values with a header line.
     Csv,
     /// Apache Parquet.
+    #[cfg(feature = "parquet")]
     Parquet,
     /// Stanford polygon format: points with properties.
     Ply,
@@ -27,8 +29,9 @@ pub enum TableFormat {
 
 impl TableFormat {
     /// All formats.
-    pub const ALL: [TableFormat; 4] = [
+    pub const ALL: &[TableFormat] = &[
         TableFormat::Csv,
+        #[cfg(feature = "parquet")]
         TableFormat::Parquet,
         TableFormat::Ply,
         TableFormat::Vtp,
@@ -38,6 +41,7 @@ impl TableFormat {
     pub fn extension(self) -> &'static str {
         match self {
             TableFormat::Csv => "csv",
+            #[cfg(feature = "parquet")]
             TableFormat::Parquet => "parquet",
             TableFormat::Ply => "ply",
             TableFormat::Vtp => "vtp",
@@ -78,6 +82,7 @@ pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Enc
     }
     let bytes = match format {
         TableFormat::Csv => csv::write(table),
+        #[cfg(feature = "parquet")]
         TableFormat::Parquet => parquet::write(table, file)?,
         TableFormat::Ply => points::write_ply(table, file)?,
         TableFormat::Vtp => vtk::write_points(table, file)?,
