@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::data;
+use common::data::outside_data;
 use glam::DVec3;
 use greenstick_formats::{
     CloudFile, CloudFormat, Content, Format, FormatError, InputFormat, LengthUnit, read_content,
@@ -294,6 +294,7 @@ fn samples_with_random_modifications() {
 }
 
 #[test]
+#[ignore = "needs GREENSTICK_DATA"]
 fn real_scans() {
     // Numbers of points according to the sources.
     for (name, points) in [
@@ -303,9 +304,7 @@ fn real_scans() {
         ("tree33.xyz", 10_005),
         ("timber_beam_cloud.ply", 6832),
     ] {
-        let Some(path) = data(&format!("scans/{name}")) else {
-            continue;
-        };
+        let path = outside_data(&format!("scans/{name}"));
         let format = InputFormat::from_path(&path).unwrap();
         let file = cloud(format, std::fs::read(&path).unwrap());
         assert_eq!(file.cloud.points.len(), points, "{name}");

@@ -2,6 +2,8 @@
 #![allow(dead_code)]
 
 pub mod bundle;
+#[path = "../../../../tests/support/data.rs"]
+pub mod data;
 
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_formats::{Encoded, Format, FormatError, LengthUnit, read, write};
@@ -9,40 +11,16 @@ use greenstick_geometry::{
     Attribute, Image, ImageSource, Material, Mesh, Node, Scene, Texture, TextureReference,
 };
 use std::io::{Error, ErrorKind};
-use std::path::PathBuf;
+use std::path::Path;
 
-/// A file of the test data: in `tests/data`, which contains those that may be redistributed, or in `shared/data` beside the
-/// repository; `None`, with a message, if it is in neither.
-pub fn data(path: &str) -> Option<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let own = root
-        .join("tests/data")
-        .join(PathBuf::from(path).file_name()?);
-    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(path));
-    let found = [own].into_iter().chain(beside).find(|p| p.exists());
-    if found.is_none() {
-        println!("skipped: there is no shared/data/{path} beside the repository");
-    }
-    found
-}
-
-/// Reads a file of the shared test data with its companions.
-pub fn read_data(path: &str) -> Option<Scene> {
-    let path = data(path)?;
-    let bytes = std::fs::read(&path).unwrap();
+/// Reads a file with its companions.
+pub fn read_file(path: &Path) -> Scene {
+    let bytes = std::fs::read(path).unwrap();
     let folder = path.parent().unwrap();
     let resolve = |name: &str| std::fs::read(folder.join(name));
-    let format = Format::from_path(&path).unwrap();
-    Some(
-        read(
-            format,
-            &bytes,
-            &path.file_name().unwrap().to_string_lossy(),
-            None,
-            &resolve,
-        )
-        .unwrap(),
-    )
+    let format = Format::from_path(path).unwrap();
+    let name = path.file_name().unwrap().to_string_lossy();
+    read(format, &bytes, &name, None, &resolve).unwrap()
 }
 
 /// Reads bytes without companions.
