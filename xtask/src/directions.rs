@@ -3,22 +3,41 @@
 use crate::workspace::{Fault, Package};
 
 /// What each library crate may use. A library crate that is not listed is a fault, so that none is forgotten.
-const ALLOWED: [(&str, &[&str]); 8] = [
+const ALLOWED: [(&str, &[&str]); 9] = [
+    ("greenstick-schema", &[]),
     ("greenstick-geometry", &[]),
-    ("greenstick-formats", &["greenstick-geometry"]),
-    ("greenstick-picture", &["greenstick-geometry"]),
-    ("greenstick-wood", &["greenstick-geometry"]),
+    (
+        "greenstick-formats",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
+    (
+        "greenstick-picture",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
+    (
+        "greenstick-wood",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
     (
         "greenstick-fracture",
-        &["greenstick-geometry", "greenstick-wood"],
+        &[
+            "greenstick-schema",
+            "greenstick-geometry",
+            "greenstick-wood",
+        ],
     ),
     (
         "greenstick-fibre",
-        &["greenstick-geometry", "greenstick-wood"],
+        &[
+            "greenstick-schema",
+            "greenstick-geometry",
+            "greenstick-wood",
+        ],
     ),
     (
         "greenstick-skin",
         &[
+            "greenstick-schema",
             "greenstick-geometry",
             "greenstick-wood",
             "greenstick-fracture",
@@ -28,6 +47,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     (
         "greenstick",
         &[
+            "greenstick-schema",
             "greenstick-geometry",
             "greenstick-formats",
             "greenstick-picture",

@@ -235,8 +235,12 @@ fn closing(tokens: &[Token], open: usize) -> usize {
     tokens.len()
 }
 
-/// The file that an attribute `#[path = "…"]` at the end of some tokens names.
+/// The file that an attribute `#[path = "…"]` names at the end of some tokens, or before a last `pub`.
 fn given_path<'a>(tokens: &[Token<'a>]) -> Option<&'a str> {
+    let tokens = match tokens {
+        [before @ .., last] if last.is("pub") => before,
+        _ => tokens,
+    };
     let [.., path, equals, file, bracket] = tokens else {
         return None;
     };
