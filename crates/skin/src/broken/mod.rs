@@ -5,6 +5,7 @@ mod pieces;
 mod spiral;
 
 pub use face::Face;
+#[cfg(feature = "rods")]
 pub(crate) use face::side_grain;
 pub use pieces::{InnerWood, Patch, PatchVertex, Source, lacks_material};
 pub use spiral::SpiralRepair;

@@ -43,7 +43,7 @@ impl<'a> Bark<'a> {
     /// Triangle of the bark and weights of its corners at a place at rest in the rods' world.
     fn at(&self, rest: DVec3) -> Option<(usize, [f64; 3])> {
         let place = self.wood.laid.inverse().transform_point3(rest);
-        let nearest = self.tree.nearest_on(self.mesh, place, f64::INFINITY)?;
+        let nearest = self.tree.nearest_on_mesh(self.mesh, place, f64::INFINITY)?;
         Some((
             nearest.triangle,
             weights(self.mesh.corners(nearest.triangle), nearest.point),

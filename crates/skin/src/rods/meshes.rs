@@ -18,7 +18,7 @@ use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Attribute, Binding, Earlier, Mesh, Skinned};
+use greenstick_geometry::{Attribute, Binding, EarlierBindings, Mesh, SkinnedMesh};
 use rustc_hash::FxHashMap;
 
 /// What faces are made of.
@@ -40,7 +40,7 @@ pub struct Materials<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodSkin {
     /// Pieces, the one with the most wood first.
-    pub pieces: Vec<Skinned>,
+    pub pieces: Vec<SkinnedMesh>,
     /// Joints that they follow.
     pub joints: Joints,
     /// The parts of rods that each piece consists of: rod of the unbroken bundle, and part.
@@ -214,9 +214,9 @@ fn mesh(
     before: &Before,
     triangles: &[u32],
     materials: &Materials,
-) -> Skinned {
+) -> SkinnedMesh {
     let mut made = Mesh::default();
-    let mut earlier = Earlier::default();
+    let mut earlier = EarlierBindings::default();
     let mut binding = Binding::default();
     let mut known: FxHashMap<Key, u32> = FxHashMap::default();
     let mut normals: Vec<DVec3> = Vec::new();
@@ -313,11 +313,11 @@ fn mesh(
         };
         made.attributes.insert("COLOR_0".into(), color);
     }
-    Skinned {
+    SkinnedMesh {
         mesh: made,
         binding,
         earlier,
-        ..Skinned::default()
+        ..SkinnedMesh::default()
     }
 }
 
