@@ -75,6 +75,13 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
                 file.path, report.at, file.path
             );
         }
+        if written.is_empty() {
+            let _ = writeln!(
+                text,
+                "next     -o FILE.toml writes a recipe for greenstick break ... --at {} --recipe FILE.toml",
+                report.at
+            );
+        }
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)

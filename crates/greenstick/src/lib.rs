@@ -45,7 +45,6 @@ mod pictures;
 mod report;
 mod request;
 pub mod rings;
-mod rods;
 pub mod scanning;
 pub mod session;
 pub mod simulate;
@@ -58,12 +57,12 @@ pub use greenstick_fracture as fracture;
 pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_skin as skin;
+pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 pub use request::{Break, BreakRequest, BreakStage};
-pub use rods::rods_scene;
-pub use session::{BreakSession, Broken, Looks, break_scene};
+pub use session::{BreakSession, Broken, break_scene};
 
 /// Keeps the example in the README one that compiles.
 #[cfg(doctest)]

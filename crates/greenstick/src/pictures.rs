@@ -1,13 +1,13 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::branch::OWN_BARK;
-use crate::session::{Broken, BrokenWood, Looks, NodeRole, PieceRole};
+use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
+use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface, bark};
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ struct StemShader<'a> {
 struct Inside<'a> {
     material: u32,
     stem: &'a Stem,
-    looks: &'a Looks,
+    appearance: &'a StemAppearance,
 }
 
 impl<'a> Inside<'a> {
@@ -35,7 +35,7 @@ impl<'a> Inside<'a> {
         Inside {
             material: wood.material,
             stem: &wood.stem,
-            looks: &wood.looks,
+            appearance: &wood.appearance,
         }
     }
 }
@@ -64,7 +64,7 @@ impl StemShader<'_> {
             along: grain.z,
             end_grain,
         };
-        let surface = inside.looks.wood.wood(&point, hit.footprint);
+        let surface = inside.appearance.wood.wood(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
@@ -76,7 +76,9 @@ impl StemShader<'_> {
     }
 
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
-        let Inside { stem, looks, .. } = self.own();
+        let Inside {
+            stem, appearance, ..
+        } = self.own();
         let (point, directions) = match grain {
             Some(grain) => {
                 let frame = stem.grain.axis().frame(grain.z);
@@ -102,7 +104,7 @@ impl StemShader<'_> {
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = bark(&looks.bark, &point, hit.footprint);
+        let surface = bark(&appearance.bark, &point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }
@@ -156,7 +158,7 @@ fn blank(scene: &Scene) -> Vec<bool> {
 pub fn picture_of_skin(
     scene: &Scene,
     stem: &Stem,
-    looks: &Looks,
+    appearance: &StemAppearance,
     inner: u32,
     options: &PictureOptions,
     context: &Context,
@@ -164,7 +166,7 @@ pub fn picture_of_skin(
     let inside = Inside {
         material: inner,
         stem,
-        looks,
+        appearance,
     };
     let shader = StemShader {
         woods: vec![inside],

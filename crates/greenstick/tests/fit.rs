@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2};
 use greenstick::fibre::event::Cause;
 use greenstick::fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
-use greenstick::fit::{Fit, FitError, Ground, fit_parting};
+use greenstick::fit::{Fit, FitError, FitSource, fit_parting};
 use greenstick::fracture::parameters::Surface;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
@@ -95,14 +95,14 @@ fn fitted(
         let vertex = vertex as u32;
         parting.breaks[rod].push(RodBreak { vertex, cause });
     }
-    let ground = Ground {
+    let source = FitSource {
         scene: &grown.scene,
         by_point: false,
         seed: 3,
         time: 0.25,
     };
     (
-        fit_parting(&wood, &parting, &ground, &Context::quiet()),
+        fit_parting(&wood, &parting, &source, &Context::quiet()),
         heights,
     )
 }

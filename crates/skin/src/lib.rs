@@ -4,10 +4,12 @@
 pub mod broken;
 pub mod cracks;
 mod error;
+pub mod fit;
 pub mod fray;
 pub mod hang;
 pub mod prepared;
 pub mod rods;
+pub mod rods_scene;
 pub mod texture;
 
 pub use error::BreakError;

@@ -7,10 +7,12 @@
 //! footprint is averaged away.
 
 mod figures;
+mod stem;
 
 pub use crate::bark::{BarkAppearance, BarkPoint, bark};
 use crate::noise::{smoothstep, space};
 use glam::{DVec2, DVec3};
+pub use stem::StemAppearance;
 
 /// A place in the wood.
 #[derive(Debug, Clone, Copy, PartialEq)]

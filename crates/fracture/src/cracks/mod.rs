@@ -44,7 +44,7 @@ pub enum CrackError {
     },
     /// Too little wood beyond the break to saw its end off straight.
     #[error(
-        "the far end is no face that cracks can be cut into, and {left:.3} m of wood that can be cut beyond the break are too little to saw it off straight: {needed:.3} m are needed; break nearer to the base (--at), or crack the break itself (--set crack_groups.end=break)"
+        "the far end is no face that cracks can be cut into, and {left:.3} m of wood that can be cut beyond the break are too little to saw it off straight: {needed:.3} m are needed; break nearer to the base, or crack the break itself (crack_groups.end = \"break\")"
     )]
     TooShort {
         /// Length beyond the break that can be cut, m.

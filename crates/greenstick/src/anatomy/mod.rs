@@ -13,7 +13,6 @@ pub use report::{AnatomyReport, RingRows, SectionReport, SegmentReport};
 
 use crate::Error;
 use crate::erosion::Fronts;
-use crate::session::appearance::looks;
 use drawn::Look;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
@@ -21,6 +20,7 @@ use greenstick_geometry::{Context, Mesh, Node, Scene, Stage, Table};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyOptions, Bundles, RingNumbers, Section, SurfaceColours,
 };
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
 use greenstick_wood::tissue::Zone;
@@ -211,8 +211,9 @@ pub fn anatomy(
     let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
     let found = find(&meshes, &request.place, &request.stem, &stem)?;
     let mesh = &meshes[found.node];
-    let parameters = BreakParameters::default();
-    let mut look = looks(&found.stem, &parameters, species, BARK).wood;
+    let face = BreakParameters::default();
+    let tissue = face.proportions();
+    let mut look = StemAppearance::new(&found.stem, &tissue, face.seed, species, BARK).wood;
     let erosion = request.rings_by.fronts(request.resolution)?;
     if erosion.is_some() && request.rings.is_some() {
         return Err(Error::Amount(
@@ -234,7 +235,6 @@ pub fn anatomy(
         check(request, made.rings)?;
     }
     let rings = made.rings;
-    let tissue = parameters.proportions();
     let mut numbers = RingNumbers::alternating(2 * rings, &tissue);
     if found.stem.kind == StemKind::Board {
         // A board is sawn from the wood between pith and bark.

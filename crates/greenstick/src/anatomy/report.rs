@@ -171,7 +171,7 @@ pub(super) fn report(
         if off.abs() > COARSE {
             notes.push(format!(
                 "voxels of {:.2} mm are coarse for this stem: their volume is {off:+.1} % off the mesh's; a higher \
-                 --resolution brings it nearer",
+                 resolution brings it nearer",
                 1e3 * work.anatomy.grid.pixel
             ));
         }

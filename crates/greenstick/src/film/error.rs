@@ -39,7 +39,7 @@ pub enum FilmError {
         error: StoreError,
     },
     /// There is no whole frame.
-    #[error("{}: holds no whole frame; run the simulation, or go on with it by --resume", path.display())]
+    #[error("{}: holds no whole frame; run the simulation, or resume it", path.display())]
     NoFrames {
         /// The file.
         path: PathBuf,

@@ -28,9 +28,6 @@ use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::rods::bodies;
-use crate::session::Looks;
-use crate::session::appearance::looks;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
@@ -47,7 +44,9 @@ use greenstick_skin::rods::{
     Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
     rod_skin_over_time,
 };
+use greenstick_skin::rods_scene::{BodyNode, body_nodes};
 use greenstick_skin::texture::SectionSquare;
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use std::collections::BTreeMap;
@@ -97,7 +96,7 @@ pub struct Run {
     frames: FrameFile<BufReader<File>>,
     path: PathBuf,
     causes: BTreeMap<u32, Cause>,
-    looks: Looks,
+    appearance: StemAppearance,
     bark: Mesh,
     tree: Bvh,
     square: SectionSquare,
@@ -279,11 +278,8 @@ impl Run {
         let (bundle, laid) = simulate::lay(&request, &grown)?;
         let causes = simulate::causes(folder)?;
         let species = Species::find(&scene.wood.species).ok();
-        let parameters = BreakParameters {
-            seed: scene.seed,
-            ..BreakParameters::default()
-        };
-        let looks = looks(&grown.stem, &parameters, species, BARK);
+        let tissues = BreakParameters::default().proportions();
+        let appearance = StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK);
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
@@ -312,7 +308,7 @@ impl Run {
             frames,
             path,
             causes,
-            looks,
+            appearance,
             bark,
             tree,
         })
@@ -323,9 +319,9 @@ impl Run {
         self.frames.count()
     }
 
-    /// What its wood looks like.
-    pub fn looks(&self) -> &Looks {
-        &self.looks
+    /// The appearance of its wood and bark.
+    pub fn appearance(&self) -> &StemAppearance {
+        &self.appearance
     }
 
     /// The stem that its rods fill.
@@ -430,7 +426,7 @@ impl Run {
         scene.nodes = posed(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
-            for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
+            for BodyNode { mut node, .. } in body_nodes(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
                 scene.nodes.push(node);
             }
@@ -456,7 +452,7 @@ impl Run {
         crate::picture_of_skin(
             scene,
             &self.grown.stem,
-            &self.looks,
+            &self.appearance,
             inner,
             options,
             context,
@@ -505,9 +501,10 @@ impl Run {
         let up = upright();
         let mut moving = Vec::new();
         if options.bodies {
-            for (mut node, number) in bodies(&first, &self.shapes, BODY_MATERIAL) {
+            for body in body_nodes(&first, &self.shapes, BODY_MATERIAL) {
+                let BodyNode { mut node, follows } = body;
                 node.transform = DAffine3::from_quat(up) * node.transform;
-                let Some(number) = number else {
+                let Some(number) = follows else {
                     film.fixed.push(node);
                     continue;
                 };
