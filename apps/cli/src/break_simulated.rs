@@ -14,7 +14,7 @@ use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
 use greenstick::skin::rods::RodSkinOptions;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -182,18 +182,18 @@ fn simulated(
 }
 
 /// A place as scenes have it, with all of its digits.
-fn written_out(place: &Place) -> String {
+fn written_out(place: &StemLocation) -> String {
     match place {
-        Place::Fraction(x) => format!("{x}"),
-        Place::Length(x) => format!("{x} m"),
-        Place::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
+        StemLocation::Fraction(x) => format!("{x}"),
+        StemLocation::Length(x) => format!("{x} m"),
+        StemLocation::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
     }
 }
 
 /// Moves what lies beyond the break apart from the lower piece, with all that it carries.
 fn part(still: &mut Still, run: &Run, by: f64) {
     let stem = run.stem();
-    let along = stem.grain.axis().frame(stem.place).tangent;
+    let along = stem.grain.axis().frame(stem.location).tangent;
     let nodes = &mut still.scene.nodes;
     let upper = nodes.iter().position(|n| n.name == "upper");
     for (number, node) in nodes.iter_mut().enumerate() {

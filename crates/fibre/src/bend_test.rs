@@ -16,7 +16,7 @@ use glam::DVec3;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::primitive::{board, cylinder};
 use greenstick_wood::species::nominal_bending_strength;
-use greenstick_wood::stem::{Place, StemError, StemKind, StemOptions, find};
+use greenstick_wood::stem::{StemError, StemKind, StemLocation, StemOptions, find_stem};
 use serde::{Deserialize, Serialize};
 
 /// The specimen's section.
@@ -496,7 +496,7 @@ impl BendTest {
             kind: Some(kind),
             ..StemOptions::default()
         };
-        let stem = find(&[mesh], &Place::Fraction(0.5), &options, context)?.stem;
+        let stem = find_stem(&[mesh], &StemLocation::Fraction(0.5), &options, context)?.stem;
         let half = (0.5 * self.span / self.edge - 1e-9).ceil().max(4.0);
         let edge = 0.5 * self.span / half;
         let over = (0.5 * (self.length - self.span) / edge + 1e-9)

@@ -10,7 +10,7 @@ use greenstick_geometry::{Cancelled, Context, Scene, Stage};
 use greenstick_skin::fit::BreakFit;
 pub use greenstick_skin::fit::{FitReport, FittedValue, TissueBreaks, UnfittedKeys};
 use greenstick_skin::rods::{Parting, Wood};
-use greenstick_wood::stem::{Place, StemError, StemOptions};
+use greenstick_wood::stem::{StemError, StemLocation, StemOptions};
 
 /// Why nothing is fitted.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +30,7 @@ pub enum FitError {
     #[error("the rods broke at {at} of the stem, where no break can be drawn: {error}")]
     Place {
         /// The location.
-        at: Place,
+        at: StemLocation,
         /// Why.
         error: Box<Error>,
     },
@@ -45,7 +45,7 @@ pub struct Fit {
     /// The recipe.
     pub recipe: Recipe,
     /// The location along the stem: a point where the run is of the limb at a point, else a fraction of the length.
-    pub place: Place,
+    pub place: StemLocation,
     /// What was fitted.
     pub report: FitReport,
 }
@@ -70,10 +70,10 @@ pub struct FitSource<'a> {
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
     context.report(0.0)?;
     let (parting, time) = run.parting(number)?;
-    let place = Place::parse(&run.scene.stem.at, 1.0);
+    let place = StemLocation::parse(&run.scene.stem.at, 1.0);
     let source = FitSource {
         scene: run.input(),
-        by_point: matches!(place, Ok(Place::Point(_))),
+        by_point: matches!(place, Ok(StemLocation::Point(_))),
         seed: run.scene.seed,
         time,
     };
@@ -105,10 +105,10 @@ pub fn fit_parting(
     let stem = wood.stem;
     let along = found.length_along();
     let place = if source.by_point {
-        Place::Point(stem.grain.axis().frame(along).origin)
+        StemLocation::Point(stem.grain.axis().frame(along).origin)
     } else {
         let fraction = (along / stem.length * FRACTION_STEPS).round() / FRACTION_STEPS;
-        Place::Fraction(fraction.clamp(0.0, 1.0))
+        StemLocation::Fraction(fraction.clamp(0.0, 1.0))
     };
     let request = BreakRequest {
         stem: StemOptions {

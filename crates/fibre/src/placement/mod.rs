@@ -221,7 +221,8 @@ fn check(options: &Placement) -> Result<(), PlacementError> {
 
 /// The outline of the section nearest to `s` (m), in grain coordinates, counter-clockwise.
 fn outline(stem: &Stem, s: f64) -> Option<Vec<DVec2>> {
-    let near = |a: &&greenstick_wood::stem::Section, b: &&greenstick_wood::stem::Section| {
+    let near = |a: &&greenstick_wood::stem::CrossSection,
+                b: &&greenstick_wood::stem::CrossSection| {
         (a.length - s).abs().total_cmp(&(b.length - s).abs())
     };
     let section = stem

@@ -1,7 +1,7 @@
 //! Scenes that come with the program.
 
 use super::{Scene, SceneError};
-use greenstick_wood::species::nearest;
+use greenstick_wood::spelling::closest_names;
 
 /// A scene that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Scene {
             Some(found) => found.scene(),
             None => Err(SceneError::UnknownScene {
                 name: name.to_owned(),
-                nearest: nearest(name, BUILT_IN.iter().map(|b| b.name)),
+                nearest: closest_names(name, BUILT_IN.iter().map(|b| b.name)),
             }),
         }
     }

@@ -3,7 +3,7 @@
 use super::{Declared, KeyInfo, MotionWord, Scene, SolverWord};
 use crate::bodies::BodyError;
 use crate::error::LoadError;
-use greenstick_wood::species::{nearest, suggestion};
+use greenstick_wood::spelling::{closest_names, did_you_mean};
 use toml::de::{DeTable, DeValue};
 
 /// Why a scene cannot be used.
@@ -21,7 +21,7 @@ pub enum SceneError {
     #[error(
         "line {line}: unknown key \"{key}\"{}{}",
         in_table(table),
-        suggestion(nearest)
+        did_you_mean(nearest)
     )]
     UnknownKey {
         /// Line, from 1.
@@ -44,7 +44,7 @@ pub enum SceneError {
         right: String,
     },
     /// No scene of this name.
-    #[error("there is no scene \"{name}\"{}", suggestion(nearest))]
+    #[error("there is no scene \"{name}\"{}", did_you_mean(nearest))]
     UnknownScene {
         /// The name.
         name: String,
@@ -268,7 +268,7 @@ fn known(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Result<()
                 line: line(text, key.span().start),
                 key: word.to_owned(),
                 table: name.trim_matches(['[', ']']).to_owned(),
-                nearest: nearest(word, names),
+                nearest: closest_names(word, names),
             });
         };
         match value.get_ref() {

@@ -49,13 +49,12 @@ use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
+use greenstick_wood::tissue::BARK_START;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// Ring coordinate at which bark begins.
-const BARK: f64 = 0.94;
 /// The texture's square over the section's width.
 const ROOM: f64 = 1.02;
 
@@ -279,7 +278,8 @@ impl Run {
         let causes = simulate::causes(folder)?;
         let species = Species::find(&scene.wood.species).ok();
         let tissues = BreakParameters::default().proportions();
-        let appearance = StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK);
+        let appearance =
+            StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK_START);
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);

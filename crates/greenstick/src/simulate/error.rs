@@ -8,7 +8,7 @@ use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::StoreError;
 use greenstick_geometry::Cancelled;
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
-use greenstick_wood::stem::{PlaceError, StemError};
+use greenstick_wood::stem::{StemError, StemLocationError};
 use std::io;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub enum SimulateError {
     Scene(#[from] SceneError),
     /// The place on the input is wrong.
     #[error("stem.at: {0}")]
-    Place(#[from] PlaceError),
+    Place(#[from] StemLocationError),
     /// No stem was found.
     #[error(transparent)]
     Stem(#[from] StemError),

@@ -14,11 +14,14 @@ use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, Stem, StemOptions, find};
+use greenstick_wood::stem::{Stem, StemLocation, StemOptions, find_stem};
 use std::path::Path;
 
 /// The scene of the scene's stem, m, and where on it.
-fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), SimulateError> {
+fn meshes(
+    setting: &Setting,
+    input: Option<&Scene>,
+) -> Result<(Scene, StemLocation), SimulateError> {
     let stem = &setting.stem;
     let mesh = match stem.kind {
         StemWord::Branch => {
@@ -27,13 +30,16 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), Si
                 diameter: stem.diameter.0,
                 ..BranchOptions::default()
             };
-            return Ok((crate::branch::branch(&options), Place::parse("0.5", 1.0)?));
+            return Ok((
+                crate::branch::branch(&options),
+                StemLocation::parse("0.5", 1.0)?,
+            ));
         }
         StemWord::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
         StemWord::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
         StemWord::Input => {
             let scene = input.ok_or(SimulateError::NoInput)?;
-            return Ok((scene.clone(), Place::parse(&stem.at, 1.0)?));
+            return Ok((scene.clone(), StemLocation::parse(&stem.at, 1.0)?));
         }
     };
     let node = greenstick_geometry::Node {
@@ -46,7 +52,7 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), Si
         nodes: vec![node],
         ..Scene::default()
     };
-    Ok((scene, Place::parse("0.5", 1.0)?))
+    Ok((scene, StemLocation::parse("0.5", 1.0)?))
 }
 
 /// The wood of a scene: a stem filled with rods, before it is laid into the scene.
@@ -80,7 +86,7 @@ pub fn grow(
     let [stem, rods] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
     stem.report(0.0)?;
     let (scene, at) = meshes(setting, input)?;
-    let found = find(
+    let found = find_stem(
         &greenstick_skin::prepared::world_meshes(&scene),
         &at,
         &StemOptions::default(),

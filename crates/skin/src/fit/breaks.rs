@@ -202,7 +202,7 @@ impl AddressSpace<'_> {
                     }
                     StemKind::Round => DVec2::new(cos, sin) * ring,
                 },
-                height: (grain.z - stem.place) / stem.radius,
+                height: (grain.z - stem.location) / stem.radius,
                 in_tension: b.in_tension,
             }
         };

@@ -7,7 +7,7 @@ use super::report::{FitReport, HeightSummary};
 use crate::rods::{Parting, Wood};
 use glam::DVec3;
 use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
-use greenstick_wood::stem::{Place, Stem};
+use greenstick_wood::stem::{Stem, StemLocation};
 
 /// Least and greatest factor on the relief: what is farther off is not for the relief to make up.
 const RELIEF_FACTOR: [f64; 2] = [0.25, 4.0];
@@ -54,14 +54,14 @@ impl<'a> BreakFit<'a> {
     pub fn length_along(&self) -> f64 {
         let stem = self.wood.stem;
         let (shape, _) = self.shape(&self.space(stem, &|p| stem.grain.to_grain(p)));
-        stem.place + shape.level * stem.radius
+        stem.location + shape.level * stem.radius
     }
 
     /// Fits a face to the break at `location`, where the stem is `stem`; `to_grain` leads from the world to the stem's grain
     /// coordinates, m.
     pub fn face(
         &self,
-        location: &Place,
+        location: &StemLocation,
         stem: &Stem,
         to_grain: &dyn Fn(DVec3) -> DVec3,
     ) -> FaceFit {

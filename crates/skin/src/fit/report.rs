@@ -5,7 +5,7 @@ use super::face_shape::FaceShape;
 use super::parameters::{FittedValue, UnfittedKeys};
 use super::statistics::{Weighted, quantile, spread};
 use crate::rods::Wood;
-use greenstick_wood::stem::{Place, Stem};
+use greenstick_wood::stem::{Stem, StemLocation};
 use greenstick_wood::tissue::Zone;
 use serde::Serialize;
 use std::fmt;
@@ -40,7 +40,7 @@ pub struct FitReport {
     pub breaks_elsewhere: usize,
     /// Part of the section's area that broke.
     pub area: f64,
-    /// The location along the stem, in the form that [`Place::parse`] reads.
+    /// The location along the stem, in the form that [`StemLocation::parse`] reads.
     pub at: String,
     /// Length along the stem's axis to the break, m.
     pub length_m: f64,
@@ -102,7 +102,7 @@ impl FitReport {
         breaks: &[AddressedBreak],
         shape: &FaceShape,
         stem: &Stem,
-        location: &Place,
+        location: &StemLocation,
     ) -> Self {
         let section: f64 = wood.cells.iter().map(|c| c.area).sum();
         let broken: f64 = breaks.iter().map(|b| wood.cells[b.rod as usize].area).sum();
@@ -115,7 +115,7 @@ impl FitReport {
             breaks_elsewhere: 0,
             area: broken / section,
             at: location.to_string(),
-            length_m: stem.place,
+            length_m: stem.location,
             radius_m: stem.radius,
             edge_m: 0.0,
             range_m: HeightSummary::new(breaks, stem.radius).range,

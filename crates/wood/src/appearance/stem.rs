@@ -1,7 +1,6 @@
 //! The appearance of a whole stem: the species gives the wood its structure, the size of the stem its rings and its bark.
 
-use super::WoodAppearance;
-use crate::bark::BarkAppearance;
+use super::{BarkAppearance, WoodAppearance};
 use crate::species::{HeartwoodColour, RingCharacter, Species};
 use crate::stem::{Stem, StemKind};
 use crate::tissue::Proportions;
@@ -46,7 +45,7 @@ impl StemAppearance {
         wood.seed = seed;
         let board = stem.kind == StemKind::Board;
         wood.radius = if board {
-            stem.rings.outer(0.0)
+            stem.rings.outer_radius(0.0)
         } else {
             stem.radius
         };
