@@ -9,7 +9,7 @@ use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Cancelled, Context, Scene, Stage};
 use greenstick_skin::fit::BreakFit;
 pub use greenstick_skin::fit::{FitReport, FittedValue, TissueBreaks, UnfittedKeys};
-use greenstick_skin::rods::{Parting, Wood};
+use greenstick_skin::rods::{FractureState, Wood};
 use greenstick_wood::stem::{StemError, StemLocation, StemOptions};
 
 /// Why nothing is fitted.
@@ -93,7 +93,7 @@ const RELIEF: Stage = Stage::new("heights");
 /// [`FitError`].
 pub fn fit_parting(
     wood: &Wood,
-    parting: &Parting,
+    parting: &FractureState,
     source: &FitSource,
     context: &Context,
 ) -> Result<Fit, FitError> {

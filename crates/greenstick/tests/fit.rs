@@ -7,7 +7,7 @@ use greenstick::fit::{Fit, FitError, FitSource, fit_parting};
 use greenstick::fracture::parameters::Surface;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
-use greenstick::skin::rods::{Parting, RodBreak, Wood};
+use greenstick::skin::rods::{FractureState, RodBreak, Wood};
 use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
 use greenstick::wood::primitive;
@@ -64,7 +64,7 @@ fn fitted(
 ) -> (Result<Fit, FitError>, Vec<f64>) {
     let wood = Wood {
         stem: &grown.stem,
-        laid: DAffine3::IDENTITY,
+        stem_to_rods: DAffine3::IDENTITY,
         bundle: &grown.placed.bundle,
         along: &grown.placed.along,
         cells: &grown.placed.cells,
@@ -72,7 +72,7 @@ fn fitted(
         bark: None,
         pull_out: 8.0,
     };
-    let mut parting = Parting::none(&wood);
+    let mut parting = FractureState::unbroken(&wood);
     let mut heights = Vec::new();
     for rod in 0..wood.bundle.rods() {
         let at = wood.cells[rod].centroid;

@@ -9,7 +9,9 @@ use greenstick_fibre::state::State;
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Context, Film, Joint};
-use greenstick_skin::rods::{Materials, Parting, RodSkinOptions, Wood, frame_poses, rod_skin};
+use greenstick_skin::rods::{
+    FractureState, Materials, RodSkinOptions, Wood, frame_poses, rod_skin,
+};
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::noise::unit;
@@ -53,7 +55,7 @@ fn main() {
         let placed = place(&stem, &material, &options).expect("rods fit");
         let wood = Wood {
             stem: &stem,
-            laid: DAffine3::IDENTITY,
+            stem_to_rods: DAffine3::IDENTITY,
             bundle: &placed.bundle,
             along: &placed.along,
             cells: &placed.cells,
@@ -77,7 +79,8 @@ fn main() {
             &splits,
         );
         let frame = Frame::of(&bundle, &state, &[]);
-        let parting = Parting::of(&wood, &frame, &BTreeMap::new()).expect("it is its own");
+        let parting =
+            FractureState::from_frame(&wood, &frame, &BTreeMap::new()).expect("it is its own");
         let square = SectionSquare {
             middle: glam::DVec2::ZERO,
             side: 0.01,
@@ -85,7 +88,7 @@ fn main() {
         let materials = Materials {
             inner: 0,
             bark: 1,
-            own: 2,
+            bark_mesh_offset: 2,
             square,
             zone: &|_| 0,
         };

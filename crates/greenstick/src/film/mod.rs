@@ -41,7 +41,7 @@ use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
+    FractureState, Materials, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
     rod_skin_over_time,
 };
 use greenstick_skin::rods_scene::{BodyNode, body_nodes};
@@ -343,7 +343,7 @@ impl Run {
         let wood = &self.grown.wood;
         Wood {
             stem: &self.grown.stem,
-            laid: self.laid,
+            stem_to_rods: self.laid,
             bundle: &self.bundle,
             along: &self.grown.placed.along,
             cells: &self.grown.placed.cells,
@@ -355,8 +355,8 @@ impl Run {
 
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
-        let parting = Parting::of(&self.wood(), frame, &self.causes)?;
-        self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))
+        let state = FractureState::from_frame(&self.wood(), frame, &self.causes)?;
+        self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))
     }
 
     /// What is made of its wood with the materials that it has here.
@@ -368,7 +368,7 @@ impl Run {
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
             bark: u32::from(!board) * BARK_MATERIAL,
-            own: OWN_MATERIALS,
+            bark_mesh_offset: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),

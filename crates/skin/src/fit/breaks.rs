@@ -1,7 +1,7 @@
 //! Where in the section, how high and for what cause the rods of a run broke.
 
 use super::statistics::{Weighted, quantile};
-use crate::rods::{Parting, Wood};
+use crate::rods::{FractureState, Wood};
 use glam::{DVec2, DVec3};
 use greenstick_fibre::event::Cause;
 use greenstick_fracture::parameters::BreakParameters;
@@ -59,7 +59,7 @@ const MAX_GAP: f64 = 4.0;
 
 impl MainBreak {
     /// Finds the main break of a bundle.
-    pub fn find(wood: &Wood, parting: &Parting) -> MainBreak {
+    pub fn find(wood: &Wood, parting: &FractureState) -> MainBreak {
         let point = |rod: usize, along: f64, in_tension: bool| {
             let cell = &wood.cells[rod];
             let grain = DVec3::new(cell.centroid.x, cell.centroid.y, along);
@@ -112,7 +112,7 @@ impl MainBreak {
     pub fn neighbours(&self, wood: &Wood) -> Vec<[usize; 2]> {
         let broken = self.broken.iter().enumerate();
         let number: BTreeMap<u32, usize> = broken.map(|(i, b)| (b.rod, i)).collect();
-        wood.bonded()
+        wood.bonded_rods()
             .iter()
             .filter_map(|(a, b)| Some([*number.get(a)?, *number.get(b)?]))
             .collect()

@@ -4,7 +4,7 @@ use super::breaks::{AddressSpace, AddressedBreak, MainBreak, mean_edge_length};
 use super::face_shape::{FaceShape, Observations};
 use super::parameters::FittedValue;
 use super::report::{FitReport, HeightSummary};
-use crate::rods::{Parting, Wood};
+use crate::rods::{FractureState, Wood};
 use glam::DVec3;
 use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
 use greenstick_wood::stem::{Stem, StemLocation};
@@ -36,7 +36,7 @@ pub struct FaceFit {
 impl<'a> BreakFit<'a> {
     /// Chooses the break in which most of the section broke; `None` where no rod is broken. `seed` becomes that of the
     /// fitted parameters.
-    pub fn new(wood: &'a Wood<'a>, parting: &Parting, seed: u64) -> Option<Self> {
+    pub fn new(wood: &'a Wood<'a>, parting: &FractureState, seed: u64) -> Option<Self> {
         let found = MainBreak::find(wood, parting);
         if found.broken.is_empty() {
             return None;
