@@ -1,12 +1,12 @@
 //! What of the torn ends of fibre bundles does not depend on heights: which slab and sliver each belongs to, the
 //! outlines that run over it, and its random numbers. It is made once for a layout and kept for the next break.
 
-use crate::heights::{HeightCache, Walks, purpose, unit};
-use crate::layout::{Bundle, Bundles, wrap};
+use crate::height_model::{NoiseSamplers, purpose, unit};
+use crate::layout::{FibreBundle, FibreBundles, wrap_angle};
 use crate::parameters::BreakParameters;
-use crate::slabs::{Parts, Slabs, Span};
+use crate::slabs::{SectionPartition, SectionSpan, Slabs};
 use crate::strips::{Strips, outline};
-use crate::surface::{Layout, NONE};
+use crate::surface::{NONE, SectionLayout};
 use glam::DVec2;
 use greenstick_wood::noise;
 use std::sync::Arc;
@@ -23,30 +23,30 @@ struct Key {
     pith: DVec2,
 }
 
-/// Ends of the bundles of a layout.
+/// TornEnds of the bundles of a layout.
 #[derive(Debug)]
-pub(crate) struct Ends {
-    layout: Arc<Layout>,
+pub(crate) struct TornEnds {
+    layout: Arc<SectionLayout>,
     key: Key,
     pub pith: DVec2,
     /// Middle of the section and half its width (m), for sections without a pith in them.
     board: Option<(DVec2, f64)>,
     pub slabs: Slabs,
-    pub slivers: Parts,
+    pub slivers: SectionPartition,
     pub strips: Strips,
     /// Ring coordinate of the outermost wood under bark; `None` where there is no bark.
     pub wood: Option<f64>,
     /// One for each bundle.
-    pub bundles: Vec<End>,
+    pub bundles: Vec<TornEnd>,
     /// Every node of every bundle.
-    pub rims: Vec<Rim>,
+    pub rims: Vec<EndNode>,
     /// For each corner of each facet its number in `rims`.
     pub corners: Vec<[u32; 3]>,
 }
 
 /// The end of a bundle.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct End {
+pub(crate) struct TornEnd {
     /// Its sliver.
     pub sliver: u32,
     /// Its slab, the slab's height there and in the middle of the sliver.
@@ -71,7 +71,7 @@ pub(crate) struct End {
 
 /// A node of a bundle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rim {
+pub(crate) struct EndNode {
     pub node: u32,
     pub cell: u32,
     /// Outline of the sliver, or of the strip where the bundle is bark.
@@ -83,20 +83,20 @@ pub(crate) struct Rim {
 
 /// The angle of a place, `at` in ring coordinates, on rays that wander, so that slabs do not end on straight lines to
 /// the pith.
-pub(crate) fn wandered(walks: &mut Walks, phi: f64, at: DVec2) -> f64 {
+pub(crate) fn wandered(walks: &mut NoiseSamplers, phi: f64, at: DVec2) -> f64 {
     phi + 0.16 * walks.wander.at(at * 3.5)
 }
 
-impl Ends {
+impl TornEnds {
     /// The ends of `bundles`: the cached ones where nothing has changed that they depend on. `radius` and `pith` are
     /// the stem's, m.
     pub fn cached(
-        bundles: &Bundles,
+        bundles: &FibreBundles,
         p: &BreakParameters,
-        walks: &mut Walks,
+        walks: &mut NoiseSamplers,
         (radius, pith): (f64, DVec2),
-        cache: &mut HeightCache,
-    ) -> Arc<Ends> {
+        cache: &mut Option<Arc<TornEnds>>,
+    ) -> Arc<TornEnds> {
         let key = Key {
             seed: p.seed,
             slabs: p.slab_count as usize,
@@ -106,19 +106,24 @@ impl Ends {
             radius,
             pith,
         };
-        if let Some(ends) = &cache.ends
+        if let Some(ends) = cache
             && ends.key == key
             && Arc::ptr_eq(&ends.layout, &bundles.layout)
         {
             return ends.clone();
         }
-        let ends = Arc::new(Ends::new(bundles, p, walks, key));
-        cache.ends = Some(ends.clone());
+        let ends = Arc::new(TornEnds::new(bundles, p, walks, key));
+        *cache = Some(ends.clone());
         ends
     }
 
-    fn new(bundles: &Bundles, p: &BreakParameters, walks: &mut Walks, key: Key) -> Ends {
-        let span = Span::of(&bundles.bundles);
+    fn new(
+        bundles: &FibreBundles,
+        p: &BreakParameters,
+        walks: &mut NoiseSamplers,
+        key: Key,
+    ) -> TornEnds {
+        let span = SectionSpan::of(&bundles.bundles);
         let barked = bundles.bundles.iter().any(|b| b.bark);
         let wood = (bundles.bundles.iter().filter(|b| !b.bark))
             .map(|b| b.rho)
@@ -127,13 +132,13 @@ impl Ends {
             (None, Some(&node)) => node,
             _ => key.pith,
         };
-        let mut ends = Ends {
+        let mut ends = TornEnds {
             layout: bundles.layout.clone(),
             key,
             pith,
             board: span.phi.map(|_| middle_of(bundles)),
             slabs: Slabs::new(&span, key.slabs, key.seed),
-            slivers: Parts::new(
+            slivers: SectionPartition::new(
                 &span,
                 key.slivers,
                 key.aspect,
@@ -156,7 +161,7 @@ impl Ends {
     }
 
     /// The place of a bundle's middle, m.
-    pub fn middle(&self, bundles: &Bundles, index: usize, unit: DVec2) -> DVec2 {
+    pub fn middle(&self, bundles: &FibreBundles, index: usize, unit: DVec2) -> DVec2 {
         match bundles.tips[index] {
             NONE => unit * self.key.radius + self.pith,
             tip => bundles.layout.nodes[tip as usize],
@@ -169,15 +174,15 @@ impl Ends {
             .map_or(unit, |(middle, half)| (at - middle) / half)
     }
 
-    fn end(&self, bundles: &Bundles, index: usize, walks: &mut Walks) -> End {
+    fn end(&self, bundles: &FibreBundles, index: usize, walks: &mut NoiseSamplers) -> TornEnd {
         let bundle = &bundles.bundles[index];
         let strip = self.strips.find(bundle.phi);
         let rho = bundle.rho.min(1.0);
         let unit = unit(rho, bundle.phi);
         if bundle.bark {
-            return End {
+            return TornEnd {
                 strip: strip as u32,
-                ..End::default()
+                ..TornEnd::default()
             };
         }
         let key = index as i64;
@@ -189,7 +194,7 @@ impl Ends {
         let sliver = |what: i64| self.random(purpose::GROUP, number as i64, what);
         let place = self.across(unit, self.middle(bundles, index, unit));
         let pair = i64::from(bundle.sector / 2);
-        End {
+        TornEnd {
             sliver: number as u32,
             slab: slab as u32,
             slab_heights: (height, shared),
@@ -212,7 +217,7 @@ impl Ends {
     }
 
     /// Finds the nodes of every bundle.
-    fn walk_rims(&mut self, bundles: &Bundles, walks: &mut Walks) {
+    fn walk_rims(&mut self, bundles: &FibreBundles, walks: &mut NoiseSamplers) {
         let nodes = bundles.addresses.iter().zip(&bundles.directions);
         let rays: Vec<f64> = nodes
             .map(|(&(rho, phi), &direction)| wandered(walks, phi, direction * rho))
@@ -220,7 +225,7 @@ impl Ends {
         // Facets of a bundle follow each other, so the last number given at a node is most often the one asked for.
         let mut last = vec![(NONE, 0); bundles.layout.nodes.len()];
         let facets = bundles.layout.facets.iter();
-        let mut rims: Vec<Rim> = Vec::with_capacity(bundles.layout.facets.len());
+        let mut rims: Vec<EndNode> = Vec::with_capacity(bundles.layout.facets.len());
         let corners = facets.zip(&bundles.layout.cells).map(|(facet, &cell)| {
             facet.map(|n| {
                 let known = &mut last[n as usize];
@@ -236,11 +241,11 @@ impl Ends {
     }
 
     /// A node of a bundle; its angle on rays that wander is `wandered`.
-    fn rim(&self, bundles: &Bundles, (cell, node): (u32, u32), wandered: f64) -> Rim {
-        let bundle: &Bundle = &bundles.bundles[cell as usize];
+    fn rim(&self, bundles: &FibreBundles, (cell, node): (u32, u32), wandered: f64) -> EndNode {
+        let bundle: &FibreBundle = &bundles.bundles[cell as usize];
         let end = &self.bundles[cell as usize];
         let (rho, phi) = bundles.addresses[node as usize];
-        let none = Rim {
+        let none = EndNode {
             node,
             cell,
             over: 0.0,
@@ -249,14 +254,14 @@ impl Ends {
         };
         if bundle.bark {
             let over = self.strips.edge(end.strip as usize, phi);
-            return Rim { over, ..none };
+            return EndNode { over, ..none };
         }
         let number = end.sliver as usize;
         let kind = self.random(purpose::GROUP, number as i64, 2);
         let own_kind = self.random(purpose::FIBRE, i64::from(cell), 4);
-        let off = wrap(phi - bundle.phi);
+        let off = wrap_angle(phi - bundle.phi);
         let along = (off / bundle.half_width.max(1e-9)).clamp(-1.0, 1.0);
-        Rim {
+        EndNode {
             over: outline(kind, self.slivers.within(number, rho, wandered).x),
             own: outline(own_kind, along),
             ragged: noise::unit(
@@ -275,7 +280,7 @@ fn seed(seed: u64, purpose: u64) -> u64 {
 }
 
 /// Middle of the section's bundles and half their extent, m.
-fn middle_of(bundles: &Bundles) -> (DVec2, f64) {
+fn middle_of(bundles: &FibreBundles) -> (DVec2, f64) {
     let tips = || {
         let known = bundles.tips.iter().filter(|&&t| t != NONE);
         known.map(|&t| bundles.layout.nodes[t as usize])

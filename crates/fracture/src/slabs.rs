@@ -1,6 +1,6 @@
 //! Slabs and slivers: the coarse and the middle pieces of a torn face, parts of the section bounded by rings and rays.
 
-use crate::layout::Bundle;
+use crate::layout::FibreBundle;
 use glam::DVec2;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
@@ -28,16 +28,16 @@ impl Region {
 
 /// What a section spans.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
+pub struct SectionSpan {
     /// Ring coordinates.
     pub rho: (f64, f64),
     /// Angles, rad; `None` for all around.
     pub phi: Option<(f64, f64)>,
 }
 
-impl Span {
+impl SectionSpan {
     /// What the bundles of a layout span.
-    pub fn of(bundles: &[Bundle]) -> Span {
+    pub fn of(bundles: &[FibreBundle]) -> SectionSpan {
         let mut rho = (f64::INFINITY, 0.0f64);
         let mut phi = (f64::INFINITY, f64::NEG_INFINITY);
         for b in bundles {
@@ -50,9 +50,9 @@ impl Span {
         // A board shows less than half a turn of its rings.
         if phi.1 - phi.0 > 0.5 * TAU || phi.0 > phi.1 {
             let rho = (0.0, 1.0);
-            return Span { rho, phi: None };
+            return SectionSpan { rho, phi: None };
         }
-        Span {
+        SectionSpan {
             rho,
             phi: Some(phi),
         }
@@ -74,17 +74,17 @@ enum Branch {
 
 /// A section parted by rings and rays.
 #[derive(Debug, Clone)]
-pub struct Parts {
+pub struct SectionPartition {
     regions: Vec<Region>,
     tree: Vec<Branch>,
     turn: f64,
     around: bool,
 }
 
-impl Parts {
-    /// Parts the section into `count` regions, each `aspect` times as wide along the ring as thick across it or less,
+impl SectionPartition {
+    /// SectionPartition the section into `count` regions, each `aspect` times as wide along the ring as thick across it or less,
     /// large ones first but of many sizes.
-    pub fn new(span: &Span, count: usize, aspect: f64, seed: u64) -> Self {
+    pub fn new(span: &SectionSpan, count: usize, aspect: f64, seed: u64) -> Self {
         let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
         let around = span.phi.is_none();
         let mut regions = vec![Region {
@@ -123,7 +123,7 @@ impl Parts {
             weights[largest] = regions[largest].area() * (0.35 + 1.3 * random(n, 1));
             weights.push(other.area() * (0.35 + 1.3 * random(n, 2)));
         }
-        Parts {
+        SectionPartition {
             regions,
             tree,
             turn: if around { TAU * random(0, 9) } else { 0.0 },
@@ -217,7 +217,7 @@ pub struct Slab {
 /// The slabs of a section.
 #[derive(Debug, Clone)]
 pub struct Slabs {
-    parts: Parts,
+    parts: SectionPartition,
     slabs: Vec<Slab>,
 }
 
@@ -226,8 +226,8 @@ const SEED: u64 = 0x51ab;
 const SLAB_ASPECT: f64 = 1.6;
 
 impl Slabs {
-    /// Parts the section into `count` slabs.
-    pub fn new(span: &Span, count: usize, seed: u64) -> Self {
+    /// SectionPartition the section into `count` slabs.
+    pub fn new(span: &SectionSpan, count: usize, seed: u64) -> Self {
         let seed = seed ^ SEED << 20;
         let slab = |n: usize| {
             let unit = |what: i64| 2.0 * noise::unit(seed, n as i64, what, 0) - 1.0;
@@ -246,7 +246,7 @@ impl Slabs {
             }
         };
         Slabs {
-            parts: Parts::new(span, count, SLAB_ASPECT, seed),
+            parts: SectionPartition::new(span, count, SLAB_ASPECT, seed),
             slabs: (0..count.max(1)).map(slab).collect(),
         }
     }
@@ -278,16 +278,16 @@ mod tests {
     #[test]
     fn regions_fill_the_section_and_a_place_lies_in_the_one_that_is_found() {
         for span in [
-            Span {
+            SectionSpan {
                 rho: (0.0, 1.0),
                 phi: None,
             },
-            Span {
+            SectionSpan {
                 rho: (0.8, 1.0),
                 phi: Some((1.1, 1.5)),
             },
         ] {
-            let parts = Parts::new(&span, 150, 4.0, 5);
+            let parts = SectionPartition::new(&span, 150, 4.0, 5);
             let whole = Region {
                 rho: span.rho,
                 phi: span.phi.unwrap_or((0.0, TAU)),

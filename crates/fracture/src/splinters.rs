@@ -5,8 +5,8 @@
 //! surfaces over the bundle is the splinter. Nothing is lost: pieces and splinters together are the stem.
 
 use crate::cut::{CapFace, Cut, Skin, Solid};
-use crate::layout::Bundles;
-use crate::surface::{Layout, NONE, Surface};
+use crate::layout::FibreBundles;
+use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_wood::noise;
 
@@ -42,9 +42,9 @@ pub struct Splinter {
 #[derive(Debug, Clone, Default)]
 pub struct Loosened {
     /// The face of the lower piece: the surface, lower where splinters stood.
-    pub lower: Surface,
+    pub lower: FractureSurface,
     /// The face of the upper piece: the surface, higher where splinters hung.
-    pub upper: Surface,
+    pub upper: FractureSurface,
     /// The splinters, by cell.
     pub splinters: Vec<Splinter>,
 }
@@ -57,15 +57,15 @@ const RAGGED: f64 = 0.3;
 /// A bundle as it stands among its neighbours, seen from one piece.
 struct Candidate {
     splinter: Splinter,
-    /// Level at which it breaks off.
+    /// BundleHeight at which it breaks off.
     base: f64,
     score: f64,
 }
 
 /// Chooses bundles among those that are `free` (wholly inside the stem, away from its skin) and takes them off.
 pub fn loosen(
-    surface: &Surface,
-    bundles: &Bundles,
+    surface: &FractureSurface,
+    bundles: &FibreBundles,
     free: &dyn Fn(u32) -> bool,
     options: &SplinterOptions,
 ) -> Loosened {
@@ -112,7 +112,7 @@ pub fn loosen(
     made
 }
 
-fn facets_by_cell(layout: &Layout, cells: usize) -> Vec<Vec<u32>> {
+fn facets_by_cell(layout: &SectionLayout, cells: usize) -> Vec<Vec<u32>> {
     let mut facets = vec![Vec::new(); cells];
     for (f, &cell) in layout.cells.iter().enumerate() {
         if let Some(list) = facets.get_mut(cell as usize) {
@@ -130,7 +130,7 @@ struct Border {
 }
 
 /// The border of a cell towards other cells, in the order of its facets.
-fn borders(layout: &Layout, facets: &[u32]) -> Vec<Border> {
+fn borders(layout: &SectionLayout, facets: &[u32]) -> Vec<Border> {
     let mut list = Vec::new();
     for &f in facets {
         for k in 0..3u8 {
@@ -146,7 +146,7 @@ fn borders(layout: &Layout, facets: &[u32]) -> Vec<Border> {
 }
 
 fn candidate(
-    surface: &Surface,
+    surface: &FractureSurface,
     cell: u32,
     facets: &[u32],
     upper: bool,
@@ -162,7 +162,7 @@ fn candidate(
         let [a, b] = layout.edges[edge as usize].nodes;
         let length = layout.nodes[a as usize].distance(layout.nodes[b as usize]);
         let level = |(f, k): (u32, u8)| {
-            let [a, b] = surface.rail(f, k);
+            let [a, b] = surface.side_heights(f, k);
             sign * (a + b) / 2.0
         };
         neighbours.push((level(border.other), length));
@@ -205,7 +205,7 @@ fn candidate(
 }
 
 /// Takes a splinter off the face of its piece.
-fn break_off(face: &mut Surface, c: &Candidate, facets: &[u32], options: &SplinterOptions) {
+fn break_off(face: &mut FractureSurface, c: &Candidate, facets: &[u32], options: &SplinterOptions) {
     let Splinter {
         cell,
         upper,
@@ -231,7 +231,13 @@ fn break_off(face: &mut Surface, c: &Candidate, facets: &[u32], options: &Splint
 
 /// The solid between two surfaces over a cell, as a cut whose only face it is, oriented outwards. Of `faces`, bottom and top, the top must be higher
 /// everywhere on the cell; both must have one height at each of its nodes.
-pub fn column(solid: &Solid, skin: &Skin, like: &Cut, faces: [&Surface; 2], cell: u32) -> Cut {
+pub fn column(
+    solid: &Solid,
+    skin: &Skin,
+    like: &Cut,
+    faces: [&FractureSurface; 2],
+    cell: u32,
+) -> Cut {
     let layout = faces[1].layout.as_ref();
     let mut sides = like.sides.clone();
     (sides.below, sides.above) = (0, skin.order.len());
@@ -281,7 +287,7 @@ pub fn column(solid: &Solid, skin: &Skin, like: &Cut, faces: [&Surface; 2], cell
 /// The vertices of a column as they are made.
 struct Corners<'a> {
     /// Bottom and top.
-    faces: [&'a Surface; 2],
+    faces: [&'a FractureSurface; 2],
     /// Number of the first.
     first: u32,
     inside: Vec<DVec3>,

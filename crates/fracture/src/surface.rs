@@ -11,16 +11,16 @@ pub const NONE: u32 = u32::MAX;
 
 /// A height field in grain space, discontinuous at facet edges.
 #[derive(Debug, Clone, Default)]
-pub struct Surface {
+pub struct FractureSurface {
     /// Where the facets and cells lie; shared by all surfaces over the same section.
-    pub layout: std::sync::Arc<Layout>,
+    pub layout: std::sync::Arc<SectionLayout>,
     /// Length along the axis (m) at each corner of each facet.
     pub heights: Vec<[f64; 3]>,
 }
 
 /// A planar triangulation whose facets belong to cells (fibre bundles).
 #[derive(Debug, Clone, Default)]
-pub struct Layout {
+pub struct SectionLayout {
     /// Nodes, grain (x, y) in m.
     pub nodes: Vec<DVec2>,
     /// Facets, three nodes each, counter-clockwise.
@@ -33,7 +33,7 @@ pub struct Layout {
     pub edges: Vec<Edge>,
 }
 
-/// An edge of a [`Layout`].
+/// An edge of a [`SectionLayout`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     /// Its nodes, the smaller number first.
@@ -43,7 +43,7 @@ pub struct Edge {
     pub facets: [(u32, u8); 2],
 }
 
-impl Layout {
+impl SectionLayout {
     /// The layout of `facets` over `nodes`. Facets must be counter-clockwise and share whole edges.
     pub fn new(nodes: Vec<DVec2>, facets: Vec<[u32; 3]>, cells: Vec<u32>) -> Self {
         let mut edges: Vec<Edge> = Vec::with_capacity(facets.len() * 3 / 2 + nodes.len() + 8);
@@ -74,7 +74,7 @@ impl Layout {
             }
             sides.push(side);
         }
-        Layout {
+        SectionLayout {
             nodes,
             facets,
             cells,
@@ -84,14 +84,14 @@ impl Layout {
     }
 }
 
-impl Surface {
+impl FractureSurface {
     /// Lowest and highest length along the axis (m).
     pub fn range(&self) -> (f64, f64) {
         range(self.heights.iter())
     }
 
     /// Height of `facet` at the ends of its side `side`, in the order of the edge's nodes.
-    pub fn rail(&self, facet: u32, side: u8) -> [f64; 2] {
+    pub fn side_heights(&self, facet: u32, side: u8) -> [f64; 2] {
         let (f, k) = (facet as usize, usize::from(side));
         let [a, b] = [self.heights[f][k], self.heights[f][(k + 1) % 3]];
         let nodes = &self.layout.facets[f];

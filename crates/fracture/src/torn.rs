@@ -5,17 +5,17 @@
 //! so that splinters are flat, wide along the ring, and only their tips are ragged. All heights are ratios to the
 //! stem's radius.
 
-use crate::ends::{End, Ends, Rim, wandered};
+use crate::ends::{EndNode, TornEnd, TornEnds, wandered};
 use crate::field::HeightField;
-use crate::heights::{HeightCache, Maker, Walks, unit};
-use crate::layout::{Bundle, Bundles};
+use crate::height_model::{HeightModel, NoiseSamplers, unit};
+use crate::layout::{FibreBundle, FibreBundles};
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::tissue::Zone;
 use std::sync::Arc;
 
 /// Height of one fibre bundle.
-pub(crate) struct Level {
+pub(crate) struct BundleHeight {
     /// Before the outlines of its sliver and its own end.
     base: f64,
     /// Height of its thorn, 0 for none.
@@ -31,11 +31,11 @@ pub(crate) struct Level {
     bark: bool,
 }
 
-/// Bundles whose ends are as torn wood.
-pub(crate) struct Torn<'a> {
-    maker: &'a Maker<'a>,
-    bundles: &'a Bundles,
-    pub ends: Arc<Ends>,
+/// FibreBundles whose ends are as torn wood.
+pub(crate) struct TornRelief<'a> {
+    maker: &'a HeightModel<'a>,
+    bundles: &'a FibreBundles,
+    pub ends: Arc<TornEnds>,
     /// Height of the wood under each strip of bark, as far as the bark follows it.
     under_bark: Vec<f64>,
     /// Ring coordinate from which on wood is inner bark.
@@ -45,17 +45,17 @@ pub(crate) struct Torn<'a> {
 /// A long blade is so many times as long as it is wide, at most.
 const SLENDER: f64 = 9.0;
 
-impl<'a> Torn<'a> {
+impl<'a> TornRelief<'a> {
     pub fn new(
-        maker: &'a Maker<'a>,
-        bundles: &'a Bundles,
-        walks: &mut Walks,
-        cache: &mut HeightCache,
+        maker: &'a HeightModel<'a>,
+        bundles: &'a FibreBundles,
+        walks: &mut NoiseSamplers,
+        cache: &mut Option<Arc<TornEnds>>,
     ) -> Self {
         let p = maker.p;
         let stem = (maker.setting.radius, maker.setting.pith);
-        let ends = Ends::cached(bundles, p, walks, stem, cache);
-        let mut torn = Torn {
+        let ends = TornEnds::cached(bundles, p, walks, stem, cache);
+        let mut torn = TornRelief {
             maker,
             bundles,
             under_bark: Vec::new(),
@@ -91,7 +91,7 @@ impl<'a> Torn<'a> {
         }
     }
 
-    pub fn level(&self, walks: &mut Walks, index: usize) -> Level {
+    pub fn level(&self, walks: &mut NoiseSamplers, index: usize) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let unit = unit(bundle.rho.min(1.0), bundle.phi);
         let middle = self.ends.middle(self.bundles, index, unit);
@@ -104,7 +104,7 @@ impl<'a> Torn<'a> {
     }
 
     /// Height of the wood under a strip of bark, as far as the bark follows it.
-    fn under_bark(&self, walks: &mut Walks, strip: usize) -> f64 {
+    fn under_bark(&self, walks: &mut NoiseSamplers, strip: usize) -> f64 {
         let p = self.maker.p;
         let phi = self.ends.strips.middle(strip);
         let at = unit(1.0, phi);
@@ -118,11 +118,11 @@ impl<'a> Torn<'a> {
     }
 
     /// The level of a bundle that ends at a field.
-    pub fn level_of_field(&self, field: &HeightField, index: usize) -> Level {
+    pub fn level_of_field(&self, field: &HeightField, index: usize) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let unit = unit(bundle.rho.min(1.0), bundle.phi);
         let fibre = self.maker.setting.relief * self.maker.p.fibre_height;
-        Level {
+        BundleHeight {
             base: field.at(bundle.rho, bundle.phi) / self.maker.setting.radius,
             thorn: 0.0,
             fibre: if bundle.bark { 0.0 } else { fibre },
@@ -134,13 +134,19 @@ impl<'a> Torn<'a> {
         }
     }
 
-    fn bark_level(&self, walks: &mut Walks, bundle: &Bundle, end: &End, middle: DVec2) -> Level {
+    fn bark_level(
+        &self,
+        walks: &mut NoiseSamplers,
+        bundle: &FibreBundle,
+        end: &TornEnd,
+        middle: DVec2,
+    ) -> BundleHeight {
         let p = self.maker.p;
         let at = unit(1.0, bundle.phi);
         let noise = self
             .maker
             .noise(walks, at, p.zone(Zone::Bark), bundle_key(bundle));
-        Level {
+        BundleHeight {
             base: self.under_bark[end.strip as usize] + 0.3 * noise,
             thorn: 0.0,
             fibre: 0.0,
@@ -154,11 +160,11 @@ impl<'a> Torn<'a> {
 
     fn wood_level(
         &self,
-        walks: &mut Walks,
-        (index, end): (usize, &End),
+        walks: &mut NoiseSamplers,
+        (index, end): (usize, &TornEnd),
         at: DVec2,
         middle: DVec2,
-    ) -> Level {
+    ) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
         let (maker, p, relief) = (self.maker, self.maker.p, self.maker.setting.relief);
@@ -197,7 +203,7 @@ impl<'a> Torn<'a> {
         base -= self.split(shelf, end.crushed[1]);
         base = self.with_bark(base, end, rho);
         let width = 2.0 * bundle.half_width * rho;
-        Level {
+        BundleHeight {
             base,
             thorn: self.thorn(rho, bundle.phi, zone, key, end.sliver),
             fibre,
@@ -210,7 +216,7 @@ impl<'a> Torn<'a> {
     }
 
     /// Inner bark tears in strings, of which some come off with the bark.
-    fn with_bark(&self, base: f64, end: &End, rho: f64) -> f64 {
+    fn with_bark(&self, base: f64, end: &TornEnd, rho: f64) -> f64 {
         if rho <= self.inner_bark {
             return base;
         }
@@ -248,7 +254,7 @@ impl<'a> Torn<'a> {
     }
 
     /// Height of a bundle's end at a node of it.
-    pub fn at(&self, level: &Level, rim: &Rim) -> f64 {
+    pub fn at(&self, level: &BundleHeight, rim: &EndNode) -> f64 {
         let bundles = self.bundles;
         let radius = self.maker.setting.radius;
         if level.bark {
@@ -276,6 +282,6 @@ impl<'a> Torn<'a> {
     }
 }
 
-fn bundle_key(bundle: &Bundle) -> i64 {
+fn bundle_key(bundle: &FibreBundle) -> i64 {
     (1 << 40) + i64::from(bundle.sector)
 }

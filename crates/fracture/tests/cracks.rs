@@ -1,6 +1,6 @@
 //! Courses and openings of planned cracks against the formulas.
 
-use greenstick_fracture::cracks::{CrackPlan, depth, opening, plan};
+use greenstick_fracture::cracks::{CrackPlan, plan, relative_depth, relative_opening};
 use greenstick_fracture::parameters::{Crack, CrackParameters, Value};
 
 fn single(kind: &str, settings: &[(&str, f64)]) -> CrackPlan {
@@ -16,9 +16,15 @@ fn single(kind: &str, settings: &[(&str, f64)]) -> CrackPlan {
 
 #[test]
 fn cracks_are_widest_in_the_middle_and_closed_at_their_ends() {
-    assert_eq!([0.0, 0.5, 1.0].map(|t| opening(t, false)), [0.0, 1.0, 0.0]);
-    assert_eq!([0.0, 0.5, 1.0].map(|t| opening(t, true)), [0.0, 0.5, 1.0]);
-    assert_eq!([depth(0.0), depth(1.0)], [0.0, 1.0]);
+    assert_eq!(
+        [0.0, 0.5, 1.0].map(|t| relative_opening(t, false)),
+        [0.0, 1.0, 0.0]
+    );
+    assert_eq!(
+        [0.0, 0.5, 1.0].map(|t| relative_opening(t, true)),
+        [0.0, 0.5, 1.0]
+    );
+    assert_eq!([relative_depth(0.0), relative_depth(1.0)], [0.0, 1.0]);
     let plan = single("radial", &[("begin", 0.2), ("end", 0.8), ("range", 60.0)]);
     let crack = &plan.cracks[0];
     assert!(!crack.open);

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::{DVec2, DVec3};
-use greenstick::fracture::cracks::{Way, plan};
+use greenstick::fracture::cracks::{CrackKind, plan};
 use greenstick::fracture::parameters::{
     BreakParameters, Crack, CrackParameters, Parameters, Value,
 };
@@ -103,8 +103,8 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     assert_eq!(cracks.follow_rings(RINGS), 1);
     assert_eq!(cracks.follow_rings(RINGS), 0);
     let plan = plan(&cracks, (0.06, 0.03), 1);
-    let half_of = |way: Way| {
-        let crack = plan.cracks.iter().find(|c| c.way == way).unwrap();
+    let half_of = |kind: CrackKind| {
+        let crack = plan.cracks.iter().find(|c| c.kind == kind).unwrap();
         let width = |i: usize| crack.width(crack.parts[i], crack.course[i].0);
         (0..crack.parts.len()).map(width).fold(0.0, f64::max) / 2.0
     };
@@ -134,7 +134,7 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     );
     // The section is fluted, so that a circle, or the contour scaled, would leave the boundary by several times that.
     let ring = 11.0 / f64::from(RINGS);
-    let allowed = half_of(Way::Tangential) + 0.004;
+    let allowed = half_of(CrackKind::Tangential) + 0.004;
     for (height, rho, angle) in &on_ring {
         assert!((rho - ring).abs() < allowed, "{rho} at {angle}, {height}");
     }
@@ -145,7 +145,7 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     for (height, rho, angle) in &on_ray {
         let off = (angle - 240f64.to_radians()) * rho;
         assert!(
-            off.abs() < half_of(Way::Radial) + 0.004,
+            off.abs() < half_of(CrackKind::Radial) + 0.004,
             "{off} at {rho}, {height}"
         );
     }

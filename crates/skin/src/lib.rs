@@ -10,6 +10,7 @@ pub mod hang;
 pub mod prepared;
 pub mod rods;
 pub mod rods_scene;
+mod source;
 pub mod texture;
 
 pub use error::BreakError;

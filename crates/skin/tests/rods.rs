@@ -342,7 +342,7 @@ fn frames_of_other_wood_are_refused() {
             f.origin.truncate(f.first[last] as usize);
         }),
         ("a bond", |f| f.bonds[0] = [u32::MAX; 2]),
-        ("a place", |f| f.position[3][1] = f32::NAN),
+        ("a position", |f| f.position[3][1] = f32::NAN),
     ];
     for (says, change) in changes {
         let mut frame = whole.clone();

@@ -1,6 +1,6 @@
 //! Which cracks a face has: groups drawn at random, courses distorted, crossings avoided.
 
-use super::opening;
+use super::profile::relative_opening;
 use crate::parameters::{Crack, CrackGroup, CrackParameters, RadialCrack, TangentialCrack};
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -17,9 +17,9 @@ mod purpose {
     pub const ACROSS: u64 = 0xc4ac;
 }
 
-/// Whether a crack runs along a ray or along a ring.
+/// The direction of a crack in the section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum CrackKind {
     /// Along a ray.
     Radial,
     /// Along a ring.
@@ -29,8 +29,8 @@ pub enum Way {
 /// A crack that is to be made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedCrack {
-    /// Its way.
-    pub way: Way,
+    /// Its kind.
+    pub kind: CrackKind,
     /// Ring coordinate and angle (rad) along its course.
     pub course: Vec<(f64, f64)>,
     /// Part of the course, 0 to 1, that each of these has.
@@ -62,7 +62,7 @@ const STEPS: usize = 28;
 const OPEN: f64 = 0.999;
 /// Distance (in radii) that cracks keep from each other beside their own openings.
 const APART: f64 = 0.012;
-/// Parts of its course that a crack is tried with before it is left out.
+/// SectionPartition of its course that a crack is tried with before it is left out.
 const TRIES: [f64; 5] = [1.0, 0.85, 0.7, 0.55, 0.4];
 /// Waves of the distortion along one radius; each octave has twice as many.
 const WAVES: f64 = 3.5;
@@ -70,11 +70,11 @@ const WAVES: f64 = 3.5;
 impl PlannedCrack {
     /// Width of the opening at the face in radii, at a part of the course and a distance from the pith in radii.
     pub fn width(&self, part: f64, radius: f64) -> f64 {
-        let across = match self.way {
-            Way::Radial => radius,
-            Way::Tangential => 1.0,
+        let across = match self.kind {
+            CrackKind::Radial => radius,
+            CrackKind::Tangential => 1.0,
         };
-        self.shrinkage * self.range * across * opening(part, self.open)
+        self.shrinkage * self.range * across * relative_opening(part, self.open)
     }
 
     fn unit(&self) -> Vec<DVec2> {
@@ -100,7 +100,7 @@ impl PlannedCrack {
 /// A straight course before it is distorted: from (ring coordinate, angle) to the same.
 #[derive(Clone, Copy)]
 struct Straight {
-    way: Way,
+    kind: CrackKind,
     from: (f64, f64),
     to: (f64, f64),
     depth: f64,
@@ -149,7 +149,7 @@ pub fn plan(parameters: &CrackParameters, shrinkage: (f64, f64), seed: u64) -> C
 fn radial(c: &RadialCrack, shrinkage: f64) -> Straight {
     let phi = c.angle.to_radians();
     Straight {
-        way: Way::Radial,
+        kind: CrackKind::Radial,
         from: (c.begin, phi),
         to: (c.end, phi),
         depth: c.depth,
@@ -162,7 +162,7 @@ fn tangential(c: &TangentialCrack, shrinkage: f64) -> Straight {
     // An end below the beginning lies past 360°.
     let turn = if c.end < c.begin { 360.0 } else { 0.0 };
     Straight {
-        way: Way::Tangential,
+        kind: CrackKind::Tangential,
         from: (c.ring, c.begin.to_radians()),
         // A crack all around would meet itself.
         to: (c.ring, (c.end + turn).min(c.begin + 350.0).to_radians()),
@@ -180,7 +180,7 @@ fn drawn(group: &CrackGroup, which: usize, i: u32, shrinkage: f64, seed: u64) ->
     let begin = between(purpose::BEGIN, group.begin_min, group.begin_max);
     let end = begin + between(purpose::LENGTH, group.length_min, group.length_max);
     Straight {
-        way: Way::Radial,
+        kind: CrackKind::Radial,
         from: (begin, phi),
         to: (end.min(1.0), phi),
         depth: between(purpose::DEPTH, group.depth_min, group.depth_max),
@@ -192,9 +192,9 @@ fn drawn(group: &CrackGroup, which: usize, i: u32, shrinkage: f64, seed: u64) ->
 /// Keeps a part of a course: a radial crack's outer one, where it is widest and seen most, a tangential one's middle.
 fn shorter(s: &Straight, part: f64) -> Straight {
     let mut s = *s;
-    match s.way {
-        Way::Radial => s.from.0 = s.to.0 - part * (s.to.0 - s.from.0),
-        Way::Tangential => {
+    match s.kind {
+        CrackKind::Radial => s.from.0 = s.to.0 - part * (s.to.0 - s.from.0),
+        CrackKind::Tangential => {
             let cut = 0.5 * (1.0 - part) * (s.to.1 - s.from.1);
             s.from.1 += cut;
             s.to.1 -= cut;
@@ -206,7 +206,7 @@ fn shorter(s: &Straight, part: f64) -> Straight {
 /// The course with its random displacement (Fig. 12(b)), both ways at most `amount` radii. Where the opening would
 /// fold over itself in a tight bend, the displacement is halved.
 fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrack {
-    let open = s.way == Way::Radial && s.to.0 >= OPEN;
+    let open = s.kind == CrackKind::Radial && s.to.0 >= OPEN;
     let parts: Vec<f64> = (0..=STEPS)
         .map(|i| {
             // Closer together at closed ends, where the bottom rises steeply.
@@ -221,7 +221,7 @@ fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrac
     let mut amount = amount;
     loop {
         let crack = PlannedCrack {
-            way: s.way,
+            kind: s.kind,
             course: parts
                 .iter()
                 .map(|&t| displaced(s, t, amount, seed, number))
@@ -242,9 +242,9 @@ fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrac
 fn displaced(s: &Straight, t: f64, amount: f64, seed: u64, number: usize) -> (f64, f64) {
     let mix = |a: f64, b: f64| a + (b - a) * t;
     let (rho, phi) = (mix(s.from.0, s.to.0), mix(s.from.1, s.to.1));
-    let along = match s.way {
-        Way::Radial => rho,
-        Way::Tangential => rho * phi,
+    let along = match s.kind {
+        CrackKind::Radial => rho,
+        CrackKind::Tangential => rho * phi,
     };
     let wander = |purpose: u64| {
         let seed = (seed ^ purpose << 20) + ((number as u64) << 8);
@@ -254,12 +254,12 @@ fn displaced(s: &Straight, t: f64, amount: f64, seed: u64, number: usize) -> (f6
         })
     };
     // The ends of a radial crack and the depth below the bark stay where they were asked for.
-    let (radial, tangential) = match s.way {
-        Way::Radial => (
+    let (radial, tangential) = match s.kind {
+        CrackKind::Radial => (
             0.3 * amount * wander(purpose::ALONG) * (4.0 * t * (1.0 - t)),
             amount * wander(purpose::ACROSS),
         ),
-        Way::Tangential => (
+        CrackKind::Tangential => (
             amount * wander(purpose::ACROSS),
             0.3 * amount * wander(purpose::ALONG) * (4.0 * t * (1.0 - t)),
         ),

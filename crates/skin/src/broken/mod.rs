@@ -1,21 +1,24 @@
 //! The broken faces of a stem: its mesh cut along a fracture surface, the face that results, and the pieces.
 
 mod face;
+mod inner_wood;
 mod pieces;
 mod spiral;
 
+pub use crate::source::Source;
 pub use face::Face;
 pub(crate) use face::side_grain;
-pub use pieces::{InnerWood, Patch, PatchVertex, Source, lacks_material};
+pub use inner_wood::InnerWood;
+pub use pieces::{Patch, PatchVertex, lacks_material};
 pub use spiral::SpiralRepair;
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
 use greenstick_fracture::heights::Setting;
-use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, Surface as Style};
-use greenstick_fracture::surface::Surface;
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
@@ -24,7 +27,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct FaceLayout {
     /// The fibre bundles.
-    pub bundles: Arc<Bundles>,
+    pub bundles: Arc<FibreBundles>,
     /// Their facets on the skin.
     pub ground: Ground,
 }
@@ -127,7 +130,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn cut(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
         let solid = self.stem.solid();
@@ -148,7 +151,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn break_along(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         inner: &InnerWood,
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {
@@ -162,7 +165,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn break_spiral_grain(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         inner: &InnerWood,
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {

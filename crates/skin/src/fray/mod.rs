@@ -12,7 +12,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, CutWorkspace};
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::splinters::{Loosened, SplinterOptions, column, loosen};
-use greenstick_fracture::surface::Surface;
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
@@ -113,7 +113,7 @@ impl FrayedBreak<'_> {
 
     fn cut_along(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<Cut, BreakError> {
         let cutter = self.cutter();
@@ -131,7 +131,13 @@ impl FrayedBreak<'_> {
 
     /// The bend of the lower or the upper piece.
     pub fn bend(&self, upper: bool) -> Bend<'_> {
-        Bend::new(self, self.seed ^ purpose::BEND, upper)
+        Bend::new(
+            self.stem,
+            &self.heights.surface,
+            self.amount,
+            self.seed ^ purpose::BEND,
+            upper,
+        )
     }
 
     /// Takes splinters off both pieces, without moving anything.
@@ -156,7 +162,7 @@ impl FrayedBreak<'_> {
             splinters,
         } = &loosened;
         let source = self.stem.source();
-        let mut piece = |own: &Surface, side: bool| {
+        let mut piece = |own: &FractureSurface, side: bool| {
             let as_it_is = self.pieces[usize::from(side)];
             if splinters.iter().all(|s| s.upper != side) {
                 return Ok(as_it_is.clone());

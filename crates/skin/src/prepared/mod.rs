@@ -7,8 +7,8 @@ mod orientation;
 pub use extent::SectionExtent;
 pub use orientation::unmirror;
 
-use crate::broken::Source;
 use crate::error::BreakError;
+use crate::source::Source;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
