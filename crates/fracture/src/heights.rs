@@ -7,7 +7,7 @@ pub use crate::field::{HeightField, HeightFieldError};
 use crate::height_model::{HeightModel, NoiseSamplers};
 pub use crate::height_model::{Heights, Setting, Thorn};
 use crate::layout::{FibreBundles, wrap_angle};
-use crate::limit::place;
+use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, Surface as Kind, ZoneParameters};
 use crate::surface::SectionLayout;
 use crate::torn::{BundleHeight, TornRelief};
@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub struct HeightCache {
     /// Noise at the nodes of a smooth surface.
     noise: Option<Arc<NodeNoise>>,
-    /// TornRelief ends of the bundles of a fibrous surface.
+    /// Torn ends of the bundles of a fibrous surface.
     ends: Option<Arc<TornEnds>>,
 }
 
@@ -59,7 +59,7 @@ fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, setting: &Settin
     let at = |&(rho, phi): &(f64, f64)| field.at(rho, phi) / setting.radius;
     let heights = bundles.addresses.iter().map(at).collect();
     let nodes = bundles.layout.nodes.iter().copied();
-    place(bundles, heights, nodes, &bundles.layout.facets, setting)
+    place_heights(bundles, heights, nodes, &bundles.layout.facets, setting)
 }
 
 /// Heights of fibre bundles that end at a field, with ragged ends.
@@ -78,15 +78,15 @@ fn fibrous_of_field(
         &mut cache.ends,
     );
     let levels: Vec<BundleHeight> = (0..bundles.bundles.len())
-        .map(|i| torn.level_of_field(field, i))
+        .map(|i| torn.field_height(field, i))
         .collect();
-    let rims = torn.ends.rims.iter();
+    let rims = torn.ends.nodes.iter();
     let heights = rims
-        .map(|rim| torn.at(&levels[rim.cell as usize], rim))
+        .map(|rim| torn.node_height(&levels[rim.cell as usize], rim))
         .collect();
     let nodes = &bundles.layout.nodes;
-    let at = torn.ends.rims.iter().map(|r| nodes[r.node as usize]);
-    place(bundles, heights, at, &torn.ends.corners, setting)
+    let at = torn.ends.nodes.iter().map(|r| nodes[r.node as usize]);
+    place_heights(bundles, heights, at, &torn.ends.corners, setting)
 }
 
 /// Heights of the published smooth surface: one per node, shared by all facets there.
@@ -98,7 +98,7 @@ fn smooth(
 ) -> Heights {
     let heights = smooth_nodes(bundles, &HeightModel::new(p, setting), cache);
     let at = bundles.layout.nodes.iter().copied();
-    place(bundles, heights, at, &bundles.layout.facets, setting)
+    place_heights(bundles, heights, at, &bundles.layout.facets, setting)
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
@@ -110,8 +110,8 @@ fn fibrous(
 ) -> Heights {
     let (heights, ends, thorns) = fibrous_rims(bundles, &HeightModel::new(p, setting), cache);
     let nodes = &bundles.layout.nodes;
-    let at = ends.rims.iter().map(|r| nodes[r.node as usize]);
-    let mut placed = place(bundles, heights, at, &ends.corners, setting);
+    let at = ends.nodes.iter().map(|r| nodes[r.node as usize]);
+    let mut placed = place_heights(bundles, heights, at, &ends.corners, setting);
     placed.thorns = thorns;
     placed
 }
@@ -248,7 +248,7 @@ fn fibrous_rims(
     let mut walks = NoiseSamplers::new(maker);
     let torn = TornRelief::new(maker, bundles, &mut walks, &mut cache.ends);
     let levels: Vec<BundleHeight> = (0..bundles.bundles.len())
-        .map(|i| torn.level(&mut walks, i))
+        .map(|i| torn.bundle_height(&mut walks, i))
         .collect();
     let thorns = levels
         .iter()
@@ -259,9 +259,9 @@ fn fibrous_rims(
             length: l.thorn * maker.setting.radius,
         })
         .collect();
-    let rims = torn.ends.rims.iter();
+    let rims = torn.ends.nodes.iter();
     let heights = rims
-        .map(|rim| torn.at(&levels[rim.cell as usize], rim))
+        .map(|rim| torn.node_height(&levels[rim.cell as usize], rim))
         .collect();
     (heights, torn.ends, thorns)
 }

@@ -3,25 +3,25 @@
 use crate::height_model::{Heights, Setting};
 use crate::layout::FibreBundles;
 use crate::surface::FractureSurface;
-use crate::wedge::bent;
+use crate::wedge::limited_height;
 use glam::DVec2;
 
-/// How far above the place of the break, in radii, the edge of a wedge lies: at the place itself the skin has a level of
-/// the grain, and a face in that plane would meet it in edges instead of crossing it.
+/// Height of the edge of a wedge over the location of the break, in radii. At the location itself the skin has a level of the
+/// grain, and a face in that plane would meet the skin in edges instead of crossing it.
 const OFF_LEVEL: f64 = 2.3e-4;
 
-/// What placing heights finds out.
-struct Placed<'a> {
+/// Maps heights to lengths along the axis and gathers what it finds.
+struct HeightPlacer<'a> {
     setting: &'a Setting,
-    /// Lengths free below and above the place, m.
+    /// Lengths free below and above the location of the break, m.
     free: (f64, f64),
-    /// Greatest heights below and above zero, m; only of use in a wedge.
+    /// Greatest heights below and above zero, m; needed in a wedge only.
     greatest: (f64, f64),
     wanted: (f64, f64),
     range: (f64, f64),
 }
 
-impl<'a> Placed<'a> {
+impl<'a> HeightPlacer<'a> {
     fn new(setting: &'a Setting, heights: impl Iterator<Item = f64>) -> Self {
         let none = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut lowest, mut highest) = (0.0f64, 0.0f64);
@@ -30,7 +30,7 @@ impl<'a> Placed<'a> {
                 (lowest, highest) = (lowest.min(h), highest.max(h));
             }
         }
-        Placed {
+        HeightPlacer {
             setting,
             free: (
                 setting.place - setting.usable.0,
@@ -42,7 +42,7 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// Places a height (in radii) over a place of the section; whether it had to be limited.
+    /// Maps a height (radii) over a point of the section to its length along the axis. Returns whether it was limited.
     #[inline]
     fn place(&mut self, height: &mut f64, at: DVec2) -> bool {
         let setting = self.setting;
@@ -52,34 +52,36 @@ impl<'a> Placed<'a> {
             h = w.within(h, far, self.greatest, setting.radius) + OFF_LEVEL * setting.radius;
         }
         self.wanted = (self.wanted.0.min(h), self.wanted.1.max(h));
-        let kept = bent(h, self.free.0, self.free.1);
-        self.range = (self.range.0.min(kept), self.range.1.max(kept));
-        *height = setting.place + kept;
-        kept != h
+        let limited = limited_height(h, self.free.0, self.free.1);
+        self.range = (self.range.0.min(limited), self.range.1.max(limited));
+        *height = setting.place + limited;
+        limited != h
     }
 }
 
-/// Places heights (in radii) over places of the section (`at`, m) along the axis and bends those that would leave the
-/// stem back into it, keeping their order. `corners` are the numbers of the heights at the corners of each facet.
-pub(crate) fn place(
+/// Maps heights (radii) over points of the section (`at`, m) to lengths along the axis. Heights that would leave the stem are
+/// brought back into it in their order. `corners` are the numbers of the heights at the corners of each facet.
+pub(crate) fn place_heights(
     bundles: &FibreBundles,
     mut heights: Vec<f64>,
     at: impl Iterator<Item = DVec2>,
     corners: &[[u32; 3]],
     setting: &Setting,
 ) -> Heights {
-    let mut placed = Placed::new(setting, heights.iter().copied());
-    let mut bent = Vec::new();
+    let mut placed = HeightPlacer::new(setting, heights.iter().copied());
+    let mut limited_heights = Vec::new();
     for (i, (height, at)) in heights.iter_mut().zip(at).enumerate() {
         if placed.place(height, at) {
-            bent.push(i as u32);
+            limited_heights.push(i as u32);
         }
     }
-    let limited = if bent.is_empty() {
+    let limited = if limited_heights.is_empty() {
         0
     } else {
         let numbers = corners.iter().flatten();
-        numbers.filter(|&n| bent.binary_search(n).is_ok()).count()
+        numbers
+            .filter(|&n| limited_heights.binary_search(n).is_ok())
+            .count()
     };
     Heights {
         surface: FractureSurface {

@@ -14,16 +14,16 @@ pub struct Wedge {
     pub slopes: (f64, f64),
 }
 
-/// Part of the greatest height from which on the wedge's planes leave heights as they are.
-const WHOLE: f64 = 0.5;
-/// Heights in a narrow wedge are multiples of this part of the radius: next to its edge all would differ by as good as
-/// nothing, and steps finer than a file's precision would cross.
-const STEP: f64 = 5e-4;
+/// Part of the greatest height above which the wedge leaves heights as they are.
+const UNSCALED_SHARE: f64 = 0.5;
+/// Heights in a narrow wedge are multiples of this part of the radius. Next to the edge they would differ by next to nothing,
+/// and steps finer than a file's precision would cross.
+const HEIGHT_STEP: f64 = 5e-4;
 
 impl Wedge {
-    /// A height (m) at a distance from the edge, brought between the planes. `greatest` are the greatest below and
-    /// above zero: where the wedge is too narrow for those, all are less in proportion, so that they do not end on a
-    /// plane.
+    /// Returns a height (m) at a distance `far` (m) from the edge, brought between the planes. `greatest` are the greatest
+    /// heights below and above zero: where the wedge is too narrow for them, all heights are scaled, so that they do not end
+    /// on a plane.
     pub(crate) fn within(&self, h: f64, far: f64, greatest: (f64, f64), radius: f64) -> f64 {
         let (below, above) = (far * self.slopes.0, far * self.slopes.1);
         let (most, greatest) = if h < 0.0 {
@@ -31,33 +31,33 @@ impl Wedge {
         } else {
             (above, greatest.1)
         };
-        let part = (most / (WHOLE * greatest).max(f64::MIN_POSITIVE)).min(1.0);
-        let kept = bent(h * part, below, above);
-        if kept == h {
+        let part = (most / (UNSCALED_SHARE * greatest).max(f64::MIN_POSITIVE)).min(1.0);
+        let limited = limited_height(h * part, below, above);
+        if limited == h {
             return h;
         }
-        let step = STEP * radius;
-        (kept / step).trunc() * step
+        let step = HEIGHT_STEP * radius;
+        (limited / step).trunc() * step
     }
 }
 
 /// Share of the free length within which heights are left alone.
-const FREE: f64 = 0.75;
+const UNLIMITED_SHARE: f64 = 0.75;
 /// Share of the free length that limited heights never pass.
-const MOST: f64 = 0.97;
+const MAX_SHARE: f64 = 0.97;
 
-/// A height brought back within `below` and `above` zero (m, positive), its order among others kept.
-pub(crate) fn bent(h: f64, below: f64, above: f64) -> f64 {
+/// Returns a height brought back within `below` and `above` zero (m, positive). The order of heights stays.
+pub(crate) fn limited_height(h: f64, below: f64, above: f64) -> f64 {
     let most = if h < 0.0 { below } else { above };
-    let over = h.abs() - FREE * most;
+    let over = h.abs() - UNLIMITED_SHARE * most;
     if over > 0.0 {
-        let room = (MOST - FREE) * most;
-        let part = if room > 0.0 {
-            over / (over + room)
+        let clearance = (MAX_SHARE - UNLIMITED_SHARE) * most;
+        let part = if clearance > 0.0 {
+            over / (over + clearance)
         } else {
             0.0
         };
-        (FREE * most + room * part).copysign(h)
+        (UNLIMITED_SHARE * most + clearance * part).copysign(h)
     } else {
         h
     }

@@ -72,7 +72,7 @@ const THINNEST: f64 = 2e-4;
 const NARROWEST: f64 = 4e-4;
 /// Strips of a wall are parted into no more than so many parts.
 const MOST_PARTS: usize = 12;
-/// SectionPartition of the way from the outline to the layout's border at which an open crack ends and has run out.
+/// Parts of the way from the outline to the layout's border at which an open crack ends and has run out.
 const BEYOND: [f64; 2] = [0.55, 0.85];
 /// Share of the free length within which depths are left alone, and that they never pass.
 const FREE: f64 = 0.75;

@@ -62,7 +62,7 @@ const STEPS: usize = 28;
 const OPEN: f64 = 0.999;
 /// Distance (in radii) that cracks keep from each other beside their own openings.
 const APART: f64 = 0.012;
-/// SectionPartition of its course that a crack is tried with before it is left out.
+/// Parts of its course that a crack is tried with before it is left out.
 const TRIES: [f64; 5] = [1.0, 0.85, 0.7, 0.55, 0.4];
 /// Waves of the distortion along one radius; each octave has twice as many.
 const WAVES: f64 = 3.5;

@@ -187,7 +187,7 @@ impl Refined {
         }
     }
 
-    /// SectionPartition side `k` of facet `f` at the fraction `t` of it, with the facet beyond.
+    /// Splits side `k` of facet `f` at the fraction `t` of it, with the facet beyond.
     fn part_side(&mut self, f: u32, k: usize, t: f64) -> u32 {
         let [a, b] = [
             self.facets[f as usize][k],

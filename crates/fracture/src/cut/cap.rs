@@ -281,7 +281,7 @@ impl<'a> Builder<'a, '_> {
         let edge = &layout.edges[e as usize];
         let which = u8::from(edge.facets[1] == (facet, k));
         let mut list: Vec<(f64, u32)> = if self.touched[e as usize] {
-            self.overlay.side_heights(e, which).collect()
+            self.overlay.rail(e, which).collect()
         } else {
             Vec::new()
         };

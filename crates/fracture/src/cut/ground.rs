@@ -15,7 +15,7 @@ const LEVELS: usize = 5;
 /// The skin of a stem, sorted once for any number of cuts.
 ///
 /// Its triangles are ranked by their middle along the grain, so that those wholly below a break come first and those
-/// wholly above it last. SectionPartition of the shell off the limb are ranked by where they are joined to it.
+/// wholly above it last. Parts of the shell off the limb are ranked by where they are joined to it.
 #[derive(Debug, Clone, Default)]
 pub struct Skin {
     /// Triangles of the shell by rank.
@@ -345,7 +345,7 @@ impl Ground {
         }
     }
 
-    /// SectionPartition the facets where there is no skin into regions that are joined.
+    /// Parts the facets where there is no skin into regions that are joined.
     fn part(&mut self) {
         let layout = self.layout.clone();
         let mut queue = Vec::new();

@@ -18,7 +18,7 @@ fn crossed(ranks: [Rank; 3]) -> Option<usize> {
 }
 
 impl Cut {
-    /// SectionPartition every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
+    /// Parts every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
     /// [`super::cut`]. The skin must cross none of them.
     pub fn part_at(&mut self, points: &[DVec3], levels: &[f64]) {
         let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
@@ -122,7 +122,7 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         }
     }
 
-    /// SectionPartition the triangles of the numbers `crossing`, ascending.
+    /// Parts the triangles of the numbers `crossing`, ascending.
     fn run(&mut self, crossing: &[u32]) {
         self.latest = vec![NONE; self.cut.points + self.ranks.len()];
         let triangles = std::mem::take(&mut self.cut.cap);
@@ -163,7 +163,7 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         self.cut.walls = walls;
     }
 
-    /// SectionPartition a triangle at level number `n`.
+    /// Parts a triangle at level number `n`.
     fn part(&mut self, t: [u32; 3], n: usize, stack: &mut Vec<[u32; 3]>) {
         let level = self.levels[n];
         let ranks = self.ranks(&t);

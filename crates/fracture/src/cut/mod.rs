@@ -107,7 +107,7 @@ pub struct Cut {
     pub nodes: Vec<u32>,
     /// Piece of each triangle of the mesh.
     pub sides: Sides,
-    /// SectionPartition of split triangles.
+    /// Parts of split triangles.
     pub skin: Vec<SkinTriangle>,
     /// The broken face, oriented for the lower piece; the upper piece takes it turned over. Tops of cells come first.
     pub cap: Vec<[u32; 3]>,

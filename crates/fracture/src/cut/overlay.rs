@@ -159,11 +159,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// Outline points on the rim of a wall, by rising fraction.
-    pub fn side_heights(
-        &self,
-        edge: u32,
-        which: u8,
-    ) -> impl DoubleEndedIterator<Item = (f64, u32)> {
+    pub fn rail(&self, edge: u32, which: u8) -> impl DoubleEndedIterator<Item = (f64, u32)> {
         let from = self.rails.partition_point(|r| r.0 < (edge, which));
         let count = self.rails[from..].partition_point(|r| r.0 == (edge, which));
         self.rails[from..from + count].iter().map(|r| (r.1, r.2))
@@ -246,7 +242,7 @@ impl<'a> Overlay<'a> {
         }
     }
 
-    /// SectionPartition a triangle that [`Overlay::measure`] found on both sides.
+    /// Parts a triangle that [`Overlay::measure`] found on both sides.
     fn part(
         &mut self,
         triangle: u32,

@@ -19,16 +19,18 @@ mod purpose {
 }
 
 /// A ring of bundles between two boundaries.
-struct Band {
+struct RingBand {
     /// Ring coordinates of its inner and outer boundary.
     between: (f64, f64),
-    /// Angles of the walls between its bundles at the inner and at the outer boundary, ascending.
+    /// Angles of the walls between its bundles at the inner and at the outer boundary, rad, ascending.
     walls: Vec<(f64, f64)>,
     bark: bool,
 }
 
-/// Fibre bundles of about equal area, offset like bricks. They are as irregular as the section allows: where a facet
-/// would fold over, all is made again with half the irregularity.
+/// Lays out a section in fibre bundles of about equal area, shifted like bricks.
+///
+/// They are as irregular as the section allows: where a facet would fold over, the layout is made again with half the
+/// irregularity.
 pub fn fibrous(field: &RingField, options: &LayoutOptions) -> FibreBundles {
     let mut irregular = 1.0;
     loop {
@@ -47,13 +49,13 @@ pub fn fibrous(field: &RingField, options: &LayoutOptions) -> FibreBundles {
 
 fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> FibreBundles {
     let bands = bands(options, irregular);
-    let mut maker = NodeBuilder {
+    let mut builder = NodeBuilder {
         field,
         nodes: Vec::new(),
         addresses: Vec::new(),
     };
     let around = options.arc.is_none();
-    let mut build = Build {
+    let mut build = LayoutBuilder {
         facets: Vec::new(),
         cells: Vec::new(),
         bundles: Vec::new(),
@@ -62,44 +64,45 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> F
     // The innermost bundle of a round stem surrounds the pith: its inner boundary is that one node.
     let mut inner = if around {
         Boundary {
-            nodes: vec![(0.0, maker.node(0.0, 0.0))],
+            nodes: vec![(0.0, builder.node(0.0, 0.0))],
             ends: [Vec::new(), vec![0]],
         }
     } else {
-        boundary(&mut maker, options, None, Some(&bands[0]), (0, irregular))
+        boundary(&mut builder, options, None, Some(&bands[0]), (0, irregular))
     };
     for (i, band) in bands.iter().enumerate() {
         let outer = boundary(
-            &mut maker,
+            &mut builder,
             options,
             Some(band),
             bands.get(i + 1),
             (i + 1, irregular),
         );
-        fill_band(&mut maker, &mut build, band, i, &inner, &outer, around);
+        fill_band(&mut builder, &mut build, band, i, &inner, &outer, around);
         inner = outer;
     }
-    let layout = SectionLayout::new(maker.nodes, build.facets, build.cells);
+    let layout = SectionLayout::new(builder.nodes, build.facets, build.cells);
     FibreBundles {
         layout: Arc::new(layout),
         bundles: build.bundles,
-        directions: directions(&maker.addresses),
-        addresses: maker.addresses,
+        directions: directions(&builder.addresses),
+        addresses: builder.addresses,
         tips: build.tips,
     }
 }
 
-struct Build {
+/// Facets and bundles while they are made.
+struct LayoutBuilder {
     facets: Vec<[u32; 3]>,
     cells: Vec<u32>,
     bundles: Vec<FibreBundle>,
     tips: Vec<u32>,
 }
 
-/// Number of bundles around the pith in the first ring of a round stem.
-const FEWEST: usize = 5;
+/// Least number of bundles in a ring around the pith.
+const MIN_BUNDLES: usize = 5;
 
-fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
+fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
     let around = options.arc.is_none();
     let start = if around {
         0.0
@@ -139,15 +142,15 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
             } else {
                 between.1 - between.0
             };
-            // Equal areas: a thicker ring has fewer, wider … and so more numerous, shorter bundles.
+            // A thicker ring has more bundles of less width, so that areas are equal.
             let share = middle * (thickness * rings as f64 / (wood - start)).sqrt();
             let wanted = (options.sectors as f64 * share).round() as usize;
             let count = match i {
                 0 if around => 1,
-                1 if around => wanted.clamp(FEWEST, 9),
-                _ => wanted.max(if around { FEWEST } else { 3 }),
+                1 if around => wanted.clamp(MIN_BUNDLES, 9),
+                _ => wanted.max(if around { MIN_BUNDLES } else { 3 }),
             };
-            Band {
+            RingBand {
                 between,
                 walls: walls(options, i, count, (low, high), irregular),
                 bark,
@@ -156,7 +159,7 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<Band> {
         .collect()
 }
 
-/// Angles of a band's walls, shifted at random and a little slanted.
+/// Returns the angles of a band's walls, shifted at random and slightly slanted.
 fn walls(
     options: &LayoutOptions,
     band: usize,
@@ -189,23 +192,31 @@ fn walls(
         .collect()
 }
 
-/// A ring boundary: its nodes by ascending angle, and which of them end the walls of the band inside and outside.
+/// A boundary between two rings: its nodes by ascending angle, and which of them end the walls of the bands on both sides.
 struct Boundary {
     nodes: Vec<(f64, u32)>,
-    /// For the band inside, then the one outside: the place in `nodes` of each wall's end.
+    /// For the band inside, then for the one outside: the index in `nodes` of each wall's end.
     ends: [Vec<usize>; 2],
 }
 
-fn boundary(
-    maker: &mut NodeBuilder,
+/// The end of a wall at a boundary.
+#[derive(Clone, Copy)]
+struct WallEnd {
+    /// Angle, rad.
+    angle: f64,
+    /// 0 for a wall of the band inside the boundary, 1 for one of the band outside.
+    side: usize,
+    /// Number of the wall in its band.
+    wall: usize,
+}
+
+/// Returns the ends of the walls of both bands at the boundary between them, by angle and some distance apart.
+fn wall_ends(
     options: &LayoutOptions,
-    inside: Option<&Band>,
-    outside: Option<&Band>,
-    (number, irregular): (usize, f64),
-) -> Boundary {
-    let rho = inside.map_or_else(|| outside.map_or(0.0, |b| b.between.0), |b| b.between.1);
+    inside: Option<&RingBand>,
+    outside: Option<&RingBand>,
+) -> Vec<WallEnd> {
     let around = options.arc.is_none();
-    let mut ends: Vec<(f64, usize, usize)> = Vec::new();
     // Angles from 0 to a turn, so that the ends of both bands sort together.
     let within = |angle: f64| {
         if around {
@@ -214,95 +225,99 @@ fn boundary(
             angle
         }
     };
-    if let Some(band) = inside {
-        ends.extend(
-            band.walls
-                .iter()
-                .enumerate()
-                .map(|(j, w)| (within(w.1), 0, j)),
-        );
-    }
-    if let Some(band) = outside {
-        ends.extend(
-            band.walls
-                .iter()
-                .enumerate()
-                .map(|(j, w)| (within(w.0), 1, j)),
-        );
-    }
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let inner = inside.iter().flat_map(|band| &band.walls).enumerate();
+    let inner = inner.map(|(wall, w)| (within(w.1), 0, wall));
+    let outer = outside.iter().flat_map(|band| &band.walls).enumerate();
+    let outer = outer.map(|(wall, w)| (within(w.0), 1, wall));
+    let mut ends: Vec<WallEnd> = (inner.chain(outer))
+        .map(|(angle, side, wall)| WallEnd { angle, side, wall })
+        .collect();
+    ends.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     let width = options.arc.map_or(TAU, |(a, b)| b - a);
-    let least = 0.12 * width / ends.len() as f64;
+    let min_distance = 0.12 * width / ends.len() as f64;
     let last = ends.len() - 1;
     for i in 1..ends.len() {
         // The two borders of a board's arc are shared by both bands and may coincide.
         let shared = !around && (i == 1 || i == last);
-        if !shared && ends[i].0 < ends[i - 1].0 + least {
-            ends[i].0 = ends[i - 1].0 + least;
+        if !shared && ends[i].angle < ends[i - 1].angle + min_distance {
+            ends[i].angle = ends[i - 1].angle + min_distance;
         }
     }
-    let thin = inside
+    ends
+}
+
+/// Makes the nodes of boundary `number` between two bands.
+fn boundary(
+    builder: &mut NodeBuilder,
+    options: &LayoutOptions,
+    inside: Option<&RingBand>,
+    outside: Option<&RingBand>,
+    (number, irregular): (usize, f64),
+) -> Boundary {
+    let rho = inside.map_or_else(|| outside.map_or(0.0, |b| b.between.0), |b| b.between.1);
+    let around = options.arc.is_none();
+    let ends = wall_ends(options, inside, outside);
+    let thinner = inside
         .into_iter()
         .chain(outside)
         .map(|b| b.between.1 - b.between.0)
         .fold(f64::INFINITY, f64::min);
     // Chords must not sag by more than a fraction of the thinner band.
-    let widest = if rho > 0.0 {
-        2.0 * (0.5 * thin / rho).min(0.5).sqrt()
+    let max_step = if rho > 0.0 {
+        2.0 * (0.5 * thinner / rho).min(0.5).sqrt()
     } else {
         1.0
     };
-    let last_one = outside.is_none();
-    let mut result = Boundary {
-        nodes: Vec::new(),
-        ends: [Vec::new(), Vec::new()],
-    };
-    result.ends[0] = vec![0; inside.map_or(0, |b| b.walls.len())];
-    result.ends[1] = vec![0; outside.map_or(0, |b| b.walls.len())];
     let jitter = |n: usize| {
         // The innermost boundary of a board must stay outside the wood.
         if inside.is_none() {
             return 0.0;
         }
         0.36 * irregular
-            * thin
+            * thinner
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)
     };
-    for i in 0..ends.len() {
-        let (angle, which, j) = ends[i];
-        let joined = !around && result.nodes.last().is_some_and(|n| n.0 == angle);
-        if !joined {
-            let n = result.nodes.len();
-            let id = if last_one {
-                maker.beyond(options, angle, widest)
-            } else {
-                maker.node(rho + jitter(n), angle)
-            };
-            result.nodes.push((angle, id));
+    let is_outermost = outside.is_none();
+    let mut add = |nodes: &mut Vec<(f64, u32)>, angle: f64| {
+        let node = if is_outermost {
+            builder.beyond(options, angle, max_step)
+        } else {
+            builder.node(rho + jitter(nodes.len()), angle)
+        };
+        nodes.push((angle, node));
+    };
+    let mut result = Boundary {
+        nodes: Vec::new(),
+        ends: [
+            vec![0; inside.map_or(0, |b| b.walls.len())],
+            vec![0; outside.map_or(0, |b| b.walls.len())],
+        ],
+    };
+    for (i, end) in ends.iter().enumerate() {
+        let angle = end.angle;
+        let is_joined = !around && result.nodes.last().is_some_and(|n| n.0 == angle);
+        if !is_joined {
+            add(&mut result.nodes, angle);
         }
-        result.ends[which][j] = result.nodes.len() - 1;
+        result.ends[end.side][end.wall] = result.nodes.len() - 1;
         let next = match ends.get(i + 1) {
-            Some(next) => next.0,
-            None if around => ends[0].0 + TAU,
+            Some(next) => next.angle,
+            None if around => ends[0].angle + TAU,
             None => continue,
         };
-        let more = ((next - angle) / widest).ceil() as usize;
-        for m in 1..more {
-            let between = angle + (next - angle) * m as f64 / more as f64;
-            let n = result.nodes.len();
-            let id = if last_one {
-                maker.beyond(options, between, widest)
-            } else {
-                maker.node(rho + jitter(n), between)
-            };
-            result.nodes.push((between, id));
+        let steps = ((next - angle) / max_step).ceil() as usize;
+        for m in 1..steps {
+            add(
+                &mut result.nodes,
+                angle + (next - angle) * m as f64 / steps as f64,
+            );
         }
     }
     result
 }
 
 impl Boundary {
-    /// Nodes from wall `j` of the band on `side` to the next wall, with unwrapped angles.
+    /// Returns the nodes from wall `j` of the band on `side` to the next wall, with unwrapped angles.
     fn run(&self, side: usize, j: usize, around: bool) -> Vec<(f64, u32)> {
         let ends = &self.ends[side];
         let (from, to) = (ends[j], ends[(j + 1) % ends.len()]);
@@ -326,9 +341,9 @@ impl Boundary {
 }
 
 fn fill_band(
-    maker: &mut NodeBuilder,
-    build: &mut Build,
-    band: &Band,
+    builder: &mut NodeBuilder,
+    build: &mut LayoutBuilder,
+    band: &RingBand,
     number: usize,
     inner: &Boundary,
     outer: &Boundary,
@@ -365,11 +380,11 @@ fn fill_band(
             }
             low[0].1
         } else {
-            strip(&mut build.facets, &low, &high, &maker.nodes);
+            strip(&mut build.facets, &low, &high, &builder.nodes);
             if band.bark {
                 crate::surface::NONE
             } else {
-                add_tip(maker, &mut build.facets, first)
+                add_tip(builder, &mut build.facets, first)
             }
         };
         build.tips.push(tip);
@@ -377,7 +392,7 @@ fn fill_band(
     }
 }
 
-/// Triangles between two chains of rising angle.
+/// Adds the triangles between two chains of ascending angle.
 fn strip(facets: &mut Vec<[u32; 3]>, low: &[(f64, u32)], high: &[(f64, u32)], nodes: &[DVec2]) {
     let (mut p, mut q) = (0, 0);
     while p + 1 < low.len() || q + 1 < high.len() {
@@ -405,32 +420,32 @@ fn strip(facets: &mut Vec<[u32; 3]>, low: &[(f64, u32)], high: &[(f64, u32)], no
     }
 }
 
-/// Twice the signed area of a facet.
+/// Returns twice the signed area of a facet.
 fn area(facet: [u32; 3], nodes: &[DVec2]) -> f64 {
     let [a, b, c] = facet.map(|n| nodes[n as usize]);
     (b - a).perp_dot(c - a)
 }
 
-/// Puts a node into the largest facet from `first` on and returns it: the tip of the bundle.
-fn add_tip(maker: &mut NodeBuilder, facets: &mut Vec<[u32; 3]>, first: usize) -> u32 {
-    let size = |f: usize| area(facets[f], &maker.nodes);
+/// Adds the tip of a bundle: a node inside its largest facet, of those from `first` on. Returns the node.
+fn add_tip(builder: &mut NodeBuilder, facets: &mut Vec<[u32; 3]>, first: usize) -> u32 {
+    let size = |f: usize| area(facets[f], &builder.nodes);
     let largest = (first..facets.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)));
     let Some(largest) = largest else {
         return crate::surface::NONE;
     };
     let [a, b, c] = facets[largest];
-    let corners = [a, b, c].map(|n| maker.addresses[n as usize]);
+    let corners = [a, b, c].map(|n| builder.addresses[n as usize]);
     let near = corners[0].1;
     let unwrap_near = |phi: f64| phi - TAU * ((phi - near) / TAU + 0.5).floor();
     let rho = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
     let phi = (corners.iter().map(|x| unwrap_near(x.1)).sum::<f64>()) / 3.0;
     let place = (0..3)
-        .map(|i| maker.nodes[facets[largest][i] as usize])
+        .map(|i| builder.nodes[facets[largest][i] as usize])
         .sum::<DVec2>()
         / 3.0;
-    maker.nodes.push(place);
-    maker.addresses.push((rho, phi));
-    let tip = maker.nodes.len() as u32 - 1;
+    builder.nodes.push(place);
+    builder.addresses.push((rho, phi));
+    let tip = builder.nodes.len() as u32 - 1;
     facets[largest] = [a, b, tip];
     facets.extend([[b, c, tip], [c, a, tip]]);
     tip

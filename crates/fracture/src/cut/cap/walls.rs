@@ -122,7 +122,7 @@ impl Builder<'_, '_> {
         } else {
             knot.map_or(start, |k| k.1)
         }];
-        let list = self.overlay.side_heights(e, which);
+        let list = self.overlay.rail(e, which);
         rim.extend(list.filter(|p| p.0 > span.0 && p.0 < span.1).map(|p| p.1));
         rim.push(if span.1 == 1.0 {
             end
@@ -221,7 +221,7 @@ impl Builder<'_, '_> {
     fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
         let (facet, k) = edge.facets[0];
         let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
-        let rail = self.overlay.side_heights(e, 0);
+        let rail = self.overlay.rail(e, 0);
         let crossed = rail.filter(|p| p.0 < span.0).count();
         inside != (crossed % 2 == 1)
     }

@@ -59,7 +59,7 @@ pub(super) struct Fixed {
     pub node: u32,
 }
 
-/// SectionPartition of the triangles met so far. Only of use with the solid, skin and ground that it was made with.
+/// Parts of the triangles met so far. Only of use with the solid, skin and ground that it was made with.
 #[derive(Debug, Default)]
 pub(in super::super) struct Clips {
     /// By rank of the triangle: 1 + its number in `lists`, or 0.
