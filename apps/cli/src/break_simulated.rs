@@ -1,7 +1,7 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{picture_options, size, targets, use_threads};
+use crate::break_wood::{Asked, asked, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
@@ -12,9 +12,9 @@ use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
+use greenstick::schema::Field;
 use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
 use greenstick::skin::rods::RodSkinOptions;
-use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -56,13 +56,12 @@ impl Drop for Temporary {
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let unit = options.unit.map(LengthUnit::from);
+    let Asked { file, input } = asked(options)?;
+    let unit = file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
-    if let Some(seed) = &options.seed {
-        setting.seed = seed.trim().parse().map_err(|_| {
-            Failure::request(format!("--seed: {seed:?} is no whole number from 0 on"))
-        })?;
+    if options.request.text("break.seed").is_some() {
+        setting.seed = file.common.recipe.face.seed;
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
@@ -75,11 +74,12 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         ("write", 0.1),
     ]);
     read.report(0.0)?;
-    let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
+    let inputs: Vec<PathBuf> = input.iter().cloned().collect();
+    let at = options.request.text("at");
     targets.check(&inputs)?;
     let mut mesh = None;
     let mut scan = None;
-    if let (None, Some(at)) = (&options.input, &options.at)
+    if let (None, Some(at)) = (&input, at)
         && setting.stem.kind != StemWord::Input
     {
         return Err(Failure::request(format!(
@@ -87,14 +87,13 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         ))
         .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
     }
-    if let Some(path) = &options.input {
-        let at = match &options.at {
-            Some(at) => values::place(at, unit.unwrap_or_default()),
-            None => values::place(&setting.stem.at, LengthUnit::Metre),
+    if let Some(path) = &input {
+        let at = match at {
+            Some(_) => file.common.place,
+            None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
         };
-        let at = at.map_err(Failure::request)?;
-        let loaded = scan::load(path, at, unit, &options.scan, &read)?;
-        setting.stem.at = written_out(&loaded.place);
+        let loaded = scan::load(path, at, unit, &file.scan, &read)?;
+        setting.stem.at = loaded.place.to_value().to_string();
         scan = loaded.scan;
         let mut scene = loaded.scene;
         if let Some(pieces) = &targets.pieces {
@@ -110,20 +109,20 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             seed: run.scene.seed,
             ..RodSkinOptions::default()
         },
-        texture_width: options.texture_size,
+        texture_width: file.texture_width,
         bodies: false,
         rest: true,
     };
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, &skin).map_err(skin::failure)?;
-    part(&mut still, &run, options.part);
+    part(&mut still, &run, file.common.separation);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
         outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
-        let shot = picture_options(&options.shot);
+        let shot = file.picture.options();
         let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
@@ -179,15 +178,6 @@ fn simulated(
     let run = Run::open(&folder.0, mesh, &beside, &context.part(SIMULATED, 1.0))
         .map_err(skin::failure)?;
     Ok((report, folder, run))
-}
-
-/// A place as scenes have it, with all of its digits.
-fn written_out(place: &StemLocation) -> String {
-    match place {
-        StemLocation::Fraction(x) => format!("{x}"),
-        StemLocation::Length(x) => format!("{x} m"),
-        StemLocation::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
-    }
 }
 
 /// Moves what lies beyond the break apart from the lower piece, with all that it carries.

@@ -1,7 +1,7 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
 use crate::arguments::{SimulateOptions, SkinOptions};
-use crate::break_wood::{picture_options, use_threads};
+use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
@@ -233,7 +233,7 @@ fn pictures(
         let scene = greenstick::rods_scene(frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
-            ..picture_options(&options.shot)
+            ..options.picture_parameters.set()?.options()
         };
         let shown = context.item(done, count);
         let picture = greenstick::picture_of_scene(&scene, &how, &shown)?;

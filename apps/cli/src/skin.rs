@@ -3,7 +3,7 @@
 mod engines;
 
 use crate::arguments::{MeshOf, SkinOptions};
-use crate::break_wood::{check_png, picture_options, size, use_threads};
+use crate::break_wood::{check_png, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
@@ -169,7 +169,7 @@ fn still(
     let still = run.still(number, &how, &skin).map_err(failure)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
-        let shot = picture_options(&options.shot);
+        let shot = options.picture_parameters.set()?.options();
         let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),

@@ -1,7 +1,6 @@
 //! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
 
 use crate::arguments::SkinOptions;
-use crate::break_wood::picture_options;
 use crate::failure::Failure;
 use crate::skin::failure;
 use greenstick::files::{self, Output};
@@ -45,7 +44,7 @@ pub fn pictures(
     options: &SkinOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = picture_options(&options.shot);
+    let mut shot = options.picture_parameters.set()?.options();
     shot.shown = film.bounds().map_err(failure)?;
     let count = film.report.frames;
     let mut made = Vec::new();

@@ -8,7 +8,7 @@ use crate::height_model::{HeightModel, NoiseSamplers};
 pub use crate::height_model::{Heights, Setting, Thorn};
 use crate::layout::{FibreBundles, wrap_angle};
 use crate::limit::place_heights;
-use crate::parameters::{BreakParameters, Surface as Kind, ZoneParameters};
+use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
 use crate::surface::SectionLayout;
 use crate::torn::{BundleHeight, TornRelief};
 pub use crate::wedge::Wedge;

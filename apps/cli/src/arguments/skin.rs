@@ -1,8 +1,9 @@
 //! Options of `greenstick skin`.
 
-use super::{Arguments, Command, MeshOf, Shot, Telling};
+use super::{Arguments, Command, Declared, MeshOf, Telling};
 use crate::values;
 use clap::{Args, Parser};
+use greenstick::picture::PictureParameters;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -136,7 +137,7 @@ pub struct SkinOptions {
     )]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
-    pub shot: Shot,
+    pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
     pub telling: Telling,

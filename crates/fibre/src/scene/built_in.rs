@@ -1,7 +1,7 @@
 //! Scenes that come with the program.
 
 use super::{Scene, SceneError};
-use greenstick_wood::spelling::closest_names;
+use greenstick_schema::closest_names;
 
 /// A scene that comes with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::{Declared, KeyInfo, MotionWord, Scene, SolverWord};
 use crate::bodies::BodyError;
 use crate::error::LoadError;
-use greenstick_wood::spelling::{closest_names, did_you_mean};
+use greenstick_schema::{closest_names, did_you_mean};
 use toml::de::{DeTable, DeValue};
 
 /// Why a scene cannot be used.

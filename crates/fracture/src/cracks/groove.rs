@@ -17,7 +17,7 @@ use greenstick_wood::rings::RingField;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
-/// Which way grooves go from the face.
+/// The direction in which grooves run from the face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// To smaller lengths: the piece below the face cracks.
@@ -33,7 +33,7 @@ pub struct CrackSite {
     pub radius: f64,
     /// Lengths along the axis that grooves must keep within, m.
     pub usable: (f64, f64),
-    /// Height (m) along the grain after which the walls of a groove are parted, so that they can follow a bent stem;
+    /// Height (m) along the grain after which the walls of a groove are split, so that they can follow a bent stem;
     /// infinite for a straight one.
     pub level: f64,
 }
@@ -48,39 +48,41 @@ pub struct GroovedSurface {
     /// Cells from this number on are walls of grooves, two for each crack of the plan in its order: right of its
     /// course, then left of it.
     pub first_cell: u32,
-    /// Cracks that were made.
+    /// Number of cracks made.
     pub cracks: usize,
-    /// Cracks that would not have opened visibly: no shrinkage, or too short.
+    /// Number of cracks that would not open visibly: without shrinkage, or too short.
     pub closed: usize,
-    /// Cracks whose place lies outside of the section.
+    /// Number of cracks outside the section.
     pub outside: usize,
-    /// Cracks left out because the face's facets are too thin or folded where they run.
+    /// Number of cracks left out because the face's facets are too thin or folded where they run.
     pub undrawn: usize,
-    /// Corners of facets whose depth was limited to the usable length.
+    /// Number of corners of facets whose depth was limited to the usable length.
     pub limited: usize,
-    /// Deepest place below (or above) the face, m.
+    /// Greatest depth below (or above) the face, m.
     pub deepest: f64,
     /// Widest opening at the face, m.
     pub widest: f64,
 }
 
 /// Lines closer than this part of the radius to a node run through it.
-const NEAR: f64 = 1e-7;
+const SNAP_DISTANCE: f64 = 1e-7;
 /// Rows of a strip narrower than this part of the radius are left out; only its tips are narrower.
-const THINNEST: f64 = 2e-4;
+const MIN_ROW_WIDTH: f64 = 2e-4;
 /// Openings narrower than this part of the radius are not made.
-const NARROWEST: f64 = 4e-4;
-/// Strips of a wall are parted into no more than so many parts.
-const MOST_PARTS: usize = 12;
+const MIN_OPENING: f64 = 4e-4;
+/// Greatest number of strips of a wall.
+const MAX_WALL_STRIPS: usize = 12;
 /// Parts of the way from the outline to the layout's border at which an open crack ends and has run out.
-const BEYOND: [f64; 2] = [0.55, 0.85];
-/// Share of the free length within which depths are left alone, and that they never pass.
-const FREE: f64 = 0.75;
-const MOST: f64 = 0.97;
+const END_BEYOND: [f64; 2] = [0.55, 0.85];
+/// Share of the free length within which depths stay as they are.
+const UNLIMITED_SHARE: f64 = 0.75;
+/// Share of the free length that depths never exceed.
+const MAX_SHARE: f64 = 0.97;
 
 /// A strip: points across the groove, row by row along its course, with the depth of each.
 struct Strip {
     rows: Vec<Vec<(DVec2, f64)>>,
+    /// Low and high corner of the box around it, m.
     bounds: (DVec2, DVec2),
 }
 
@@ -156,11 +158,11 @@ fn sink(
         deepest: 0.0,
         widest: 0.0,
     };
-    let mut refined = Refined::new(surface, NEAR * site.radius);
+    let mut refined = Refined::new(surface, SNAP_DISTANCE * site.radius);
     let mut drawn: Vec<(usize, Strip, FxHashMap<u32, f64>)> = Vec::new();
     for (number, crack) in plan.cracks.iter().enumerate() {
         let widest = widest(crack, field, site.radius);
-        if widest < NARROWEST * site.radius || crack.depth <= 0.0 {
+        if widest < MIN_OPENING * site.radius || crack.depth <= 0.0 {
             grooved.closed += 1;
             continue;
         }
@@ -186,7 +188,7 @@ fn widest(crack: &PlannedCrack, field: &RingField, radius: f64) -> f64 {
     crack
         .course
         .iter()
-        .zip(&crack.parts)
+        .zip(&crack.fractions)
         .map(|(&(rho, phi), &t)| {
             let r = field.point(rho, phi).distance(field.pith()) / radius;
             crack.width(t, r) * radius
@@ -207,17 +209,17 @@ fn strip(
     let mut course: Vec<(f64, DVec2, f64)> = crack
         .course
         .iter()
-        .zip(&crack.parts)
+        .zip(&crack.fractions)
         .map(|(&(rho, phi), &t)| (t, field.point(rho, phi), 1.0))
         .collect();
     let most = crack.depth * radius + clearance;
-    let parts = ((most / site.level).ceil() as usize).clamp(1, MOST_PARTS);
+    let parts = ((most / site.level).ceil() as usize).clamp(1, MAX_WALL_STRIPS);
     let &(rho, phi) = crack.course.last()?;
     let mut reach = border(field, phi, rho, refined)? - rho;
     for _ in 0..8 {
-        if crack.open {
+        if crack.open_at_bark {
             course.truncate(crack.course.len());
-            for (i, beyond) in BEYOND.iter().enumerate() {
+            for (i, beyond) in END_BEYOND.iter().enumerate() {
                 let p = field.point(rho + beyond * reach, phi);
                 course.push((1.0, p, 1.0 - i as f64));
             }
@@ -226,7 +228,7 @@ fn strip(
         if strip.rows.iter().flatten().all(|p| refined.holds(p.0)) {
             return Some(strip);
         }
-        if !crack.open {
+        if !crack.open_at_bark {
             return None;
         }
         reach *= 0.9;
@@ -272,8 +274,10 @@ fn rows(
             let left = ahead.perp().normalize_or_zero();
             let r = p.distance(field.pith()) / radius;
             let half = 0.5 * crack.width(t, r) * radius * factor;
-            let face =
-                crack.depth * radius * relative_depth(relative_opening(t, crack.open)) * factor;
+            let face = crack.depth
+                * radius
+                * relative_depth(relative_opening(t, crack.open_at_bark))
+                * factor;
             // Beyond an end face the walls go on as they are, so that the opening is right at the face.
             let (half, deep) = if face > 0.0 && half > 0.0 {
                 (half * (face + clearance) / face, face + clearance)
@@ -293,7 +297,7 @@ fn rows(
         .collect();
     let rows: Vec<Vec<(DVec2, f64)>> = rows;
     let wide = |i: usize, row: &[(DVec2, f64)]| {
-        i == 0 || i == last || row[0].0.distance(row[parts].0) > THINNEST * radius
+        i == 0 || i == last || row[0].0.distance(row[parts].0) > MIN_ROW_WIDTH * radius
     };
     let rows = rows
         .into_iter()
@@ -428,11 +432,11 @@ fn lower(
                 Direction::Up => site.usable.1 - h,
             }
             .max(0.0);
-            let over = wanted - FREE * free;
+            let over = wanted - UNLIMITED_SHARE * free;
             let deep = if over > 0.0 {
                 grooved.limited += 1;
-                let room = (MOST - FREE) * free;
-                FREE * free + room * over / (over + room)
+                let clearance = (MAX_SHARE - UNLIMITED_SHARE) * free;
+                UNLIMITED_SHARE * free + clearance * over / (over + clearance)
             } else {
                 wanted
             };

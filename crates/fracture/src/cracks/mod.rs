@@ -21,5 +21,5 @@ mod refine;
 pub use end_face::EndFace;
 pub use error::CrackError;
 pub use groove::{CrackSite, Direction, GroovedSurface, end_grooves, grooves};
-pub use plan::{CrackKind, CrackPlan, PlannedCrack, plan};
+pub use plan::{CrackPlan, PlannedCrack, plan};
 pub use profile::{relative_depth, relative_opening};

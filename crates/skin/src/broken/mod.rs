@@ -17,7 +17,7 @@ use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
 use greenstick_fracture::heights::Setting;
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
-use greenstick_fracture::parameters::{BreakParameters, Surface as Style};
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::StemKind;

@@ -5,10 +5,11 @@ use crate::error::BreakError;
 use crate::prepared::PreparedStem;
 use glam::DVec2;
 use greenstick_fracture::cracks::{
-    CrackKind, CrackPlan, CrackSite, Direction, GroovedSurface, PlannedCrack, grooves,
+    CrackPlan, CrackSite, Direction, GroovedSurface, PlannedCrack, grooves,
 };
 use greenstick_fracture::cut::{CutWorkspace, Ground, Skin};
 use greenstick_fracture::layout::FibreBundles;
+use greenstick_fracture::parameters::CrackKind;
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use std::f64::consts::TAU;

@@ -7,7 +7,7 @@ use super::sector_search::{SectorContents, best_sector};
 use super::statistics::{Weighted, quantile, spread};
 use super::trend::{HeightSample, Layer, LayerSide, addresses, shelf_line};
 use glam::DVec2;
-use greenstick_fracture::parameters::{Sector, Surface};
+use greenstick_fracture::parameters::{Sector, SurfaceStyle};
 use greenstick_wood::tissue::Zone;
 
 /// Fewest breaks that decide a parameter of a part of the section.
@@ -327,9 +327,9 @@ impl FaceShape {
         }
         let fibrous = coarse || apart as f64 / steps.len() as f64 > FIBROUS_STEPS;
         self.parameters.face.surface = if fibrous {
-            Surface::Fibrous
+            SurfaceStyle::Fibrous
         } else {
-            Surface::Smooth
+            SurfaceStyle::Smooth
         };
         let plain: Vec<usize> = (0..heights.len()).filter(|&i| !self.is_thorn[i]).collect();
         let all: Vec<Weighted> = plain

@@ -6,7 +6,8 @@ use super::parameters::FittedValue;
 use super::report::{FitReport, HeightSummary};
 use crate::rods::{FractureState, Wood};
 use glam::DVec3;
-use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
+use greenstick_schema::{Parameters, Value};
 use greenstick_wood::stem::{Stem, StemLocation};
 
 /// Least and greatest factor on the relief: what is farther off is not for the relief to make up.
@@ -115,7 +116,7 @@ impl FaceFit {
         mut relief_range: impl FnMut(&BreakParameters) -> Result<f64, E>,
     ) -> Result<(), E> {
         let fitted = &mut self.shape.parameters;
-        let fibrous = fitted.face.surface == Surface::Fibrous;
+        let fibrous = fitted.face.surface == SurfaceStyle::Fibrous;
         let scaled: Vec<FittedValue> = fitted
             .values
             .iter()
