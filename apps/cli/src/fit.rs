@@ -96,7 +96,7 @@ fn failure(error: FitError) -> Failure {
     match error {
         FitError::Run(error) => skin::failure(error),
         FitError::Cancelled(cancelled) => cancelled.into(),
-        FitError::Place { .. } => Failure::work(error),
+        FitError::Location { .. } => Failure::work(error),
         FitError::NoBreak { .. } => Failure::request(error),
     }
 }

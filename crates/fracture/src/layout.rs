@@ -1,4 +1,4 @@
-//! Parting a section into fibre bundles: rings × sectors about the pith.
+//! Layouts: a section split into fibre bundles, rings × sectors about the pith.
 //!
 //! The smooth layout is the grid of Yang 2019 §3.1. The fibrous layout gives every ring as many bundles as keep their
 //! areas about equal, and shifts the bundles of neighbouring rings against each other like bricks: no more than three

@@ -1,6 +1,6 @@
 //! Fitting the parameters of a drawn break to a break that a run simulated.
 //!
-//! [`fit`] reads a run; [`fit_parting`] takes the wood and what is broken of it. The algorithm is that of
+//! [`fit`] reads a run; [`fit_fracture_state`] takes the wood and its state of fracture. The algorithm is that of
 //! [`greenstick_skin::fit`]; here it meets the run and the chain that draws a break.
 
 use crate::film::{FilmError, Run};
@@ -28,7 +28,7 @@ pub enum FitError {
     },
     /// No break can be drawn where the rods broke.
     #[error("the rods broke at {at} of the stem, where no break can be drawn: {error}")]
-    Place {
+    Location {
         /// The location.
         at: StemLocation,
         /// Why.
@@ -45,7 +45,7 @@ pub struct Fit {
     /// The recipe.
     pub recipe: Recipe,
     /// The location along the stem: a point where the run is of the limb at a point, else a fraction of the length.
-    pub place: StemLocation,
+    pub location: StemLocation,
     /// What was fitted.
     pub report: FitReport,
 }
@@ -69,7 +69,7 @@ pub struct FitSource<'a> {
 /// [`FitError`].
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
     context.report(0.0)?;
-    let (parting, time) = run.parting(number)?;
+    let (state, time) = run.fracture_state(number)?;
     let place = StemLocation::parse(&run.scene.stem.at, 1.0);
     let source = FitSource {
         scene: run.input(),
@@ -77,7 +77,7 @@ pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitEr
         seed: run.scene.seed,
         time,
     };
-    fit_parting(&run.wood(), &parting, &source, context)
+    fit_fracture_state(&run.wood(), &state, &source, context)
 }
 
 /// Fractions of a stem's length are rounded to one over this.
@@ -87,19 +87,19 @@ const SEARCH: Stage = Stage::new("fit");
 const STEM: Stage = Stage::new("stem");
 const RELIEF: Stage = Stage::new("heights");
 
-/// Fits the break of `wood` where `parting` is broken.
+/// Fits the break of `wood` in a state of fracture.
 ///
 /// # Errors
 /// [`FitError`].
-pub fn fit_parting(
+pub fn fit_fracture_state(
     wood: &Wood,
-    parting: &FractureState,
+    state: &FractureState,
     source: &FitSource,
     context: &Context,
 ) -> Result<Fit, FitError> {
     let [search, locating, matching] = context.split([(SEARCH, 0.3), (STEM, 0.3), (RELIEF, 0.4)]);
     search.report(0.0)?;
-    let Some(found) = BreakFit::new(wood, parting, source.seed) else {
+    let Some(found) = BreakFit::new(wood, state, source.seed) else {
         return Err(FitError::NoBreak { time: source.time });
     };
     let stem = wood.stem;
@@ -124,7 +124,7 @@ pub fn fit_parting(
         Error::Cancelled(cancelled) | Error::Stem(StemError::Cancelled(cancelled)) => {
             FitError::Cancelled(cancelled)
         }
-        error => FitError::Place {
+        error => FitError::Location {
             at: place,
             error: Box::new(error),
         },
@@ -150,7 +150,7 @@ pub fn fit_parting(
     };
     Ok(Fit {
         recipe,
-        place,
+        location: place,
         report,
     })
 }

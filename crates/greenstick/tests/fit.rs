@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2};
 use greenstick::fibre::event::Cause;
 use greenstick::fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
-use greenstick::fit::{Fit, FitError, FitSource, fit_parting};
+use greenstick::fit::{Fit, FitError, FitSource, fit_fracture_state};
 use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
@@ -72,7 +72,7 @@ fn fitted(
         bark: None,
         pull_out: 8.0,
     };
-    let mut parting = FractureState::unbroken(&wood);
+    let mut state = FractureState::unbroken(&wood);
     let mut heights = Vec::new();
     for rod in 0..wood.bundle.rods() {
         let at = wood.cells[rod].centroid;
@@ -93,7 +93,7 @@ fn fitted(
             .unwrap();
         heights.push(wood.along[vertex] - AT * grown.stem.length);
         let vertex = vertex as u32;
-        parting.breaks[rod].push(RodBreak { vertex, cause });
+        state.breaks[rod].push(RodBreak { vertex, cause });
     }
     let source = FitSource {
         scene: &grown.scene,
@@ -102,7 +102,7 @@ fn fitted(
         time: 0.25,
     };
     (
-        fit_parting(&wood, &parting, &source, &Context::quiet()),
+        fit_fracture_state(&wood, &state, &source, &Context::quiet()),
         heights,
     )
 }
@@ -229,7 +229,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let request = BreakRequest {
         texture_width: 16,
         ..BreakRequest::single(Break {
-            place: fit.place,
+            place: fit.location,
             recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
             ..Break::default()
         })

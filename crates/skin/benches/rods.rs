@@ -79,7 +79,7 @@ fn main() {
             &splits,
         );
         let frame = Frame::of(&bundle, &state, &[]);
-        let parting =
+        let state =
             FractureState::from_frame(&wood, &frame, &BTreeMap::new()).expect("it is its own");
         let square = SectionSquare {
             middle: glam::DVec2::ZERO,
@@ -97,7 +97,7 @@ fn main() {
                 fibres,
                 ..RodSkinOptions::default()
             };
-            let make = || rod_skin(&wood, &parting, &materials, &options).expect("it has a skin");
+            let make = || rod_skin(&wood, &state, &materials, &options).expect("it has a skin");
             let made = median(5, || drop(black_box(make())));
             let skin = make();
             let joint = |&rest| Joint {
@@ -127,7 +127,7 @@ fn main() {
             let (points, both) = (frame_of(false), frame_of(true));
             let triangles: usize = film.pieces.iter().map(|p| p.mesh.triangles.len()).sum();
             let vertices = placed.bundle.vertices();
-            let broken = parting.broken_rods();
+            let broken = state.broken_rods();
             println!(
                 "{rods} {vertices} {broken} {fibres} {triangles} {made:.1} {points:.2} {both:.2}"
             );

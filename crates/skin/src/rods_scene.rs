@@ -31,6 +31,23 @@ pub struct BodyNode {
 ///
 /// A plate stands for a half-space. `shapes` are the shapes of the bodies about the centres that frames hold, in the same
 /// order.
+///
+/// # Examples
+/// ```
+/// use greenstick_fibre::store::Frame;
+/// use greenstick_skin::rods_scene::rods_scene;
+///
+/// // A rod of one edge.
+/// let frame = Frame {
+///     first: vec![0, 2],
+///     diameter: vec![0.002],
+///     position: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 0.01]],
+///     director: vec![[1.0, 0.0, 0.0]; 2],
+///     ..Frame::default()
+/// };
+/// let scene = rods_scene(&frame, &[]);
+/// assert!(scene.nodes[0].mesh.volume() > 0.0);
+/// ```
 pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
     let wood = plain_material("wood", [0.72, 0.53, 0.33, 1.0]);
     let mut scene = Scene {

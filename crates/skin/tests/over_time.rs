@@ -149,15 +149,15 @@ fn cracks_are_closed_until_they_open() {
         );
         // After the last event it is the still.
         let last = frames.last().unwrap();
-        let parting = FractureState::from_frame(&wood, last, &BTreeMap::new()).unwrap();
-        let still = rod_skin(&wood, &parting, &MATERIALS, &options).unwrap();
+        let state = FractureState::from_frame(&wood, last, &BTreeMap::new()).unwrap();
+        let still = rod_skin(&wood, &state, &MATERIALS, &options).unwrap();
         let end = frames.len() - 1;
         assert_eq!(placed(&still, end, last), placed(&film, end, last));
         // In between it is the still of the frame, as far as cracks are open then: their kerf is 2e-4 of a bundle's width.
         let kerf = 4e-4 * 0.01 * (std::f64::consts::PI / 12.0).sqrt();
         for (number, frame) in frames.iter().enumerate().take(end).skip(1) {
-            let parting = FractureState::from_frame(&wood, frame, &BTreeMap::new()).unwrap();
-            let still = rod_skin(&wood, &parting, &MATERIALS, &options).unwrap();
+            let state = FractureState::from_frame(&wood, frame, &BTreeMap::new()).unwrap();
+            let still = rod_skin(&wood, &state, &MATERIALS, &options).unwrap();
             let still = placed(&still, number, frame);
             let (alone, off) = apart(&still, &placed(&film, number, frame), kerf);
             println!("{fibres}, {number}: {alone} of {}, {off}", still.len());

@@ -19,8 +19,8 @@ use greenstick_wood::noise::unit;
 use greenstick_wood::primitive::{self, BranchOptions};
 use std::collections::BTreeMap;
 
-fn skin(wood: &Wood, parting: &FractureState, options: &RodSkinOptions) -> RodSkin {
-    rod_skin(wood, parting, &MATERIALS, options).unwrap()
+fn skin(wood: &Wood, state: &FractureState, options: &RodSkinOptions) -> RodSkin {
+    rod_skin(wood, state, &MATERIALS, options).unwrap()
 }
 
 /// Breaks some rods and bonds, by the fibre model's own means; the frame then, unmoved.
@@ -129,13 +129,13 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
             .step_by(2)
             .map(|v| (v, Cause::Compression))
             .collect();
-        let parting = FractureState::from_frame(&wood, &frame, &causes).unwrap();
+        let state = FractureState::from_frame(&wood, &frame, &causes).unwrap();
         let options = RodSkinOptions {
             seed,
             fibres: 1 + seed as u32 % 5,
             ..RodSkinOptions::default()
         };
-        let made = skin(&wood, &parting, &options);
+        let made = skin(&wood, &state, &options);
         let mut sum = 0.0;
         for piece in &made.pieces {
             let report = piece.mesh.check();
@@ -152,7 +152,7 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
             "seed {seed}: {sum} of {volume}"
         );
         assert_eq!(made.pieces.len(), bonded_pieces(&frame), "seed {seed}");
-        assert_eq!(made, skin(&wood, &parting, &options), "seed {seed}");
+        assert_eq!(made, skin(&wood, &state, &options), "seed {seed}");
     }
 }
 
@@ -247,8 +247,8 @@ fn the_skin_goes_where_the_rods_go() {
     let grown = grown(primitive::branch(&BranchOptions::default()), 30);
     let wood = wood(&grown);
     let rest = broken(&grown, 5, 0.1, 0.6);
-    let parting = FractureState::from_frame(&wood, &rest, &BTreeMap::new()).unwrap();
-    let made = skin(&wood, &parting, &RodSkinOptions::default());
+    let state = FractureState::from_frame(&wood, &rest, &BTreeMap::new()).unwrap();
+    let made = skin(&wood, &state, &RodSkinOptions::default());
     // Where nothing has moved, the skin is at rest, to the frames' single precision.
     for (piece, places) in made.pieces.iter().zip(posed(&made, &rest)) {
         for (a, b) in piece.mesh.positions.iter().zip(places) {

@@ -5,16 +5,16 @@ use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// What a layout is made from.
+/// Options of a layout.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutOptions {
     /// Number of rings N_ring.
     pub rings: usize,
     /// Number of sectors N_sec; in the fibrous layout those of the outermost ring.
     pub sectors: usize,
-    /// Ring coordinates between which the layout must lie to hold all of the section and its relief.
+    /// Ring coordinates that the layout covers, so that it holds all of the section and its relief.
     pub reach: (f64, f64),
-    /// Distance from the pith that it must reach, m.
+    /// Distance from the pith up to which it reaches, m.
     pub radius: f64,
     /// Angles (rad) between which the section lies, where the pith is outside of it (a board); `None` for all around.
     pub arc: Option<(f64, f64)>,
@@ -41,7 +41,7 @@ pub struct FibreBundle {
     pub bark: bool,
 }
 
-/// A layout with what its nodes and cells stand for.
+/// The fibre bundles of a section: a layout, with the bundles that its cells stand for and the addresses of its nodes.
 #[derive(Debug, Clone, Default)]
 pub struct FibreBundles {
     /// The triangulation.
@@ -56,7 +56,13 @@ pub struct FibreBundles {
     pub tips: Vec<u32>,
 }
 
-/// The angle brought to −π … π.
+/// Returns an angle (rad) brought to −π … π.
+///
+/// ```
+/// use greenstick_fracture::layout::wrap_angle;
+///
+/// assert!((wrap_angle(7.0) - (7.0 - std::f64::consts::TAU)).abs() < 1e-12);
+/// ```
 #[inline]
 pub fn wrap_angle(angle: f64) -> f64 {
     if (-PI..PI).contains(&angle) {

@@ -31,6 +31,29 @@ struct RingBand {
 ///
 /// They are as irregular as the section allows: where a facet would fold over, the layout is made again with half the
 /// irregularity.
+///
+/// # Examples
+/// ```
+/// use greenstick_fracture::layout::{LayoutOptions, fibrous};
+/// use greenstick_geometry::Context;
+/// use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
+///
+/// let mesh = greenstick_wood::primitive::cylinder(0.02, 0.3, 24);
+/// let middle = StemLocation::Fraction(0.5);
+/// let stem = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet())?.stem;
+/// let options = LayoutOptions {
+///     rings: 4,
+///     sectors: 16,
+///     reach: (0.0, 1.0),
+///     radius: stem.radius,
+///     arc: None,
+///     bark: Some(0.94),
+///     seed: 1,
+/// };
+/// let bundles = fibrous(&stem.rings, &options);
+/// assert_eq!(bundles.bundles.len(), bundles.tips.len());
+/// # Ok::<(), greenstick_wood::stem::StemError>(())
+/// ```
 pub fn fibrous(field: &RingField, options: &LayoutOptions) -> FibreBundles {
     let mut irregular = 1.0;
     loop {

@@ -4,7 +4,7 @@ use super::bundles::LayoutOptions;
 use glam::DVec2;
 use greenstick_wood::rings::RingField;
 
-/// Nodes as they are made.
+/// Nodes of a layout while they are made.
 pub(super) struct NodeBuilder<'a> {
     pub field: &'a RingField,
     pub nodes: Vec<DVec2>,
@@ -12,7 +12,7 @@ pub(super) struct NodeBuilder<'a> {
 }
 
 impl NodeBuilder<'_> {
-    /// A node beyond the skin, so far out that a chord of the angle `gap` (rad) to the next stays there too.
+    /// Adds a node beyond the skin, so far out that a chord to the next node, at the angle `gap` (rad), stays there too.
     pub fn beyond(&mut self, options: &LayoutOptions, phi: f64, gap: f64) -> u32 {
         let (sin, cos) = libm::sincos(phi);
         let radius = 1.02 * options.radius / libm::cos((gap / 2.0).min(1.2));
@@ -37,5 +37,5 @@ pub(super) fn directions(addresses: &[(f64, f64)]) -> Vec<DVec2> {
     addresses.iter().map(direction).collect()
 }
 
-/// An irrational offset (rad), so that no ray runs exactly through a vertex of a symmetrical mesh.
+/// An irrational angle (rad) by which rays are offset, so that none runs exactly through a vertex of a symmetrical mesh.
 pub(super) const RAY_OFFSET: f64 = 0.011_318_29;

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub enum FilmError {
     /// The folder holds no run.
     #[error(
-        "{}: holds no simulation: scene.toml cannot be read ({source}); `greenstick simulate SCENE -o FOLDER` makes one",
+        "{}: holds no simulation: scene.toml cannot be read ({source}); expected the folder of a simulated run",
         folder.display()
     )]
     NoRun {

@@ -13,10 +13,10 @@ impl Run {
     ///
     /// # Errors
     /// [`FilmError`].
-    pub fn parting(&mut self, number: usize) -> Result<(FractureState, f64), FilmError> {
+    pub fn fracture_state(&mut self, number: usize) -> Result<(FractureState, f64), FilmError> {
         let frame = self.frame(number)?;
-        let parting = FractureState::from_frame(&self.wood(), &frame, &self.causes)?;
-        Ok((parting, frame.time))
+        let state = FractureState::from_frame(&self.wood(), &frame, &self.causes)?;
+        Ok((state, frame.time))
     }
 
     /// The scene that its stem was found in.

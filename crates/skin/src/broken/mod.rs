@@ -32,7 +32,7 @@ pub struct FaceLayout {
     pub ground: Ground,
 }
 
-/// What a layout is made from beside the stem.
+/// Everything that a layout depends on besides the stem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutKey {
     style: Style,
@@ -40,7 +40,7 @@ pub struct LayoutKey {
 }
 
 impl LayoutKey {
-    /// What the layout of a break with these parameters is made from.
+    /// Returns what the layout of a break with these parameters depends on.
     pub fn new(stem: &PreparedStem, p: &BreakParameters) -> Self {
         let board = stem.found.stem.kind == StemKind::Board;
         LayoutKey {
@@ -77,7 +77,7 @@ impl FaceLayout {
     }
 }
 
-/// The stem as heights are made for it. `relief` is the factor that a species puts on the torn relief.
+/// Returns the stem as heights are made for it. `relief` is the factor of the species on the torn relief.
 pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> Setting {
     let found = &stem.found.stem;
     Setting {
@@ -90,7 +90,7 @@ pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> 
     }
 }
 
-/// A stem cut along a fracture surface: everything that is drawn of a break and changes with it.
+/// A stem cut along a fracture surface: everything visible that changes with the break.
 ///
 /// Each piece consists of the skin that the break does not come near ([`BrokenFace::skin_below`] and
 /// [`BrokenFace::skin_above`]), the skin about the break, whole triangles and parts of cut ones ([`BrokenFace::patch`]),
@@ -109,7 +109,7 @@ pub struct BrokenFace {
     pub spiral: Option<SpiralRepair>,
 }
 
-/// How a stem is cut.
+/// Cuts a stem along fracture surfaces.
 #[derive(Clone, Copy)]
 pub struct Cutter<'a> {
     /// The stem.

@@ -59,7 +59,7 @@ const MAX_GAP: f64 = 4.0;
 
 impl MainBreak {
     /// Finds the main break of a bundle.
-    pub fn find(wood: &Wood, parting: &FractureState) -> MainBreak {
+    pub fn find(wood: &Wood, state: &FractureState) -> MainBreak {
         let point = |rod: usize, along: f64, in_tension: bool| {
             let cell = &wood.cells[rod];
             let grain = DVec3::new(cell.centroid.x, cell.centroid.y, along);
@@ -72,7 +72,7 @@ impl MainBreak {
             }
         };
         let mut all: Vec<BreakPoint> = Vec::new();
-        for (rod, breaks) in parting.breaks.iter().enumerate() {
+        for (rod, breaks) in state.breaks.iter().enumerate() {
             for found in breaks {
                 let along = wood.along[found.vertex as usize];
                 all.push(point(rod, along, found.cause != Cause::Compression));
@@ -90,7 +90,7 @@ impl MainBreak {
         });
         let middle = quantile(&lengths.collect::<Vec<_>>(), 0.5);
         let broken = nearest_of_each_rod(&here, middle);
-        let mut whole = vec![true; parting.breaks.len()];
+        let mut whole = vec![true; state.breaks.len()];
         broken.iter().for_each(|b| whole[b.rod as usize] = false);
         MainBreak {
             whole: (0..whole.len())

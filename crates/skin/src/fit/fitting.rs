@@ -37,8 +37,8 @@ pub struct FaceFit {
 impl<'a> BreakFit<'a> {
     /// Chooses the break in which most of the section broke; `None` where no rod is broken. `seed` becomes that of the
     /// fitted parameters.
-    pub fn new(wood: &'a Wood<'a>, parting: &FractureState, seed: u64) -> Option<Self> {
-        let found = MainBreak::find(wood, parting);
+    pub fn new(wood: &'a Wood<'a>, state: &FractureState, seed: u64) -> Option<Self> {
+        let found = MainBreak::find(wood, state);
         if found.broken.is_empty() {
             return None;
         }
