@@ -3,6 +3,7 @@
 
 use greenstick::files::FileError;
 use greenstick::formats::FormatError;
+use greenstick::fracture::cracks::CrackError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
@@ -172,6 +173,8 @@ impl From<greenstick::Error> for Failure {
             Error::Cut { .. } => Failure::work(&error).hint(
                 "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
             ),
+            Error::Crack(CrackError::TooShort { .. }) => Failure::work(&error)
+                .hint("a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself"),
             _ => Failure::work(&error),
         }
     }

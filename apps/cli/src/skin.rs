@@ -398,6 +398,11 @@ pub fn failure(error: FilmError) -> Failure {
             Failure::request("the run was of a mesh, and it is not known which")
                 .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
         }
+        FilmError::NoRun { .. } => {
+            Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
+        }
+        FilmError::NoFrames { .. } => Failure::request(error)
+            .hint("the command that simulated it, with --resume, goes on with the run"),
         _ => Failure::request(error),
     }
 }

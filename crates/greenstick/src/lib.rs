@@ -60,8 +60,6 @@ mod pictures;
 mod report;
 mod request;
 pub mod rings;
-#[cfg(feature = "simulate")]
-mod rods;
 pub mod scanning;
 pub mod session;
 #[cfg(feature = "simulate")]
@@ -77,13 +75,12 @@ pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;
+pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
-#[cfg(feature = "simulate")]
-pub use rods::rods_scene;
-pub use session::{BreakSession, Broken, Looks, break_scene};
+pub use session::{BreakSession, Broken, break_scene};
 
 /// Keeps the example in the README one that compiles.
 #[cfg(all(doctest, feature = "files"))]

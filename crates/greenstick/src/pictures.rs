@@ -1,14 +1,14 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::branch::OWN_BARK;
-use crate::session::{Broken, BrokenWood, Looks, NodeRole, PieceRole};
+use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
     Sphere, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface};
+use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface};
 use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ struct StemShader<'a> {
 struct Inside<'a> {
     material: u32,
     stem: &'a Stem,
-    looks: &'a Looks,
+    appearance: &'a StemAppearance,
 }
 
 impl<'a> Inside<'a> {
@@ -37,7 +37,7 @@ impl<'a> Inside<'a> {
         Inside {
             material: wood.material,
             stem: &wood.stem,
-            looks: &wood.looks,
+            appearance: &wood.appearance,
         }
     }
 }
@@ -68,7 +68,7 @@ impl StemShader<'_> {
             },
             end_grain,
         };
-        let surface = inside.looks.wood.surface_at(&point, hit.footprint);
+        let surface = inside.appearance.wood.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
@@ -80,7 +80,9 @@ impl StemShader<'_> {
     }
 
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
-        let Inside { stem, looks, .. } = self.own();
+        let Inside {
+            stem, appearance, ..
+        } = self.own();
         let (point, directions) = match grain {
             Some(grain) => {
                 let frame = stem.grain.axis().frame(grain.z);
@@ -106,7 +108,7 @@ impl StemShader<'_> {
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = looks.bark.surface_at(&point, hit.footprint);
+        let surface = appearance.bark.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }
@@ -160,7 +162,7 @@ fn blank(scene: &Scene) -> Vec<bool> {
 pub fn picture_of_skin(
     scene: &Scene,
     stem: &Stem,
-    looks: &Looks,
+    appearance: &StemAppearance,
     inner: u32,
     options: &PictureOptions,
     context: &Context,
@@ -168,7 +170,7 @@ pub fn picture_of_skin(
     let inside = Inside {
         material: inner,
         stem,
-        looks,
+        appearance,
     };
     let shader = StemShader {
         woods: vec![inside],

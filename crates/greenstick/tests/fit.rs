@@ -3,11 +3,11 @@
 use glam::{DAffine3, DVec2};
 use greenstick::fibre::event::Cause;
 use greenstick::fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
-use greenstick::fit::{Fit, FitError, Ground, fit_parting};
+use greenstick::fit::{Fit, FitError, FitSource, fit_fracture_state};
 use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
-use greenstick::skin::rods::{Parting, RodBreak, Wood};
+use greenstick::skin::rods::{FractureState, RodBreak, Wood};
 use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
 use greenstick::wood::primitive;
@@ -64,7 +64,7 @@ fn fitted(
 ) -> (Result<Fit, FitError>, Vec<f64>) {
     let wood = Wood {
         stem: &grown.stem,
-        laid: DAffine3::IDENTITY,
+        stem_to_rods: DAffine3::IDENTITY,
         bundle: &grown.placed.bundle,
         along: &grown.placed.along,
         cells: &grown.placed.cells,
@@ -72,7 +72,7 @@ fn fitted(
         bark: None,
         pull_out: 8.0,
     };
-    let mut parting = Parting::none(&wood);
+    let mut state = FractureState::unbroken(&wood);
     let mut heights = Vec::new();
     for rod in 0..wood.bundle.rods() {
         let at = wood.cells[rod].centroid;
@@ -93,16 +93,16 @@ fn fitted(
             .unwrap();
         heights.push(wood.along[vertex] - AT * grown.stem.length);
         let vertex = vertex as u32;
-        parting.breaks[rod].push(RodBreak { vertex, cause });
+        state.breaks[rod].push(RodBreak { vertex, cause });
     }
-    let ground = Ground {
+    let source = FitSource {
         scene: &grown.scene,
         by_point: false,
         seed: 3,
         time: 0.25,
     };
     (
-        fit_parting(&wood, &parting, &ground, &Context::quiet()),
+        fit_fracture_state(&wood, &state, &source, &Context::quiet()),
         heights,
     )
 }
@@ -229,7 +229,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let request = BreakRequest {
         texture_width: 16,
         ..BreakRequest::single(Break {
-            place: fit.place,
+            place: fit.location,
             recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
             ..Break::default()
         })

@@ -11,12 +11,12 @@ pub use report::{ANATOMY_FILE, AnatomyReport, RingRows, SectionReport, SegmentRe
 pub use request::{AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
-use crate::session::appearance::looks;
 use glam::DAffine3;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Material, Mesh, Node, Scene, Stage};
 use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, ParticleLayers, SurfaceColouring};
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, find_stem};
 use report::Findings;
@@ -174,7 +174,9 @@ fn model<'a>(
 ) -> Result<Anatomy<'a>, Error> {
     let species = request.species.as_deref().map(Species::find).transpose()?;
     let parameters = BreakParameters::default();
-    let wood = looks(&found.stem, &parameters, species, BARK).wood;
+    let proportions = parameters.proportions();
+    let seed = parameters.seed;
+    let wood = StemAppearance::new(&found.stem, &proportions, seed, species, BARK).wood;
     let ring_count = request.ring_count.unwrap_or(wood.rings.round() as u16);
     if request.ring_method == RingMethod::Field {
         request.check_rings(ring_count)?;
@@ -185,7 +187,7 @@ fn model<'a>(
         rings: request.ring_method.clone(),
         ring_count,
         colouring: request.colouring,
-        proportions: parameters.proportions(),
+        proportions,
     };
     let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
     request.check_rings(anatomy.ring_count())?;

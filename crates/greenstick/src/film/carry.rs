@@ -12,7 +12,7 @@ use greenstick_geometry::components::NONE;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Binding, Film, Joint, Mesh, Node, Pose, SkinnedMesh};
-use greenstick_skin::rods::{Part, RodSkin};
+use greenstick_skin::rods::{RodPart, RodSkin};
 use greenstick_wood::stem::StemKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -167,17 +167,17 @@ impl Run {
     /// The last joints of the rods at an end, of that piece that has most rods there.
     fn end(&self, skin: &RodSkin, end: usize) -> (Vec<u32>, usize) {
         let along = &self.grown.placed.along;
-        let mut last: Vec<Part> = vec![0; self.bundle.rods()];
+        let mut last: Vec<RodPart> = vec![0; self.bundle.rods()];
         for &(rod, part) in skin.parts.iter().flatten() {
             let known = &mut last[rod as usize];
             *known = part.max(*known);
         }
-        let at = |piece: &Vec<(u32, Part)>| -> Vec<u32> {
-            let wanted = |&&(rod, part): &&(u32, Part)| part == [0, last[rod as usize]][end];
-            let joint = |&(rod, part): &(u32, Part)| {
+        let at = |piece: &Vec<(u32, RodPart)>| -> Vec<u32> {
+            let wanted = |&&(rod, part): &&(u32, RodPart)| part == [0, last[rod as usize]][end];
+            let joint = |&(rod, part): &(u32, RodPart)| {
                 let vertices = self.bundle.rod(rod as usize);
                 let s = along[[vertices.start, vertices.end - 1][end]];
-                heavier(skin.joints.at(rod, part, s))
+                heavier(skin.joints.weights_at(rod, part, s))
             };
             piece.iter().filter(wanted).map(joint).collect()
         };
@@ -194,7 +194,7 @@ impl Run {
         let mut joints: Vec<(f64, usize, u32)> = Vec::new();
         for (piece, parts) in skin.parts.iter().enumerate() {
             for &(rod, part) in parts {
-                let joint = heavier(skin.joints.at(rod, part, s));
+                let joint = heavier(skin.joints.weights_at(rod, part, s));
                 joints.push((far(joint), piece, joint));
             }
         }

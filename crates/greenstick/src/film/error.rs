@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub enum FilmError {
     /// The folder holds no run.
     #[error(
-        "{}: holds no simulation: scene.toml cannot be read ({source}); `greenstick simulate SCENE -o FOLDER` makes one",
+        "{}: holds no simulation: scene.toml cannot be read ({source}); expected the folder of a simulated run",
         folder.display()
     )]
     NoRun {
@@ -39,7 +39,7 @@ pub enum FilmError {
         error: StoreError,
     },
     /// There is no whole frame.
-    #[error("{}: holds no whole frame; run the simulation, or go on with it by --resume", path.display())]
+    #[error("{}: holds no whole frame; run the simulation, or resume it", path.display())]
     NoFrames {
         /// The file.
         path: PathBuf,

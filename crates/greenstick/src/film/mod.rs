@@ -28,9 +28,6 @@ use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::rods::bodies;
-use crate::session::Looks;
-use crate::session::appearance::looks;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
@@ -46,10 +43,12 @@ use greenstick_geometry::{
 };
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
+    FractureState, Materials, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
     rod_skin_over_time,
 };
+use greenstick_skin::rods_scene::{BodyNode, body_nodes};
 use greenstick_skin::texture::SectionSquare;
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::BARK_START;
@@ -98,7 +97,7 @@ pub struct Run {
     frames: FrameFile<BufReader<File>>,
     path: PathBuf,
     causes: BTreeMap<u32, Cause>,
-    looks: Looks,
+    appearance: StemAppearance,
     bark: Mesh,
     tree: Bvh,
     square: SectionSquare,
@@ -280,11 +279,9 @@ impl Run {
         let (bundle, laid) = simulate::lay(&request, &grown)?;
         let causes = simulate::causes(folder)?;
         let species = Species::find(&scene.wood.species).ok();
-        let parameters = BreakParameters {
-            seed: scene.seed,
-            ..BreakParameters::default()
-        };
-        let looks = looks(&grown.stem, &parameters, species, BARK_START);
+        let tissues = BreakParameters::default().proportions();
+        let appearance =
+            StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK_START);
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
@@ -313,7 +310,7 @@ impl Run {
             frames,
             path,
             causes,
-            looks,
+            appearance,
             bark,
             tree,
         })
@@ -324,9 +321,9 @@ impl Run {
         self.frames.count()
     }
 
-    /// What its wood looks like.
-    pub fn looks(&self) -> &Looks {
-        &self.looks
+    /// The appearance of its wood and bark.
+    pub fn appearance(&self) -> &StemAppearance {
+        &self.appearance
     }
 
     /// The stem that its rods fill.
@@ -348,7 +345,7 @@ impl Run {
         let wood = &self.grown.wood;
         Wood {
             stem: &self.grown.stem,
-            laid: self.laid,
+            stem_to_rods: self.laid,
             bundle: &self.bundle,
             along: &self.grown.placed.along,
             cells: &self.grown.placed.cells,
@@ -360,8 +357,8 @@ impl Run {
 
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
-        let parting = Parting::of(&self.wood(), frame, &self.causes)?;
-        self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))
+        let state = FractureState::from_frame(&self.wood(), frame, &self.causes)?;
+        self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))
     }
 
     /// What is made of its wood with the materials that it has here.
@@ -373,7 +370,7 @@ impl Run {
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
             bark: u32::from(!board) * BARK_MATERIAL,
-            own: OWN_MATERIALS,
+            bark_mesh_offset: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
@@ -431,7 +428,7 @@ impl Run {
         scene.nodes = posed(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
-            for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
+            for BodyNode { mut node, .. } in body_nodes(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
                 scene.nodes.push(node);
             }
@@ -457,7 +454,7 @@ impl Run {
         crate::picture_of_skin(
             scene,
             &self.grown.stem,
-            &self.looks,
+            &self.appearance,
             inner,
             options,
             context,
@@ -506,9 +503,10 @@ impl Run {
         let up = upright();
         let mut moving = Vec::new();
         if options.bodies {
-            for (mut node, number) in bodies(&first, &self.shapes, BODY_MATERIAL) {
+            for body in body_nodes(&first, &self.shapes, BODY_MATERIAL) {
+                let BodyNode { mut node, follows } = body;
                 node.transform = DAffine3::from_quat(up) * node.transform;
-                let Some(number) = number else {
+                let Some(number) = follows else {
                     film.fixed.push(node);
                     continue;
                 };

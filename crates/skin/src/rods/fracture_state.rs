@@ -1,67 +1,69 @@
-//! What of a bundle is broken at one time: where its rods are in parts, and which bonds hold which parts together
-//! (Sutherland 2012 §5.3). Read off a frame, so that it needs no history.
+//! The state of fracture of a bundle: where its rods are broken, and which bonds hold which parts together (Sutherland 2012
+//! §5.3). It follows from one frame alone.
 
-use super::{RodSkinError, Wood};
+use super::error::RodSkinError;
+use super::wood::Wood;
 use greenstick_fibre::event::Cause;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::Unions;
 use std::collections::BTreeMap;
 
-/// A place where a rod is broken.
+/// A break of a rod.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RodBreak {
     /// Vertex of the unbroken bundle.
     pub vertex: u32,
-    /// Why it broke.
+    /// The cause.
     pub cause: Cause,
 }
 
-/// A part of a rod: how many breaks of the rod lie before it.
-pub type Part = u16;
+/// The number of a part of a rod: the number of breaks of the rod before it.
+pub type RodPart = u16;
 
-/// What is broken.
+/// The state of fracture of a bundle.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Parting {
+pub struct FractureState {
     /// Breaks of each rod of the unbroken bundle, along it.
     pub breaks: Vec<Vec<RodBreak>>,
-    /// For each bond of the unbroken bundle the parts that it holds together, of the rod of its vertex and of the rod of
-    /// its edge. A bond at a broken vertex holds both parts.
-    pub holds: Vec<[Option<(Part, Part)>; 2]>,
+    /// The parts that each bond of the unbroken bundle holds together: those of the rod of its vertex and of the rod of its
+    /// edge. A bond at a broken vertex holds both parts.
+    pub bonded_parts: Vec<[Option<(RodPart, RodPart)>; 2]>,
 }
 
-/// Which piece each part of each rod is in.
+/// The piece of each part of each rod.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pieces {
-    /// Number of each rod's first part.
+    /// Number of each rod's first part; parts of all rods are numbered through.
     pub first: Vec<u32>,
     /// Piece of each part.
-    pub number: Vec<u32>,
-    /// How many pieces there are.
+    pub piece: Vec<u32>,
+    /// Number of pieces.
     pub count: usize,
 }
 
 impl Pieces {
-    /// The piece of a part of a rod.
-    pub fn of(&self, rod: u32, part: Part) -> u32 {
-        self.number[self.first[rod as usize] as usize + usize::from(part)]
+    /// Returns the piece of a part of a rod.
+    pub fn piece_of(&self, rod: u32, part: RodPart) -> u32 {
+        self.piece[self.first[rod as usize] as usize + usize::from(part)]
     }
 }
 
-impl Parting {
-    /// Nothing is broken.
-    pub fn none(wood: &Wood) -> Self {
-        Parting {
+impl FractureState {
+    /// Returns the state in which nothing is broken.
+    pub fn unbroken(wood: &Wood) -> Self {
+        FractureState {
             breaks: vec![Vec::new(); wood.bundle.rods()],
-            holds: vec![[Some((0, 0)), None]; wood.bundle.bonds.len()],
+            bonded_parts: vec![[Some((0, 0)), None]; wood.bundle.bonds.len()],
         }
     }
 
-    /// What is broken in a frame. `causes` tells why vertices of the unbroken bundle broke; a break that it does not
-    /// know is taken for one in tension.
+    /// Returns the state of fracture in a frame.
+    ///
+    /// `causes` holds the causes by vertex of the unbroken bundle. Any other break counts as one in tension.
     ///
     /// # Errors
     /// [`RodSkinError::OtherBundle`] for a frame of another bundle.
-    pub fn of(
+    pub fn from_frame(
         wood: &Wood,
         frame: &Frame,
         causes: &BTreeMap<u32, Cause>,
@@ -70,22 +72,22 @@ impl Parting {
         let mut breaks = vec![Vec::new(); wood.bundle.rods()];
         let mut part_of = Vec::with_capacity(frame.parent.len());
         for (rod, &parent) in frame.parent.iter().enumerate() {
-            let known: &mut Vec<RodBreak> = &mut breaks[parent as usize];
+            let rod_breaks: &mut Vec<RodBreak> = &mut breaks[parent as usize];
             let first = frame.origin[frame.first[rod] as usize];
             if rod > 0 && frame.parent[rod - 1] == parent {
-                known.push(RodBreak {
+                rod_breaks.push(RodBreak {
                     vertex: first,
                     cause: causes.get(&first).copied().unwrap_or(Cause::Tension),
                 });
             }
-            part_of.push(known.len() as Part);
+            part_of.push(rod_breaks.len() as RodPart);
         }
         let part = |vertex: u32| {
             let rod = frame.first.partition_point(|&f| f <= vertex) - 1;
             part_of[rod]
         };
         let bonds = &wood.bundle.bonds;
-        let mut holds = vec![[None; 2]; bonds.len()];
+        let mut bonded_parts = vec![[None; 2]; bonds.len()];
         for &[vertex, edge] in &frame.bonds {
             let (v, e) = (frame.origin[vertex as usize], frame.origin[edge as usize]);
             let own = bonds.incidence.own[v as usize] as usize
@@ -96,17 +98,18 @@ impl Parting {
                     problem: format!("vertex {v} and edge {e} were never bonded"),
                 });
             };
-            let place = holds[bond].iter_mut().find(|h| h.is_none());
-            if let Some(place) = place {
-                *place = Some((part(vertex), part(edge)));
+            let free = bonded_parts[bond].iter_mut().find(|h| h.is_none());
+            if let Some(free) = free {
+                *free = Some((part(vertex), part(edge)));
             }
         }
-        Ok(Parting { breaks, holds })
+        Ok(FractureState {
+            breaks,
+            bonded_parts,
+        })
     }
 
-    /// The pieces: parts of rods that bonds hold together, as the number of each part's piece. Parts of all rods are
-    /// numbered through, rod by rod; `first` of a rod is the number of its first part. Pieces are numbered in the order
-    /// of their first part.
+    /// Returns the pieces: the parts of rods that bonds hold together. They are numbered in the order of their first part.
     pub fn pieces(&self, wood: &Wood) -> Pieces {
         let mut first = vec![0];
         for breaks in &self.breaks {
@@ -116,39 +119,40 @@ impl Parting {
         let mut unions = Unions::new(count as usize);
         let rod_of = wood.rods_of_vertices();
         let bonds = &wood.bundle.bonds;
-        for (bond, holds) in self.holds.iter().enumerate() {
+        for (bond, parts) in self.bonded_parts.iter().enumerate() {
             let [v, e] = [bonds.vertex[bond], bonds.edge[bond]].map(|v| rod_of[v as usize]);
-            for (a, b) in holds.iter().flatten() {
+            for (a, b) in parts.iter().flatten() {
                 unions.join(
                     first[v as usize] + u32::from(*a),
                     first[e as usize] + u32::from(*b),
                 );
             }
         }
-        let mut number = vec![u32::MAX; count as usize];
+        let mut piece = vec![u32::MAX; count as usize];
         let mut pieces = 0;
         for part in 0..count {
             let root = unions.root(part) as usize;
-            if number[root] == u32::MAX {
-                number[root] = pieces;
+            if piece[root] == u32::MAX {
+                piece[root] = pieces;
                 pieces += 1;
             }
-            number[part as usize] = number[root];
+            piece[part as usize] = piece[root];
         }
         Pieces {
             first,
-            number,
+            piece,
             count: pieces as usize,
         }
     }
 
-    /// How many rods are broken at least once.
+    /// Returns the number of rods that are broken at least once.
     pub fn broken_rods(&self) -> usize {
         self.breaks.iter().filter(|b| !b.is_empty()).count()
     }
 }
 
-/// Whether a frame can be one of this bundle: rods are parts of its rods in order, and vertices run through them.
+/// Checks that a frame can be one of this bundle: its rods are parts of the bundle's rods in order, and its vertices run
+/// through them.
 fn check(wood: &Wood, frame: &Frame) -> Result<(), RodSkinError> {
     let wrong =
         |what: &'static str, problem: String| Err(RodSkinError::OtherBundle { what, problem });
@@ -196,8 +200,8 @@ fn check(wood: &Wood, frame: &Frame) -> Result<(), RodSkinError> {
     let numbers = frame.position.iter().chain(&frame.director).flatten();
     if numbers.clone().any(|v| !v.is_finite()) {
         return wrong(
-            "a place",
-            format!("it is no number at time {} s", frame.time),
+            "a position",
+            format!("it is not a finite number at time {} s", frame.time),
         );
     }
     Ok(())

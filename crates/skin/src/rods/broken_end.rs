@@ -1,73 +1,79 @@
-//! The broken end of a fibre bundle: a row of thorns along the ring, of which every other one stands on the other side of
-//! the break (Yang et al. 2019 §3.3 has thorns; that both sides are the same faces is ours).
+//! The broken end of a fibre bundle: a row of thorns along the ring. Every other one stands on the other side of the break
+//! (thorns: Yang et al. 2019 §3.3; that both sides are the same faces is our addition).
 
-use super::complex::Complex;
+use super::prisms::PrismComplex;
 use glam::{DVec2, DVec3};
 use greenstick_wood::noise::unit;
 
-/// Thorns and hollows of an end.
-const THORNS: usize = 3;
-/// Height of the lowest thorn and of the highest, in lengths of pull-out.
-const HEIGHT: [f64; 2] = [0.5, 3.0];
-/// How far thorns lie off even spacing, in parts of it.
-const UNEVEN: f64 = 0.25;
-/// Triangles smaller than this part of the bundle's section are none.
-const LEAST: f64 = 0.02;
+/// Number of thorns and hollows of an end.
+const THORN_COUNT: usize = 3;
+/// Heights of the lowest and the highest thorn, in lengths of pull-out.
+const THORN_HEIGHT: [f64; 2] = [0.5, 3.0];
+/// Greatest deviation of thorns from even spacing, as part of it.
+const UNEVENNESS: f64 = 0.25;
+/// Least area of a triangle, as part of the bundle's section.
+const MIN_TRIANGLE_SHARE: f64 = 0.02;
 
 /// The end of a prism.
-pub(super) struct Tips {
-    /// Places within it, grain coordinates, m.
-    pub places: Vec<DVec3>,
-    /// Triangles, counter-clockwise from above: corners of the prism, and behind them the places; and which of them are
-    /// smooth together.
+pub(super) struct BrokenEnd {
+    /// Points inside the end, grain coordinates, m.
+    pub points: Vec<DVec3>,
+    /// Triangles, counter-clockwise as seen from above, each with the number of its smooth side. They index the corners of
+    /// the prism followed by `points`.
     pub triangles: Vec<([usize; 3], u32)>,
 }
 
-impl Tips {
-    /// A fan about the middle.
-    pub fn flat(complex: &Complex, column: usize, station: usize) -> Self {
+impl BrokenEnd {
+    /// Returns a fan about the middle.
+    pub fn flat(complex: &PrismComplex, column: usize, station: usize) -> Self {
         let own = &complex.columns.columns[column];
-        Tips::fan(
+        BrokenEnd::fan(
             own.corners.len(),
-            own.centre.extend(mean(complex, column, station)),
+            own.centre.extend(mean_length(complex, column, station)),
         )
     }
 
     fn fan(n: usize, middle: DVec3) -> Self {
-        Tips {
-            places: vec![middle],
+        BrokenEnd {
+            points: vec![middle],
             triangles: (0..n).map(|k| ([k, (k + 1) % n, n], k as u32)).collect(),
         }
     }
 
-    /// Thorns up to about `length` (m) high.
-    pub fn torn(complex: &Complex, column: usize, station: usize, length: f64, seed: u64) -> Self {
+    /// Returns an end with thorns up to about `length` (m) high.
+    pub fn with_thorns(
+        complex: &PrismComplex,
+        column: usize,
+        station: usize,
+        length: f64,
+        seed: u64,
+    ) -> Self {
         let own = &complex.columns.columns[column];
         let corners: Vec<DVec2> = (own.corners.iter())
             .map(|&c| complex.columns.corners[c as usize])
             .collect();
-        let mean = mean(complex, column, station);
-        let [down, up] = room(complex, column, station, mean);
-        let first = unit(seed ^ 0x71d, column as i64, station as i64, 0) < 0.5;
+        let mean = mean_length(complex, column, station);
+        let [down, up] = clearance(complex, column, station, mean);
+        let even_up = unit(seed ^ 0x71d, column as i64, station as i64, 0) < 0.5;
         let height = |k: usize| {
             let random = |what: u64| unit(seed ^ what, column as i64, station as i64, k as i64);
             // Most are short.
             let share = random(0x71b) * random(0x71c);
-            let height = length * (HEIGHT[0] + (HEIGHT[1] - HEIGHT[0]) * share);
-            if first == k.is_multiple_of(2) {
+            let height = length * (THORN_HEIGHT[0] + (THORN_HEIGHT[1] - THORN_HEIGHT[0]) * share);
+            if even_up == k.is_multiple_of(2) {
                 mean + height.min(up)
             } else {
                 mean - height.min(down)
             }
         };
         let random = |k: usize| unit(seed ^ 0x71e, column as i64, station as i64, k as i64);
-        let least = LEAST * own.area;
-        rows(&corners, THORNS, random, least)
-            .or_else(|| rows(&corners, 1, random, least))
+        let min_area = MIN_TRIANGLE_SHARE * own.area;
+        thorn_row(&corners, THORN_COUNT, random, min_area)
+            .or_else(|| thorn_row(&corners, 1, random, min_area))
             .map_or_else(
-                || Tips::fan(corners.len(), own.centre.extend(height(0))),
-                |(places, triangles)| Tips {
-                    places: (places.iter().enumerate())
+                || BrokenEnd::fan(corners.len(), own.centre.extend(height(0))),
+                |ThornRow { points, triangles }| BrokenEnd {
+                    points: (points.iter().enumerate())
                         .map(|(k, p)| p.extend(height(k)))
                         .collect(),
                     triangles,
@@ -76,19 +82,19 @@ impl Tips {
     }
 }
 
-/// Mean length along the axis of a column's corners at a station, m.
-fn mean(complex: &Complex, column: usize, station: usize) -> f64 {
+/// Returns the mean length along the axis of a column's corners at a station, m.
+fn mean_length(complex: &PrismComplex, column: usize, station: usize) -> f64 {
     let corners = &complex.columns.columns[column].corners;
     let lengths = corners.iter().map(|&c| complex.length(c, station));
     lengths.sum::<f64>() / corners.len() as f64
 }
 
-/// How far thorns may reach down and up: to a slab before the next break of the column, m.
-fn room(complex: &Complex, column: usize, station: usize, mean: f64) -> [f64; 2] {
-    let broken = |&s: &usize| !complex.is_whole(column, s);
+/// Returns how far thorns may reach down and up, m: to one slab before the next break of the column.
+fn clearance(complex: &PrismComplex, column: usize, station: usize, mean: f64) -> [f64; 2] {
+    let is_broken = |&s: &usize| !complex.is_whole(column, s);
     let ends = [
-        (0..station).rev().find(broken),
-        (station + 1..=complex.slabs()).find(broken),
+        (0..station).rev().find(is_broken),
+        (station + 1..=complex.slabs()).find(is_broken),
     ];
     let slab = complex.stations[1] - complex.stations[0];
     ends.map(|end| {
@@ -98,30 +104,33 @@ fn room(complex: &Complex, column: usize, station: usize, mean: f64) -> [f64; 2]
     })
 }
 
-/// Places in a polygon, and triangles that it is parted in, each of one side of it.
-type Rows = (Vec<DVec2>, Vec<([usize; 3], u32)>);
+/// A row of points in a polygon, and the triangles that split it, each with the number of its side of the row.
+struct ThornRow {
+    points: Vec<DVec2>,
+    triangles: Vec<([usize; 3], u32)>,
+}
 
-/// Parts a convex polygon in triangles with `count` places on the line between the two corners that lie farthest apart;
-/// none where one would be smaller than `least` (m²).
-fn rows(
+/// Splits a convex polygon into triangles with `count` points on the line between the two corners that are farthest apart.
+/// Returns `None` where a triangle would be smaller than `min_area` (m²).
+fn thorn_row(
     corners: &[DVec2],
     count: usize,
     random: impl Fn(usize) -> f64,
-    least: f64,
-) -> Option<Rows> {
+    min_area: f64,
+) -> Option<ThornRow> {
     let n = corners.len();
     let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j)));
     let (left, right) = pairs.filter(|&(i, j)| (j + 1) % n != i).max_by(|a, b| {
-        let far = |p: &(usize, usize)| corners[p.0].distance_squared(corners[p.1]);
-        far(a).total_cmp(&far(b))
+        let distance = |p: &(usize, usize)| corners[p.0].distance_squared(corners[p.1]);
+        distance(a).total_cmp(&distance(b))
     })?;
     let (from, to) = (corners[left], corners[right]);
-    let place = |k: usize| {
-        let off = UNEVEN * (2.0 * random(k) - 1.0);
+    let point = |k: usize| {
+        let off = UNEVENNESS * (2.0 * random(k) - 1.0);
         from.lerp(to, (k as f64 + 1.0 + off) / (count as f64 + 1.0))
     };
-    let places: Vec<DVec2> = (0..count).map(place).collect();
-    let at = |k: usize| if k < n { corners[k] } else { places[k - n] };
+    let points: Vec<DVec2> = (0..count).map(point).collect();
+    let at = |k: usize| if k < n { corners[k] } else { points[k - n] };
     let along = |k: usize| (at(k) - from).dot(to - from);
     let base: Vec<usize> = std::iter::once(left)
         .chain(n..n + count)
@@ -158,7 +167,7 @@ fn rows(
             let [a, b, c] = triangle;
             let around = if area < 0.0 { [b, a, c] } else { triangle };
             triangles.push((around, side as u32));
-            if area.abs() < least {
+            if area.abs() < min_area {
                 return None;
             }
         }
@@ -172,6 +181,6 @@ fn rows(
         .sum();
     let sides = corners.iter().zip(corners.iter().cycle().skip(1));
     let area = 0.5 * sides.map(|(a, b)| a.perp_dot(*b)).sum::<f64>();
-    // They fill the polygon only where it is convex.
-    ((sum - area).abs() < least).then_some((places, triangles))
+    // The triangles fill the polygon only where it is convex.
+    ((sum - area).abs() < min_area).then_some(ThornRow { points, triangles })
 }

@@ -1,110 +1,111 @@
-//! Prisms and what joins them: which faces lie open, and which corners of prisms are one vertex.
+//! Prisms and their joints: which faces lie open, and which corners of prisms are one vertex.
 
-use super::history::{History, NEVER};
-use super::parting::{Part, Parting};
-use super::section::{Columns, OUTSIDE};
-use super::{RodSkinError, RodSkinOptions, Wood};
+use super::columns::{Columns, OUTSIDE};
+use super::error::RodSkinError;
+use super::fracture_state::{FractureState, RodPart};
+use super::history::{BreakHistory, NEVER};
+use super::options::RodSkinOptions;
+use super::wood::Wood;
 use glam::DVec2;
 use greenstick_fibre::event::Cause;
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::{gradient_2d, unit};
 use std::collections::BTreeMap;
 
-/// The most prisms.
-const MOST: usize = 1 << 26;
-/// Corners lie up to this part of a slab off its plane, so that no plane across the grain shows.
-const JITTER: f64 = 0.35;
-/// How far breaks of a rod's fibre bundles lie from the rod's, in lengths of pull-out: with all of their ring, with those
-/// of their layer, which is a sector of it, and each by itself.
-const SCATTER: [f64; 3] = [1.0, 1.5, 2.5];
-/// Width of a layer across the rings and along them, in distances of fibre bundles.
-const LAYER: [f64; 2] = [1.2, 6.0];
-/// The same in widths where a rod was crushed.
-const CRUSHED: f64 = 0.5;
+/// Greatest number of prisms.
+const MAX_PRISMS: usize = 1 << 26;
+/// Greatest distance of corners from the plane of their station, in slabs: without it planes across the grain would show.
+const STATION_JITTER: f64 = 0.35;
+/// Distances of the breaks of fibre bundles from that of their rod, in lengths of pull-out: one that a whole ring shares, one
+/// that a layer (a sector of the ring) shares, and one of each bundle.
+const BREAK_SCATTER: [f64; 3] = [1.0, 1.5, 2.5];
+/// Width of a layer across the rings and along them, in distances between fibre bundles.
+const LAYER_WIDTH: [f64; 2] = [1.2, 6.0];
+/// Such a distance where a rod was crushed, in widths of the bundle.
+const CRUSHED_LENGTH: f64 = 0.5;
 
-/// Columns times slabs.
-pub(super) struct Complex<'a> {
+/// The prisms of a section: columns times slabs.
+pub(super) struct PrismComplex<'a> {
     pub columns: &'a Columns,
     /// Length along the axis of each station between slabs, m.
     pub stations: Vec<f64>,
-    /// Part of its rod that each prism is of.
-    pub parts: Vec<Part>,
+    /// The part of its rod that each prism belongs to.
+    pub parts: Vec<RodPart>,
     /// Whether each side of each prism is joined to the prism beyond it.
     joined: Vec<bool>,
     /// Whether each prism is joined to the next one of its column.
     onward: Vec<bool>,
-    /// First side of each column, and their number at the end.
-    first: Vec<usize>,
+    /// Number of the first side of each column; the number of all sides at the end.
+    first_side: Vec<usize>,
     /// The bonds between each two rods.
-    between: Between,
+    bonds_between: BondsBetween,
     /// The rod of each vertex of the bundle.
     rod_of: Vec<u32>,
-    /// The vertex with which each bond begins.
+    /// The vertex of each bond.
     bond_vertex: &'a [u32],
     seed: u64,
 }
 
-/// One corner of a prism, as a number: side `corner` of column `column`, at the station `station`, seen from the slab
-/// below it or above it.
+/// A corner of a prism: corner `corner` of column `column`, at station `station`, of the slab below or above it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PrismCorner {
     pub column: usize,
     pub corner: usize,
     pub station: usize,
     pub above: bool,
 }
 
-impl<'a> Complex<'a> {
+impl<'a> PrismComplex<'a> {
     pub fn new(
         wood: &Wood<'a>,
         columns: &'a Columns,
-        parting: &Parting,
+        state: &FractureState,
         options: &RodSkinOptions,
     ) -> Result<Self, RodSkinError> {
         let stations = stations(wood, options)?;
         let slabs = stations.len() - 1;
         let count = columns.columns.len();
-        if count.saturating_mul(slabs) > MOST {
+        if count.saturating_mul(slabs) > MAX_PRISMS {
             return Err(RodSkinError::TooLarge {
                 prisms: count.saturating_mul(slabs),
                 columns: count,
                 slabs,
-                most: MOST,
+                max: MAX_PRISMS,
             });
         }
-        let mut first = vec![0];
+        let mut first_side = vec![0];
         for column in &columns.columns {
-            first.push(first.last().copied().unwrap_or(0) + column.corners.len());
+            first_side.push(first_side.last().copied().unwrap_or(0) + column.corners.len());
         }
-        let mut complex = Complex {
+        let mut complex = PrismComplex {
             columns,
             parts: Vec::with_capacity(count * slabs),
-            joined: vec![false; first[count] * slabs],
+            joined: vec![false; first_side[count] * slabs],
             onward: vec![false; count * slabs],
-            first,
+            first_side,
             stations,
-            between: bonds_between(wood),
+            bonds_between: bonds_between(wood),
             rod_of: wood.rods_of_vertices(),
             bond_vertex: &wood.bundle.bonds.vertex,
             seed: options.seed,
         };
-        complex.put_parts(wood, parting, options);
-        complex.join(parting);
+        complex.assign_parts(wood, state, options);
+        complex.join(state);
         Ok(complex)
     }
 
-    /// Number of slabs.
+    /// Returns the number of slabs.
     pub fn slabs(&self) -> usize {
         self.stations.len() - 1
     }
 
-    /// Number of a prism.
+    /// Returns the number of a prism.
     pub fn prism(&self, column: usize, slab: usize) -> usize {
         column * self.slabs() + slab
     }
 
     fn side(&self, column: usize, side: usize, slab: usize) -> usize {
-        (self.first[column] + side) * self.slabs() + slab
+        (self.first_side[column] + side) * self.slabs() + slab
     }
 
     /// Whether the side of a prism is joined to the prism beyond it.
@@ -117,40 +118,40 @@ impl<'a> Complex<'a> {
         station > 0 && station < self.slabs() && self.onward[self.prism(column, station - 1)]
     }
 
-    /// Length along the axis of a corner at a station, m.
+    /// Returns the length along the axis of a corner at a station, m.
     pub fn length(&self, corner: u32, station: usize) -> f64 {
         let s = self.stations[station];
         if station == 0 || station == self.slabs() {
             return s;
         }
         let slab = self.stations[1] - self.stations[0];
-        // Alike for corners that lie near each other, so that no side of a column is steep.
+        // Similar for corners near each other, so that no side of a column is steep.
         let at = self.columns.corners[corner as usize] / self.columns.spacing;
-        s + JITTER * slab * gradient_2d(self.seed ^ 0x5e7 ^ ((station as u64) << 32), at)
+        s + STATION_JITTER * slab * gradient_2d(self.seed ^ 0x5e7 ^ ((station as u64) << 32), at)
     }
 
-    /// Gives every prism the part of its rod: each column breaks where its rod does, but at a length of its own.
-    fn put_parts(&mut self, wood: &Wood, parting: &Parting, options: &RodSkinOptions) {
+    /// Assigns every prism to a part of its rod. Each column breaks where its rod does, but at a length of its own.
+    fn assign_parts(&mut self, wood: &Wood, state: &FractureState, options: &RodSkinOptions) {
         let slabs = self.slabs();
         let slab = self.stations[1] - self.stations[0];
         let start = self.stations[0];
         for (number, column) in self.columns.columns.iter().enumerate() {
-            let breaks = &parting.breaks[column.rod as usize];
+            let breaks = &state.breaks[column.rod as usize];
             let layer = layer(column.centre - wood.stem.rings.pith(), self.columns.spacing);
             let mut at: Vec<usize> = Vec::new();
             for (k, broken) in breaks.iter().enumerate() {
                 let s = wood.along[broken.vertex as usize];
-                let reach = reach(wood, column.width(), broken.cause) * options.splinters;
+                let reach = break_reach(wood, column.width(), broken.cause) * options.splinters;
                 let random = |what: u64, x: i64, y: i64| {
                     2.0 * unit(options.seed ^ what, x, y, k as i64) - 1.0
                 };
                 let (ring, sector) = layer;
-                // Most bundles break near the others of their layer, a few far off.
+                // Most bundles break near the others of their layer, and a few far from them.
                 let own = random(0x0f1b, number as i64, 0);
                 let off = reach
-                    * (SCATTER[0] * random(0x70d, ring, 0)
-                        + SCATTER[1] * random(0x70e, ring, sector)
-                        + SCATTER[2] * own * own.abs());
+                    * (BREAK_SCATTER[0] * random(0x70d, ring, 0)
+                        + BREAK_SCATTER[1] * random(0x70e, ring, sector)
+                        + BREAK_SCATTER[2] * own * own.abs());
                 // No farther than half way to the rod's next break or end.
                 let vertices = wood.bundle.rod(column.rod as usize);
                 let before = if k > 0 {
@@ -171,13 +172,13 @@ impl<'a> Complex<'a> {
             for k in 0..slabs {
                 // Prism k lies above all stations up to k.
                 let part = at.iter().filter(|&&b| b <= k).count();
-                self.parts.push(part as Part);
+                self.parts.push(part as RodPart);
             }
         }
     }
 
     /// Joins prisms of one part of a rod, and those of rods that a bond holds together there.
-    fn join(&mut self, parting: &Parting) {
+    fn join(&mut self, state: &FractureState) {
         let slabs = self.slabs();
         let columns = self.columns;
         for (a, column) in columns.columns.iter().enumerate() {
@@ -198,34 +199,40 @@ impl<'a> Complex<'a> {
                     } else {
                         (self.bond(rod, other, k)).is_some_and(|(bond, own)| {
                             let wanted = if own { parts } else { (parts.1, parts.0) };
-                            parting.holds[bond as usize].contains(&Some(wanted))
+                            state.bonded_parts[bond as usize].contains(&Some(wanted))
                         })
                     };
-                    let place = self.side(a, side, k);
-                    self.joined[place] = joined;
+                    let number = self.side(a, side, k);
+                    self.joined[number] = joined;
                 }
             }
         }
     }
 
-    /// The bond that decides whether two rods hold together at a slab: the one next to its middle, and whether its vertex
-    /// is of the first rod.
+    /// Returns the bond that decides whether two rods hold together at a slab, the one nearest to its middle, and whether its
+    /// vertex belongs to the first rod.
     fn bond(&self, rod: u32, other: u32, slab: usize) -> Option<(u32, bool)> {
-        let between = self.between.get(&(rod.min(other), rod.max(other)))?;
+        let between = self.bonds_between.get(&(rod.min(other), rod.max(other)))?;
         let s = 0.5 * (self.stations[slab] + self.stations[slab + 1]);
         let k = between.partition_point(|b| b.0 < s);
-        let near = [k.checked_sub(1), Some(k)].into_iter().flatten();
-        let next = near
+        let neighbours = [k.checked_sub(1), Some(k)].into_iter().flatten();
+        let nearest = neighbours
             .filter_map(|k| between.get(k))
             .min_by(|a, b| (a.0 - s).abs().total_cmp(&(b.0 - s).abs()));
-        next.map(|&(_, bond)| {
+        nearest.map(|&(_, bond)| {
             let vertex = self.bond_vertex[bond as usize] as usize;
             (bond, self.rod_of[vertex] == rod)
         })
     }
 
-    /// The first frame in which a side of a prism is open.
-    pub fn opens(&self, column: usize, side: usize, slab: usize, history: &History) -> u32 {
+    /// Returns the first frame in which a side of a prism is open.
+    pub fn opening_frame(
+        &self,
+        column: usize,
+        side: usize,
+        slab: usize,
+        history: &BreakHistory,
+    ) -> u32 {
         if self.is_joined(column, side, slab) {
             return NEVER;
         }
@@ -234,49 +241,49 @@ impl<'a> Complex<'a> {
         let Some(other) = columns.get(beyond) else {
             return 0;
         };
-        let (rod, breaks) = (columns[column].rod, &history.last().breaks);
+        let (rod, breaks) = (columns[column].rod, &history.last_state().breaks);
         let parts = [column, beyond].map(|c| self.parts[self.prism(c, slab)]);
         let own = breaks[rod as usize].as_slice();
         if rod == other.rod {
-            return history.parted(own, parts[0], parts[1]);
+            return history.split_frame(own, parts[0], parts[1]);
         }
         let beyond = breaks[other.rod as usize].as_slice();
         match self.bond(rod, other.rod, slab) {
-            Some((bond, true)) => history.let_go(bond, [own, beyond], (parts[0], parts[1])),
-            Some((bond, false)) => history.let_go(bond, [beyond, own], (parts[1], parts[0])),
+            Some((bond, true)) => history.release_frame(bond, [own, beyond], (parts[0], parts[1])),
+            Some((bond, false)) => history.release_frame(bond, [beyond, own], (parts[1], parts[0])),
             None => 0,
         }
     }
 
-    /// The corner of a prism with a number.
-    pub fn place(&self, number: u32) -> Place {
+    /// Returns the corner of a prism that has a number.
+    pub fn corner(&self, number: u32) -> PrismCorner {
         let (line, at) = (
             number as usize / 2 / (self.slabs() + 1),
             number as usize / 2 % (self.slabs() + 1),
         );
-        let column = self.first.partition_point(|&f| f <= line) - 1;
-        Place {
+        let column = self.first_side.partition_point(|&f| f <= line) - 1;
+        PrismCorner {
             column,
-            corner: line - self.first[column],
+            corner: line - self.first_side[column],
             station: at,
             above: number % 2 == 1,
         }
     }
 
-    /// How many corners of prisms there are; [`Complex::number`] numbers them.
-    pub fn corner_count(&self) -> usize {
-        2 * self.first[self.columns.columns.len()] * (self.slabs() + 1)
+    /// Returns the number of corners of prisms, which [`PrismComplex::number`] numbers.
+    fn corner_count(&self) -> usize {
+        2 * self.first_side[self.columns.columns.len()] * (self.slabs() + 1)
     }
 
-    /// Number of a corner of a prism.
-    pub fn number(&self, place: Place) -> u32 {
-        let line = self.first[place.column] + place.corner;
-        (2 * (line * (self.slabs() + 1) + place.station) + usize::from(place.above)) as u32
+    /// Returns the number of a corner of a prism.
+    pub fn number(&self, corner: PrismCorner) -> u32 {
+        let line = self.first_side[corner.column] + corner.corner;
+        (2 * (line * (self.slabs() + 1) + corner.station) + usize::from(corner.above)) as u32
     }
 
-    /// Which corners of prisms are one vertex: those that prisms share by joined faces. With `rods_apart` faces between
-    /// rods do not count.
-    pub fn vertices(&self, rods_apart: bool) -> Unions {
+    /// Returns the sets of corners that are one vertex: those that prisms share by joined faces. With `rods_apart` faces
+    /// between rods do not count.
+    pub fn vertex_sets(&self, rods_apart: bool) -> Unions {
         let mut unions = Unions::new(self.corner_count());
         for (a, column) in self.columns.columns.iter().enumerate() {
             let n = column.corners.len();
@@ -284,7 +291,7 @@ impl<'a> Complex<'a> {
                 if self.is_whole(a, station) {
                     for corner in 0..n {
                         let at = |above| {
-                            self.number(Place {
+                            self.number(PrismCorner {
                                 column: a,
                                 corner,
                                 station,
@@ -310,13 +317,13 @@ impl<'a> Complex<'a> {
                     for (k, there) in there.iter().enumerate() {
                         let Some(there) = *there else { continue };
                         for (station, above) in [(slab, true), (slab + 1, false)] {
-                            let here = Place {
+                            let here = PrismCorner {
                                 column: a,
                                 corner: (side + k) % n,
                                 station,
                                 above,
                             };
-                            let beyond = Place {
+                            let beyond = PrismCorner {
                                 column: b as usize,
                                 corner: there,
                                 ..here
@@ -330,10 +337,9 @@ impl<'a> Complex<'a> {
         unions
     }
 
-    /// Joins faces whose corners are all one vertex with those of the face they lie on: a crack that is held all around
-    /// cannot open. Returns how many.
-    pub fn close_held(&mut self, vertices: &mut Unions) -> usize {
-        let (mut sides, mut caps) = (Vec::new(), Vec::new());
+    /// Joins faces whose corners are the vertices of the face beyond: a crack that is held all around cannot open.
+    pub fn close_held(&mut self, vertices: &mut Unions) {
+        let (mut sides, mut ends) = (Vec::new(), Vec::new());
         for a in 0..self.columns.columns.len() {
             let column = &self.columns.columns[a];
             for (side, &b) in column.beyond.iter().enumerate() {
@@ -355,7 +361,7 @@ impl<'a> Complex<'a> {
             for station in (1..self.slabs()).filter(|&s| !self.is_whole(a, s)) {
                 let held = (0..column.corners.len()).all(|corner| {
                     let at = |above| {
-                        self.number(Place {
+                        self.number(PrismCorner {
                             column: a,
                             corner,
                             station,
@@ -365,16 +371,15 @@ impl<'a> Complex<'a> {
                     vertices.root(at(false)) == vertices.root(at(true))
                 });
                 if held {
-                    caps.push(self.prism(a, station - 1));
+                    ends.push(self.prism(a, station - 1));
                 }
             }
         }
         sides.iter().for_each(|&s| self.joined[s] = true);
-        caps.iter().for_each(|&c| self.onward[c] = true);
-        sides.len() + caps.len()
+        ends.iter().for_each(|&e| self.onward[e] = true);
     }
 
-    /// The four corners of a prism's side, each with the one of the prism beyond that lies there: low first and low
+    /// Returns the four corners of a prism's side, each with the coincident corner of the prism beyond: low first and low
     /// second, high second and high first.
     pub fn corners_of_side(
         &self,
@@ -393,7 +398,7 @@ impl<'a> Complex<'a> {
         ]
         .map(|(k, station, above)| {
             let corner = (side + k) % n;
-            let here = Place {
+            let here = PrismCorner {
                 column,
                 corner,
                 station,
@@ -404,7 +409,7 @@ impl<'a> Complex<'a> {
                     .corners
                     .iter()
                     .position(|&c| c == own.corners[corner])?;
-                Some(self.number(Place {
+                Some(self.number(PrismCorner {
                     column: beyond as usize,
                     corner,
                     ..here
@@ -415,22 +420,23 @@ impl<'a> Complex<'a> {
     }
 }
 
-/// How far a fibre bundle's break may lie from its rod's, m: the length over which it pulls out, or what crushing does.
-pub(super) fn reach(wood: &Wood, width: f64, cause: Cause) -> f64 {
+/// Returns how far a fibre bundle's break may lie from that of its rod, m: the length over which the bundle pulls out, or the
+/// crushed length.
+pub(super) fn break_reach(wood: &Wood, width: f64, cause: Cause) -> f64 {
     match cause {
-        Cause::Compression => CRUSHED * width,
+        Cause::Compression => CRUSHED_LENGTH * width,
         _ => wood.pull_out * width,
     }
 }
 
-/// Ring and sector of the layer that a place lies in, seen from the pith. Layers of one ring end elsewhere than those of
-/// the next.
+/// Returns ring and sector of the layer at a position relative to the pith. Layers of neighbouring rings end at different
+/// angles.
 fn layer(from_pith: DVec2, spacing: f64) -> (i64, i64) {
     let r = from_pith.length();
-    let ring = (r / (LAYER[0] * spacing)).floor();
-    let middle = (ring + 0.5) * LAYER[0] * spacing;
+    let ring = (r / (LAYER_WIDTH[0] * spacing)).floor();
+    let middle = (ring + 0.5) * LAYER_WIDTH[0] * spacing;
     let turn = libm::atan2(from_pith.y, from_pith.x) / std::f64::consts::TAU;
-    let sectors = (std::f64::consts::TAU * middle / (LAYER[1] * spacing))
+    let sectors = (std::f64::consts::TAU * middle / (LAYER_WIDTH[1] * spacing))
         .round()
         .max(1.0);
     let start = unit(0x5ec, ring as i64, 0, 0);
@@ -438,7 +444,7 @@ fn layer(from_pith: DVec2, spacing: f64) -> (i64, i64) {
     (ring as i64, sector as i64)
 }
 
-/// Lengths along the axis between slabs, even.
+/// Returns the lengths along the axis of the even planes between slabs, m.
 fn stations(wood: &Wood, options: &RodSkinOptions) -> Result<Vec<f64>, RodSkinError> {
     if !(options.slabs >= 0.25 && options.slabs <= 64.0) {
         return Err(RodSkinError::Value {
@@ -462,13 +468,13 @@ fn stations(wood: &Wood, options: &RodSkinOptions) -> Result<Vec<f64>, RodSkinEr
     Ok((0..=count as usize).map(at).collect())
 }
 
-/// The bonds between each two rods: length along the axis (m) and number, along it.
-type Between = BTreeMap<(u32, u32), Vec<(f64, u32)>>;
+/// The bonds between each two rods, sorted along the axis: length along it (m) and number.
+type BondsBetween = BTreeMap<(u32, u32), Vec<(f64, u32)>>;
 
-fn bonds_between(wood: &Wood) -> Between {
+fn bonds_between(wood: &Wood) -> BondsBetween {
     let bundle = wood.bundle;
     let rod_of = wood.rods_of_vertices();
-    let mut between = Between::new();
+    let mut between = BondsBetween::new();
     let bonds = bundle.bonds.vertex.iter().zip(&bundle.bonds.edge);
     for (number, (&v, &e)) in bonds.enumerate() {
         let (a, b) = (rod_of[v as usize], rod_of[e as usize]);
