@@ -203,7 +203,7 @@ pub fn convex_hull(points: &[DVec3], limits: &HullLimits) -> Option<Mesh> {
         faces.extend((horizon.iter()).map(|&[p, q]| Face::new(points, [p, q, apex])));
         let orphans = visible.iter().flat_map(|face| face.outside.iter().copied());
         assign(points, orphans.filter(|&i| i != apex), &mut faces[old..]);
-        // EarlierBindings corners may now lie inside.
+        // Earlier corners may now lie inside.
         vertices = corners(&faces).len();
     }
     let used = corners(&faces);

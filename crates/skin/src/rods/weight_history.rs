@@ -54,7 +54,7 @@ struct Crossing {
 /// The weights of all vertices before the last change.
 #[derive(Default)]
 pub(super) struct WeightHistory {
-    /// EarlierBindings weights of each vertex, in order; empty where its weights never change.
+    /// Earlier weights of each vertex, in order; empty where its weights never change.
     pub of_vertex: Vec<Vec<EarlierWeights>>,
     /// Pairs of vertices that coincide up to a frame.
     pub coincident: Vec<([u32; 2], u32)>,
