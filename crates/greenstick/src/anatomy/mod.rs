@@ -8,13 +8,14 @@ mod volume;
 
 pub use greenstick_wood::anatomy::{RingColouring, RingMethod};
 pub use report::{ANATOMY_FILE, AnatomyReport, RingRows, SectionReport, SegmentReport};
-pub use request::{AnatomyOutput, AnatomyRequest};
+pub use request::{AnatomyFile, AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
 use glam::DAffine3;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Material, Mesh, Node, Scene, Stage};
+use greenstick_schema::Parameters;
 use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, ParticleLayers, SurfaceColouring};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
@@ -64,7 +65,7 @@ pub fn anatomy<E: From<Error>>(
     mut sink: impl FnMut(Encoded) -> Result<(), E>,
 ) -> Result<AnatomyReport, E> {
     let stages = Stages::new(request, context);
-    request.check()?;
+    request.check().map_err(Error::from)?;
     stages.stem.report(0.0).map_err(Error::from)?;
     let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
     let found =
@@ -178,13 +179,13 @@ fn model<'a>(
     let seed = parameters.seed;
     let wood = StemAppearance::new(&found.stem, &proportions, seed, species, BARK).wood;
     let ring_count = request.ring_count.unwrap_or(wood.rings.round() as u16);
-    if request.ring_method == RingMethod::Field {
+    if request.ring_method() == RingMethod::Field {
         request.check_rings(ring_count)?;
     }
     context.report(0.0)?;
     let options = AnatomyOptions {
         resolution: request.resolution,
-        rings: request.ring_method.clone(),
+        rings: request.ring_method(),
         ring_count,
         colouring: request.colouring,
         proportions,
