@@ -224,7 +224,8 @@ impl OptionSet for RequestFile {
             // Beside the input and the output.
             "at" | "unit" => option.help_heading(None::<&str>),
             "seed" | "species" | "moisture" => option.help_heading("How it breaks"),
-            _ => PictureParameters::adjust(option),
+            "picture_size" => PictureParameters::adjust(option),
+            _ => ScanParameters::adjust(option),
         }
     }
 }
@@ -239,7 +240,16 @@ impl OptionSet for PictureParameters {
 }
 
 impl OptionSet for StemOptions {}
-impl OptionSet for ScanParameters {}
+
+impl OptionSet for ScanParameters {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "outliers" => option.conflicts_with("no_outliers"),
+            "isolated" => option.conflicts_with("no_isolated"),
+            _ => option,
+        }
+    }
+}
 
 #[derive(Debug, Args)]
 pub struct CheckOptions {

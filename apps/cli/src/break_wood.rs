@@ -154,7 +154,7 @@ pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
         recipe: options.save_recipe.clone(),
     };
     if let Some(path) = &targets.pieces
-        && Format::of_path(path).is_none()
+        && Format::from_path(path).is_none()
     {
         let (path, expected) = (path.clone(), files::mesh_endings());
         return Err(files::FileError::UnknownEnding { path, expected }.into());
@@ -224,7 +224,7 @@ pub fn doubt_about_unit(
     unit: Option<LengthUnit>,
     length: f64,
 ) -> Option<String> {
-    let format = input.and_then(InputFormat::of_path)?;
+    let format = input.and_then(InputFormat::from_path)?;
     let doubtful = unit.is_none() && !format.is_in_metres() && length > LONGEST;
     doubtful.then(|| {
         format!(

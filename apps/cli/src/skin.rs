@@ -182,7 +182,7 @@ fn still(
             .mesh
             .unit
             .map_or(LengthUnit::Metre, LengthUnit::from);
-        outputs.extend(match UsdFormat::of_path(path) {
+        outputs.extend(match UsdFormat::from_path(path) {
             Some(format) => encode_usd(format, &still.scene, path)?,
             None => files::encode(&still.scene, path, unit)?,
         });
@@ -209,7 +209,7 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
         return Ok((Some(made.report), None, files, Engines::default()));
     };
     let ending = ending(path);
-    let usd = UsdFormat::of_path(path).filter(|&f| f != UsdFormat::Usda);
+    let usd = UsdFormat::from_path(path).filter(|&f| f != UsdFormat::Usda);
     if usd.is_none() && ending != "glb" && ending != "pvd" && !is_video(&ending) {
         return Err(Failure::request(format!(
             "{}: a film is written as .glb, .usdc, .usdz, .mp4, .webm or, for ParaView, .pvd",

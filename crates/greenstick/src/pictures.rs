@@ -5,7 +5,8 @@ use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
+    Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
+    Sphere, View, render,
 };
 use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface};
 use greenstick_wood::rings::StemAddress;
@@ -117,7 +118,7 @@ fn finish(hit: &Hit, surface: &WoodSurface, [x, y, along]: [DVec3; 3]) -> Appear
     Appearance {
         color: surface.color,
         roughness: surface.roughness,
-        normal: hit.bumped(rise),
+        normal: hit.bumped_normal(rise),
     }
 }
 
@@ -173,7 +174,7 @@ pub fn picture_of_skin(
     };
     let shader = StemShader {
         woods: vec![inside],
-        plain: PlainShader::of_materials(&scene.materials),
+        plain: PlainShader::from_materials(&scene.materials),
         blank: blank(scene),
         moved: true,
     };
@@ -191,7 +192,7 @@ pub fn picture_of_break(
 ) -> Result<Picture, PictureError> {
     let shader = StemShader {
         woods: broken.woods.iter().map(Inside::new).collect(),
-        plain: PlainShader::of_materials(&broken.scene.materials),
+        plain: PlainShader::from_materials(&broken.scene.materials),
         blank: blank(&broken.scene),
         moved: false,
     };
@@ -208,10 +209,10 @@ pub fn picture_of_break(
     let mut options = options.clone();
     if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
-        options.zoom = Some((
-            end.middle - end.outward * (0.2 * end.radius),
-            1.5 * end.radius,
-        ));
+        options.zoom = Some(Sphere {
+            centre: end.middle - end.outward * (0.2 * end.radius),
+            radius: 1.5 * end.radius,
+        });
         (options.up, options.floor) = (end.outward, false);
         if options.view == View::Automatic {
             options.view = View::Direction {
@@ -303,7 +304,10 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
             let opened = axis.cross(frame.tangent) * -1.0;
             let (sin, cos) = libm::sincos(HANGING_TURN);
             let back = axis * cos + opened * sin;
-            let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+            let Horizontal {
+                right: across,
+                toward,
+            } = greenstick_picture::horizontal(frame.tangent);
             let azimuth = libm::atan2(back.dot(across), back.dot(toward));
             (frame.tangent, (azimuth, HANGING_ELEVATION))
         }
@@ -317,7 +321,10 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
 
 /// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
 fn azimuth(frame: &Frame) -> f64 {
-    let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+    let Horizontal {
+        right: across,
+        toward,
+    } = greenstick_picture::horizontal(frame.tangent);
     // The viewer stands on the far side of the frame's y, so that x runs to the right.
     libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
@@ -359,7 +366,7 @@ pub fn picture_of_scene(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = PlainShader::of_materials(&scene.materials);
+    let shader = PlainShader::from_materials(&scene.materials);
     render(&items(scene, &shader), options, context)
 }
 

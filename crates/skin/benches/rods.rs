@@ -113,12 +113,12 @@ fn main() {
             let (mut maps, mut out) = (Vec::new(), Vec::new());
             let mut frame_of = |normals: bool| {
                 median(21, || {
-                    film.maps(&frame_poses(&skin.joints, &frame), &mut maps);
+                    film.joint_maps(&frame_poses(&skin.joints, &frame), &mut maps);
                     for piece in 0..film.pieces.len() {
-                        film.place_piece(piece, &maps, &mut out);
+                        film.deform_positions(piece, &maps, &mut out);
                         black_box(&out);
                         if normals {
-                            film.place_normals(piece, &maps, &mut out);
+                            film.deform_normals(piece, &maps, &mut out);
                             black_box(&out);
                         }
                     }

@@ -89,12 +89,12 @@ fn placed(skin: &RodSkin, number: usize, frame: &Frame) -> Vec<(DVec3, DVec3)> {
     };
     assert_eq!(film.fault(), None);
     let mut maps: Vec<DAffine3> = Vec::new();
-    film.maps(&frame_poses(&skin.joints, frame), &mut maps);
+    film.joint_maps(&frame_poses(&skin.joints, frame), &mut maps);
     let (mut all, mut out) = (Vec::new(), Vec::new());
     for (k, piece) in film.pieces.iter().enumerate() {
-        film.place_piece_at(number, k, &maps, &mut out);
+        film.deform_positions_at(number, k, &maps, &mut out);
         let mut rest = piece.mesh.positions.clone();
-        for (change, v) in piece.earlier.at(number) {
+        for (change, v) in piece.earlier.active_at(number) {
             rest[v] = piece.earlier.rest[change];
         }
         all.extend(rest.into_iter().zip(out.iter().copied()));

@@ -200,10 +200,10 @@ fn write_particles<E: From<Error>>(
     sink: &mut dyn FnMut(Encoded) -> Result<(), E>,
 ) -> Result<(), E> {
     let table = layers.table();
-    for (i, format) in TableFormat::ALL.into_iter().enumerate() {
+    for (i, &format) in TableFormat::ALL.iter().enumerate() {
         let done = i as f64 / TableFormat::ALL.len() as f64;
         context.report(done).map_err(Error::from)?;
-        let name = format!("particles.{}", format.ending());
+        let name = format!("particles.{}", format.extension());
         let file = greenstick_formats::write_table(format, &table, &name);
         sink(file.map_err(Error::from)?)?;
     }

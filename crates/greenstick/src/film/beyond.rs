@@ -204,7 +204,7 @@ struct Standing {
 impl Standing {
     fn new(mesh: Mesh, roots: Vec<Option<Root>>) -> Self {
         Standing {
-            tree: Bvh::of_triangles(&mesh),
+            tree: Bvh::from_mesh(&mesh),
             mesh,
             roots,
         }
@@ -234,7 +234,7 @@ impl Standing {
         let mut best: Option<(f64, Root)> = None;
         for p in looked().flatten() {
             let within = best.map_or(limit, |b| b.0);
-            if let Some(near) = self.tree.nearest_on(&self.mesh, p, within)
+            if let Some(near) = self.tree.nearest_on_mesh(&self.mesh, p, within)
                 && best.is_none_or(|b| near.distance < b.0)
             {
                 best = Some((near.distance, root(near.triangle, near.point)));

@@ -11,7 +11,7 @@ use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::components::NONE;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Attribute, Binding, Film, Joint, Mesh, Node, Pose, Skinned};
+use greenstick_geometry::{Attribute, Binding, Film, Joint, Mesh, Node, Pose, SkinnedMesh};
 use greenstick_skin::rods::{RodPart, RodSkin};
 use greenstick_wood::stem::StemKind;
 use serde::Serialize;
@@ -305,12 +305,12 @@ impl Rest {
                 });
                 continue;
             };
-            film.pieces.push(Skinned {
+            film.pieces.push(SkinnedMesh {
                 binding: Binding::rigid(mesh.positions.len(), first + by as u32),
                 name: part.name,
                 mesh,
                 extras: BTreeMap::from([("input".into(), Extra::Text(part.input))]),
-                ..Skinned::default()
+                ..SkinnedMesh::default()
             });
         }
         followers

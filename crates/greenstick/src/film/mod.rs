@@ -38,7 +38,9 @@ use greenstick_fibre::store::{Frame, FrameFile};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
+use greenstick_geometry::{
+    Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, RigidBody, Scene, Stage,
+};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
     FractureState, Materials, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
@@ -145,8 +147,8 @@ impl SkinnedFilm {
         let mut nodes = posed(film, number, &poses);
         nodes.extend(film.fixed.iter().cloned());
         let mut maps = Vec::new();
-        film.maps(&poses, &mut maps);
-        nodes.extend(film.bodies.iter().map(|(node, joint)| Node {
+        film.joint_maps(&poses, &mut maps);
+        nodes.extend(film.bodies.iter().map(|RigidBody { node, joint }| Node {
             transform: maps[*joint as usize] * node.transform,
             ..node.clone()
         }));
@@ -167,7 +169,7 @@ impl SkinnedFilm {
         let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
         let mut maps = Vec::new();
         let rigid: Vec<(usize, [DVec3; 8])> = (self.film.pieces.iter())
-            .filter_map(|piece| match piece.binding.used()[..] {
+            .filter_map(|piece| match piece.binding.used_joints()[..] {
                 [joint] => Some((joint as usize, corners(piece.mesh.bounds()?))),
                 _ => None,
             })
@@ -179,7 +181,7 @@ impl SkinnedFilm {
                 low = low.min(pose.translation);
                 high = high.max(pose.translation);
             }
-            self.film.maps(&poses, &mut maps);
+            self.film.joint_maps(&poses, &mut maps);
             for p in rigid.iter().flat_map(|(joint, corners)| {
                 let map = maps[*joint];
                 corners.map(move |p| map.transform_point3(p))
@@ -202,17 +204,17 @@ fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
 /// The pieces of a film in a frame, where its joints have these poses.
 fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     let (mut maps, mut normals) = (Vec::new(), Vec::new());
-    film.maps(poses, &mut maps);
-    let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
+    film.joint_maps(poses, &mut maps);
+    let piece = |(number, piece): (usize, &greenstick_geometry::SkinnedMesh)| {
         let mut mesh = piece.mesh.clone();
-        film.place_piece_at(frame, number, &maps, &mut mesh.positions);
-        film.place_normals_at(frame, number, &maps, &mut normals);
+        film.deform_positions_at(frame, number, &maps, &mut mesh.positions);
+        film.deform_normals_at(frame, number, &maps, &mut normals);
         if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
             let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
                 .map(|&[x, y, z, _]| [x, y, z])
                 .collect();
             let mut turned = Vec::new();
-            film.turn_directions_at(frame, number, &maps, &at_rest, &mut turned);
+            film.deform_directions_at(frame, number, &maps, &at_rest, &mut turned);
             for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
                 to[..3].copy_from_slice(&t.as_vec3().to_array());
             }
@@ -288,7 +290,7 @@ impl Run {
         let listed = grown.scene.materials.len();
         let unlisted = bark.materials.iter_mut().filter(|m| **m as usize >= listed);
         unlisted.for_each(|m| *m = NO_MATERIAL);
-        let tree = Bvh::of_triangles(&bark);
+        let tree = Bvh::from_mesh(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = outline
@@ -514,7 +516,10 @@ impl Run {
                     .body
                     .get(number)
                     .map_or(node.name, |b| b.name.clone());
-                film.bodies.push((node, film.joints.len() as u32));
+                film.bodies.push(RigidBody {
+                    node,
+                    joint: film.joints.len() as u32,
+                });
                 film.joints.push(Joint {
                     name: format!("body_{number}"),
                     rest: turned(

@@ -364,6 +364,7 @@ fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
 
 /// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
 /// behind the pith. `width` is the side of the texture's square, m.
+#[cfg(feature = "rods")]
 pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
     let out = grain.truncate() - pith;
     let angle = |d: DVec2| libm::atan2(d.y, d.x);

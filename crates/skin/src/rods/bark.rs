@@ -43,7 +43,9 @@ impl<'a> Bark<'a> {
     /// corners there.
     fn nearest(&self, rest: DVec3) -> Option<(usize, [f64; 3])> {
         let position = self.wood.stem_to_rods.inverse().transform_point3(rest);
-        let nearest = self.tree.nearest_on(self.mesh, position, f64::INFINITY)?;
+        let nearest = self
+            .tree
+            .nearest_on_mesh(self.mesh, position, f64::INFINITY)?;
         Some((
             nearest.triangle,
             weights(self.mesh.corners(nearest.triangle), nearest.point),

@@ -9,7 +9,7 @@ use crate::broken::side_grain;
 use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Attribute, Binding, Earlier, Mesh, Skinned};
+use greenstick_geometry::{Attribute, Binding, EarlierBindings, Mesh, SkinnedMesh};
 use rustc_hash::FxHashMap;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
@@ -39,7 +39,7 @@ struct MeshBuilder<'a> {
     vertex_of: FxHashMap<VertexKey, u32>,
     mesh: Mesh,
     binding: Binding,
-    earlier: Earlier,
+    earlier: EarlierBindings,
     /// Sum of the normals of each vertex's faces, by area.
     normals: Vec<DVec3>,
     coordinates: Vec<f32>,
@@ -56,7 +56,7 @@ pub(super) fn piece_mesh(
     earlier_weights: &WeightHistory,
     triangles: &[u32],
     materials: &Materials,
-) -> Skinned {
+) -> SkinnedMesh {
     let mut builder = MeshBuilder {
         wood,
         faces,
@@ -66,7 +66,7 @@ pub(super) fn piece_mesh(
         vertex_of: FxHashMap::default(),
         mesh: Mesh::default(),
         binding: Binding::default(),
-        earlier: Earlier::default(),
+        earlier: EarlierBindings::default(),
         normals: Vec::new(),
         coordinates: Vec::new(),
         rings: Vec::new(),
@@ -164,7 +164,7 @@ impl MeshBuilder<'_> {
     }
 
     /// Completes the mesh with its attributes.
-    fn finish(mut self) -> Skinned {
+    fn finish(mut self) -> SkinnedMesh {
         let normals = self.normals.iter();
         let normals: Vec<DVec3> = normals.map(|n| n.normalize_or(DVec3::Z)).collect();
         let tangents = tangents(&self.mesh, &normals, &self.coordinates);
@@ -186,11 +186,11 @@ impl MeshBuilder<'_> {
             let attribute = Attribute { width, data };
             self.mesh.attributes.insert(name.into(), attribute);
         }
-        Skinned {
+        SkinnedMesh {
             mesh: self.mesh,
             binding: self.binding,
             earlier: self.earlier,
-            ..Skinned::default()
+            ..SkinnedMesh::default()
         }
     }
 }

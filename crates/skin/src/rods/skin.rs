@@ -16,7 +16,7 @@ use super::piece_mesh::piece_mesh;
 use super::prisms::PrismComplex;
 use super::weight_history::{WeightHistory, weight_history};
 use super::wood::Wood;
-use greenstick_geometry::Skinned;
+use greenstick_geometry::SkinnedMesh;
 use greenstick_geometry::film::Extra;
 use rustc_hash::FxHashMap;
 
@@ -24,7 +24,7 @@ use rustc_hash::FxHashMap;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RodSkin {
     /// Pieces, the one with the most wood first.
-    pub pieces: Vec<Skinned>,
+    pub pieces: Vec<SkinnedMesh>,
     /// Joints that they follow.
     pub joints: Joints,
     /// The parts of rods that each piece consists of: rod of the unbroken bundle, and part.
@@ -184,7 +184,7 @@ struct PieceGroup {
 
 /// A piece before it has a name.
 struct Piece {
-    skinned: Skinned,
+    skinned: SkinnedMesh,
     /// Volume, m³.
     volume: f64,
     group: PieceGroup,
@@ -192,7 +192,7 @@ struct Piece {
 
 impl Piece {
     /// Names the piece and notes its volume and number of rods. Returns it with its parts of rods.
-    fn finish(self, name: String) -> (Skinned, Vec<(u32, RodPart)>) {
+    fn finish(self, name: String) -> (SkinnedMesh, Vec<(u32, RodPart)>) {
         let Piece {
             mut skinned,
             volume,

@@ -1,24 +1,21 @@
-//! Vertex attributes as §3.7.2.1 asks for them: unit normals and tangents, names and widths that are allowed.
+//! Vertex attributes as §3.7.2.1 requires them: unit normals and tangents, valid names and widths.
 
-use crate::assemble::gather;
+use crate::subset::gather;
 use glam::{DVec3, Vec3};
 use greenstick_geometry::{Attribute, Mesh};
 use std::collections::BTreeMap;
 
-/// An attribute ready to be written: how many numbers for each vertex, and the numbers.
-pub type Ready = (usize, Vec<f32>);
-
-/// Attributes of the vertices `used`, by the names they get. `triangles` are in the new numbers; `coordinates` is how
-/// many sets of texture coordinates the material reads.
-pub fn attributes(
+/// Prepares the attributes of the vertices `used`, by the names under which they are written. `triangles` are numbered
+/// accordingly; `coordinate_sets` is the number of sets of texture coordinates that the material reads.
+pub(crate) fn prepared_attributes(
     mesh: &Mesh,
     used: &[u32],
     triangles: &[[u32; 3]],
-    coordinates: u32,
-) -> BTreeMap<String, Ready> {
+    coordinate_sets: u32,
+) -> BTreeMap<String, Attribute> {
     let mut out = BTreeMap::new();
     for (name, attribute) in &mesh.attributes {
-        let Some(written) = allowed(name, attribute.width) else {
+        let Some(written) = valid_name(name, attribute.width) else {
             continue;
         };
         let mut data = gather(attribute, used);
@@ -30,49 +27,51 @@ pub fn attributes(
         } else if name == "NORMAL" {
             unit_normals(&mut data, mesh, used, triangles);
         }
-        out.entry(written).or_insert((attribute.width, data));
+        out.entry(written).or_insert(Attribute {
+            width: attribute.width,
+            data,
+        });
     }
-    part_own(&mut out);
+    split_components(&mut out);
     match (out.get("NORMAL").cloned(), out.get_mut("TANGENT")) {
-        (Some((_, normals)), Some((_, tangents))) => unit_tangents(tangents, &normals),
-        // Tangents mean nothing without normals.
+        (Some(normals), Some(tangents)) => unit_tangents(&mut tangents.data, &normals.data),
+        // Tangents are meaningless without normals.
         (None, _) => drop(out.remove("TANGENT")),
         _ => {}
     }
-    // Sets have to be numbered without gaps, and materials may only read sets that exist.
+    // Sets must be numbered without gaps, and materials may only read sets that exist.
     for (set, width, value) in [("TEXCOORD_", 2, 0.0), ("COLOR_", 4, 1.0)] {
         let numbers = out
             .keys()
             .filter_map(|k| k.strip_prefix(set)?.parse::<u32>().ok());
         let highest = numbers.map(|n| n + 1).max().unwrap_or(0);
         let needed = if set == "TEXCOORD_" {
-            highest.max(coordinates)
+            highest.max(coordinate_sets)
         } else {
             highest
         };
         for n in 0..needed {
-            out.entry(format!("{set}{n}"))
-                .or_insert_with(|| (width, vec![value; used.len() * width]));
+            out.entry(format!("{set}{n}")).or_insert_with(|| Attribute {
+                width,
+                data: vec![value; used.len() * width],
+            });
         }
     }
     out
 }
 
-/// What the numbers of an attribute of our own are called where they are written one by one.
+/// Suffixes of attributes that hold single components of an application-specific attribute.
 const COMPONENTS: [&str; 4] = ["_X", "_Y", "_Z", "_W"];
 
-/// Writes attributes that are no standard ones number by number where they are not all of one width: Blender (4.5) takes
-/// the widths of such attributes in an order of chance, and fails where that is not the one they are written in.
-fn part_own(out: &mut BTreeMap<String, Ready>) {
-    let own = |out: &BTreeMap<String, Ready>| -> Vec<(String, usize)> {
-        let own = out.iter().filter(|(name, _)| name.starts_with('_'));
-        own.map(|(name, ready)| (name.clone(), ready.0)).collect()
-    };
-    let all = own(out);
-    if all.windows(2).all(|w| w[0].1 == w[1].1) {
+/// Splits application-specific attributes (`_NAME`) into their components if they have different widths: Blender (4.5)
+/// assigns the widths of such attributes in a random order, and fails unless it is the order in the file.
+fn split_components(out: &mut BTreeMap<String, Attribute>) {
+    let specific = out.iter().filter(|(name, _)| name.starts_with('_'));
+    let specific: Vec<(String, usize)> = specific.map(|(n, a)| (n.clone(), a.width)).collect();
+    if specific.windows(2).all(|w| w[0].1 == w[1].1) {
         return;
     }
-    for (name, width) in all.into_iter().filter(|(_, w)| (2..=4).contains(w)) {
+    for (name, width) in specific.into_iter().filter(|(_, w)| (2..=4).contains(w)) {
         let parts: Vec<String> = COMPONENTS[..width]
             .iter()
             .map(|c| format!("{name}{c}"))
@@ -80,18 +79,18 @@ fn part_own(out: &mut BTreeMap<String, Ready>) {
         if parts.iter().any(|p| out.contains_key(p)) {
             continue;
         }
-        let Some((_, data)) = out.remove(&name) else {
+        let Some(Attribute { data, .. }) = out.remove(&name) else {
             continue;
         };
         for (k, part) in parts.into_iter().enumerate() {
-            let component = data.iter().skip(k).step_by(width).copied().collect();
-            out.insert(part, (1, component));
+            let data = data.iter().skip(k).step_by(width).copied().collect();
+            out.insert(part, Attribute { width: 1, data });
         }
     }
 }
 
-/// Joins attributes that were written number by number.
-pub fn join_own(mesh: &mut Mesh) {
+/// Joins attributes that hold single components, the inverse of [`split_components`].
+pub(super) fn join_components(mesh: &mut Mesh) {
     let first = COMPONENTS[0];
     let bases: Vec<String> = (mesh.attributes.keys())
         .filter(|name| name.starts_with('_'))
@@ -120,11 +119,11 @@ pub fn join_own(mesh: &mut Mesh) {
     }
 }
 
-/// The name under which an attribute may be written, if it may.
-fn allowed(name: &str, width: usize) -> Option<String> {
+/// The name under which an attribute is written, if glTF allows it.
+fn valid_name(name: &str, width: usize) -> Option<String> {
     let set = |prefix: &str| {
         let digits = name.strip_prefix(prefix)?;
-        // Sets above a handful are a mistake, and the gaps below them would have to be filled.
+        // The gaps below high set numbers would have to be filled.
         let number: u32 = digits.parse().ok().filter(|&n| n < 16)?;
         (number.to_string() == digits).then_some(())
     };
@@ -133,14 +132,15 @@ fn allowed(name: &str, width: usize) -> Option<String> {
         _ if set("TEXCOORD_").is_some() => width == 2,
         _ if set("COLOR_").is_some() => matches!(width, 3 | 4),
         _ if name.starts_with('_') => {
-            let legal = matches!(width, 1..=4 | 16);
-            return legal.then(|| name.to_ascii_uppercase());
+            let valid = matches!(width, 1..=4 | 16);
+            return valid.then(|| name.to_ascii_uppercase());
         }
         _ => false,
     };
     standard.then(|| name.to_owned())
 }
 
+/// Normalises normals; those of length 0 are computed from the triangles.
 fn unit_normals(data: &mut [f32], mesh: &Mesh, used: &[u32], triangles: &[[u32; 3]]) {
     let mut degenerate = false;
     for n in data.as_chunks_mut::<3>().0 {
@@ -166,6 +166,7 @@ fn unit_normals(data: &mut [f32], mesh: &Mesh, used: &[u32], triangles: &[[u32; 
     }
 }
 
+/// Normalises tangents; those of length 0 become any vector perpendicular to the normal.
 fn unit_tangents(tangents: &mut [f32], normals: &[f32]) {
     for (t, n) in tangents
         .as_chunks_mut::<4>()

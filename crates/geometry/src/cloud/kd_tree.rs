@@ -1,34 +1,65 @@
-//! Nearest neighbours: a k-d tree (Bentley 1975) whose nodes are ranges of one sorted list of points.
+//! A k-d tree (Bentley 1975) whose nodes are ranges of one sorted list of points.
 
+use crate::{Cancelled, Context};
 use glam::DVec3;
+use std::convert::Infallible;
 
-/// Points in a leaf.
-const LEAF: usize = 8;
+/// Most points in a leaf.
+const LEAF_SIZE: usize = 8;
+/// Most points of a range that is split without asking whether to stop: about a millisecond.
+const CHECKED_SIZE: usize = 1 << 16;
 
-/// A k-d tree over points. Equal distances are told apart by the points' numbers, so that answers are the same on every
-/// machine.
+/// A k-d tree over points. Points at equal distances are ordered by their numbers, so that the answers are the same on
+/// every machine.
+///
+/// ```
+/// use glam::DVec3;
+/// use greenstick_geometry::cloud::KdTree;
+///
+/// let points: Vec<DVec3> = (0..100).map(|i| DVec3::X * f64::from(i)).collect();
+/// let tree = KdTree::new(&points);
+/// let numbers: Vec<u32> = tree.nearest(DVec3::X * 7.2, 2).iter().map(|n| n.1).collect();
+/// assert_eq!(numbers, [7, 8]);
+/// ```
 #[derive(Debug, Clone)]
-pub struct Neighbours {
+pub struct KdTree {
     points: Vec<DVec3>,
     numbers: Vec<u32>,
-    /// Axis that the range whose middle is here was split along.
+    /// Axis along which the range with its middle here is split.
     axes: Vec<u8>,
 }
 
-impl Neighbours {
-    /// The tree of finite points.
+impl KdTree {
+    /// Builds the tree over points with finite coordinates.
     pub fn new(points: &[DVec3]) -> Self {
-        let mut pairs: Vec<(DVec3, u32)> = points.iter().copied().zip(0..).collect();
-        let mut axes = vec![0; points.len()];
-        build(&mut pairs, &mut axes);
-        Neighbours {
-            points: pairs.iter().map(|p| p.0).collect(),
-            numbers: pairs.iter().map(|p| p.1).collect(),
-            axes,
+        match KdTree::build(points, &|| Ok::<(), Infallible>(())) {
+            Ok(tree) => tree,
         }
     }
 
-    /// The `k` points nearest to `at`, nearest first, as (square of the distance, number).
+    /// Builds the tree as [`KdTree::new`] does, for as long as the caller does not ask to stop.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the caller asked to stop.
+    pub fn try_new(points: &[DVec3], context: &Context) -> Result<Self, Cancelled> {
+        KdTree::build(points, &|| context.check())
+    }
+
+    fn build<E: Send>(
+        points: &[DVec3],
+        check: &(impl Fn() -> Result<(), E> + Sync),
+    ) -> Result<Self, E> {
+        let mut pairs: Vec<(DVec3, u32)> = points.iter().copied().zip(0..).collect();
+        let mut axes = vec![0; points.len()];
+        sort(&mut pairs, &mut axes, check)?;
+        Ok(KdTree {
+            points: pairs.iter().map(|p| p.0).collect(),
+            numbers: pairs.iter().map(|p| p.1).collect(),
+            axes,
+        })
+    }
+
+    /// Finds the `k` points nearest to `at`, nearest first, as (squared distance, number).
     pub fn nearest(&self, at: DVec3, k: usize) -> Vec<(f64, u32)> {
         let mut found = Vec::with_capacity(k + 1);
         if k > 0 {
@@ -38,7 +69,7 @@ impl Neighbours {
     }
 
     fn nearest_in(&self, low: usize, high: usize, at: DVec3, k: usize, out: &mut Vec<(f64, u32)>) {
-        if high - low <= LEAF {
+        if high - low <= LEAF_SIZE {
             for i in low..high {
                 self.offer(i, at, k, out);
             }
@@ -59,6 +90,7 @@ impl Neighbours {
         }
     }
 
+    /// Inserts a point into the list of the `k` nearest if it belongs there.
     fn offer(&self, i: usize, at: DVec3, k: usize, out: &mut Vec<(f64, u32)>) {
         let this = (self.points[i].distance_squared(at), self.numbers[i]);
         let before = |a: &(f64, u32), b: &(f64, u32)| a.0 < b.0 || (a.0 == b.0 && a.1 < b.1);
@@ -73,15 +105,15 @@ impl Neighbours {
         out.truncate(k);
     }
 
-    /// The points within `radius` of `at`, in ascending order of their numbers.
+    /// Finds the points within `radius` of `at`, in ascending order of their numbers.
     pub fn within(&self, at: DVec3, radius: f64) -> Vec<u32> {
-        let mut found = self.around(at, radius);
+        let mut found = self.within_unordered(at, radius);
         found.sort_unstable();
         found
     }
 
-    /// [`Neighbours::within`] in the tree's own order, which is the same on every machine.
-    pub fn around(&self, at: DVec3, radius: f64) -> Vec<u32> {
+    /// Finds what [`KdTree::within`] does, in the order of the tree, which is the same on every machine.
+    pub fn within_unordered(&self, at: DVec3, radius: f64) -> Vec<u32> {
         let mut found = Vec::new();
         self.within_in(0, self.points.len(), at, radius, &mut found);
         found
@@ -94,7 +126,7 @@ impl Neighbours {
                 out.push(self.numbers[i]);
             }
         };
-        if high - low <= LEAF {
+        if high - low <= LEAF_SIZE {
             (low..high).for_each(offer);
             return;
         }
@@ -111,9 +143,17 @@ impl Neighbours {
     }
 }
 
-fn build(pairs: &mut [(DVec3, u32)], axes: &mut [u8]) {
-    if pairs.len() <= LEAF {
-        return;
+/// Sorts points, given with their numbers, into the order of the tree.
+fn sort<E: Send>(
+    pairs: &mut [(DVec3, u32)],
+    axes: &mut [u8],
+    check: &(impl Fn() -> Result<(), E> + Sync),
+) -> Result<(), E> {
+    if pairs.len() <= LEAF_SIZE {
+        return Ok(());
+    }
+    if pairs.len() > CHECKED_SIZE {
+        check()?;
     }
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for (p, _) in pairs.iter() {
@@ -127,17 +167,18 @@ fn build(pairs: &mut [(DVec3, u32)], axes: &mut [u8]) {
     axes[middle] = axis as u8;
     let (left, right) = pairs.split_at_mut(middle);
     let (left_axes, right_axes) = axes.split_at_mut(middle);
-    rayon::join(
-        || build(left, left_axes),
-        || build(&mut right[1..], &mut right_axes[1..]),
+    let (left, right) = rayon::join(
+        || sort(left, left_axes, check),
+        || sort(&mut right[1..], &mut right_axes[1..], check),
     );
+    left.and(right)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Points of a coarse lattice, so that many distances are equal.
+    /// Points on a coarse lattice, so that many distances are equal.
     fn points() -> Vec<DVec3> {
         let mut h = 1u64;
         let mut next = || {
@@ -152,9 +193,9 @@ mod tests {
     }
 
     #[test]
-    fn answers_are_those_of_looking_at_every_point() {
+    fn queries_match_exhaustive_search() {
         let points = points();
-        let tree = Neighbours::new(&points);
+        let tree = KdTree::new(&points);
         for i in (0..700).step_by(13) {
             let at = points[i] + DVec3::new(0.3, -0.1, 0.5) * (i % 3) as f64;
             let mut all: Vec<(f64, u32)> = points

@@ -1,23 +1,25 @@
-//! The frames of a film as writers ask for them: checked, one at a time.
+//! The frames of a film: validated, one at a time.
 
-use super::{FilmError, check};
+use super::check::check;
+use super::error::FilmError;
 use crate::error::{FormatError, InFile};
 use greenstick_geometry::{Film, Motion, Pose};
 
+/// Writes the poses of a frame to a list.
 type Fetch<'a> = Box<dyn FnMut(usize, &mut [Pose]) -> Result<(), FilmError> + 'a>;
 
-/// The frames of a film that was found sound.
-pub(crate) struct Reel<'a> {
-    /// When each frame is shown, s.
+/// The frames of a valid film.
+pub(crate) struct Frames<'a> {
+    /// Time of each frame, s.
     pub times: Vec<f64>,
-    /// Name of the file that is written.
+    /// Name of the file to write.
     pub name: &'a str,
     fetch: Fetch<'a>,
     poses: Vec<Pose>,
 }
 
-impl<'a> Reel<'a> {
-    /// Checks the film and the times of its frames.
+impl<'a> Frames<'a> {
+    /// Validates the film and the times of its frames.
     pub fn new<M: Motion>(
         film: &Film,
         motion: &'a mut M,
@@ -29,13 +31,13 @@ impl<'a> Reel<'a> {
         if times.is_empty() {
             return Err(file.unwritable("the film has no frames", "at least one frame"));
         }
-        // Files keep 32 bits, so that times too near each other become one there.
+        // Files store single precision, in which times that are too close together coincide.
         let mut before = -f32::MIN_POSITIVE;
         for (frame, &time) in times.iter().enumerate() {
             let after = time as f32;
-            // NaN fails too.
+            // True for NaN, too.
             if !(after.is_finite() && after > before) {
-                let found = format!("frame {frame} is shown at {time} s");
+                let found = format!("frame {frame} has the time {time} s");
                 return Err(file.unwritable(found, "times that ascend from 0 s or later"));
             }
             before = after;
@@ -47,7 +49,7 @@ impl<'a> Reel<'a> {
                 source: Box::new(e),
             })
         };
-        Ok(Reel {
+        Ok(Frames {
             times,
             name,
             fetch: Box::new(fetch),
@@ -55,24 +57,24 @@ impl<'a> Reel<'a> {
         })
     }
 
-    /// The file for messages.
+    /// The file, for messages.
     pub fn file(&self) -> InFile<'a> {
         InFile(self.name)
     }
 
-    /// How many frames there are.
-    pub fn frames(&self) -> usize {
+    /// Number of frames.
+    pub fn count(&self) -> usize {
         self.times.len()
     }
 
-    /// The poses at a frame.
-    pub fn at(&mut self, frame: usize) -> Result<&[Pose], FilmError> {
+    /// The poses in a frame.
+    pub fn poses(&mut self, frame: usize) -> Result<&[Pose], FilmError> {
         (self.fetch)(frame, &mut self.poses)?;
-        // Files keep 32 bits.
+        // Files store single precision.
         let fits = |p: &Pose| p.is_sound() && p.translation.as_vec3().is_finite();
         if let Some(joint) = self.poses.iter().position(|p| !fits(p)) {
             let found = format!(
-                "joint {joint} lies at {:?} in frame {frame}",
+                "joint {joint} has the pose {:?} in frame {frame}",
                 self.poses[joint]
             );
             return Err(self.file().unwritable(found, "rigid poses").into());
@@ -80,8 +82,8 @@ impl<'a> Reel<'a> {
         Ok(&self.poses)
     }
 
-    /// An error of the file that is written to.
-    pub fn failed(&self, source: std::io::Error) -> FilmError {
+    /// The error for a failure of the destination.
+    pub fn write_error(&self, source: std::io::Error) -> FilmError {
         FilmError::Write {
             file: self.name.to_owned(),
             source,
