@@ -75,6 +75,7 @@ pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;
+#[cfg(feature = "simulate")]
 pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};

@@ -4,12 +4,14 @@
 pub mod broken;
 pub mod cracks;
 mod error;
+#[cfg(feature = "rods")]
 pub mod fit;
 pub mod fray;
 pub mod hang;
 pub mod prepared;
 #[cfg(feature = "rods")]
 pub mod rods;
+#[cfg(feature = "rods")]
 pub mod rods_scene;
 mod source;
 pub mod texture;
