@@ -2,6 +2,13 @@
 
 greenstick_schema::choices! {
     /// A unit of length in files that do not say it.
+    ///
+    /// ```
+    /// use greenstick_formats::LengthUnit;
+    ///
+    /// assert_eq!("mm".parse(), Ok(LengthUnit::Millimetre));
+    /// assert_eq!(LengthUnit::Centimetre.metres(), 0.01);
+    /// ```
     pub enum LengthUnit {
         /// Millimetres.
         Millimetre = "mm",
