@@ -19,6 +19,10 @@ greenstick_schema::choices! {
     }
 }
 
+#[expect(
+    clippy::derivable_impls,
+    reason = "the macro that declares it takes no attributes"
+)]
 impl Default for LengthUnit {
     fn default() -> Self {
         LengthUnit::Metre
