@@ -2,6 +2,13 @@
 
 greenstick_schema::choices! {
     /// A unit of length in files that do not say it.
+    ///
+    /// ```
+    /// use greenstick_formats::LengthUnit;
+    ///
+    /// assert_eq!("mm".parse(), Ok(LengthUnit::Millimetre));
+    /// assert_eq!(LengthUnit::Centimetre.metres(), 0.01);
+    /// ```
     pub enum LengthUnit {
         /// Millimetres.
         Millimetre = "mm",
@@ -12,6 +19,10 @@ greenstick_schema::choices! {
     }
 }
 
+#[expect(
+    clippy::derivable_impls,
+    reason = "the macro that declares it takes no attributes"
+)]
 impl Default for LengthUnit {
     fn default() -> Self {
         LengthUnit::Metre

@@ -130,6 +130,14 @@ pub struct Horizontal {
 }
 
 /// Returns the horizontal directions at azimuth 0 for the unit upward direction `up`.
+///
+/// ```
+/// use glam::DVec3;
+/// use greenstick_picture::horizontal;
+///
+/// let directions = horizontal(DVec3::Z);
+/// assert_eq!((directions.right, directions.toward), (DVec3::X, DVec3::NEG_Y));
+/// ```
 pub fn horizontal(up: DVec3) -> Horizontal {
     let reference = if up.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
     let right = (reference - up * up.dot(reference)).normalize();

@@ -13,6 +13,14 @@ pub struct Block {
 }
 
 /// Writes a `.vtm` file with a multi-block data set.
+///
+/// ```
+/// use greenstick_formats::vtk::{Block, write_multiblock};
+///
+/// let block = |name: &str| Block { name: name.to_owned(), file: format!("{name}.vti") };
+/// let file = write_multiblock(&[block("trunk"), block("limb")], "tree.vtm");
+/// assert!(String::from_utf8_lossy(&file.bytes).contains("name=\"limb\" file=\"limb.vti\""));
+/// ```
 pub fn write_multiblock(blocks: &[Block], name: &str) -> Encoded {
     let mut text = file_start("vtkMultiBlockDataSet", "1.0");
     text += "  <vtkMultiBlockDataSet>\n";
