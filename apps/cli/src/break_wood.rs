@@ -9,7 +9,7 @@ use crate::values;
 use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::geometry::Context;
-use greenstick::schema::{Field, Parameters};
+use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::wood::stem::StemLocation;
 use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
 use serde::Serialize;
@@ -321,10 +321,13 @@ fn hint(error: &RequestFileError) -> &'static str {
     match error.problem() {
         Problem::Preset(_) => "`greenstick presets` lists them",
         Problem::NotASetting => "such as --set high.height=2",
-        problem => problem.parameter().map_or(
-            "`greenstick parameters` lists keys, units and ranges",
-            parameter_hint,
-        ),
+        problem => match problem.parameter() {
+            Some(
+                error @ (ParameterError::Format { .. }
+                | ParameterError::NotANumber { required: true, .. }),
+            ) => parameter_hint(error),
+            _ => "`greenstick parameters` lists keys, units and ranges",
+        },
     }
 }
 

@@ -222,7 +222,7 @@ pub fn parameter_hint(error: &ParameterError) -> &'static str {
             "12 is air-dry, 30 and more is green"
         }
         ParameterError::NotANumber { required: true, .. } => "such as 3cm, 12mm or 0.1m",
-        _ => "`greenstick parameters` lists keys, units and ranges",
+        _ => "`--help` says what each option takes",
     }
 }
 

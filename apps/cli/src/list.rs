@@ -9,10 +9,10 @@ use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::{Recipe, apply_preset};
 use greenstick::schema::{
     ParameterInfo, Parameters, closest_names, did_you_mean, document_schema, markdown_tables,
-    object_schema,
 };
 use greenstick::wood::anatomy::RingParameters;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::process::ExitCode;
 
@@ -33,10 +33,7 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     let text = if options.markdown {
         parameters_markdown(&sections)
     } else if options.schema {
-        json(&document_schema(
-            "Greenstick recipe",
-            &RequestFile::default(),
-        ))?
+        json(&RequestFile::schema())?
     } else if options.json {
         json(&sections)?
     } else {
@@ -46,23 +43,26 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every kind of file that holds parameters: its name, and a set with its defaults.
-fn files() -> Vec<(&'static str, Box<dyn Parameters>)> {
+/// The schemas of all kinds of file that hold parameters, with their names.
+fn schemas() -> Vec<(&'static str, Value)> {
     vec![
-        ("break", Box::new(RequestFile::default())),
-        ("anatomy", Box::new(AnatomyFile::default())),
-        ("rings", Box::new(RingParameters::default())),
+        ("break", RequestFile::schema()),
+        (
+            "anatomy",
+            document_schema("Greenstick anatomy", &AnatomyFile::default()),
+        ),
+        (
+            "rings",
+            document_schema("Greenstick rings", &RingParameters::default()),
+        ),
     ]
 }
 
 pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
-    let all = files();
+    let mut all = schemas();
     let text = match &options.name {
         Some(name) => match all.iter().find(|(known, _)| known == name) {
-            Some((_, set)) => json(&document_schema(
-                &format!("Greenstick {name}"),
-                set.as_ref(),
-            ))?,
+            Some((_, schema)) => json(schema)?,
             None => {
                 let names: Vec<&str> = all.iter().map(|f| f.0).collect();
                 return Err(Failure::request(format!("unknown schema \"{name}\""))
@@ -70,12 +70,14 @@ pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
             }
         },
         None => {
-            let definitions: serde_json::Map<_, _> = all
-                .iter()
-                .map(|(name, set)| ((*name).to_owned(), object_schema(set.as_ref())))
-                .collect();
+            let mut definitions = Map::new();
+            for (name, schema) in &mut all {
+                let draft = schema.as_object_mut().and_then(|s| s.remove(DRAFT));
+                debug_assert!(draft.is_some());
+                definitions.insert((*name).to_owned(), schema.take());
+            }
             json(&serde_json::json!({
-                "$schema": "https://json-schema.org/draft/2020-12/schema",
+                DRAFT: "https://json-schema.org/draft/2020-12/schema",
                 "title": "Greenstick",
                 "$defs": definitions,
             }))?
@@ -84,6 +86,9 @@ pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
+
+/// Key of the draft that a schema follows.
+const DRAFT: &str = "$schema";
 
 fn parameters_markdown(sections: &[Section]) -> String {
     let mut page = String::from(

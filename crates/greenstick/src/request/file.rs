@@ -3,13 +3,14 @@
 use super::{Break, BreakRequest};
 use crate::scanning::ScanParameters;
 use greenstick_formats::LengthUnit;
+use greenstick_fracture::presets::PRESETS;
 use greenstick_fracture::recipe::{
     HasRecipe, Recipe, RecipeError, apply_preset, apply_setting, apply_toml,
 };
 use greenstick_picture::PictureParameters;
 use greenstick_schema::{
-    FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, parameters, text,
-    write_toml,
+    FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, document_schema,
+    parameters, text, write_toml,
 };
 use greenstick_wood::stem::StemOptions;
 
@@ -139,6 +140,17 @@ impl RequestFile {
     /// The file with every parameter, so that it means the same whatever defaults and presets become.
     pub fn to_toml(&self) -> String {
         write_toml(self)
+    }
+
+    /// JSON Schema (draft 2020-12) of such files: that of the parameters, and the presets to start from.
+    pub fn schema() -> serde_json::Value {
+        let mut schema = document_schema("Greenstick recipe", &RequestFile::default());
+        let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+        schema["properties"]["preset"] = serde_json::json!({
+            "description": "Presets to start from, later ones over earlier ones.",
+            "anyOf": [{ "enum": names }, { "type": "array", "items": { "enum": names } }],
+        });
+        schema
     }
 
     /// A hash of everything in it, the same on every machine; not for security.
