@@ -175,9 +175,9 @@ fn printed(
 ) -> Result<String, Failure> {
     if json {
         let printed = PrintedReport {
-            schema: report.schema,
+            schema: &report.schema,
             version: report.version,
-            kind: report.kind,
+            kind: &report.kind,
             length_m: report.length_m,
             radius_m: report.radius_m,
             rings: report.rings,

@@ -2,11 +2,11 @@
 
 use greenstick_geometry::Mesh;
 use greenstick_skin::hang::HangReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The mesh that came in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InputReport {
     /// Meshes in the scene.
     pub meshes: usize,
@@ -23,7 +23,7 @@ pub struct InputReport {
 }
 
 /// Where the break is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaceReport {
     /// Name of the mesh that was cut.
     pub mesh: String,
@@ -44,7 +44,7 @@ pub struct PlaceReport {
 }
 
 /// The broken face.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FaceReport {
     /// `smooth` or `fibrous`.
     pub surface: String,
@@ -61,7 +61,7 @@ pub struct FaceReport {
 }
 
 /// What the species did to the break.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpeciesReport {
     /// Common name.
     pub name: String,
@@ -80,7 +80,7 @@ pub struct SpeciesReport {
 }
 
 /// A piece that came out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PieceReport {
     /// Name of its node.
     pub name: String,
@@ -93,7 +93,7 @@ pub struct PieceReport {
 }
 
 /// Everything that is worth knowing about a break.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakReport {
     /// The scan that the mesh was made from, where it was one.
     pub scan: Option<crate::scanning::ScannedReport>,
@@ -119,7 +119,7 @@ pub struct BreakReport {
 }
 
 /// A break of a stem that is broken at several places.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FurtherBreak {
     /// Where it is.
     pub place: PlaceReport,

@@ -31,6 +31,16 @@ fn assert_same(a: &Broken, b: &Broken, what: &str) {
     assert!(a.scene == b.scene, "{what}: other scene");
 }
 
+#[test]
+fn a_report_comes_back_from_json() {
+    let mut session = BreakSession::new(built_in_branch());
+    let asked = request(&["rings=8", "sectors=16", "species=white oak", "fray=0.4"]);
+    let report = session.broken(&asked, &Context::quiet()).unwrap().report;
+    let text = serde_json::to_string(&report).unwrap();
+    let back: greenstick::BreakReport = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, report);
+}
+
 /// One change after another, each of which starts at another stage or switches something on or off.
 #[test]
 fn a_session_after_changes_equals_a_new_one() {

@@ -2,11 +2,11 @@
 
 use greenstick_geometry::cloud::CleanReport;
 use greenstick_wood::scan::ScanReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What is known of a scan.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ScannedReport {
     /// The cleaning.
     pub clean: CleanReport,

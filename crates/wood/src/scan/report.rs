@@ -31,7 +31,7 @@ impl Default for ScanOptions {
 }
 
 /// The share of the girth that was seen along a part of the stem.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Coverage {
     /// Where the part begins, m from the base.
     pub from_m: f64,
@@ -42,7 +42,7 @@ pub struct Coverage {
 }
 
 /// The report of a reconstruction.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct ScanReport {
     /// Points of the bark that the surface was made from.
     pub points: usize,
