@@ -98,13 +98,21 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     if options.telling.reports() {
         let full = FullReport {
             report: &broken.report,
-            request_hash: file.hash(),
+            request_hash: hash(&file, input.as_deref()),
             outputs: &written(&outputs),
             stages: &stages,
         };
         print(&printed(&full, options.telling.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The hash of a request, whatever folder its input lies in.
+fn hash(file: &RequestFile, input: Option<&Path>) -> String {
+    let name = input.and_then(Path::file_name);
+    let mut file = file.clone();
+    file.input = name.map(|name| name.to_string_lossy().into_owned());
+    file.hash()
 }
 
 /// The places of the breaks on the stem that was made of a scan; the first was found with it.

@@ -147,7 +147,7 @@ fn bad_sections_are_refused_with_the_field() {
         ("good.json --rings 3 --radii 4", "--radii"),
         ("good.json --picture p.jpg", "png"),
         ("good.json -o good.json", "good.json"),
-        ("good.json --kernels 3", "--rings-by erosion"),
+        ("good.json --kernels 3", "rings_by \"erosion\""),
         ("good.json --resolution 64", "--rings-by erosion"),
         ("good.json --rings-by erosion --rings 9", "--rings"),
         (

@@ -54,7 +54,7 @@ fn a_cloud_is_broken_and_told() {
     for part in [
         "columns 1, 2, 3 are coordinates",
         "cover ",
-        "were taken off",
+        "were subtracted",
     ] {
         assert!(run.out.contains(part), "{}", run.out);
     }
