@@ -6,7 +6,7 @@ use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::{scan, simulate, skin, values};
-use greenstick::fibre::scene::{Scene as Setting, StemWord};
+use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
@@ -80,7 +80,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let mut mesh = None;
     let mut scan = None;
     if let (None, Some(at)) = (&options.input, &options.at)
-        && setting.stem.kind != StemWord::Input
+        && setting.stem.kind != StemChoice::Input
     {
         return Err(Failure::request(format!(
             "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
@@ -100,7 +100,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         if let Some(pieces) = &targets.pieces {
             files::carry_images(&mut scene, path, pieces);
         }
-        setting.stem.kind = StemWord::Input;
+        setting.stem.kind = StemChoice::Input;
         mesh = Some(scene);
     }
     // The run reads from the folder, and so is dropped before it.

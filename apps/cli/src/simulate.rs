@@ -6,7 +6,7 @@ use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::skin::{self, is_film};
-use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverChoice};
 use greenstick::files::{self, Output};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::Context;
@@ -79,7 +79,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let input = match &options.mesh.input {
         Some(path) => {
             read.report(0.0)?;
-            scene.stem.kind = greenstick::fibre::scene::StemWord::Input;
+            scene.stem.kind = greenstick::fibre::scene::StemChoice::Input;
             Some(files::read(path, unit)?)
         }
         None => None,
@@ -176,9 +176,9 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
         scene.step = Some(step);
     }
     if let Some(word) = &options.solver {
-        let found = SolverWord::ALL.into_iter().find(|s| s.name() == word);
+        let found = SolverChoice::ALL.into_iter().find(|s| s.name() == word);
         let found = found.ok_or_else(|| {
-            let names: Vec<&str> = SolverWord::ALL.iter().map(|s| s.name()).collect();
+            let names: Vec<&str> = SolverChoice::ALL.iter().map(|s| s.name()).collect();
             Failure::request(format!("there is no solver \"{word}\""))
                 .hint(format!("there is {}", names.join(", ")))
         })?;

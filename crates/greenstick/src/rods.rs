@@ -32,11 +32,11 @@ pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
 /// half-space a plate.
 pub(crate) fn bodies(frame: &Frame, shapes: &[Shape], material: u32) -> Vec<(Node, Option<usize>)> {
     let mut nodes = Vec::new();
-    for (number, (shape, &(centre, turn))) in shapes.iter().zip(&frame.bodies).enumerate() {
-        let place = DAffine3::from_rotation_translation(turn, centre);
+    for (number, (shape, body)) in shapes.iter().zip(&frame.bodies).enumerate() {
+        let place = DAffine3::from_rotation_translation(body.rotation, body.centre);
         let (mut mesh, place, moves) = match shape {
             Shape::HalfSpace { normal } => {
-                let plate = ground(frame, centre, turn * *normal);
+                let plate = ground(frame, body.centre, body.rotation * *normal);
                 (plate, DAffine3::IDENTITY, None)
             }
             _ => (solid(shape), place, Some(number)),
@@ -71,7 +71,7 @@ fn node(name: &str, mesh: Mesh, transform: DAffine3) -> Node {
 fn tubes(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let place = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
-    for (rod, ends) in frame.first.windows(2).enumerate() {
+    for (rod, ends) in frame.rod_offsets.windows(2).enumerate() {
         let (from, to) = (ends[0] as usize, ends[1] as usize);
         let radius = 0.5 * f64::from(frame.diameter[rod]);
         let mut across = DVec3::from_array(frame.director[from].map(f64::from));
@@ -128,9 +128,9 @@ fn solid(shape: &Shape) -> Mesh {
         } => centred(*radius, *half_length),
         // A hull or mesh that is no solid has been refused long before.
         _ => match shape.surface(0, false) {
-            Ok(Some((positions, triangles))) => Mesh {
-                positions,
-                triangles,
+            Ok(Some(surface)) => Mesh {
+                positions: surface.points,
+                triangles: surface.triangles,
                 ..Mesh::default()
             },
             _ => Mesh::default(),

@@ -1,28 +1,30 @@
-//! Checkpoints: everything that a run needs to go on as if it had never stopped. The 8 bytes `GSPOINT\0`, a `u32`
+//! Checkpoints: everything that a run needs to continue as if it had never stopped. The 8 bytes `GSPOINT\0`, a `u32`
 //! version, a `u32` 0, the `u64` hash of what is simulated, the content (postcard), and its `u64` checksum.
 
-use super::{Ledger, StoreError, checksum};
+use super::checksum::checksum;
+use super::error::StoreError;
+use super::tables::EnergyLedger;
 use crate::bodies::BodiesState;
-use crate::solver::World;
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
 const VERSION: u32 = 2;
 const HEAD: usize = 24;
 
-/// How far a run is and what it has written.
+/// How far a run is, and what it has recorded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Rows of the energy table after the first.
     pub ticks: u64,
-    /// Frames written.
+    /// Frames recorded.
     pub frames: u64,
-    /// Events written.
+    /// Events recorded.
     pub events: u64,
-    /// Bytes of the energy table, the events, the frames and the forces.
+    /// Lengths of the energy table, the events, the frames and the forces, bytes; 0 where they are not files.
     pub bytes: [u64; 4],
-    /// Energy taken and given so far.
-    pub ledger: Ledger,
+    /// Energy that solvers and loads have taken and given so far.
+    pub ledger: EnergyLedger,
 }
 
 /// A run between two steps.
@@ -32,15 +34,15 @@ pub struct Checkpoint {
     pub world: World,
     /// The bodies.
     pub bodies: BodiesState,
-    /// How far it is.
+    /// How far the run is.
     pub progress: Progress,
 }
 
 impl Checkpoint {
-    /// The checkpoint as bytes; `hash` says what is simulated.
+    /// Returns the checkpoint as bytes; `hash` identifies what is simulated.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where the state cannot be written.
+    /// [`StoreError::Damaged`] where the state cannot be serialised.
     pub fn to_bytes(&self, hash: u64) -> Result<Vec<u8>, StoreError> {
         let content = postcard::to_stdvec(self).map_err(|e| damaged(e.to_string()))?;
         let mut bytes = Vec::with_capacity(content.len() + HEAD + 8);
@@ -53,10 +55,10 @@ impl Checkpoint {
         Ok(bytes)
     }
 
-    /// The checkpoint in some bytes, and the hash of what it is a checkpoint of.
+    /// Reads a checkpoint, and the hash of what it is a checkpoint of.
     ///
     /// # Errors
-    /// [`StoreError`] for what is no checkpoint, a newer one, or a damaged one.
+    /// [`StoreError`] for bytes that are no checkpoint, one of another version, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<(Checkpoint, u64), StoreError> {
         if !bytes.starts_with(MAGIC) {
             return Err(StoreError::Foreign {

@@ -5,12 +5,12 @@
 //!
 //! ```
 //! use greenstick::bending::{BendRequest, bend};
-//! use greenstick::fibre::{BendTest, HowMany};
+//! use greenstick::fibre::{BendTest, RodCount};
 //! use greenstick::geometry::Context;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let test = BendTest {
-//!     rods: HowMany::Number(9),
+//!     rods: RodCount::Number(9),
 //!     edge: 0.05, // m; the default is finer
 //!     ..BendTest::default()
 //! };
@@ -150,7 +150,7 @@ fn bend_species(
     ] {
         species.property_at(property, moisture, Fallback::Refuse)?;
     }
-    let wood = WoodMaterial::of(species, moisture, Fallback::TwelvePercent)?;
+    let wood = WoodMaterial::from_species(species, moisture, Fallback::TwelvePercent)?;
     let outcome = test.run(&wood, context)?;
     Ok(Bent {
         report: BendReport::of(species, moisture, test, &outcome),

@@ -1,6 +1,6 @@
 //! What a bending test returns, beside the table.
 
-use greenstick_fibre::placement::material::known_at;
+use greenstick_fibre::placement::strength_at;
 use greenstick_fibre::{BendEvent, BendOutcome, BendSection, BendTest, EventKind};
 use greenstick_wood::moisture::{Basis, Fallback};
 use greenstick_wood::species::{Property, Species};
@@ -239,7 +239,7 @@ fn notes(species: &Species, moisture: f64, test: &BendTest, rods: usize) -> Vec<
     }
     let known = |p| species.property_at(p, moisture, Fallback::Refuse);
     for property in [Property::TensionPerpendicular, Property::ShearParallel] {
-        if let Err(why) = known_at(species, property, moisture) {
+        if let Err(why) = strength_at(species, property, moisture) {
             let state = species.property_at(property, moisture, Fallback::TwelvePercent);
             notes.push(match state {
                 Ok(_) if !estimated(species, property, moisture) => {

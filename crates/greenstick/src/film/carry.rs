@@ -7,7 +7,7 @@ use super::{
 };
 use crate::breaking::part_of;
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_fibre::scene::StemWord;
+use greenstick_fibre::scene::StemChoice;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::components::NONE;
 use greenstick_geometry::film::Extra;
@@ -90,7 +90,7 @@ impl Run {
 
     /// The rest of the input, where there is one.
     pub(super) fn rest(&self, skin: &RodSkin) -> Rest {
-        if self.scene.stem.kind != StemWord::Input {
+        if self.scene.stem.kind != StemChoice::Input {
             return Rest::default();
         }
         let proportions = BreakParameters::default().proportions();

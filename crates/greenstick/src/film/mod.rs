@@ -33,11 +33,11 @@ use crate::looks::{Looks, looks};
 use crate::rods::bodies;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
+use greenstick_fibre::Cause;
+use greenstick_fibre::RodBundle;
 use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::event::Cause;
 use greenstick_fibre::scene::Scene as Setting;
-use greenstick_fibre::store::{Frame, FrameFile};
+use greenstick_fibre::store::{Frame, IndexedFrames};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
@@ -89,11 +89,11 @@ pub struct Run {
     pub scene: Setting,
     grown: Grown,
     /// The unbroken bundle in the scene's axes.
-    bundle: Bundle,
+    bundle: RodBundle,
     /// The stem's world to the scene's.
     laid: DAffine3,
     shapes: Vec<Shape>,
-    frames: FrameFile<BufReader<File>>,
+    frames: IndexedFrames<BufReader<File>>,
     path: PathBuf,
     causes: BTreeMap<u32, Cause>,
     looks: Looks,
@@ -230,13 +230,13 @@ fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
 }
 
 /// Opens the frames of a run.
-fn open_frames(path: &Path) -> Result<FrameFile<BufReader<File>>, FilmError> {
+fn open_frames(path: &Path) -> Result<IndexedFrames<BufReader<File>>, FilmError> {
     let store = |error| FilmError::Store {
         path: path.to_owned(),
         error,
     };
     let file = File::open(path).map_err(|e| store(e.into()))?;
-    FrameFile::open(BufReader::new(file)).map_err(store)
+    IndexedFrames::open(BufReader::new(file)).map_err(store)
 }
 
 /// Turns the scene's z up to the y up of files.
@@ -510,7 +510,7 @@ impl Run {
                     film.fixed.push(node);
                     continue;
                 };
-                let (centre, turn) = first.bodies[number];
+                let body = first.bodies[number];
                 node.name = self
                     .scene
                     .body
@@ -521,8 +521,8 @@ impl Run {
                     name: format!("body_{number}"),
                     rest: turned(
                         Pose {
-                            translation: centre,
-                            rotation: turn,
+                            translation: body.centre,
+                            rotation: body.rotation,
                         },
                         up,
                     ),

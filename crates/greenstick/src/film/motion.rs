@@ -4,7 +4,7 @@ use super::carry;
 use super::follow::Follower;
 use super::{FilmError, turned};
 use glam::DQuat;
-use greenstick_fibre::store::FrameFile;
+use greenstick_fibre::store::IndexedFrames;
 use greenstick_geometry::{Motion, Pose};
 use greenstick_skin::rods::{Joints, frame_poses};
 use std::fs::File;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// How the joints of a film move, and its bodies. Holds one frame at a time.
 pub struct RunMotion {
-    frames: FrameFile<BufReader<File>>,
+    frames: IndexedFrames<BufReader<File>>,
     path: PathBuf,
     range: Range<usize>,
     joints: Joints,
@@ -27,7 +27,7 @@ pub struct RunMotion {
 
 impl RunMotion {
     pub(super) fn new(
-        frames: FrameFile<BufReader<File>>,
+        frames: IndexedFrames<BufReader<File>>,
         path: PathBuf,
         range: Range<usize>,
         (joints, bodies, carried): (Joints, Vec<usize>, Vec<Follower>),
@@ -69,9 +69,9 @@ impl Motion for RunMotion {
         self.joints.check(&frame)?;
         let rods = frame_poses(&self.joints, &frame);
         let bodies = self.bodies.iter().filter_map(|&b| frame.bodies.get(b));
-        let bodies = bodies.map(|&(translation, rotation)| Pose {
-            translation,
-            rotation,
+        let bodies = bodies.map(|body| Pose {
+            translation: body.centre,
+            rotation: body.rotation,
         });
         for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
             *to = turned(from, self.up);

@@ -1,7 +1,7 @@
 //! What a skin is made of, and how far a film strays from what it shows.
 
 use super::RestReport;
-use greenstick_fibre::store::FrameFile;
+use greenstick_fibre::store::IndexedFrames;
 use greenstick_geometry::film::Extra;
 use greenstick_skin::rods::{Part, RodSkin};
 use serde::Serialize;
@@ -72,7 +72,7 @@ fn rods(parts: &[(u32, Part)]) -> usize {
 impl SkinReport {
     pub(super) fn of<R: Read + Seek>(
         skin: &RodSkin,
-        frames: &FrameFile<R>,
+        frames: &IndexedFrames<R>,
         range: Range<usize>,
     ) -> Self {
         let pieces = skin
@@ -95,7 +95,7 @@ impl SkinReport {
             frames: range.len(),
             first_frame: range.start,
             time_s: [frames.time(range.start), frames.time(range.end - 1)],
-            bytes_left: frames.left(),
+            bytes_left: frames.trailing_bytes(),
             joints: skin.joints.count(),
             parted: [skin.mended.0, skin.mended.1],
             gape: None,

@@ -1,7 +1,7 @@
 //! Where in the section and how high the rods of a run broke.
 
 use glam::{DVec2, DVec3};
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_skin::rods::{Parting, Wood};
 use greenstick_wood::stem::{Stem, StemKind};

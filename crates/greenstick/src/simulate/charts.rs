@@ -4,7 +4,7 @@ use super::SimulateError;
 use super::growing::{ENERGIES, EVENTS, FORCES, FRAMES, GROWING};
 use crate::files::FileError;
 use glam::DVec3;
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fibre::store::{Frame, FrameReader};
 use greenstick_picture::{Chart, Line, Picture};
 use std::collections::BTreeMap;

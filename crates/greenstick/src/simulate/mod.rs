@@ -22,10 +22,10 @@ pub use prepare::{Grown, body_shapes, grow, scene_of};
 pub use report::{EnergyDrift, SimulateReport};
 
 use crate::files::{self, FileError, Output};
-use greenstick_fibre::scene::{Scene as Setting, SetUp};
+use greenstick_fibre::scene::{AssembledScene, Scene as Setting};
 use greenstick_fibre::store::{
     Checkpoint, ENERGY_HEADER, EVENT_HEADER, EnergyRow, FORCE_HEADER, ForceRow, Frame, Progress,
-    event_row, set_back, write_header,
+    event_line, stagger_velocities, write_header,
 };
 use greenstick_geometry::{Context, Scene, Stage};
 use growing::{ENERGIES, EVENTS, FORCES, FRAMES, Growing};
@@ -52,7 +52,7 @@ const CHECKPOINT: &str = "checkpoint.bin";
 /// A run between two ticks.
 struct Run<'a> {
     request: &'a SimulateRequest,
-    made: SetUp,
+    made: AssembledScene,
     hash: u64,
     progress: Progress,
     growing: Growing,
@@ -79,15 +79,18 @@ impl Run<'_> {
         let _ = write_header(&mut head);
         self.growing.write(FRAMES, &head)?;
         self.record(true, 0.0)?;
-        let lag = self.request.scene.solver.lag();
+        let lag = self.request.scene.solver.velocity_lag();
         if lag > 0.0 {
             let mut solver = self.request.scene.make_solver();
             let world = &mut self.made.world;
-            let step = solver.step(world).map_err(|error| SimulateError::Solver {
-                error,
-                checkpoint: 0.0,
-            })?;
-            set_back(world, lag * step);
+            let step =
+                solver
+                    .step(world, &Context::quiet())
+                    .map_err(|error| SimulateError::Solver {
+                        error,
+                        checkpoint: 0.0,
+                    })?;
+            stagger_velocities(world, lag * step);
         }
         self.save()
     }
@@ -96,19 +99,19 @@ impl Run<'_> {
     fn record(&mut self, frame: bool, lag: f64) -> Result<(), SimulateError> {
         let world = &mut self.made.world;
         for event in std::mem::take(&mut world.events) {
-            self.growing.write(EVENTS, event_row(&event).as_bytes())?;
+            self.growing.write(EVENTS, event_line(&event).as_bytes())?;
             self.progress.events += 1;
         }
-        let row = EnergyRow::of(world, &self.made.bodies, &self.progress.ledger, lag);
+        let row = EnergyRow::measure(world, &self.made.bodies, &self.progress.ledger, lag);
         self.growing.write(ENERGIES, row.line().as_bytes())?;
-        let interval = 1.0 / self.request.scene.rows();
-        for row in ForceRow::all(world, &mut self.made.bodies, interval) {
+        let interval = 1.0 / self.request.scene.table_rate();
+        for row in ForceRow::measure(world, &mut self.made.bodies, interval) {
             self.growing.write(FORCES, row.line().as_bytes())?;
         }
         if frame {
             let bodies: Vec<_> = self.made.bodies.iter().map(|b| b.1).collect();
             let mut bytes = Vec::new();
-            let _ = Frame::of(&world.bundle, &world.state, &bodies).write(&mut bytes);
+            let _ = Frame::capture(&world.bundle, &world.state, &bodies).write(&mut bytes);
             self.growing.write(FRAMES, &bytes)?;
             self.progress.frames += 1;
         }
@@ -121,7 +124,7 @@ impl Run<'_> {
         let path = self.request.folder.join(CHECKPOINT);
         let point = Checkpoint {
             world: self.made.world.clone(),
-            bodies: self.made.bodies.snapshot(),
+            bodies: self.made.bodies.checkpoint(),
             progress: self.progress,
         };
         let bytes = point
@@ -140,7 +143,7 @@ impl Run<'_> {
         let world = &self.made.world;
         self.made
             .bodies
-            .restore(&point.bodies, &world.bundle, &world.loads)?;
+            .resume(&point.bodies, &world.bundle, &world.loads)?;
         self.progress = point.progress;
         self.saved = world.state.time;
         Ok(())
@@ -232,7 +235,7 @@ fn advance(
 ) -> Result<(), SimulateError> {
     let scene = &run.request.scene;
     let mut solver = scene.make_solver();
-    let rows = scene.rows();
+    let rows = scene.table_rate();
     // What is shorter than a row of the tables lasts a row.
     let ticks = ((scene.duration * rows).round() as u64).max(u64::from(scene.duration > 0.0));
     let frame_of = |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
@@ -245,7 +248,12 @@ fn advance(
         let next = run.progress.ticks + 1;
         let left = next as f64 / rows - run.made.world.state.time;
         let moved = solver
-            .advance(&mut run.made.world, &mut run.made.bodies, left.max(0.0))
+            .advance(
+                &mut run.made.world,
+                &mut run.made.bodies,
+                left.max(0.0),
+                &context.item(run.progress.ticks as usize, ticks as usize),
+            )
             .map_err(|error| SimulateError::Solver {
                 error,
                 checkpoint: run.saved,
@@ -255,7 +263,7 @@ fn advance(
         report.step_s = moved.step;
         report.limit_s = moved.limit.is_finite().then_some(moved.limit);
         let frame = frame_of(next) > frame_of(next - 1);
-        run.record(frame, scene.solver.lag() * moved.step)?;
+        run.record(frame, scene.solver.velocity_lag() * moved.step)?;
         if frame {
             run.save()?;
         }

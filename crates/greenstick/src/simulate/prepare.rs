@@ -3,11 +3,14 @@
 use super::{SimulateError, SimulateRequest};
 use crate::files;
 use glam::{DAffine3, DVec3};
+use greenstick_fibre::RodBundle;
 use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::placement::{Arrangement, HowMany, Placed, Placement, WoodMaterial, place};
+use greenstick_fibre::placement::{
+    Arrangement, EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
 use greenstick_fibre::scene::{
-    ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
+    ArrangementChoice, AssembledScene, MotionChoice, Scene as Setting, ShapeChoice, StemChoice,
+    TwistChoice, assemble,
 };
 use greenstick_fibre::store::checksum;
 use greenstick_geometry::{Context, Scene, Stage};
@@ -21,7 +24,7 @@ use std::path::Path;
 fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), SimulateError> {
     let stem = &setting.stem;
     let mesh = match stem.kind {
-        StemWord::Branch => {
+        StemChoice::Branch => {
             let options = BranchOptions {
                 length: stem.length.0,
                 diameter: stem.diameter.0,
@@ -29,9 +32,9 @@ fn meshes(setting: &Setting, input: Option<&Scene>) -> Result<(Scene, Place), Si
             };
             return Ok((crate::branch::branch(&options), Place::parse("0.5", 1.0)?));
         }
-        StemWord::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
-        StemWord::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
-        StemWord::Input => {
+        StemChoice::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
+        StemChoice::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
+        StemChoice::Input => {
             let scene = input.ok_or(SimulateError::NoInput)?;
             return Ok((scene.clone(), Place::parse(&stem.at, 1.0)?));
         }
@@ -59,7 +62,7 @@ pub struct Grown {
     /// Index of the node that the stem is part of, and its triangles.
     pub shell: (usize, Vec<u32>),
     /// The rods.
-    pub placed: Placed,
+    pub placed: PlacedRods,
     /// The wood's numbers.
     pub wood: WoodMaterial,
     /// The scene with lengths for this stem.
@@ -90,12 +93,13 @@ pub fn grow(
     let part = setting.stem.part.map(|p| from + p * (to - from));
     rods.report(0.0)?;
     let setting = setting.for_stem(match setting.stem.kind {
-        StemWord::Input => part[1] - part[0],
+        StemChoice::Input => part[1] - part[0],
         // What is asked for: of a branch less may be of use.
         _ => setting.stem.length.0 * (setting.stem.part[1] - setting.stem.part[0]),
     });
     setting.check()?;
-    let placed = place(&found.stem, &wood, &placement(&setting, (part[0], part[1])))?;
+    let options = placement(&setting, (part[0], part[1]));
+    let placed = fill_stem(&found.stem, &wood, &options, &rods)?;
     Ok(Grown {
         stem: found.stem,
         shell: (found.node, found.shell),
@@ -109,7 +113,8 @@ pub fn grow(
 /// The numbers of the scene's wood.
 fn wood(setting: &Setting) -> Result<WoodMaterial, SimulateError> {
     let species = Species::find(&setting.wood.species)?;
-    let mut wood = WoodMaterial::of(species, setting.wood.moisture, Fallback::TwelvePercent)?;
+    let mut wood =
+        WoodMaterial::from_species(species, setting.wood.moisture, Fallback::TwelvePercent)?;
     for modulus in [
         &mut wood.longitudinal,
         &mut wood.radial,
@@ -129,25 +134,28 @@ fn wood(setting: &Setting) -> Result<WoodMaterial, SimulateError> {
     Ok(wood)
 }
 
-fn placement(setting: &Setting, range: (f64, f64)) -> Placement {
+fn placement(setting: &Setting, range: (f64, f64)) -> PlacementOptions {
     let keys = &setting.rods;
-    Placement {
+    PlacementOptions {
         seed: setting.seed,
         arrangement: match keys.arrangement {
-            ArrangementWord::PoissonDisk => Arrangement::PoissonDisk,
-            ArrangementWord::Anatomy => Arrangement::Anatomy,
+            ArrangementChoice::PoissonDisk => Arrangement::PoissonDisk,
+            ArrangementChoice::Anatomy => Arrangement::Anatomy,
         },
         rods: match keys.spacing {
-            Some(spacing) => HowMany::Spacing(spacing.0),
-            None => HowMany::Number(keys.number),
+            Some(spacing) => RodCount::Spacing(spacing.0),
+            None => RodCount::Number(keys.number),
         },
-        edges: (keys.edge[0].0, keys.edge[1].0),
+        edges: EdgeLengths {
+            least: keys.edge[0].0,
+            greatest: keys.edge[1].0,
+        },
         range: Some(range),
         reach: keys.reach,
         twisting: match keys.twist {
-            TwistWord::Auto => None,
-            TwistWord::On => Some(true),
-            TwistWord::Off => Some(false),
+            TwistChoice::Auto => None,
+            TwistChoice::On => Some(true),
+            TwistChoice::Off => Some(false),
         },
         weibull: keys.weibull.unwrap_or(f64::INFINITY),
         rings: keys.rings,
@@ -162,12 +170,12 @@ pub(super) fn prepare(
     request: &SimulateRequest,
     input: Option<&Scene>,
     context: &Context,
-) -> Result<(SetUp, Setting, u64), SimulateError> {
+) -> Result<(AssembledScene, Setting, u64), SimulateError> {
     let Grown {
         placed, setting, ..
     } = grow(&request.scene, input, context)?;
     let shapes = body_files(request)?;
-    let made = set_up(&setting, placed.bundle, &placed.along, &shapes)?;
+    let made = assemble(&setting, placed.bundle, &placed.along, &shapes, context)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
     let lasting = Setting {
         duration: 0.0,
@@ -189,16 +197,17 @@ pub(super) fn prepare(
 pub(crate) fn lay(
     request: &SimulateRequest,
     grown: &Grown,
-) -> Result<(Bundle, DAffine3), SimulateError> {
+) -> Result<(RodBundle, DAffine3), SimulateError> {
     let shapes = body_files(request)?;
     let placed = &grown.placed;
-    let made = set_up(
+    let made = assemble(
         &grown.setting,
         placed.bundle.clone(),
         &placed.along,
         &shapes,
+        &Context::quiet(),
     )?;
-    Ok((made.world.bundle, made.laid))
+    Ok((made.world.bundle, made.scene_from_stem))
 }
 
 /// The meshes that bodies name.
@@ -226,7 +235,7 @@ pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>
             }
         }
         shapes.push(Some(match body.shape {
-            ShapeWord::Hull => Shape::Hull { points },
+            ShapeChoice::Hull => Shape::Hull { points },
             _ => Shape::Mesh { points, triangles },
         }));
     }
@@ -242,10 +251,13 @@ pub fn body_shapes(request: &SimulateRequest) -> Result<Vec<Shape>, SimulateErro
     let files = body_files(request)?;
     let mut shapes = Vec::new();
     for (number, (body, file)) in request.scene.body.iter().zip(files).enumerate() {
-        let shape = body.plain_shape(number, file.as_ref())?;
-        let free = body.motion == MotionWord::Free;
+        let shape = body.body_shape(number, file.as_ref())?;
+        let free = body.motion == MotionChoice::Free;
         shapes.push(match shape.surface(number, free)? {
-            Some((points, triangles)) => Shape::Mesh { points, triangles },
+            Some(surface) => Shape::Mesh {
+                points: surface.points,
+                triangles: surface.triangles,
+            },
             None => shape,
         });
     }

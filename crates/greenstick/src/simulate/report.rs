@@ -4,7 +4,7 @@ use super::charts::{Table, table};
 use super::growing::{ENERGIES, EVENTS, GROWING};
 use super::{CHECKPOINT, Run, SimulateError, SimulateRequest};
 use crate::files::FileError;
-use greenstick_fibre::scene::SetUp;
+use greenstick_fibre::scene::AssembledScene;
 use serde::Serialize;
 use std::fs;
 
@@ -131,7 +131,7 @@ impl std::fmt::Display for SimulateReport {
     }
 }
 
-pub(super) fn begin_report(request: &SimulateRequest, made: &SetUp) -> SimulateReport {
+pub(super) fn begin_report(request: &SimulateRequest, made: &AssembledScene) -> SimulateReport {
     let bundle = &made.world.bundle;
     SimulateReport {
         about: request.scene.about.clone(),

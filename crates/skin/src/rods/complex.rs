@@ -5,7 +5,7 @@ use super::parting::{Part, Parting};
 use super::section::{Columns, OUTSIDE};
 use super::{RodSkinError, RodSkinOptions, Wood};
 use glam::DVec2;
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::{plane, unit};
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 
 use super::parting::{Break, Part, Parting};
 use super::{RodSkinError, Wood};
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fibre::store::Frame;
 use std::collections::BTreeMap;
 

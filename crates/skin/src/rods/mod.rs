@@ -34,8 +34,8 @@ pub use parting::{Break, Part, Parting, Pieces};
 pub use section::{Bonded, Column, Columns, OUTSIDE, columns};
 
 use glam::{DAffine3, DVec2};
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::placement::cells::Cell;
+use greenstick_fibre::RodBundle;
+use greenstick_fibre::placement::VoronoiCell;
 use greenstick_geometry::{Bvh, Mesh};
 use greenstick_wood::stem::Stem;
 
@@ -47,11 +47,11 @@ pub struct Wood<'a> {
     /// The stem's world to that of the rods.
     pub laid: DAffine3,
     /// The unbroken bundle at rest.
-    pub bundle: &'a Bundle,
+    pub bundle: &'a RodBundle,
     /// Length along the axis of each of its vertices, m.
     pub along: &'a [f64],
     /// Cell of each rod in the section of the stem's place, grain coordinates, m.
-    pub cells: &'a [Cell],
+    pub cells: &'a [VoronoiCell],
     /// Outline of that section, m, counter-clockwise.
     pub outline: &'a [DVec2],
     /// Its bark: a mesh in the stem's world, whose texture coordinates, colours and materials the outside keeps, and the

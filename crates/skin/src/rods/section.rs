@@ -5,7 +5,7 @@
 //! one, it is one for all three.
 
 use glam::DVec2;
-use greenstick_fibre::placement::cells::{Cell, cells};
+use greenstick_fibre::placement::{VoronoiCell, voronoi_cells};
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::unit;
 use std::collections::{BTreeMap, BTreeSet};
@@ -57,7 +57,7 @@ pub type Bonded = BTreeSet<(u32, u32)>;
 /// columns a rod, wide along the rings about `pith` and thin across; 1 gives the cells themselves. Columns are given to rods so that neighbours are `bonded` where that can
 /// be had.
 pub fn columns(
-    rods: &[Cell],
+    rods: &[VoronoiCell],
     outline: &[DVec2],
     bonded: &Bonded,
     fibres: u32,
@@ -87,7 +87,7 @@ pub fn columns(
             .iter()
             .map(|&p| nearest(&centres, p) as u32)
             .collect();
-        (cells(outline, &points), of)
+        (voronoi_cells(outline, &points), of)
     };
     let spacing = (area / found.len().max(1) as f64).sqrt();
     let mut made = weld(&found, &of, outline, spacing);
@@ -185,7 +185,7 @@ impl Columns {
 }
 
 /// The different places of all cells' corners, those nearer than `same` (m) being one, and the number of each corner's.
-fn same_places(cells: &[Cell], same: f64) -> (Vec<DVec2>, Vec<u32>) {
+fn same_places(cells: &[VoronoiCell], same: f64) -> (Vec<DVec2>, Vec<u32>) {
     let mut places: Vec<DVec2> = Vec::new();
     let mut number = Vec::new();
     // By the square of side 4 × `same` that they lie in; those that are one may lie in neighbouring ones.
@@ -265,7 +265,7 @@ fn nearest(points: &[DVec2], p: DVec2) -> usize {
 }
 
 /// Gives corners of different cells that lie at one place one number, and finds each side's other cell.
-fn weld(cells: &[Cell], of: &[u32], outline: &[DVec2], spacing: f64) -> Columns {
+fn weld(cells: &[VoronoiCell], of: &[u32], outline: &[DVec2], spacing: f64) -> Columns {
     let (places, number) = same_places(cells, SAME * spacing);
     let near = cluster(&places, NEAR * spacing);
     let mut made = Columns {
