@@ -12,7 +12,7 @@ use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::geometry::Context;
 use greenstick::picture::{PictureOptions, View};
 use greenstick::wood::stem::Place;
-use greenstick::{BreakReport, BreakRequest};
+use greenstick::{Break, BreakReport, BreakRequest};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -52,20 +52,21 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
         ("write", 0.1),
     ]);
-    let source = load(options, request.place, unit, &read)?;
+    let source = load(options, request.breaks[0].place, unit, &read)?;
     targets.check(&source.files)?;
-    request.place = source.place;
+    request.breaks[0].place = source.place;
     let mut scene = source.scene;
     if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
     broken.report.scan = source.scan;
-    broken.report.notes.extend(doubt_about_unit(
+    let doubt = doubt_about_unit(
         options.input.as_deref(),
         options.unit,
         broken.report.place.stem_length_m,
-    ));
+    );
+    doubt.into_iter().for_each(|note| broken.note(note));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
@@ -86,7 +87,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &targets.recipe {
         outputs.push(Output {
             path: path.clone(),
-            bytes: request.recipe.to_toml().into_bytes(),
+            bytes: request.breaks[0].recipe.to_toml().into_bytes(),
         });
     }
     write.report(0.0)?;
@@ -200,12 +201,15 @@ fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Fai
     let at = options.at.as_deref().unwrap_or(AT);
     let place = values::place(at, unit).map_err(Failure::request)?;
     Ok(BreakRequest {
-        place,
         stem: options.stem.options(unit)?,
-        recipe: recipe(options)?,
-        part: options.part,
-        fray: options.fray,
         texture_width: options.texture_size,
+        ..BreakRequest::single(Break {
+            place,
+            recipe: recipe(options)?,
+            separation: options.part,
+            fray: options.fray,
+            ..Break::default()
+        })
     })
 }
 

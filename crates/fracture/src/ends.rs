@@ -1,7 +1,7 @@
 //! What of the torn ends of fibre bundles does not depend on heights: which slab and sliver each belongs to, the
 //! outlines that run over it, and its random numbers. It is made once for a layout and kept for the next break.
 
-use crate::heights::{Walks, purpose, unit};
+use crate::heights::{HeightCache, Walks, purpose, unit};
 use crate::layout::{Bundle, Bundles, wrap};
 use crate::parameters::BreakParameters;
 use crate::slabs::{Parts, Slabs, Span};
@@ -88,13 +88,14 @@ pub(crate) fn wandered(walks: &mut Walks, phi: f64, at: DVec2) -> f64 {
 }
 
 impl Ends {
-    /// The ends of `bundles`: those made last where nothing has changed that they depend on. `radius` and `pith` are
+    /// The ends of `bundles`: the cached ones where nothing has changed that they depend on. `radius` and `pith` are
     /// the stem's, m.
-    pub fn of(
+    pub fn cached(
         bundles: &Bundles,
         p: &BreakParameters,
         walks: &mut Walks,
         (radius, pith): (f64, DVec2),
+        cache: &mut HeightCache,
     ) -> Arc<Ends> {
         let key = Key {
             seed: p.seed,
@@ -105,17 +106,14 @@ impl Ends {
             radius,
             pith,
         };
-        // Whatever a panic elsewhere has left there is whole.
-        let lock = || bundles.ends.lock().unwrap_or_else(|e| e.into_inner());
-        let last = lock().clone();
-        if let Some(ends) = last
+        if let Some(ends) = &cache.ends
             && ends.key == key
             && Arc::ptr_eq(&ends.layout, &bundles.layout)
         {
-            return ends;
+            return ends.clone();
         }
         let ends = Arc::new(Ends::new(bundles, p, walks, key));
-        *lock() = Some(ends.clone());
+        cache.ends = Some(ends.clone());
         ends
     }
 

@@ -3,6 +3,7 @@
 //! All heights are ratios to the stem's radius until they are placed along the axis at the end.
 
 use crate::ends::Ends;
+pub use crate::field::{HeightField, HeightFieldError};
 use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
 use crate::limit::place;
@@ -86,16 +87,94 @@ pub(crate) struct Maker<'a> {
     ductile: Sector,
 }
 
+/// Intermediate results that the next heights over the same layout reuse where nothing that they depend on has changed.
+/// Heights are the same with a fresh cache.
+#[derive(Debug, Clone, Default)]
+pub struct HeightCache {
+    /// Noise at the nodes of a smooth surface.
+    noise: Option<Arc<NodeNoise>>,
+    /// Torn ends of the bundles of a fibrous surface.
+    pub(crate) ends: Option<Arc<Ends>>,
+}
+
+/// Where the heights of a break come from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum HeightSource {
+    /// The procedural model: Yang 2019 §3, and the relief of torn fibres.
+    #[default]
+    Procedural,
+    /// Heights that were measured, simulated or painted. The procedural model adds only the fur of fine fibres.
+    Field(Arc<HeightField>),
+}
+
+/// Heights of a break, made with what `source` and the style of the parameters ask for.
+pub fn heights(
+    bundles: &Bundles,
+    p: &BreakParameters,
+    setting: &Setting,
+    source: &HeightSource,
+    cache: &mut HeightCache,
+) -> Heights {
+    match (source, p.surface) {
+        (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, setting, cache),
+        (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, setting, cache),
+        (HeightSource::Field(field), Kind::Smooth) => smooth_of_field(bundles, field, setting),
+        (HeightSource::Field(field), Kind::Fibrous) => {
+            fibrous_of_field(bundles, field, p, setting, cache)
+        }
+    }
+}
+
+/// Heights of a smooth surface through a field.
+fn smooth_of_field(bundles: &Bundles, field: &HeightField, setting: &Setting) -> Heights {
+    let at = |&(rho, phi): &(f64, f64)| field.at(rho, phi) / setting.radius;
+    let heights = bundles.addresses.iter().map(at).collect();
+    let nodes = bundles.layout.nodes.iter().copied();
+    place(bundles, heights, nodes, &bundles.layout.facets, setting)
+}
+
+/// Heights of fibre bundles that end at a field, with ragged ends.
+fn fibrous_of_field(
+    bundles: &Bundles,
+    field: &HeightField,
+    p: &BreakParameters,
+    setting: &Setting,
+    cache: &mut HeightCache,
+) -> Heights {
+    let maker = Maker::new(p, setting);
+    let torn = Torn::new(&maker, bundles, &mut Walks::new(&maker), cache);
+    let levels: Vec<Level> = (0..bundles.bundles.len())
+        .map(|i| torn.level_of_field(field, i))
+        .collect();
+    let rims = torn.ends.rims.iter();
+    let heights = rims
+        .map(|rim| torn.at(&levels[rim.cell as usize], rim))
+        .collect();
+    let nodes = &bundles.layout.nodes;
+    let at = torn.ends.rims.iter().map(|r| nodes[r.node as usize]);
+    place(bundles, heights, at, &torn.ends.corners, setting)
+}
+
 /// Heights of the published smooth surface: one per node, shared by all facets there.
-pub fn smooth(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
-    let heights = smooth_nodes(bundles, &Maker::new(p, setting));
+fn smooth(
+    bundles: &Bundles,
+    p: &BreakParameters,
+    setting: &Setting,
+    cache: &mut HeightCache,
+) -> Heights {
+    let heights = smooth_nodes(bundles, &Maker::new(p, setting), cache);
     let at = bundles.layout.nodes.iter().copied();
     place(bundles, heights, at, &bundles.layout.facets, setting)
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
-pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Heights {
-    let (heights, ends, thorns) = fibrous_rims(bundles, &Maker::new(p, setting));
+fn fibrous(
+    bundles: &Bundles,
+    p: &BreakParameters,
+    setting: &Setting,
+    cache: &mut HeightCache,
+) -> Heights {
+    let (heights, ends, thorns) = fibrous_rims(bundles, &Maker::new(p, setting), cache);
     let nodes = &bundles.layout.nodes;
     let at = ends.rims.iter().map(|r| nodes[r.node as usize]);
     let mut placed = place(bundles, heights, at, &ends.corners, setting);
@@ -104,14 +183,19 @@ pub fn fibrous(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> Hei
 }
 
 /// Height between the 5th and the 95th hundredth of the corners, m: the relief of a face before limiting.
-pub fn relief_range(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -> f64 {
+pub fn relief_range(
+    bundles: &Bundles,
+    p: &BreakParameters,
+    setting: &Setting,
+    cache: &mut HeightCache,
+) -> f64 {
     let maker = Maker::new(p, setting);
     let mut heights: Vec<f64> = if p.surface == Kind::Smooth {
-        let heights = smooth_nodes(bundles, &maker);
+        let heights = smooth_nodes(bundles, &maker, cache);
         let corners = bundles.layout.facets.iter().flatten();
         corners.map(|&n| heights[n as usize]).collect()
     } else {
-        let (heights, ends, _) = fibrous_rims(bundles, &maker);
+        let (heights, ends, _) = fibrous_rims(bundles, &maker, cache);
         let corners = ends.corners.iter().flatten();
         corners.map(|&r| heights[r as usize]).collect()
     };
@@ -127,7 +211,7 @@ pub fn relief_range(bundles: &Bundles, p: &BreakParameters, setting: &Setting) -
 }
 
 /// The height of every node of the published surface, in radii.
-fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
+fn smooth_nodes(bundles: &Bundles, maker: &Maker, cache: &mut HeightCache) -> Vec<f64> {
     let (p, setting) = (maker.p, maker.setting);
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
@@ -140,7 +224,7 @@ fn smooth_nodes(bundles: &Bundles, maker: &Maker) -> Vec<f64> {
             n as i64
         }
     };
-    let relief = NodeNoise::of(bundles, maker, |n, (rho, phi), direction, walks| {
+    let relief = NodeNoise::cached(bundles, maker, cache, |n, (rho, phi), direction, walks| {
         let rho = rho.min(1.0);
         let zone = proportions.zone_at(rho, 0.5 / rings);
         let key = key(n, (rho, phi));
@@ -176,8 +260,7 @@ struct NoiseKey {
     zones: [ZoneParameters; 5],
 }
 
-/// Noise at the nodes of a layout and the tissue they lie in; kept for the next break, as it stays the same while the
-/// shape of the face changes.
+/// Noise at the nodes of a layout and the tissue they lie in; both stay the same while the shape of the face changes.
 #[derive(Debug)]
 pub(crate) struct NodeNoise {
     layout: Arc<Layout>,
@@ -186,10 +269,11 @@ pub(crate) struct NodeNoise {
 }
 
 impl NodeNoise {
-    /// The noise that was made last, or that which `make` gives for each node's number, address and direction.
-    fn of(
+    /// The cached noise, or that which `make` returns for each node's number, address and direction.
+    fn cached(
         bundles: &Bundles,
         maker: &Maker,
+        cache: &mut HeightCache,
         make: impl Fn(usize, (f64, f64), DVec2, &mut Walks) -> (f64, Zone),
     ) -> Arc<NodeNoise> {
         let p = maker.p;
@@ -200,14 +284,11 @@ impl NodeNoise {
             proportions: p.proportions(),
             zones: [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark].map(Clone::clone),
         };
-        // Whatever a panic elsewhere has left there is whole.
-        let lock = || bundles.noise.lock().unwrap_or_else(|e| e.into_inner());
-        let last = lock().clone();
-        if let Some(last) = last
+        if let Some(last) = &cache.noise
             && last.key == key
             && Arc::ptr_eq(&last.layout, &bundles.layout)
         {
-            return last;
+            return last.clone();
         }
         let mut walks = Walks::new(maker);
         let nodes = bundles.addresses.iter().zip(&bundles.directions);
@@ -219,15 +300,19 @@ impl NodeNoise {
                 .map(|(n, (&address, &direction))| make(n, address, direction, &mut walks))
                 .collect(),
         });
-        *lock() = Some(made.clone());
+        cache.noise = Some(made.clone());
         made
     }
 }
 
 /// The height of every node of every bundle of the torn surface, in radii, the ends they are of, and the thorns.
-fn fibrous_rims(bundles: &Bundles, maker: &Maker) -> (Vec<f64>, Arc<Ends>, Vec<Thorn>) {
+fn fibrous_rims(
+    bundles: &Bundles,
+    maker: &Maker,
+    cache: &mut HeightCache,
+) -> (Vec<f64>, Arc<Ends>, Vec<Thorn>) {
     let mut walks = Walks::new(maker);
-    let torn = Torn::new(maker, bundles, &mut walks);
+    let torn = Torn::new(maker, bundles, &mut walks, cache);
     let levels: Vec<Level> = (0..bundles.bundles.len())
         .map(|i| torn.level(&mut walks, i))
         .collect();

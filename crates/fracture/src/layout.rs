@@ -8,14 +8,12 @@ mod smooth;
 
 pub use smooth::smooth;
 
-use crate::ends::Ends;
-use crate::heights::NodeNoise;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::stem::RingField;
 use std::f64::consts::{PI, TAU};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 /// Seeds of independent random numbers.
 mod purpose {
@@ -75,10 +73,6 @@ pub struct Bundles {
     pub directions: Vec<DVec2>,
     /// For each bundle the node within it that carries its tip, or [`crate::surface::NONE`].
     pub tips: Vec<u32>,
-    /// The torn ends that were made last.
-    pub(crate) ends: Arc<Mutex<Option<Arc<Ends>>>>,
-    /// The noise of nodes that was made last.
-    pub(crate) noise: Arc<Mutex<Option<Arc<NodeNoise>>>>,
 }
 
 /// Nodes as they are made.
@@ -185,8 +179,6 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> B
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips: build.tips,
-        ends: Arc::default(),
-        noise: Arc::default(),
     }
 }
 

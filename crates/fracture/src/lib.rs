@@ -4,6 +4,7 @@
 pub mod cracks;
 pub mod cut;
 mod ends;
+mod field;
 pub mod heights;
 pub mod layout;
 mod limit;

@@ -6,7 +6,8 @@
 //! stem's radius.
 
 use crate::ends::{End, Ends, Rim, wandered};
-use crate::heights::{Maker, Walks, unit};
+use crate::field::HeightField;
+use crate::heights::{HeightCache, Maker, Walks, unit};
 use crate::layout::{Bundle, Bundles};
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -45,10 +46,15 @@ pub(crate) struct Torn<'a> {
 const SLENDER: f64 = 9.0;
 
 impl<'a> Torn<'a> {
-    pub fn new(maker: &'a Maker<'a>, bundles: &'a Bundles, walks: &mut Walks) -> Self {
+    pub fn new(
+        maker: &'a Maker<'a>,
+        bundles: &'a Bundles,
+        walks: &mut Walks,
+        cache: &mut HeightCache,
+    ) -> Self {
         let p = maker.p;
         let stem = (maker.setting.radius, maker.setting.pith);
-        let ends = Ends::of(bundles, p, walks, stem);
+        let ends = Ends::cached(bundles, p, walks, stem, cache);
         let mut torn = Torn {
             maker,
             bundles,
@@ -109,6 +115,23 @@ impl<'a> Torn<'a> {
         let slab = self.ends.slabs.at(0.95, wandered).1;
         let wood = 0.7 * p.slab_height * self.maker.setting.relief * torn * slab;
         self.maker.stepped(at, 0.99, phi) + wood + p.bark_offset
+    }
+
+    /// The level of a bundle that ends at a field.
+    pub fn level_of_field(&self, field: &HeightField, index: usize) -> Level {
+        let bundle = &self.bundles.bundles[index];
+        let unit = unit(bundle.rho.min(1.0), bundle.phi);
+        let fibre = self.maker.setting.relief * self.maker.p.fibre_height;
+        Level {
+            base: field.at(bundle.rho, bundle.phi) / self.maker.setting.radius,
+            thorn: 0.0,
+            fibre: if bundle.bark { 0.0 } else { fibre },
+            middle: self.ends.middle(self.bundles, index, unit),
+            slant: DVec2::ZERO,
+            sliver: 0.0,
+            blade: if bundle.bark { 0.0 } else { fibre },
+            bark: bundle.bark,
+        }
     }
 
     fn bark_level(&self, walks: &mut Walks, bundle: &Bundle, end: &End, middle: DVec2) -> Level {

@@ -15,6 +15,7 @@ pub mod film;
 pub mod intersect;
 pub mod material;
 pub mod mesh;
+pub mod repair;
 pub mod scene;
 pub mod simplify;
 pub mod table;

@@ -50,6 +50,36 @@ impl Mesh {
         self.materials.get(t).copied().unwrap_or(NO_MATERIAL)
     }
 
+    /// The triangles `which` with the vertices that they use, both in their order.
+    pub fn submesh(&self, which: impl Iterator<Item = usize>) -> Mesh {
+        let mut new = vec![u32::MAX; self.positions.len()];
+        let mut used = Vec::new();
+        let mut part = Mesh::default();
+        for t in which {
+            let corners = self.triangles[t].map(|v| {
+                if new[v as usize] == u32::MAX {
+                    new[v as usize] = used.len() as u32;
+                    used.push(v as usize);
+                }
+                new[v as usize]
+            });
+            part.triangles.push(corners);
+            if !self.materials.is_empty() {
+                part.materials.push(self.materials[t]);
+            }
+        }
+        part.positions = used.iter().map(|&v| self.positions[v]).collect();
+        for (name, attribute) in &self.attributes {
+            let values = used.iter().flat_map(|&v| attribute.at(v));
+            let attribute = Attribute {
+                width: attribute.width,
+                data: values.copied().collect(),
+            };
+            part.attributes.insert(name.clone(), attribute);
+        }
+        part
+    }
+
     /// For each vertex the number of its point; vertices at bitwise equal positions (0 and −0 count as equal) share
     /// one. Returns the numbers, counted from 0 in order of first appearance, and how many there are.
     pub fn points(&self) -> (Vec<u32>, usize) {

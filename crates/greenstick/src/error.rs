@@ -2,6 +2,7 @@
 
 use greenstick_fracture::cut::CutError;
 use greenstick_geometry::Cancelled;
+use greenstick_skin::BreakError;
 use greenstick_wood::stem::StemError;
 
 /// Why a break failed.
@@ -48,4 +49,15 @@ pub enum Error {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<BreakError> for Error {
+    fn from(error: BreakError) -> Self {
+        match error {
+            BreakError::Stem(error) => Error::Stem(error),
+            BreakError::Cut { error, at } => Error::Cut { error, at },
+            BreakError::Crack(error) => Error::Crack(error),
+            BreakError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+        }
+    }
 }

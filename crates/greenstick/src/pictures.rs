@@ -1,8 +1,7 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::branch::OWN_BARK;
-use crate::breaking::Broken;
-use crate::looks::Looks;
+use crate::session::{Broken, BrokenWood, Looks, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
@@ -14,9 +13,8 @@ use std::sync::Arc;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark where nothing better is known.
 struct StemShader<'a> {
-    stem: &'a Stem,
-    looks: &'a Looks,
-    inner: u32,
+    /// The wood inside, by material; bark and sawn ends are those of the first.
+    woods: Vec<Inside<'a>>,
     plain: PlainShader,
     /// For each material whether it says nothing of the colour: no colour of its own, or only a texture.
     blank: Vec<bool>,
@@ -24,10 +22,33 @@ struct StemShader<'a> {
     moved: bool,
 }
 
+/// The wood inside a stem.
+#[derive(Clone, Copy)]
+struct Inside<'a> {
+    material: u32,
+    stem: &'a Stem,
+    looks: &'a Looks,
+}
+
+impl<'a> Inside<'a> {
+    fn new(wood: &'a BrokenWood) -> Self {
+        Inside {
+            material: wood.material,
+            stem: &wood.stem,
+            looks: &wood.looks,
+        }
+    }
+}
+
 impl StemShader<'_> {
-    fn wood(&self, hit: &Hit, grain: DVec3) -> Appearance {
-        let frame = self.stem.grain.axis().frame(grain.z);
-        let (ring, angle) = self.stem.rings.address(grain.truncate());
+    /// The wood whose bark and sawn ends are shown.
+    fn own(&self) -> Inside<'_> {
+        self.woods[0]
+    }
+
+    fn wood(&self, inside: Inside, hit: &Hit, grain: DVec3) -> Appearance {
+        let frame = inside.stem.grain.axis().frame(grain.z);
+        let (ring, angle) = inside.stem.rings.address(grain.truncate());
         let (directions, end_grain) = match self.moved.then(|| hit.gradients("_GRAIN")).flatten() {
             // A length along the grain that does not change along a face means that the face lies across it.
             Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
@@ -39,25 +60,27 @@ impl StemShader<'_> {
         let point = WoodPoint {
             ring,
             angle,
-            across: grain.truncate() - self.stem.rings.pith(),
+            across: grain.truncate() - inside.stem.rings.pith(),
             along: grain.z,
             end_grain,
         };
-        let surface = self.looks.wood.wood(&point, hit.footprint);
+        let surface = inside.looks.wood.wood(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
     fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
-        let along = self.stem.grain.axis().frame(grain.z).tangent;
+        let stem = self.own().stem;
+        let along = stem.grain.axis().frame(grain.z).tangent;
         let end = !self.moved && hit.geometric_normal.dot(along).abs() > SAWN;
-        self.stem.kind == StemKind::Board || end
+        stem.kind == StemKind::Board || end
     }
 
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
+        let Inside { stem, looks, .. } = self.own();
         let (point, directions) = match grain {
             Some(grain) => {
-                let frame = self.stem.grain.axis().frame(grain.z);
-                let across: DVec2 = grain.truncate() - self.stem.rings.pith();
+                let frame = stem.grain.axis().frame(grain.z);
+                let across: DVec2 = grain.truncate() - stem.rings.pith();
                 let angle = libm::atan2(across.y, across.x);
                 let point = BarkPoint {
                     angle,
@@ -74,12 +97,12 @@ impl StemShader<'_> {
                 let point = BarkPoint {
                     angle,
                     along: p.y,
-                    radius: self.stem.radius,
+                    radius: stem.radius,
                 };
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = bark(&self.looks.bark, &point, hit.footprint);
+        let surface = bark(&looks.bark, &point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }
@@ -100,15 +123,16 @@ impl Shader for StemShader<'_> {
             .map(|g| DVec3::new(g[0], g[1], g[2]))
             .filter(|g| *g != DVec3::ZERO);
         let material = hit.material();
-        match grain {
-            Some(grain) if material == self.inner => self.wood(hit, grain),
-            grain => {
+        let inside = self.woods.iter().find(|w| w.material == material);
+        match (grain, inside) {
+            (Some(grain), Some(inside)) => self.wood(*inside, hit, grain),
+            (grain, _) => {
                 if !self.blank.get(material as usize).copied().unwrap_or(true) {
                     return self.plain.shade(hit);
                 }
                 match grain {
                     // A board's skin is sawn wood, and so are the ends of a stem.
-                    Some(grain) if self.is_sawn(hit, grain) => self.wood(hit, grain),
+                    Some(grain) if self.is_sawn(hit, grain) => self.wood(self.own(), hit, grain),
                     grain => self.bark(hit, grain),
                 }
             }
@@ -137,10 +161,13 @@ pub fn picture_of_skin(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = StemShader {
+    let inside = Inside {
+        material: inner,
         stem,
         looks,
-        inner,
+    };
+    let shader = StemShader {
+        woods: vec![inside],
         plain: PlainShader::of_materials(&scene.materials),
         blank: blank(scene),
         moved: true,
@@ -158,14 +185,16 @@ pub fn picture_of_break(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let shader = StemShader {
-        stem: &broken.stem,
-        looks: &broken.looks,
-        inner: broken.inner_material,
+        woods: broken.woods.iter().map(Inside::new).collect(),
         plain: PlainShader::of_materials(&broken.scene.materials),
         blank: blank(&broken.scene),
         moved: false,
     };
-    let opened = opened(broken);
+    // Only a stem that is broken once is opened for its picture.
+    let [wood] = &broken.woods[..] else {
+        return render(&items(&broken.scene, &shader), options, context);
+    };
+    let opened = opened(broken, wood);
     let scene = if broken.apart || broken.end.is_some() {
         &broken.scene
     } else {
@@ -186,7 +215,7 @@ pub fn picture_of_break(
             };
         }
     } else if options.zoom.is_none() && options.shown.is_empty() {
-        aim(broken, scene, &mut options);
+        aim(broken, wood, scene, &mut options);
     }
     render(&items(scene, &shader), &options, context)
 }
@@ -207,24 +236,27 @@ const OUTER: f64 = 0.85;
 const MOST_OF_IT: f64 = 0.85;
 
 /// Points the camera at the whole of both faces and a stub of stem behind each.
-fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
-    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureOptions) {
+    let stem = &wood.stem;
+    let frame = stem.grain.axis().frame(stem.place);
     let [low, high] = broken.report.face.range_m;
-    let stub = STUB.0 * broken.stem.radius + STUB.1 * (high - low);
-    let Some(rest) = broken.scene.nodes.iter().find(|n| n.name == "lower") else {
+    let stub = STUB.0 * stem.radius + STUB.1 * (high - low);
+    let lower = NodeRole::Piece(PieceRole::Lower);
+    let Some(at) = broken.roles.iter().position(|&role| role == lower) else {
         return;
     };
+    let rest = &broken.scene.nodes[at];
     let (along, origin) = (frame.tangent, frame.origin);
-    let reach = 0.5 * broken.width;
+    let reach = 0.5 * wood.width;
     let mut shown = Vec::new();
-    for node in &scene.nodes {
-        let upper = node.name == "upper";
-        if node.name != "lower" && !upper && !node.name.starts_with("splinter_") {
+    for (node, role) in scene.nodes.iter().zip(&broken.roles) {
+        let NodeRole::Piece(role) = role else {
             continue;
-        }
+        };
+        let upper = *role == PieceRole::Upper;
         let rings = node.mesh.attributes.get("_RING");
         let face = (node.mesh.triangles.iter().enumerate())
-            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&broken.inner_material))
+            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&wood.material))
             .flat_map(|(_, corners)| corners.map(|v| v as usize));
         // How far down the outside the break can be seen, m from the place of the break.
         let mut ends = vec![0.0];
@@ -242,7 +274,7 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
                 shown.push(node.transform.transform_point3(at));
             }
         }
-        if node.name.starts_with("splinter_") {
+        if matches!(role, PieceRole::Splinter(_)) {
             continue;
         }
         // The stem runs on behind the face: its section once more. Pieces have one transform at rest.
@@ -250,7 +282,7 @@ fn aim(broken: &Broken, scene: &Scene, options: &mut PictureOptions) {
         ends.sort_unstable_by(f64::total_cmp);
         let end = ends[(MOST_OF_IT * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
         let end = if upper { end } else { -end };
-        let at = broken.stem.grain.axis().frame(broken.stem.place + end);
+        let at = stem.grain.axis().frame(stem.place + end);
         shown.extend(
             [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
                 .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
@@ -286,30 +318,28 @@ fn azimuth(frame: &Frame) -> f64 {
 }
 
 /// How far the upper piece is set aside, m.
-fn aside(broken: &Broken, across: DVec3) -> DVec3 {
-    across * (1.2 * broken.width)
+fn aside(wood: &BrokenWood, across: DVec3) -> DVec3 {
+    across * (1.2 * wood.width)
 }
 
 /// The scene with the upper piece turned over and set beside the lower, both faces up.
-fn opened(broken: &Broken) -> Scene {
-    let frame = broken.stem.grain.axis().frame(broken.stem.place);
+fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
+    let frame = wood.stem.grain.axis().frame(wood.stem.place);
     let [low, high] = broken.report.face.range_m;
     let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
     let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-    let about = DAffine3::from_translation(centre + aside(broken, frame.x))
+    let about = DAffine3::from_translation(centre + aside(wood, frame.x))
         * turn
         * DAffine3::from_translation(-centre);
     let mut scene = broken.scene.clone();
-    let upper: Vec<usize> = (0..scene.nodes.len())
-        .filter(|&i| scene.nodes[i].name == "upper" || scene.nodes[i].parent == Some(1))
-        .collect();
-    // What was not cut would only stand in the way.
-    let ours = |n: &greenstick_geometry::Node| n.name == "lower" || n.name.starts_with("splinter_");
-    for (i, node) in scene.nodes.iter_mut().enumerate() {
-        if upper.contains(&i) {
-            node.transform = about * node.transform;
-        } else if !ours(node) {
-            node.mesh = Arc::default();
+    for (node, role) in scene.nodes.iter_mut().zip(&broken.roles) {
+        match role {
+            NodeRole::Piece(PieceRole::Upper) | NodeRole::Carried => {
+                node.transform = about * node.transform;
+            }
+            NodeRole::Piece(_) => {}
+            // It would only stand in the way.
+            NodeRole::Untouched => node.mesh = Arc::default(),
         }
     }
     scene

@@ -1,7 +1,7 @@
 //! What a break did, in numbers with units.
 
-use crate::hang::HangReport;
 use greenstick_geometry::Mesh;
+use greenstick_skin::hang::HangReport;
 use serde::Serialize;
 use std::fmt;
 
@@ -111,13 +111,31 @@ pub struct BreakReport {
     pub hang: Option<HangReport>,
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
+    /// Breaks of the request after the first one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further_breaks: Vec<FurtherBreak>,
     /// What was assumed or could not be done, one sentence each.
     pub notes: Vec<String>,
 }
 
+/// A break of a stem that is broken at several places.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FurtherBreak {
+    /// Where it is.
+    pub place: PlaceReport,
+    /// Its face.
+    pub face: FaceReport,
+    /// The species, where one was named.
+    pub species: Option<SpeciesReport>,
+    /// How what lies beyond it hangs on, where it does.
+    pub hang: Option<HangReport>,
+    /// Volume lost to drying cracks, m³.
+    pub crack_volume_m3: Option<f64>,
+}
+
 impl PieceReport {
     /// The report on a mesh whose coordinates must be multiplied by `scale` (m³ per unit³) for its volume.
-    pub(crate) fn of(name: &str, mesh: &Mesh, scale: f64) -> Self {
+    pub(crate) fn new(name: &str, mesh: &Mesh, scale: f64) -> Self {
         let (closed, volume) = closed_volume(mesh);
         PieceReport {
             name: name.to_owned(),

@@ -9,13 +9,13 @@ use greenstick::fit::{Fit, FitError, Ground, fit_parting};
 use greenstick::fracture::parameters::Surface;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
-use greenstick::skin::rods::{Break, Parting, Wood};
+use greenstick::skin::rods::{Parting, RodBreak, Wood};
 use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
 use greenstick::wood::primitive;
 use greenstick::wood::species::Species;
 use greenstick::wood::stem::{Stem, StemOptions, find};
-use greenstick::{BreakRequest, break_scene};
+use greenstick::{Break, BreakRequest, break_scene};
 
 const RADIUS: f64 = 0.02;
 /// Mean length of edges, radii.
@@ -98,7 +98,7 @@ fn fitted(
             .unwrap();
         heights.push(wood.along[vertex] - AT * grown.stem.length);
         let vertex = vertex as u32;
-        parting.breaks[rod].push(Break { vertex, cause });
+        parting.breaks[rod].push(RodBreak { vertex, cause });
     }
     let ground = Ground {
         scene: &grown.scene,
@@ -232,10 +232,12 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     // From end to end the drawn face, with its few long splinters among many short ones, reaches up to three times as far
     // as heights that are evenly spread.
     let request = BreakRequest {
-        place: fit.place,
-        recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
         texture_width: 16,
-        ..BreakRequest::default()
+        ..BreakRequest::single(Break {
+            place: fit.place,
+            recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
+            ..Break::default()
+        })
     };
     let broken = break_scene(grown.scene.clone(), &request, &Context::quiet()).unwrap();
     let [low, high] = broken.report.face.range_m;

@@ -1,45 +1,20 @@
 //! Random parameters over the whole of their ranges, on a bent branch, a board and a scanned pole: both pieces are
 //! always closed, oriented and free of crossings, and their volumes add up to the input's.
 
+mod support;
+
 use greenstick::fracture::parameters::{BreakParameters, Kind, Parameters, Value};
 use greenstick::geometry::intersect::{Contact, contact_tree, self_contacts};
-use greenstick::geometry::{Aabb, CheckOptions, Context, Mesh, Node, Scene};
-use greenstick::wood::{noise, primitive, stem};
-use greenstick::{Prepared, prepare};
+use greenstick::geometry::repair::snap_to_f32;
+use greenstick::geometry::{Aabb, CheckOptions, Context, Mesh, Scene};
+use greenstick::wood::{noise, primitive};
+use greenstick::{BreakSession, built_in_branch};
 use rayon::prelude::*;
+use support::{pieces, request, scanned_pole, scene, stages};
 
 const SETS: usize = 1000;
 /// Material of the wood inside.
 const INNER: u32 = 1;
-
-fn scene(mesh: Mesh, scale: f64) -> Scene {
-    let transform = glam::DAffine3::from_scale(glam::DVec3::splat(scale));
-    let node = Node {
-        name: "stem".into(),
-        transform,
-        mesh: mesh.into(),
-        parent: None,
-    };
-    Scene {
-        nodes: vec![node],
-        ..Scene::default()
-    }
-}
-
-/// The scanned pole, where the data folder is there.
-fn pole() -> Option<Scene> {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pole.ply");
-    let bytes = std::fs::read(&root).ok()?;
-    let unit = Some(greenstick::formats::LengthUnit::Millimetre);
-    greenstick::formats::read(
-        greenstick::formats::Format::Ply,
-        &bytes,
-        "pole.ply",
-        unit,
-        &|_| Err(std::io::ErrorKind::NotFound.into()),
-    )
-    .ok()
-}
 
 /// A value anywhere in every parameter's range; counts and frequencies evenly over their orders of magnitude.
 fn random_parameters(set: usize) -> BreakParameters {
@@ -48,7 +23,7 @@ fn random_parameters(set: usize) -> BreakParameters {
     for (i, info) in BreakParameters::table().into_iter().enumerate() {
         let u = unit(i);
         // A third of all parameters stays as it is, so that sets are not all of one kind.
-        // Winding grain is no parameter of Table 2 and is tried by its own test below.
+        // Spiral grain is no parameter of Table 2 and is tried by its own test below.
         let kept = unit(i + 1000) < 0.33 && info.key != "seed";
         if kept || info.key == "spiral_angle" {
             continue;
@@ -126,27 +101,26 @@ fn crossings(piece: &Mesh) -> usize {
 }
 
 /// What is wrong with the break of one set of parameters.
-fn faults(prepared: &Prepared, set: usize, volume: f64) -> Vec<String> {
+fn faults(session: &mut BreakSession, at: f64, set: usize, volume: f64) -> Vec<String> {
     let p = random_parameters(set);
     let what = format!(
         "set {set}, rings {}, sectors {}, {:?}",
         p.rings, p.sectors, p.surface
     );
-    let model = match prepared.model(&p, 1.0, INNER) {
-        Ok(model) => model,
+    let stages = match session.stages(&request(at, &p), &Context::quiet()) {
+        Ok(stages) => stages,
         Err(error) => return vec![format!("{what}: {error}")],
     };
     let mut faults = Vec::new();
     let mut sum = 0.0;
-    for (name, piece) in [("lower", &model.lower), ("upper", &model.upper)] {
-        let (report, crossing) = (piece.check_with(QUICK), crossings(piece));
+    for (name, mut piece) in ["lower", "upper"].into_iter().zip(pieces(&stages, &p)) {
+        let (report, crossing) = (piece.check_with(QUICK), crossings(&piece));
         if !report.is_solid() || crossing > 0 {
             faults.push(format!("{what}, {name}: {crossing} crossings, {report}"));
         }
         sum += piece.volume();
-        let mut written = piece.clone();
-        greenstick::skin::settle::settle(&mut written, INNER);
-        let report = written.check_with(QUICK);
+        snap_to_f32(&mut piece, INNER);
+        let report = piece.check_with(QUICK);
         if !(report.closed || report.non_manifold_edges > 0) || !report.oriented {
             faults.push(format!("{what}, {name} as written: {report}"));
         }
@@ -159,20 +133,20 @@ fn faults(prepared: &Prepared, set: usize, volume: f64) -> Vec<String> {
 
 /// Breaks a scene with random parameters. `scenes` are the same body, the first of them in fine triangles, which every
 /// tenth set breaks.
-fn run(name: &str, scenes: [Scene; 2], place: f64) {
+fn run(name: &str, scenes: [Scene; 2], at: f64) {
     let bodies = scenes.map(|scene| {
         let volume = scene.nodes[0].mesh.volume();
-        let place = stem::Place::Fraction(place);
-        let prepared = prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap();
-        let report = prepared.scene.nodes[0].mesh.check();
+        let mut session = BreakSession::new(scene);
+        let stem = session.stem(&request(at, &Default::default()), &Context::quiet());
+        let report = stem.unwrap().sound.node().mesh.check();
         assert!(report.is_solid(), "{name}, before any break: {report}");
-        (prepared, volume)
+        (session, volume)
     });
     let faults: Vec<String> = (0..SETS / 3 + 1)
         .into_par_iter()
         .flat_map_iter(|set| {
-            let (prepared, volume) = &bodies[usize::from(set % 10 != 0)];
-            faults(prepared, set, *volume)
+            let (session, volume) = &bodies[usize::from(set % 10 != 0)];
+            faults(&mut session.fork(), at, set, *volume)
         })
         .collect();
     assert!(
@@ -201,18 +175,14 @@ fn random_breaks_of_a_board_are_sound() {
 
 #[test]
 fn random_breaks_of_a_scanned_pole_are_sound() {
-    match pole() {
-        Some(scene) => run("pole", [scene.clone(), scene], 0.6),
-        None => println!("skipped: tests/data/pole.ply is not there"),
-    }
+    run("pole", [scanned_pole(), scanned_pole()], 0.6);
 }
 
 #[test]
-fn a_break_with_winding_grain_is_closed_and_adds_up() {
-    let scene = scene(primitive::branch(&Default::default()), 1.0);
+fn a_break_in_spiral_grain_is_closed_and_adds_up() {
+    let scene = built_in_branch();
     let volume = scene.nodes[0].mesh.volume();
-    let place = stem::Place::Fraction(0.5);
-    let prepared = prepare(scene, &place, &Default::default(), &Context::quiet()).unwrap();
+    let mut session = BreakSession::new(scene);
     for seed in 0..2 {
         let mut p = BreakParameters {
             seed,
@@ -220,16 +190,18 @@ fn a_break_with_winding_grain_is_closed_and_adds_up() {
         };
         let twist = greenstick::fracture::presets::Preset::find("twist").unwrap();
         twist.apply(&mut p, &mut Default::default()).unwrap();
-        let wound = prepared.wound(&p, 1.0);
-        let model = wound.model(&p, 1.0, INNER).unwrap();
-        let told = model.wound.unwrap();
+        let stages = stages(&mut session, 0.5, &p);
+        let repair = stages.cut.face.spiral.unwrap();
         let mut sum = 0.0;
-        for piece in [&model.lower, &model.upper] {
+        for piece in pieces(&stages, &p) {
             let report = piece.check_with(QUICK);
             assert!(report.closed && report.oriented, "seed {seed}: {report}");
-            // What is told of crossings is all there is.
-            let crossing = crossings(piece);
-            assert!(crossing <= told.left, "seed {seed}: {crossing}, {told:?}");
+            // The report counts all crossings that there are.
+            let crossing = crossings(&piece);
+            assert!(
+                crossing <= repair.remaining,
+                "seed {seed}: {crossing}, {repair:?}"
+            );
             sum += piece.volume();
         }
         assert!(

@@ -1,5 +1,7 @@
 //! Cracks in a stem that came from a scan lie on the boundaries of the rings that its scanned bark gives it, and on rays.
 
+mod support;
+
 use glam::{DVec2, DVec3};
 use greenstick::fracture::cracks::{Way, plan};
 use greenstick::fracture::parameters::{
@@ -7,14 +9,17 @@ use greenstick::fracture::parameters::{
 };
 use greenstick::geometry::{Context, Mesh, PointCloud};
 use greenstick::scanning::{ScanRequest, scan_to_scene};
+use greenstick::skin::cracks::crack_faces;
+use greenstick::skin::prepared::PreparedStem;
 use greenstick::wood::{noise, stem};
-use greenstick::{Prepared, formats::CloudFile, prepare};
+use greenstick::{BreakSession, formats::CloudFile};
 use std::collections::BTreeSet;
+use support::{pieces, request};
 
 const RINGS: u32 = 16;
 
-/// A scanned log with a fluted, eccentric section.
-fn scanned() -> Prepared {
+/// A session with a scanned log of fluted, eccentric section, and where it is broken.
+fn scanned() -> (BreakSession, stem::Place) {
     let points = (0..40_000i64)
         .map(|i| {
             let chance = |k: u64| noise::unit(k, i, 0, 0);
@@ -39,7 +44,7 @@ fn scanned() -> Prepared {
     let place = stem::Place::Fraction(0.5);
     let context = Context::quiet();
     let made = scan_to_scene(&file, &place, &ScanRequest::default(), &context).unwrap();
-    prepare(made.scene, &made.place, &Default::default(), &context).unwrap()
+    (BreakSession::new(made.scene), made.place)
 }
 
 fn crack(kind: &str, values: &[(&str, f64)]) -> Crack {
@@ -51,7 +56,7 @@ fn crack(kind: &str, values: &[(&str, f64)]) -> Crack {
 }
 
 /// Vertices of `cracked` that `plain` has not, as height over the place, ring coordinate and angle.
-fn new_vertices(prepared: &Prepared, cracked: &Mesh, plain: &Mesh) -> Vec<(f64, f64, f64)> {
+fn new_vertices(prepared: &PreparedStem, cracked: &Mesh, plain: &Mesh) -> Vec<(f64, f64, f64)> {
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     let old: BTreeSet<_> = plain.positions.iter().map(bits).collect();
     let stem = &prepared.found.stem;
@@ -74,8 +79,7 @@ fn new_vertices(prepared: &Prepared, cracked: &Mesh, plain: &Mesh) -> Vec<(f64, 
 
 #[test]
 fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
-    let prepared = scanned();
-    let radius = prepared.found.stem.radius;
+    let (mut session, place) = scanned();
     let mut cracks = CrackParameters::default();
     cracks.settings.distortion = 0.0;
     for group in ["large.count", "medium.count", "small.count"] {
@@ -107,12 +111,18 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     let mut p = BreakParameters::default();
     p.set_text("surface", "smooth").unwrap();
     p.set_text("rings", &RINGS.to_string()).unwrap();
-    let model = prepared.model(&p, 1.0, 1).unwrap();
-    let cracked = prepared.crack_break(&model, &p, &plan, 1).unwrap();
-    assert_eq!(cracked.lower_face.cracks, 2);
+    let mut request = request(0.5, &p);
+    request.breaks[0].place = place;
+    let stages = session.stages(&request, &Context::quiet()).unwrap();
+    let (stem, inner) = (stages.stem.stem(), stages.inner_wood(&p));
+    let heights = &stages.heights.heights;
+    let [lower, _] = crack_faces(stem, &heights.surface, &plan, &inner).unwrap();
+    assert_eq!(lower.grooves.cracks, 2);
+    let radius = stem.found.stem.radius;
     // Below all of the face there are only the cracks' walls.
-    let below = model.heights.range.0 - 0.05 * radius;
-    let walls = new_vertices(&prepared, &cracked.lower, &model.lower);
+    let below = heights.range.0 - 0.05 * radius;
+    let cracked = lower.piece(stem, &inner, false);
+    let walls = new_vertices(stem, &cracked, &pieces(&stages, &p)[0]);
     let walls: Vec<_> = walls.into_iter().filter(|w| w.0 < below).collect();
     let (on_ring, on_ray): (Vec<_>, Vec<_>) =
         walls.into_iter().partition(|w| w.2.to_degrees() < 200.0);

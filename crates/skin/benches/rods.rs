@@ -9,9 +9,8 @@ use greenstick_fibre::placement::{PlacementOptions, RodCount, WoodMaterial, fill
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Context, Film, Joint};
-use greenstick_skin::rods::{
-    Materials, Parting, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
-};
+use greenstick_skin::rods::{Materials, Parting, RodSkinOptions, Wood, frame_poses, rod_skin};
+use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::noise::unit;
 use greenstick_wood::primitive;
@@ -79,7 +78,7 @@ fn main() {
         );
         let frame = Frame::capture(&bundle, &state, &[]);
         let parting = Parting::of(&wood, &frame, &BTreeMap::new()).expect("it is its own");
-        let square = Square {
+        let square = SectionSquare {
             middle: glam::DVec2::ZERO,
             side: 0.01,
         };

@@ -1,11 +1,13 @@
-//! Closed, textured meshes from what fracture produces.
+//! Closed, textured meshes from what fracture and simulation produce.
 #![deny(missing_docs)]
 
-pub mod face;
-pub mod halve;
-pub mod pieces;
+pub mod broken;
+pub mod cracks;
+mod error;
+pub mod fray;
+pub mod hang;
+pub mod prepared;
 pub mod rods;
-pub mod settle;
 pub mod texture;
-pub mod untangle;
-pub mod wind;
+
+pub use error::BreakError;

@@ -11,6 +11,15 @@ use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
 
+/// The square of a section that a texture covers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SectionSquare {
+    /// Its middle, grain (x, y), m.
+    pub middle: DVec2,
+    /// Its side, m.
+    pub side: f64,
+}
+
 /// Encoded PNG files of one size, twice as wide as high.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WoodTextures {

@@ -372,8 +372,14 @@ pub fn board(length: f64, width: f64, thickness: f64) -> Mesh {
 
 /// A closed cylinder from the origin along +y (m), with `around` sides and rows about as high as they are wide.
 pub fn cylinder(radius: f64, length: f64, around: u32) -> Mesh {
+    let square = length * f64::from(around.max(3)) / (TAU * radius);
+    cylinder_of(radius, length, around, square.round() as u32)
+}
+
+/// A [`cylinder`] whose side has `rows` quadrilaterals along it, 1 to 4096.
+pub fn cylinder_of(radius: f64, length: f64, around: u32, rows: u32) -> Mesh {
     let around = around.max(3) as usize;
-    let rows = ((length * around as f64 / (TAU * radius)).round() as usize).clamp(1, 4096);
+    let rows = rows.clamp(1, 4096) as usize;
     let mut mesh = Mesh::default();
     let mut uv = Vec::new();
     let at = |i: usize, j: usize| {

@@ -27,8 +27,6 @@ pub(super) struct Cap {
     pub faces: Vec<CapFace>,
     /// First triangle of every wall.
     pub walls: Vec<u32>,
-    /// See [`super::Cut::joints`].
-    pub joints: Vec<(u32, u32)>,
 }
 
 pub(super) struct Builder<'a, 'b> {
@@ -65,20 +63,17 @@ pub(super) struct Builder<'a, 'b> {
     /// Triangles of tops that the outline crosses: (facet, triangle).
     crossed: Vec<(u32, [u32; 3])>,
     triangulator: Triangulator,
-    /// Whether [`Cap::joints`] are wanted.
-    joints: bool,
     cap: Cap,
 }
 
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
-/// Builds the broken face from the outline found by `overlay`; with its `joints` where they are asked for.
+/// Builds the broken face from the outline found by `overlay`.
 pub(super) fn build<'a>(
     surface: &'a Surface,
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
-    joints: bool,
 ) -> Result<Cap, CutError> {
     overlay.sort();
     let sorted = |list: Vec<(u32, [u32; 2])>| {
@@ -125,7 +120,6 @@ pub(super) fn build<'a>(
         status: vec![[0; 3]; layout.facets.len()],
         crossed: Vec::new(),
         triangulator: Triangulator::default(),
-        joints,
         cap: Cap::default(),
     };
     builder.cap.triangles.reserve(layout.facets.len() * 3);
@@ -461,7 +455,6 @@ impl<'a> Builder<'a, '_> {
                 cell: layout.cells[facet as usize],
                 top: true,
             };
-            let first = self.cap.triangles.len();
             while outlined.next_if(|&f| f < facet).is_some() {}
             if outlined.peek() == Some(&facet) {
                 while let Some((_, triangle)) = done.next_if(|c| c.0 == facet) {
@@ -472,17 +465,8 @@ impl<'a> Builder<'a, '_> {
             {
                 self.fill_whole_top(facet, face);
             }
-            self.note_joints(first, self.ground.joint(facet));
         }
         Ok(())
-    }
-
-    /// Notes the triangles from number `first` on as joints of a kind.
-    fn note_joints(&mut self, first: usize, kind: Option<u32>) {
-        if let (true, Some(region)) = (self.joints, kind) {
-            let made = first as u32..self.cap.triangles.len() as u32;
-            self.cap.joints.extend(made.map(|t| (t, region)));
-        }
     }
 
     /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.

@@ -1,64 +1,114 @@
 //! Chips: parts of one piece that a cut leaves hanging in the air, given to the other piece.
 //!
-//! Where the skin bulges or the surface runs out steeply, a sliver of one piece may be joined to it nowhere. It is
-//! joined to the other piece by the face between them; that face is taken out and the chip changes sides.
+//! Where the skin bulges or the surface runs out steeply, a sliver of one piece may not be joined to the rest of it. It is
+//! joined to the other piece by the face between them; that face is removed and the chip changes sides.
 
 use super::{Cut, Side, Skin, Solid, root};
 use crate::surface::NONE;
 
-impl Cut {
-    /// Gives every part of a piece that is not joined to the rest of it to the other piece. Returns how many.
-    pub fn absorb_chips(&mut self, solid: &Solid) -> usize {
-        if self.outlines <= 1 {
-            return 0;
-        }
-        // The order of the skin does not depend on the reach of breaks.
-        self.absorb_chips_again(solid, &Skin::new(solid, (0.0, 0.0)))
-    }
+/// A whole triangle of the limb about the break.
+struct WholeTriangle {
+    /// Its place in [`super::Sides::between`].
+    place: usize,
+    /// Its points.
+    points: [u32; 3],
+}
 
-    /// [`Cut::absorb_chips`] with the sorted `skin` of `solid`.
-    pub fn absorb_chips_again(&mut self, solid: &Solid, skin: &Skin) -> usize {
+impl Cut {
+    /// Gives every part of a piece that is not joined to the rest of it to the other piece. `skin` is the sorted skin of
+    /// `solid`. Returns how many.
+    pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin) -> usize {
         // One closed outline parts a stem in two and no more.
         if self.outlines <= 1 {
             return 0;
         }
-        self.absorb(solid, skin, false) + self.absorb(solid, skin, true)
+        let mut chips = 0;
+        for upper in [false, true] {
+            if !self.is_surely_joined(solid, skin, upper) {
+                chips += self.absorb(solid, skin, upper);
+            }
+        }
+        chips
     }
 
-    /// Vertices up to number `count` as the broken face joins those of the skin, and for each region of the layout one
-    /// of its vertices or [`NONE`]; vertices within regions are left out. `None` where the face is not known to be as
-    /// it was cut.
-    fn joined_near(&self, count: u32) -> Option<(Vec<u32>, Vec<u32>)> {
-        let (joints, whole) = &self.joints;
-        if *whole != self.cap.len() {
-            return None;
+    /// Whether all of a piece is joined to what lies beyond the break, as far as a short look can tell: from every closed
+    /// line of the outline the skin leads there over whole triangles that lie farther and farther from the break. Each
+    /// part of a piece has such a line on its border.
+    fn is_surely_joined(&self, solid: &Solid, skin: &Skin, upper: bool) -> bool {
+        if !self.reaches_beyond(skin, upper) {
+            return false;
         }
-        let mut parent: Vec<u32> = (0..=count).collect();
-        let mut regions: Vec<u32> = Vec::new();
-        for &(t, region) in joints {
-            let [a, b, c] = self.cap[t as usize];
-            let mut also = a;
-            if region != NONE {
-                if regions.len() <= region as usize {
-                    regions.resize(region as usize + 1, NONE);
+        let mut joined = vec![false; self.outlines];
+        let mut open = self.outlines;
+        for part in self.skin.iter().filter(|s| s.upper == upper) {
+            let line = part.corners.iter().find_map(|&c| {
+                let vertex = (c as usize).checked_sub(self.points)?;
+                let line = *self.outline_of.get(vertex)?;
+                (line != NONE && !joined[line as usize]).then_some(line as usize)
+            });
+            let Some(line) = line else { continue };
+            let mut points = part.corners.iter().filter(|&&c| (c as usize) < self.points);
+            if points.any(|&p| self.leads_beyond(p, solid, skin, upper)) {
+                joined[line] = true;
+                open -= 1;
+                if open == 0 {
+                    return true;
                 }
-                let known = &mut regions[region as usize];
-                if *known == NONE {
-                    *known = a;
-                }
-                also = *known;
-            }
-            let first = root(&mut parent, a);
-            for other in [b, c, also] {
-                let other = root(&mut parent, other) as usize;
-                parent[other] = first;
             }
         }
-        Some((parent, regions))
+        false
+    }
+
+    /// Whether whole triangles of a piece lead from a point of it away from the break and beyond all that the break
+    /// touches.
+    fn leads_beyond(&self, mut point: u32, solid: &Solid, skin: &Skin, upper: bool) -> bool {
+        let side = if upper { Side::Upper } else { Side::Lower };
+        let farthest = |p: u32| {
+            let (first, last) = skin.about(p);
+            // Greater is farther, on both sides.
+            let rank = if upper { last } else { first };
+            (first <= last).then_some((if upper { rank } else { !rank }, rank))
+        };
+        while let Some((distance, rank)) = farthest(point) {
+            if self.is_beyond(skin, point, upper) {
+                return true;
+            }
+            let place = rank as usize - self.sides.below;
+            if self.sides.between.get(place) != Some(&side) {
+                return false;
+            }
+            let corners = solid.triangles[skin.order[rank as usize] as usize];
+            let next = corners.into_iter().max_by_key(|&p| farthest(p));
+            match next.filter(|&p| farthest(p).is_some_and(|(d, _)| d > distance)) {
+                Some(next) => point = next,
+                None => return false,
+            }
+        }
+        false
+    }
+
+    /// Whether a point belongs to skin that lies beyond all that the break touches.
+    fn is_beyond(&self, skin: &Skin, point: u32, upper: bool) -> bool {
+        let (first, last) = skin.about(point);
+        first <= last
+            && if upper {
+                last as usize >= self.sides.above
+            } else {
+                (first as usize) < self.sides.below
+            }
+    }
+
+    /// Whether a piece reaches beyond all that the break touches.
+    fn reaches_beyond(&self, skin: &Skin, upper: bool) -> bool {
+        if upper {
+            self.sides.above < skin.order.len()
+        } else {
+            self.sides.below > 0
+        }
     }
 
     /// Vertices up to number `count` as the broken face joins them.
-    fn joined(&self, count: u32) -> Vec<u32> {
+    fn joined_by_face(&self, count: u32) -> Vec<u32> {
         let mut parent: Vec<u32> = (0..=count).collect();
         for &[a, b, c] in &self.cap {
             // Triangles of a cell and walls follow each other with vertices that are mostly joined already.
@@ -75,24 +125,15 @@ impl Cut {
         parent
     }
 
-    /// Whether a piece reaches beyond all that the break touches.
-    fn reaches(&self, skin: &Skin, upper: bool) -> bool {
-        if upper {
-            self.sides.above < skin.order.len()
-        } else {
-            self.sides.below > 0
-        }
-    }
-
-    /// Joins the vertices of a piece's skin; gives the whole triangles of the limb about the break in it, as place in
-    /// [`super::Sides::between`] and points.
+    /// Joins the vertices of a piece's skin, and those beyond the break to the last of `parent`; returns the whole
+    /// triangles of the limb about the break in it.
     fn join_skin(
         &self,
         solid: &Solid,
         skin: &Skin,
         upper: bool,
         parent: &mut [u32],
-    ) -> Vec<(usize, [u32; 3])> {
+    ) -> Vec<WholeTriangle> {
         let side = if upper { Side::Upper } else { Side::Lower };
         let count = parent.len() as u32 - 1;
         let mut join = |t: [u32; 3]| {
@@ -103,25 +144,18 @@ impl Cut {
             }
         };
         let (below, above) = (self.sides.below, self.sides.above);
-        let beyond = |p: u32| {
-            let (first, last) = skin.about(p);
-            first <= last
-                && if upper {
-                    last as usize >= above
-                } else {
-                    (first as usize) < below
-                }
-        };
-        // Triangles of the limb about the break on this side.
-        let whole: Vec<(usize, [u32; 3])> = (below..above)
+        let whole: Vec<WholeTriangle> = (below..above)
             .filter(|&rank| self.sides.between[rank - below] == side && skin.is_limb(rank))
-            .map(|rank| (rank - below, solid.triangles[skin.order[rank] as usize]))
+            .map(|rank| WholeTriangle {
+                place: rank - below,
+                points: solid.triangles[skin.order[rank] as usize],
+            })
             .collect();
         let parts = self.skin.iter().filter(|s| s.upper == upper);
-        for corners in whole.iter().map(|w| w.1).chain(parts.map(|s| s.corners)) {
+        for corners in (whole.iter().map(|w| w.points)).chain(parts.map(|s| s.corners)) {
             join(corners);
             for p in corners {
-                if (p as usize) < self.points && beyond(p) {
+                if (p as usize) < self.points && self.is_beyond(skin, p, upper) {
                     join([p, count, count]);
                 }
             }
@@ -129,32 +163,18 @@ impl Cut {
         whole
     }
 
-    /// Gives the parts of a piece that are not joined to the rest of it to the other one; how many.
+    /// Gives the parts of a piece that are not joined to the rest of it to the other one; returns how many.
     fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool) -> usize {
         let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
-        let reaches = self.reaches(skin, upper);
-        // What reaches beyond all that the break touches is the piece itself, however small: it all joins at the last.
-        let near = self.joined_near(count).filter(|_| reaches);
-        let near = near.and_then(|(mut parent, regions)| {
-            let whole = self.join_skin(solid, skin, upper, &mut parent);
-            let main = root(&mut parent, count);
-            let mut known = regions.into_iter().filter(|&v| v != NONE);
-            known
-                .all(|v| root(&mut parent, v) == main)
-                .then_some((parent, whole))
-        });
-        let by_joints = near.is_some();
-        let (mut parent, whole) = near.unwrap_or_else(|| {
-            let mut parent = self.joined(count);
-            let whole = self.join_skin(solid, skin, upper, &mut parent);
-            (parent, whole)
-        });
+        let mut parent = self.joined_by_face(count);
+        let whole = self.join_skin(solid, skin, upper, &mut parent);
         let parts = self.skin.iter().filter(|s| s.upper == upper);
-        let corners = (whole.iter().map(|w| w.1[0])).chain(parts.map(|s| s.corners[0]));
+        let corners = (whole.iter().map(|w| w.points[0])).chain(parts.map(|s| s.corners[0]));
         let mut roots: Vec<u32> = corners.map(|v| root(&mut parent, v)).collect();
         roots.sort_unstable();
         let all = || roots.chunk_by(|a, b| a == b);
-        let main = if reaches {
+        // What reaches beyond all that the break touches is the piece itself, however small.
+        let main = if self.reaches_beyond(skin, upper) {
             root(&mut parent, count)
         } else {
             let largest = all().max_by_key(|part| (part.len(), std::cmp::Reverse(part[0])));
@@ -166,9 +186,9 @@ impl Cut {
         }
         let mut is_chip = |v: u32| root(&mut parent, v) != main;
         let other = if upper { Side::Lower } else { Side::Upper };
-        for &(i, t) in &whole {
-            if is_chip(t[0]) {
-                self.sides.between[i] = other;
+        for triangle in &whole {
+            if is_chip(triangle.points[0]) {
+                self.sides.between[triangle.place] = other;
             }
         }
         for s in self.skin.iter_mut().filter(|s| s.upper == upper) {
@@ -176,40 +196,22 @@ impl Cut {
                 s.upper = !upper;
             }
         }
-        let mut dropped: Vec<u32> = if by_joints {
-            let joints = self.joints.0.iter().map(|j| j.0);
-            joints
-                .filter(|&t| is_chip(self.cap[t as usize][0]))
-                .collect()
-        } else {
-            let all = 0..self.cap.len() as u32;
-            all.filter(|&t| is_chip(self.cap[t as usize][0])).collect()
-        };
-        dropped.sort_unstable();
+        let all = 0..self.cap.len() as u32;
+        let dropped: Vec<u32> = all.filter(|&t| is_chip(self.cap[t as usize][0])).collect();
         self.drop_faces(&dropped);
-        if !by_joints {
-            self.joints = (Vec::new(), usize::MAX);
-        }
         chips
     }
 
-    /// Takes triangles of the broken face out; their numbers ascend.
+    /// Removes triangles of the broken face; their numbers ascend.
     fn drop_faces(&mut self, dropped: &[u32]) {
         let Some(&first) = dropped.first() else {
             return;
         };
         let mut passed = 0;
         for wall in &mut self.walls {
-            passed += below(&dropped[passed..], *wall);
+            passed += count_below(&dropped[passed..], *wall);
             *wall -= passed as u32;
         }
-        passed = 0;
-        self.joints.0.retain_mut(|joint| {
-            passed += below(&dropped[passed..], joint.0);
-            let stays = dropped.get(passed) != Some(&joint.0);
-            joint.0 -= passed as u32;
-            stays
-        });
         let mut to = first as usize;
         let ends = dropped.iter().skip(1).map(|&d| d as usize);
         for (&from, end) in dropped.iter().zip(ends.chain([self.cap.len()])) {
@@ -220,11 +222,10 @@ impl Cut {
         }
         self.cap.truncate(to);
         self.faces.truncate(to);
-        self.joints.1 = to;
     }
 }
 
-/// How many of ascending numbers lie below another, looked for from the first on.
-fn below(numbers: &[u32], number: u32) -> usize {
+/// How many of ascending numbers lie below another, counted from the first on.
+fn count_below(numbers: &[u32], number: u32) -> usize {
     numbers.iter().take_while(|&&n| n < number).count()
 }

@@ -1,11 +1,10 @@
 //! What of a cut stays while its parameters change: the skin sorted along the grain and across it, and which facets of a
 //! layout lie near it.
 
-use super::overlay::clips::Clips;
 use super::{Side, Solid};
 use crate::surface::{Layout, NONE, Surface, range};
 use glam::DVec2;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::Arc;
 
 /// Cells of the finest grid, each way.
 const FINEST: usize = 256;
@@ -19,7 +18,7 @@ const LEVELS: usize = 5;
 pub struct Skin {
     /// Triangles of the shell by rank.
     pub order: Vec<u32>,
-    ranks: Arc<Vec<u32>>,
+    pub(super) ranks: Arc<Vec<u32>>,
     /// Lowest and highest length of each, by rank, m.
     spans: Vec<(f64, f64)>,
     /// Highest length of all up to each rank, and lowest of all from it on.
@@ -242,14 +241,10 @@ pub struct Ground {
     pub(super) regions: Vec<u32>,
     /// For each region its facets that border on others.
     pub(super) rims: Vec<Vec<u32>>,
-    /// Whether each facet is one of those.
-    on_rim: Vec<bool>,
     /// For each node where its facets start in `around`.
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
-    /// Parts of the skin's triangles over the facets, as far as breaks have asked for them.
-    clips: Arc<Mutex<Clips>>,
 }
 
 /// "Near the skin" in [`Ground::regions`].
@@ -260,19 +255,6 @@ impl Ground {
     /// Whether a facet lies near the skin at any length along it; others lie wholly inside or wholly outside.
     pub fn is_near(&self, facet: u32) -> bool {
         self.regions[facet as usize] == NEAR
-    }
-
-    /// What joins a facet's part of a broken face to that of others, where it is not joined by others of its region
-    /// anyway: [`NEAR`], where it must be asked of all, or the region, where it borders on others.
-    pub(super) fn joint(&self, facet: u32) -> Option<u32> {
-        let region = self.regions[facet as usize];
-        (region == NEAR || self.on_rim[facet as usize]).then_some(region)
-    }
-
-    /// What earlier breaks have found out.
-    pub(super) fn clips(&self) -> MutexGuard<'_, Clips> {
-        // Whatever a panic elsewhere has left there is whole or empty.
-        self.clips.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     /// Facets whose boxes meet that of the limb triangle of a rank, ascending. `flat` are its corners; `marks` has the
@@ -364,7 +346,6 @@ impl Ground {
     /// Parts the facets where there is no skin into regions that are joined.
     fn part(&mut self) {
         let layout = self.layout.clone();
-        self.on_rim = vec![false; layout.facets.len()];
         let mut queue = Vec::new();
         for first in 0..layout.facets.len() as u32 {
             if self.regions[first as usize] != UNKNOWN {
@@ -389,7 +370,6 @@ impl Ground {
                     }
                 }
                 if borders {
-                    self.on_rim[f as usize] = true;
                     rim.push(f);
                 }
             }

@@ -8,10 +8,11 @@ mod layers;
 mod overlay;
 mod polygon;
 
-use crate::surface::{NONE, Surface};
+use crate::surface::{Layout, NONE, Surface};
 use glam::DVec3;
 pub use ground::{Ground, Sides, Skin};
 use overlay::{Overlay, Place, clips::Clips};
+use std::sync::Arc;
 
 /// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,9 +116,8 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
-    /// Where there are several: the triangles of `cap` that decide how the vertices of the skin are joined by it, each
-    /// with the region of the layout whose triangles are all joined ([`NONE`] beside the skin), and of how many.
-    pub(crate) joints: (Vec<(u32, u32)>, usize),
+    /// For each of `vertices` the number of the outline it lies on, or [`NONE`].
+    pub(crate) outline_of: Vec<u32>,
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -167,11 +167,35 @@ pub enum CutError {
 pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
     let ground = Ground::new(&skin, &surface.layout);
-    cut_again(solid, &skin, &ground, surface)
+    cut_again(solid, &skin, &ground, surface, &mut CutWorkspace::default())
+}
+
+/// What one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as cuts have
+/// asked for it. A cut is the same with a fresh workspace.
+#[derive(Debug, Default)]
+pub struct CutWorkspace {
+    clips: Clips,
+    /// The skin and the layout that `clips` are of.
+    of: Option<(Arc<Vec<u32>>, Arc<Layout>)>,
+}
+
+impl CutWorkspace {
+    /// The clips of a skin and a layout, those from before where they are of the same.
+    fn clips(&mut self, skin: &Skin, layout: &Arc<Layout>) -> &mut Clips {
+        let same = self.of.as_ref().is_some_and(|(ranks, known)| {
+            Arc::ptr_eq(ranks, &skin.ranks) && Arc::ptr_eq(known, layout)
+        });
+        if !same {
+            self.of = Some((skin.ranks.clone(), layout.clone()));
+        }
+        let sizes = (skin.order.len(), layout.facets.len());
+        self.clips.begin(same, sizes);
+        &mut self.clips
+    }
 }
 
 /// [`cut`] with what stays the same from cut to cut: the sorted `skin` of `solid`, within whose reach the surface must
-/// lie, and the `ground` of the surface's layout on it.
+/// lie, the `ground` of the surface's layout on it, and the workspace that earlier cuts have left.
 ///
 /// # Errors
 /// As [`cut`].
@@ -180,22 +204,14 @@ pub fn cut_again(
     skin: &Skin,
     ground: &Ground,
     surface: &Surface,
+    workspace: &mut CutWorkspace,
 ) -> Result<Cut, CutError> {
-    // Another break of the same ground at the same time works out anew what it needs.
-    let mut clips = std::mem::take(&mut *ground.clips());
-    clips.begin(skin.order.len(), surface.layout.facets.len());
+    let clips = workspace.clips(skin, &surface.layout);
     let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
-    let sides = lay(solid, skin, ground, surface, &mut clips, &mut overlay);
+    let sides = lay(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
-    {
-        let mut kept = ground.clips();
-        if kept.size() <= clips.size() {
-            *kept = clips;
-        }
-    }
-    let sides = sides?;
-    let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay, outlines > 1)?;
+    let (outlines, outline_of) = outlines(&overlay);
+    let cap = cap::build(surface, ground, &mut overlay)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -203,7 +219,7 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
-        joints: (cap.joints, cap.triangles.len()),
+        outline_of,
         cap: cap.triangles,
         faces: cap.faces,
         walls: cap.walls,
@@ -266,8 +282,9 @@ fn lay(
     Ok(sides)
 }
 
-/// Number of closed lines that the outline of the break consists of.
-fn outlines(overlay: &Overlay) -> usize {
+/// Number of closed lines that the outline of the break consists of, and for each of the cut's vertices on the skin the
+/// number of the line it lies on, or [`NONE`].
+fn outlines(overlay: &Overlay) -> (usize, Vec<u32>) {
     let edges = overlay.tops.iter().chain(&overlay.walls);
     // All of its vertices are the cut's own.
     let points = overlay.points() as u32;
@@ -277,22 +294,26 @@ fn outlines(overlay: &Overlay) -> usize {
             *next = b;
         }
     }
-    let mut take = |at: u32| {
-        let next = next.get_mut(at.wrapping_sub(points) as usize)?;
-        let to = std::mem::replace(next, NONE);
-        (to != NONE).then_some(to)
-    };
+    let mut outline_of = vec![NONE; overlay.vertices.len()];
     let mut count = 0;
+    let mut take = |at: u32, outline: u32| {
+        let vertex = at.wrapping_sub(points) as usize;
+        let to = std::mem::replace(next.get_mut(vertex)?, NONE);
+        (to != NONE).then(|| {
+            outline_of[vertex] = outline;
+            to
+        })
+    };
     for (_, [start, _]) in &overlay.tops {
-        let Some(mut at) = take(*start) else {
+        let Some(mut at) = take(*start, count) else {
             continue;
         };
-        count += 1;
-        while let Some(to) = take(at) {
+        while let Some(to) = take(at, count) {
             at = to;
         }
+        count += 1;
     }
-    count
+    (count as usize, outline_of)
 }
 
 fn root(parent: &mut [u32], mut i: u32) -> u32 {

@@ -70,7 +70,5 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips,
-        ends: Arc::default(),
-        noise: Arc::default(),
     }
 }

@@ -13,7 +13,7 @@ pub use report::{AnatomyReport, RingRows, SectionReport, SegmentReport};
 
 use crate::Error;
 use crate::erosion::Fronts;
-use crate::looks::looks;
+use crate::session::appearance::looks;
 use drawn::Look;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;

@@ -2,14 +2,13 @@
 //! it hangs on.
 
 use super::clip::{Loop, Saw, saw};
-use crate::breaking::part_of;
-use crate::outwards::unmirror;
 use crate::simulate::Grown;
 use glam::DVec3;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::triangulate::triangulate;
 use greenstick_geometry::{Aabb, Attribute, Bvh, Mesh, Unions};
-use greenstick_skin::rods::Square;
+use greenstick_skin::prepared::unmirror;
+use greenstick_skin::texture::SectionSquare;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -59,7 +58,7 @@ pub(super) struct Beyond {
 impl Beyond {
     /// Splits the scene of a stem off its rods. `square` is where the texture of the wood inside lies, `zone` the tissue
     /// zone at a ring coordinate.
-    pub fn of(grown: &Grown, square: Square, zone: &dyn Fn(f64) -> u8) -> Self {
+    pub fn of(grown: &Grown, square: SectionSquare, zone: &dyn Fn(f64) -> u8) -> Self {
         let mut beyond = Beyond::default();
         for node in &grown.scene.nodes {
             let mut node = node.clone();
@@ -84,7 +83,7 @@ impl Beyond {
         &mut self,
         grown: &Grown,
         own: &mut Vec<bool>,
-        square: Square,
+        square: SectionSquare,
         zone: &dyn Fn(f64) -> u8,
     ) -> Vec<Option<usize>> {
         let mesh = &mut self.meshes[grown.shell.0];
@@ -138,7 +137,7 @@ impl Beyond {
             if real {
                 let gone = (0..of.len()).filter(|&t| of[t] == Some(k));
                 let gone: Vec<usize> = gone.collect();
-                self.left += part_of(mesh, gone.iter().copied()).volume();
+                self.left += mesh.submesh(gone.iter().copied()).volume();
                 // Nothing but what may hang on it is carried.
                 mesh.triangles.truncate(first);
                 mesh.materials.truncate(first);
@@ -168,7 +167,7 @@ impl Beyond {
             }
         }
         let trunk = Standing::new(
-            part_of(&self.meshes[node], stem.iter().copied()),
+            self.meshes[node].submesh(stem.iter().copied()),
             stem.iter()
                 .map(|&t| of[t].map(|k| Root::End(k % 2)))
                 .collect(),
@@ -306,7 +305,7 @@ fn hang(meshes: &[Mesh], loose: &[(usize, Vec<u32>)], trunk: Standing, radius: f
 }
 
 /// Adds the address in the stem to a mesh that has none, and texture coordinates where it has none.
-fn address(mesh: &mut Mesh, grown: &Grown, square: Square, zone: &dyn Fn(f64) -> u8) {
+fn address(mesh: &mut Mesh, grown: &Grown, square: SectionSquare, zone: &dyn Fn(f64) -> u8) {
     let stem = &grown.stem;
     let pith = stem.rings.pith();
     let count = mesh.positions.len();
@@ -416,7 +415,7 @@ fn cap(
     saw: &Saw,
     along: bool,
     grown: &Grown,
-    square: Square,
+    square: SectionSquare,
     zone: &dyn Fn(f64) -> u8,
 ) -> Option<()> {
     let mut triangles = Vec::new();

@@ -5,7 +5,6 @@ use super::follow::Follower;
 use super::{
     BARK_MATERIAL, FilmOptions, INNER_MATERIAL, OWN_MATERIALS, Run, SkinReport, turned, upright,
 };
-use crate::breaking::part_of;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fibre::scene::StemChoice;
 use greenstick_fracture::parameters::BreakParameters;
@@ -140,7 +139,7 @@ impl Run {
     /// The triangles of a mesh with the film's materials.
     fn part(&self, mesh: &Mesh, triangles: &[u32]) -> Mesh {
         let board = self.grown.stem.kind == StemKind::Board;
-        let mut part = part_of(mesh, triangles.iter().map(|&t| t as usize));
+        let mut part = mesh.submesh(triangles.iter().map(|&t| t as usize));
         let listed = self.grown.scene.materials.len();
         for material in &mut part.materials {
             *material = match *material {

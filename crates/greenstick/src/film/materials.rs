@@ -1,8 +1,8 @@
 //! The materials of a film: ours, then those of the input.
 
 use super::{FilmError, FilmOptions, Run};
-use crate::breaking::inner_wood;
 use crate::rods::body_material;
+use crate::session::materials;
 use greenstick_geometry::{Context, Material, Scene};
 
 /// Places in the list of materials.
@@ -20,14 +20,10 @@ impl Run {
     ) -> Result<Scene, FilmError> {
         let mut out = Scene::default();
         if options.texture_width > 0 {
-            inner_wood(
-                &mut out,
-                &self.grown.stem,
-                (self.square.middle, self.square.side),
-                &self.looks,
-                options.texture_width,
-                context,
-            )?;
+            let width = options.texture_width;
+            let stem = &self.grown.stem;
+            let baked = materials::bake(stem, self.square, &self.looks, width, context)?;
+            materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
             let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
             out.materials.push(Material {

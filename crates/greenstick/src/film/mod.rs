@@ -28,9 +28,9 @@ use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::breaking::part_of;
-use crate::looks::{Looks, looks};
 use crate::rods::bodies;
+use crate::session::Looks;
+use crate::session::appearance::looks;
 use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::Cause;
@@ -44,9 +44,10 @@ use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Square, Wood, frame_poses, rod_skin,
+    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
     rod_skin_over_time,
 };
+use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use std::collections::BTreeMap;
@@ -99,7 +100,7 @@ pub struct Run {
     looks: Looks,
     bark: Mesh,
     tree: Bvh,
-    square: Square,
+    square: SectionSquare,
 }
 
 /// A frame with skin.
@@ -286,7 +287,7 @@ impl Run {
         let (node, shell) = &grown.shell;
         let node = &grown.scene.nodes[*node];
         let shell = shell.iter().map(|&t| t as usize);
-        let mut bark = part_of(&node.mesh, shell).transformed(&node.transform);
+        let mut bark = node.mesh.submesh(shell).transformed(&node.transform);
         // Stems that come with the program part their triangles by materials that no scene lists.
         let listed = grown.scene.materials.len();
         let unlisted = bark.materials.iter_mut().filter(|m| **m as usize >= listed);
@@ -299,7 +300,7 @@ impl Run {
             .copied()
             .fold(DVec2::NEG_INFINITY, DVec2::max);
         Ok(Run {
-            square: Square {
+            square: SectionSquare {
                 middle: 0.5 * (low + high),
                 side: ROOM * (high - low).max_element(),
             },

@@ -15,7 +15,7 @@ pub use report::{FitReport, TissueBreaks};
 pub use sheet::{FittedValue, Untold};
 
 use crate::film::{FilmError, Run};
-use crate::{Error, Prepared, prepare};
+use crate::{Break, BreakRequest, BreakSession, Error};
 use glam::DVec3;
 use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
 use greenstick_fracture::recipe::Recipe;
@@ -146,16 +146,20 @@ pub fn fit_parting(
         kind: Some(stem.kind),
         ..StemOptions::default()
     };
-    let prepared = prepare(
-        ground.scene.clone(),
-        &place,
-        &options,
-        &context.part(0.3, 0.6),
-    )
-    .map_err(|error| FitError::Place {
+    let mut session = BreakSession::new(ground.scene.clone());
+    let request = BreakRequest {
+        stem: options,
+        ..BreakRequest::single(Break {
+            place,
+            ..Break::default()
+        })
+    };
+    let refused = |error| FitError::Place {
         at: place,
         error: Box::new(error),
-    })?;
+    };
+    let stem_there = session.stem(&request, &context.part(0.3, 0.6));
+    let prepared = stem_there.map_err(refused)?.sound;
     context.report(0.6)?;
     let there = &prepared.found.stem;
     let (places, section, mut shape) = known(there, &|p| prepared.layers.to_grain(p));
@@ -164,7 +168,12 @@ pub fn fit_parting(
     report.relief_m = heights(&section, there.radius).1;
     report.edge_m = edge;
     (report.breaks_again, report.breaks_elsewhere) = (found.again, found.elsewhere);
-    report.face_m = matched(&mut shape, &prepared, report.relief_m);
+    let mut relief_range = |face: &BreakParameters| {
+        let mut request = request.clone();
+        request.breaks[0].recipe.face = face.clone();
+        session.relief_range(&request, &context.silenced())
+    };
+    report.face_m = matched(&mut shape, &mut relief_range, report.relief_m).map_err(refused)?;
     untold(&mut shape.sheet);
     report.values = shape.sheet.values;
     report.untold = shape.sheet.untold;
@@ -196,7 +205,11 @@ const ROUNDS: usize = 10;
 
 /// Scales the relief until the drawn face is as high as the simulated one, between the 5th and the 95th hundredth, as far
 /// as it may be scaled; gives the drawn face's height, m.
-fn matched(shape: &mut Shape, prepared: &Prepared, wanted: f64) -> f64 {
+fn matched(
+    shape: &mut Shape,
+    relief_range: &mut dyn FnMut(&BreakParameters) -> Result<f64, Error>,
+    wanted: f64,
+) -> Result<f64, Error> {
     let fibrous = shape.sheet.face.surface == Surface::Fibrous;
     let scaled: Vec<FittedValue> = shape
         .sheet
@@ -219,14 +232,14 @@ fn matched(shape: &mut Shape, prepared: &Prepared, wanted: f64) -> f64 {
         }
         face
     };
-    let height = |factor: f64| prepared.relief_range(&face(factor));
+    let mut height = |factor: f64| relief_range(&face(factor));
     if scaled.is_empty() || !shape.relief {
         return height(1.0);
     }
     let (mut low, mut high) = (LEAST, MOST);
     for _ in 0..ROUNDS {
         let middle = 0.5 * (low + high);
-        if height(middle) < wanted {
+        if height(middle)? < wanted {
             low = middle;
         } else {
             high = middle;
@@ -242,7 +255,7 @@ fn matched(shape: &mut Shape, prepared: &Prepared, wanted: f64) -> f64 {
             .sheet
             .put(told.key, told.value * factor, told.breaks, basis);
     }
-    prepared.relief_range(&shape.sheet.face)
+    relief_range(&shape.sheet.face)
 }
 
 /// What no run tells.

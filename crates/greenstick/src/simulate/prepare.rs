@@ -84,7 +84,7 @@ pub fn grow(
     stem.report(0.0)?;
     let (scene, at) = meshes(setting, input)?;
     let found = find(
-        &crate::prepare::in_world(&scene),
+        &greenstick_skin::prepared::world_meshes(&scene),
         &at,
         &StemOptions::default(),
         &stem,

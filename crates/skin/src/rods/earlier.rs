@@ -170,7 +170,7 @@ fn versions(vertex: &Vertex, changes: &[u32], mut now: impl FnMut(u32) -> Now) -
 }
 
 impl Looker<'_, '_> {
-    fn breaks(&self, rod: u32) -> &[super::parting::Break] {
+    fn breaks(&self, rod: u32) -> &[super::parting::RodBreak] {
         &self.history.last().breaks[rod as usize]
     }
 

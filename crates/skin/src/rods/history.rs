@@ -1,7 +1,7 @@
 //! When rods and bonds broke: the partings of a film's frames, of which only the changes are kept (Sutherland 2012
 //! §5.3: an association is dropped with its bond).
 
-use super::parting::{Break, Part, Parting};
+use super::parting::{Part, Parting, RodBreak};
 use super::{RodSkinError, Wood};
 use greenstick_fibre::Cause;
 use greenstick_fibre::store::Frame;
@@ -84,13 +84,13 @@ impl History {
     }
 
     /// The part that a part of the last frame's is of in `frame`: breaks of the rod before it that there are then.
-    pub(super) fn part(&self, breaks: &[Break], part: Part, frame: u32) -> Part {
+    pub(super) fn part(&self, breaks: &[RodBreak], part: Part, frame: u32) -> Part {
         let before = breaks.iter().take(usize::from(part));
         before.filter(|b| self.broke(b.vertex) <= frame).count() as Part
     }
 
     /// The first frame in which two of the last frame's parts of a rod, with these breaks, are not one.
-    pub(super) fn parted(&self, breaks: &[Break], a: Part, b: Part) -> u32 {
+    pub(super) fn parted(&self, breaks: &[RodBreak], a: Part, b: Part) -> u32 {
         let between = usize::from(a.min(b))..usize::from(a.max(b)).min(breaks.len());
         let frames = breaks[between].iter().map(|b| self.broke(b.vertex));
         frames.min().unwrap_or(NEVER)
@@ -98,7 +98,7 @@ impl History {
 
     /// The first frame in which a bond does not hold two parts together: of the rod of its vertex with these breaks, and
     /// of the rod of its edge.
-    pub(super) fn let_go(&self, bond: u32, breaks: [&[Break]; 2], parts: (Part, Part)) -> u32 {
+    pub(super) fn let_go(&self, bond: u32, breaks: [&[RodBreak]; 2], parts: (Part, Part)) -> u32 {
         let list = &self.holds[bond as usize];
         let held = |frame: u32| {
             let now = list.partition_point(|c| c.0 <= frame).max(1) - 1;

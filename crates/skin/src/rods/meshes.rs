@@ -13,21 +13,13 @@ use super::mend::mend;
 use super::parting::{Part, Parting};
 use super::section::columns;
 use super::{Outline, RodSkinError, RodSkinOptions, Wood};
-use crate::face::side_grain;
+use crate::broken::side_grain;
+use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Binding, Earlier, Mesh, Skinned};
 use rustc_hash::FxHashMap;
-
-/// Where the texture of the wood inside lies: middle of its square in the section (grain coordinates) and side, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Square {
-    /// Middle, m.
-    pub middle: DVec2,
-    /// Side, m.
-    pub side: f64,
-}
 
 /// What faces are made of.
 #[derive(Clone, Copy)]
@@ -39,7 +31,7 @@ pub struct Materials<'a> {
     /// What is added to the materials of the bark's mesh.
     pub own: u32,
     /// The wood's texture.
-    pub square: Square,
+    pub square: SectionSquare,
     /// Code of the tissue zone at a ring coordinate.
     pub zone: &'a dyn Fn(f64) -> u8,
 }
@@ -343,7 +335,7 @@ fn texture(
     }
     let across = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
     let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-    let Square {
+    let SectionSquare {
         middle: square,
         side,
     } = materials.square;

@@ -29,8 +29,8 @@ mod tips;
 pub use gape::{Gape, Gapes};
 pub use history::History;
 pub use joints::{Joints, frame_poses};
-pub use meshes::{Materials, RodSkin, Square, rod_skin, rod_skin_over_time};
-pub use parting::{Break, Part, Parting, Pieces};
+pub use meshes::{Materials, RodSkin, rod_skin, rod_skin_over_time};
+pub use parting::{Part, Parting, Pieces, RodBreak};
 pub use section::{Bonded, Column, Columns, OUTSIDE, columns};
 
 use glam::{DAffine3, DVec2};

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A place where a rod is broken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
+pub struct RodBreak {
     /// Vertex of the unbroken bundle.
     pub vertex: u32,
     /// Why it broke.
@@ -23,7 +23,7 @@ pub type Part = u16;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parting {
     /// Breaks of each rod of the unbroken bundle, along it.
-    pub breaks: Vec<Vec<Break>>,
+    pub breaks: Vec<Vec<RodBreak>>,
     /// For each bond of the unbroken bundle the parts that it holds together, of the rod of its vertex and of the rod of
     /// its edge. A bond at a broken vertex holds both parts.
     pub holds: Vec<[Option<(Part, Part)>; 2]>,
@@ -70,10 +70,10 @@ impl Parting {
         let mut breaks = vec![Vec::new(); wood.bundle.rods()];
         let mut part_of = Vec::with_capacity(frame.parent.len());
         for (rod, &parent) in frame.parent.iter().enumerate() {
-            let known: &mut Vec<Break> = &mut breaks[parent as usize];
+            let known: &mut Vec<RodBreak> = &mut breaks[parent as usize];
             let first = frame.origin[frame.rod_offsets[rod] as usize];
             if rod > 0 && frame.parent[rod - 1] == parent {
-                known.push(Break {
+                known.push(RodBreak {
                     vertex: first,
                     cause: causes.get(&first).copied().unwrap_or(Cause::Tension),
                 });

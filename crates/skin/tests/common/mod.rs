@@ -5,7 +5,8 @@ use greenstick_fibre::placement::{
     EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
 };
 use greenstick_geometry::{Context, Mesh};
-use greenstick_skin::rods::{Materials, Square, Wood};
+use greenstick_skin::rods::{Materials, Wood};
+use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Stem, StemOptions, find};
@@ -54,7 +55,7 @@ pub const MATERIALS: Materials = Materials {
     inner: 0,
     bark: 1,
     own: 2,
-    square: Square {
+    square: SectionSquare {
         middle: DVec2::ZERO,
         side: 0.1,
     },

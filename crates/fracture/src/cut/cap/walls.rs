@@ -3,7 +3,7 @@
 use super::super::follow::{Chains, follow};
 use super::super::polygon;
 use super::super::{CapFace, CutError};
-use super::{Builder, INSIDE, NEAR, of};
+use super::{Builder, INSIDE, of};
 use crate::surface::Edge;
 use glam::DVec2;
 
@@ -14,16 +14,11 @@ impl Builder<'_, '_> {
             let e = e as usize;
             let edge = &layout.edges[e];
             let knot = self.knot(e as u32);
-            let first = self.cap.triangles.len();
-            // Walls between facets of one region join nothing that its tops do not.
-            let near = (edge.facets.iter()).any(|f| self.ground.is_near(f.0));
-            let joint = near.then_some(NEAR);
             let touched = self.touched[e] || edge.nodes.iter().any(|&n| self.pierced[n as usize]);
             if !touched {
                 let (facet, k) = edge.facets[0];
                 if self.status[facet as usize][usize::from(k)] == INSIDE {
                     self.fill_whole_wall(edge, [a, b], knot);
-                    self.note_joints(first, joint);
                 }
                 continue;
             }
@@ -39,7 +34,6 @@ impl Builder<'_, '_> {
                     self.fill_wall(e as u32, edge, [a, b], (t, 1.0), &chains)?;
                 }
             }
-            self.note_joints(first, joint);
         }
         Ok(())
     }

@@ -87,20 +87,15 @@ pub(in super::super) struct Clips {
 const MOST: usize = 1 << 22;
 
 impl Clips {
-    /// Makes ready for a break on a skin of `ranks` triangles over `facets` facets.
-    pub fn begin(&mut self, ranks: usize, facets: usize) {
-        if self.known.len() != ranks || self.marks.len() != facets || self.slots.len() > MOST {
+    /// Makes ready for a break on a skin of `ranks` triangles over `facets` facets, the `same` as before or others.
+    pub fn begin(&mut self, same: bool, (ranks, facets): (usize, usize)) {
+        if !same || self.slots.len() > MOST {
             *self = Clips {
                 known: vec![0; ranks],
                 marks: vec![0; facets],
                 ..Clips::default()
             };
         }
-    }
-
-    /// How much is kept.
-    pub fn size(&self) -> usize {
-        self.slots.len()
     }
 
     /// The facets of some parts.

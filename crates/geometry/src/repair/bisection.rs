@@ -1,0 +1,177 @@
+//! Bisecting the edges of triangles that cross once a curved map has moved their corners.
+//!
+//! A one-to-one map takes a surface that does not cross itself to another such surface; the straight triangles between
+//! the mapped corners may cross all the same. The smaller a triangle, the nearer it lies to the curved one it stands for,
+//! so the longest edges of crossing triangles are bisected, in both triangles beside each (M.-C. Rivara, *Algorithms for
+//! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
+
+use crate::intersect::{Contact, contact_tree, contacts_between, self_contacts};
+use crate::{Bvh, Mesh};
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// "No triangle".
+const NONE: u32 = u32::MAX;
+/// An edge with more than two triangles.
+const NON_MANIFOLD: u32 = u32::MAX - 1;
+
+/// Triangles whose edges can be bisected.
+pub struct EdgeBisector {
+    /// Vertices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle, the one of the original triangles that it is a part of.
+    pub origins: Vec<u32>,
+    /// Point of each vertex: vertices at one position share one.
+    points: Vec<u32>,
+    point_count: u32,
+    /// The two triangles beside every edge; an edge is named by its points.
+    edges: FxHashMap<[u32; 2], [u32; 2]>,
+}
+
+fn edge_key(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+impl EdgeBisector {
+    /// Prepares `triangles` for bisection. `points` holds the point of each vertex, all less than `point_count`.
+    pub fn new(triangles: Vec<[u32; 3]>, points: Vec<u32>, point_count: u32) -> Self {
+        let mut bisector = EdgeBisector {
+            origins: (0..triangles.len() as u32).collect(),
+            edges: FxHashMap::default(),
+            triangles: Vec::new(),
+            points,
+            point_count,
+        };
+        bisector.edges.reserve(triangles.len() * 3 / 2);
+        for (t, &corners) in triangles.iter().enumerate() {
+            let at = corners.map(|v| bisector.points[v as usize]);
+            for k in 0..3 {
+                let sides = bisector
+                    .edges
+                    .entry(edge_key(at[k], at[(k + 1) % 3]))
+                    .or_insert([NONE; 2]);
+                match sides {
+                    [first, _] if *first == NONE => *first = t as u32,
+                    [_, second] if *second == NONE => *second = t as u32,
+                    _ => *sides = [NON_MANIFOLD; 2],
+                }
+            }
+        }
+        bisector.triangles = triangles;
+        bisector
+    }
+
+    fn replace_side(&mut self, a: u32, b: u32, old: u32, new: u32) {
+        if let Some(sides) = self.edges.get_mut(&edge_key(a, b)) {
+            for side in sides.iter_mut().filter(|s| **s == old) {
+                *side = new;
+            }
+        }
+    }
+
+    /// The longest edge of triangle `t` that exactly two triangles share: its number in the triangle, and the other
+    /// triangle.
+    fn longest_shared_edge(
+        &self,
+        t: u32,
+        length: &dyn Fn(u32, u32) -> f64,
+    ) -> Option<(usize, u32)> {
+        let corners = self.triangles[t as usize];
+        let mut best: Option<(f64, usize, u32)> = None;
+        for k in 0..3 {
+            let (u, v) = (corners[k], corners[(k + 1) % 3]);
+            let ends = edge_key(self.points[u as usize], self.points[v as usize]);
+            let sides = self.edges.get(&ends).copied().unwrap_or([NON_MANIFOLD; 2]);
+            if sides[1] == NONE || sides[0] == NON_MANIFOLD || sides[0] == sides[1] {
+                continue;
+            }
+            let other = if sides[0] == t { sides[1] } else { sides[0] };
+            let l = length(u, v);
+            if best.is_none_or(|b| l > b.0) {
+                best = Some((l, k, other));
+            }
+        }
+        best.map(|(_, k, other)| (k, other))
+    }
+
+    /// Bisects the longest edge of triangle `t` that two triangles share, and returns the four triangles that result.
+    /// `length` is that of an edge between two vertices; `midpoint` makes the vertex in the middle of two.
+    pub fn bisect(
+        &mut self,
+        t: u32,
+        length: &dyn Fn(u32, u32) -> f64,
+        midpoint: &mut dyn FnMut(u32, u32) -> u32,
+    ) -> Option<[u32; 4]> {
+        let corners = self.triangles[t as usize];
+        let (k, other) = self.longest_shared_edge(t, length)?;
+        let (u, v, w) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        let (p, q) = (self.points[u as usize], self.points[v as usize]);
+        let beside = self.triangles[other as usize];
+        let j = (0..3).find(|&j| {
+            let ends = [beside[j], beside[(j + 1) % 3]].map(|x| self.points[x as usize]);
+            ends == [q, p]
+        })?;
+        let (x, y, z) = (beside[j], beside[(j + 1) % 3], beside[(j + 2) % 3]);
+        let middle = midpoint(u, v);
+        let point = self.point_count;
+        self.point_count += 1;
+        self.points.push(point);
+        let middle_beside = if [x, y] == [v, u] {
+            middle
+        } else {
+            self.points.push(point);
+            midpoint(y, x)
+        };
+        let (first, second) = (self.triangles.len() as u32, self.triangles.len() as u32 + 1);
+        self.triangles[t as usize] = [u, middle, w];
+        self.triangles.push([middle, v, w]);
+        self.triangles[other as usize] = [x, middle_beside, z];
+        self.triangles.push([middle_beside, y, z]);
+        let (of_t, of_other) = (self.origins[t as usize], self.origins[other as usize]);
+        self.origins.extend([of_t, of_other]);
+        let (r, s) = (self.points[w as usize], self.points[z as usize]);
+        self.replace_side(q, r, t, first);
+        self.replace_side(p, s, other, second);
+        self.edges.remove(&edge_key(p, q));
+        self.edges.insert(edge_key(p, point), [t, second]);
+        self.edges.insert(edge_key(point, q), [first, other]);
+        self.edges.insert(edge_key(point, r), [t, first]);
+        self.edges.insert(edge_key(point, s), [other, second]);
+        Some([t, first, other, second])
+    }
+}
+
+/// Pairs of triangles that cross, ascending. With `changed`, only pairs of which at least one is among `changed`.
+pub fn crossing_pairs(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    changed: Option<&[u32]>,
+) -> Vec<[u32; 2]> {
+    let submesh = |triangles: Vec<[u32; 3]>| Mesh {
+        positions: positions.to_vec(),
+        triangles,
+        ..Mesh::default()
+    };
+    let all = submesh(triangles.to_vec());
+    let mut pairs = Vec::new();
+    let mut add = |s: u32, t: u32, contact: Contact| {
+        if contact == Contact::Crossing && s != t {
+            pairs.push([s.min(t), s.max(t)]);
+        }
+    };
+    match changed {
+        None => self_contacts(&all, &contact_tree(&all), |s, t, c| {
+            add(s as u32, t as u32, c);
+        }),
+        Some(changed) => {
+            let some = submesh(changed.iter().map(|&t| triangles[t as usize]).collect());
+            let trees = [Bvh::of_triangles(&some), Bvh::of_triangles(&all)];
+            contacts_between((&some, &trees[0]), (&all, &trees[1]), |s, t, c| {
+                add(changed[s], t as u32, c);
+            });
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}

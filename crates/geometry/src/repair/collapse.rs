@@ -1,0 +1,224 @@
+//! Collapsing short edges of triangles that cross.
+//!
+//! Collapsing an edge leaves a closed mesh closed and manifold where its ends have no neighbours in common but those
+//! beside it (T. K. Dey, H. Edelsbrunner, S. Guha and D. V. Nekhayev, *Topology preserving edge contraction*, 1999).
+
+use crate::Mesh;
+use crate::intersect::collinear;
+use glam::DVec3;
+
+/// What [`EdgeCollapser::collapse_edges`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Collapsed {
+    /// Faults found at first: pairs of triangles that crossed, triangles without area, and triangles at an edge with
+    /// more than two.
+    pub faults: usize,
+    /// Edges collapsed.
+    pub edges: usize,
+    /// Length of the longest of these, in the mesh's unit.
+    pub longest: f64,
+    /// Faults that remain.
+    pub remaining: usize,
+}
+
+/// The triangles of a mesh by points: vertices at one position are one point.
+pub struct EdgeCollapser {
+    /// Point of every vertex.
+    points: Vec<u32>,
+    /// The point that each point was merged into, itself at first.
+    merged_into: Vec<u32>,
+    /// Position of every point.
+    pub(super) positions: Vec<DVec3>,
+    /// Points of every triangle; all equal where it has collapsed.
+    pub triangles: Vec<[u32; 3]>,
+    /// Triangles about every point.
+    around: Vec<Vec<u32>>,
+}
+
+impl EdgeCollapser {
+    /// Prepares a mesh.
+    pub fn from_mesh(mesh: &Mesh) -> Self {
+        let (points, count) = mesh.points();
+        let mut positions = vec![DVec3::ZERO; count];
+        for (&point, &position) in points.iter().zip(&mesh.positions) {
+            positions[point as usize] = position;
+        }
+        let triangles = mesh.triangles.iter();
+        let triangles = triangles.map(|t| t.map(|v| points[v as usize])).collect();
+        let mut collapser = EdgeCollapser::new(positions, triangles);
+        collapser.points = points;
+        collapser
+    }
+
+    /// Prepares triangles whose corners number `positions`, no two of which are equal.
+    pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let count = positions.len();
+        let mut collapser = EdgeCollapser {
+            merged_into: (0..count as u32).collect(),
+            positions,
+            triangles,
+            around: vec![Vec::new(); count],
+            points: Vec::new(),
+        };
+        for (t, corners) in collapser.triangles.iter().enumerate() {
+            corners
+                .iter()
+                .for_each(|&p| collapser.around[p as usize].push(t as u32));
+        }
+        collapser
+    }
+
+    /// Collapses those edges of the triangles of `pairs` that are no longer than `longest`, the shortest first. Where
+    /// `is_fixed` holds for one end, the other moves to it; where it holds for both, the edge stays. Returns the
+    /// triangles that changed, ascending.
+    pub fn collapse_edges(
+        &mut self,
+        pairs: &[[u32; 2]],
+        longest: f64,
+        is_fixed: &dyn Fn(u32) -> bool,
+        done: &mut Collapsed,
+    ) -> Vec<u32> {
+        let mut changed: Vec<u32> = Vec::new();
+        for (length, a, b) in self.edges_of(pairs) {
+            if length > longest {
+                break;
+            }
+            let (a, b) = (self.current(a), self.current(b));
+            let (a, b) = if is_fixed(b) { (b, a) } else { (a, b) };
+            if is_fixed(b) || !self.merge(a, b) {
+                continue;
+            }
+            done.edges += 1;
+            done.longest = done.longest.max(length);
+            changed.extend(&self.around[a as usize]);
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        changed.retain(|&t| !self.is_collapsed(t as usize));
+        changed
+    }
+
+    /// Removes the pairs in which a triangle has collapsed or is among `changed` (ascending).
+    pub fn retain_unchanged(&self, pairs: &mut Vec<[u32; 2]>, changed: &[u32]) {
+        let is_unchanged = |t: u32| {
+            let gone = (t as usize) < self.triangles.len() && self.is_collapsed(t as usize);
+            !gone && changed.binary_search(&t).is_err()
+        };
+        pairs.retain(|p| p.iter().all(|&t| is_unchanged(t)));
+    }
+
+    /// Edges of the triangles of `pairs` with their lengths, the shortest first.
+    fn edges_of(&self, pairs: &[[u32; 2]]) -> Vec<(f64, u32, u32)> {
+        let mut edges: Vec<(f64, u32, u32)> = pairs
+            .iter()
+            .flatten()
+            .flat_map(|&t| {
+                let [a, b, c] = self.triangles[t as usize];
+                [[a, b], [b, c], [c, a]]
+            })
+            .map(|[a, b]| {
+                let length = self.positions[a as usize].distance(self.positions[b as usize]);
+                (length, a.min(b), a.max(b))
+            })
+            .collect();
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        edges.dedup();
+        edges
+    }
+
+    /// The point that a point was merged into, itself where it was not.
+    fn current(&self, mut point: u32) -> u32 {
+        while self.merged_into[point as usize] != point {
+            point = self.merged_into[point as usize];
+        }
+        point
+    }
+
+    fn neighbours(&self, point: u32) -> Vec<u32> {
+        let mut all: Vec<u32> = (self.around[point as usize].iter())
+            .flat_map(|&t| self.triangles[t as usize])
+            .filter(|&p| p != point)
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Merges the second of two joined points into the first; false where that would not leave a manifold.
+    fn merge(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.current(a), self.current(b));
+        if a == b {
+            return false;
+        }
+        let beside: Vec<u32> = (self.around[b as usize].iter().copied())
+            .filter(|&t| self.triangles[t as usize].contains(&a))
+            .collect();
+        let [s, t] = beside[..] else {
+            return false;
+        };
+        let (of_a, of_b) = (self.neighbours(a), self.neighbours(b));
+        let common = of_b.iter().filter(|p| of_a.binary_search(p).is_ok());
+        if common.count() != 2 || of_a.len() + of_b.len() <= 7 {
+            return false;
+        }
+        for gone in [s, t] {
+            for p in self.triangles[gone as usize] {
+                self.around[p as usize].retain(|&t| t != gone);
+            }
+            self.triangles[gone as usize] = [a; 3];
+        }
+        let moved = std::mem::take(&mut self.around[b as usize]);
+        for &t in &moved {
+            for p in &mut self.triangles[t as usize] {
+                if *p == b {
+                    *p = a;
+                }
+            }
+        }
+        self.around[a as usize].extend(moved);
+        self.merged_into[b as usize] = a;
+        true
+    }
+
+    /// Whether the corners of a triangle lie on one line.
+    pub(super) fn is_degenerate(&self, t: u32) -> bool {
+        let [a, b, c] = self.triangles[t as usize].map(|p| self.positions[p as usize]);
+        collinear(a, b, c)
+    }
+
+    /// Whether more than two triangles share an edge of a triangle.
+    pub(super) fn is_non_manifold(&self, t: u32) -> bool {
+        let corners = self.triangles[t as usize];
+        (0..3).any(|k| {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let around = self.around[a as usize].iter();
+            let holds = |t: &&u32| self.triangles[**t as usize].contains(&b);
+            !self.is_collapsed(t as usize) && around.filter(holds).count() > 2
+        })
+    }
+
+    /// Whether a triangle has collapsed.
+    pub fn is_collapsed(&self, t: usize) -> bool {
+        self.triangles[t][0] == self.triangles[t][1]
+    }
+
+    /// Moves the vertices of the mesh to the positions of their points, and removes the triangles that have collapsed.
+    pub(super) fn write_back(&self, mesh: &mut Mesh) {
+        for (position, &point) in mesh.positions.iter_mut().zip(&self.points) {
+            let current = self.current(point);
+            if current != point {
+                *position = self.positions[current as usize];
+            }
+        }
+        let mut t = 0;
+        mesh.materials.retain(|_| {
+            t += 1;
+            t > self.triangles.len() || !self.is_collapsed(t - 1)
+        });
+        let mut t = 0;
+        mesh.triangles.retain(|_| {
+            t += 1;
+            !self.is_collapsed(t - 1)
+        });
+    }
+}

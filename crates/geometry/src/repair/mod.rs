@@ -1,0 +1,11 @@
+//! Repairs of meshes: snapping to the precision of files, and removing self-intersections by refining or by collapsing.
+
+mod bisection;
+mod collapse;
+mod self_intersections;
+mod snap;
+
+pub use bisection::{EdgeBisector, crossing_pairs};
+pub use collapse::{Collapsed, EdgeCollapser};
+pub use self_intersections::{KnownPositions, resolve_self_intersections};
+pub use snap::snap_to_f32;

@@ -1,0 +1,118 @@
+//! Removing self-intersections that appear because files hold positions no finer than `f32`.
+//!
+//! Where a crack closes, its walls approach each other closer than neighbouring numbers of `f32`, and once rounded they
+//! cross. There the crack ends instead: the shortest edges of crossing triangles are collapsed, the shortest of all
+//! first, with longer ones allowed from round to round, until nothing crosses. Triangles whose corners have come to lie
+//! on one line, and edges that have come to lie on each other, are removed in the same way.
+
+use super::bisection::crossing_pairs;
+use super::collapse::{Collapsed, EdgeCollapser};
+use crate::Mesh;
+use crate::intersect::{Contact, contact_tree, self_contacts};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// Length of the longest edge collapsed in the first round, as a part of the mesh's extent: about the spacing of `f32`
+/// there.
+const FIRST_LENGTH: f64 = 1e-7;
+/// Rounds; from one to the next, edges may be twice as long.
+const ROUNDS: i32 = 11;
+
+/// Positions, as files hold them, of points whose faults are none of ours.
+#[derive(Debug, Clone, Default)]
+pub struct KnownPositions(FxHashSet<[u32; 3]>);
+
+impl KnownPositions {
+    /// The positions of a mesh.
+    pub fn from_mesh(mesh: &Mesh) -> Self {
+        KnownPositions(mesh.positions.iter().map(|&p| position_key(p)).collect())
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        self.0.contains(&position_key(p))
+    }
+}
+
+/// The bits of a position in `f32`; both zeros have the same.
+fn position_key(p: DVec3) -> [u32; 3] {
+    (p.as_vec3() + 0.0).to_array().map(f32::to_bits)
+}
+
+/// Collapses short edges until no triangle crosses another, is degenerate or shares an edge with more than one other.
+/// Triangles with all corners at `known` positions are left alone. Positions should be those of files already
+/// ([`super::snap_to_f32`]).
+pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), &p| {
+            (l.min(p), h.max(p))
+        });
+    let extent = (high - low).length();
+    let is_ours: Vec<bool> = (0..mesh.triangles.len())
+        .map(|t| !mesh.corners(t).iter().all(|&p| known.contains(p)))
+        .collect();
+    let mut collapser = EdgeCollapser::from_mesh(mesh);
+    let mut faults = crossing_among(mesh, &is_ours);
+    let is_faulty = |collapser: &EdgeCollapser, t: u32| {
+        is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
+    };
+    let all = 0..is_ours.len() as u32;
+    faults.extend(all.filter(|&t| is_faulty(&collapser, t)).map(|t| [t, t]));
+    let mut done = Collapsed {
+        faults: faults.len(),
+        remaining: faults.len(),
+        ..Collapsed::default()
+    };
+    if faults.is_empty() || !extent.is_finite() {
+        return done;
+    }
+    for round in 0..ROUNDS {
+        let longest = extent * FIRST_LENGTH * f64::from(1 << round);
+        let changed = collapser.collapse_edges(&faults, longest, &|_| false, &mut done);
+        if changed.is_empty() {
+            continue;
+        }
+        collapser.retain_unchanged(&mut faults, &changed);
+        faults.extend(crossing_pairs(
+            &collapser.positions,
+            &collapser.triangles,
+            Some(&changed),
+        ));
+        faults.retain(|p| {
+            p.iter().all(|&t| is_ours[t as usize]) && (p[0] != p[1] || is_faulty(&collapser, p[0]))
+        });
+        faults.extend(
+            changed
+                .iter()
+                .filter(|&&t| is_faulty(&collapser, t))
+                .map(|&t| [t, t]),
+        );
+        faults.sort_unstable();
+        faults.dedup();
+        if faults.is_empty() {
+            break;
+        }
+    }
+    collapser.write_back(mesh);
+    done.remaining = faults.len();
+    done
+}
+
+/// Pairs of crossing triangles among those that are `chosen`.
+fn crossing_among(mesh: &Mesh, chosen: &[bool]) -> Vec<[u32; 2]> {
+    let chosen: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
+    let part = Mesh {
+        positions: mesh.positions.clone(),
+        triangles: chosen.iter().map(|&t| mesh.triangles[t]).collect(),
+        ..Mesh::default()
+    };
+    let mut pairs = Vec::new();
+    self_contacts(&part, &contact_tree(&part), |s, t, contact| {
+        if contact == Contact::Crossing {
+            pairs.push([chosen[s] as u32, chosen[t] as u32]);
+        }
+    });
+    pairs.sort_unstable();
+    pairs
+}

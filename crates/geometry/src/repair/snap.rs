@@ -1,0 +1,85 @@
+//! Snapping a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
+
+use crate::Mesh;
+use rustc_hash::FxHashMap;
+
+/// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
+/// then lie back to back if at least one of the two has the material `inner`; pairs that the input brought along stay.
+/// Each step leaves every edge with as many triangles one way as the other, so a closed mesh stays closed.
+pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
+    for p in &mut mesh.positions {
+        *p = p.as_vec3().as_dvec3();
+    }
+    let (points, _) = mesh.points();
+    let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
+    let mut keep = vec![true; mesh.triangles.len()];
+    // Triangles met so far without one back to back with them, by their points.
+    let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = corners(t);
+        if a == b || b == c || c == a {
+            keep[i] = false;
+            continue;
+        }
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let forward = turns.contains(&sorted);
+        let list = single.entry(sorted).or_default();
+        let of_wood = |i: usize| mesh.material(i) == inner;
+        match list
+            .iter()
+            .position(|o| o.1 != forward && (of_wood(o.0) || of_wood(i)))
+        {
+            Some(n) => {
+                keep[list.swap_remove(n).0] = false;
+                keep[i] = false;
+            }
+            None => list.push((i, forward)),
+        }
+    }
+    if keep.iter().all(|k| *k) {
+        return;
+    }
+    let mut kept = keep.iter();
+    mesh.triangles.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = keep.iter();
+    mesh.materials.retain(|_| *kept.next().unwrap_or(&true));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_feature_too_fine_for_files_is_removed_and_the_mesh_stays_closed() {
+        // A tetrahedron with a spike far thinner than an f32 can tell apart.
+        let at = [
+            DVec3::new(1.0, 0.0, 0.0),
+            DVec3::new(0.0, 1.0, 0.0),
+            DVec3::new(0.0, 0.0, 1.0),
+            DVec3::ZERO,
+            DVec3::new(1e-12 + 1.0, 0.0, 0.0),
+        ];
+        let mut mesh = Mesh {
+            positions: at.to_vec(),
+            // Corner 0 is split in two along the edge to corner 3.
+            triangles: vec![
+                [4, 1, 2],
+                [0, 3, 1],
+                [4, 2, 3],
+                [1, 3, 2],
+                [4, 0, 1],
+                [4, 3, 0],
+            ],
+            materials: vec![0; 6],
+            ..Mesh::default()
+        };
+        assert!(mesh.check().closed);
+        snap_to_f32(&mut mesh, 0);
+        let report = mesh.check();
+        assert_eq!((mesh.triangles.len(), report.degenerate_triangles), (4, 0));
+        assert!(report.is_solid(), "{report}");
+    }
+}

@@ -1,0 +1,526 @@
+//! The chain of one break: stem → layout → heights → cut, each made from the one before and kept until something that it
+//! depends on changes.
+
+use super::notes::BreakNote;
+use super::slot::{Found, Ids, Slot};
+use super::stages::{
+    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage, inner_wood,
+};
+use crate::Error;
+use crate::report::SpeciesReport;
+use crate::request::{Break, BreakStage};
+use glam::DVec3;
+use greenstick_fracture::cut::CutWorkspace;
+use greenstick_fracture::heights::{self, HeightCache, HeightSource};
+use greenstick_fracture::parameters::{BreakParameters, CrackParameters, Surface};
+use greenstick_fracture::recipe::Recipe;
+use greenstick_geometry::{Context, Scene};
+use greenstick_skin::broken::{
+    Cutter, FaceLayout, InnerWood, LayoutKey, height_setting, lacks_material,
+};
+use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
+use greenstick_skin::prepared::PreparedStem;
+use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
+use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule};
+use greenstick_wood::stem::{Place, StemKind, StemOptions};
+
+/// What the cracks of a break are drawn from.
+#[derive(Debug, Clone, PartialEq)]
+struct CrackKey {
+    cracks: CrackParameters,
+    species: Option<String>,
+    moisture: Option<f64>,
+    rings: u32,
+    seed: u64,
+}
+
+impl CrackKey {
+    fn new(recipe: &Recipe) -> Self {
+        CrackKey {
+            cracks: recipe.cracks.clone(),
+            species: recipe.species.clone(),
+            moisture: recipe.moisture,
+            rings: recipe.face.rings,
+            seed: recipe.face.seed,
+        }
+    }
+}
+
+/// What the stem is found by.
+#[derive(Debug, Clone, PartialEq)]
+struct FoundKey {
+    scene: u64,
+    place: Place,
+    options: StemOptions,
+    above: Option<LowestAbove>,
+}
+
+/// What an opened end is made from: the stem, the cracks, and what the wood in it shows.
+#[derive(Debug, Clone, PartialEq)]
+struct OpenedKey {
+    stem: u64,
+    cracks: CrackKey,
+    proportions: greenstick_wood::tissue::Proportions,
+    material: u32,
+}
+
+/// What heights are made from.
+#[derive(Debug, Clone, PartialEq)]
+struct HeightKey {
+    layout: u64,
+    parameters: BreakParameters,
+    source: HeightSource,
+    species: Option<String>,
+    moisture: Option<f64>,
+}
+
+/// What a cut is made from.
+#[derive(Debug, Clone, PartialEq)]
+struct CutKey {
+    heights: u64,
+    cracks: Option<CrackKey>,
+    material: u32,
+}
+
+/// The last value of each stage of a break.
+#[derive(Debug, Default)]
+pub(super) struct Chain {
+    found: Slot<FoundKey, PreparedStem>,
+    /// Layout and heights on the stem as it was found, where the break asks for another: spiral grain winds no farther
+    /// than the break, and the relief that a species calls for is that of the sound stem.
+    found_layout: Slot<(u64, LayoutKey), FaceLayout>,
+    found_cache: HeightCache,
+    spiral: Slot<(u64, f64, (f64, f64)), PreparedStem>,
+    opened: Slot<OpenedKey, OpenedEnd>,
+    layout: Slot<(u64, LayoutKey), FaceLayout>,
+    heights: Slot<HeightKey, HeightStage>,
+    cache: HeightCache,
+    cut: Slot<CutKey, CutStage>,
+    workspace: CutWorkspace,
+}
+
+impl Clone for Chain {
+    /// The same values; what is only memory to work in is left behind.
+    fn clone(&self) -> Self {
+        Chain {
+            found: self.found.clone(),
+            found_layout: self.found_layout.clone(),
+            found_cache: self.found_cache.clone(),
+            spiral: self.spiral.clone(),
+            opened: self.opened.clone(),
+            layout: self.layout.clone(),
+            heights: self.heights.clone(),
+            cache: self.cache.clone(),
+            cut: self.cut.clone(),
+            workspace: CutWorkspace::default(),
+        }
+    }
+}
+
+/// The scene that a break is made in.
+pub(super) struct ChainInput<'a> {
+    pub scene: &'a Scene,
+    /// Number of the scene, which no other of the session has.
+    pub id: u64,
+    /// What is known of the stem.
+    pub stem: &'a StemOptions,
+    /// The lowest place of the break beyond this one, where there is one.
+    pub above: Option<LowestAbove>,
+    /// How many breaks have been made whose wood inside has a material of its own.
+    pub inner_wood_before: u32,
+}
+
+impl<'a> ChainInput<'a> {
+    /// The scene that came in.
+    pub fn whole(scene: &'a Scene, stem: &'a StemOptions) -> Self {
+        ChainInput {
+            scene,
+            id: 0,
+            stem,
+            above: None,
+            inner_wood_before: 0,
+        }
+    }
+}
+
+/// The lowest place of a broken face, which a break nearer to the base stays clear of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LowestAbove {
+    /// A point of the axis there, m.
+    point: DVec3,
+    /// Length of stem that the break stays away from it, m.
+    margin: f64,
+}
+
+/// Wood that stays whole between two breaks of a stem, radii.
+const BETWEEN_BREAKS: f64 = 0.1;
+
+impl LowestAbove {
+    pub fn new(stages: &BreakStages) -> Self {
+        let stem = &stages.stem.stem().found.stem;
+        let low = stages.heights.heights.range.0;
+        LowestAbove {
+            point: stem.grain.axis().frame(stem.place + low).origin,
+            margin: BETWEEN_BREAKS * stem.radius,
+        }
+    }
+
+    /// Keeps a stem clear of it.
+    fn limit(self, stem: &mut PreparedStem) {
+        let stem = &mut stem.found.stem;
+        let length = stem.grain.axis().length_at(self.point) - self.margin;
+        stem.usable.1 = stem.usable.1.min(length).max(stem.place);
+    }
+}
+
+/// Takes down the earliest stage that was made anew.
+#[derive(Debug, Default)]
+pub(super) struct Changes(Option<BreakStage>);
+
+impl Changes {
+    pub fn note(&mut self, stage: BreakStage, is_new: bool) {
+        if is_new {
+            self.0 = Some(self.0.map_or(stage, |known| known.min(stage)));
+        }
+    }
+
+    pub fn first(&self) -> Option<BreakStage> {
+        self.0
+    }
+}
+
+impl Chain {
+    /// Brings all stages up to the cut to what `asked` says.
+    pub fn update(
+        &mut self,
+        input: &ChainInput,
+        asked: &Break,
+        ids: &mut Ids,
+        changes: &mut Changes,
+        context: &Context,
+    ) -> Result<BreakStages, Error> {
+        let [finding, laying, rising, cutting] = context.split([
+            (super::STEM, 4.0),
+            (super::LAYOUT, 1.0),
+            (super::HEIGHTS, 1.0),
+            (super::CUT, 6.0),
+        ]);
+        let recipe = &asked.recipe;
+        let p = &recipe.face;
+        let cracks = Cracks::plan(recipe)?;
+        let (stem, relief) = self.stem(input, asked, cracks.as_ref(), ids, changes, &finding)?;
+        laying.report(0.0)?;
+        let key = LayoutKey::new(stem.stem(), p);
+        let layout = layout(&mut self.layout, stem.stem(), (stem.id, key), ids)?;
+        changes.note(BreakStage::Layout, layout.is_new);
+        rising.report(0.0)?;
+        let heights = self.heights(&stem, &layout, asked, relief, ids)?;
+        changes.note(BreakStage::Heights, heights.is_new);
+        cutting.report(0.0)?;
+        let at_break = cracks.as_ref().filter(|c| !c.sawn);
+        let key = CutKey {
+            heights: heights.id,
+            cracks: at_break.map(|_| CrackKey::new(recipe)),
+            material: stem.inner_material,
+        };
+        let workspace = &mut self.workspace;
+        let cut = self.cut.get(key, ids, |_| {
+            let inner = inner_wood(&stem, &layout.value, p);
+            let surface = &heights.value.heights.surface;
+            cut_stage(&stem, &layout.value, surface, at_break, &inner, workspace)
+        })?;
+        changes.note(BreakStage::Cut, cut.is_new);
+        cutting.report(1.0)?;
+        Ok(BreakStages {
+            stem,
+            layout: layout.value,
+            heights: heights.value,
+            cracks,
+            cut: cut.value,
+            cut_id: cut.id,
+        })
+    }
+
+    /// Brings the stem alone to what `asked` says.
+    pub fn stem_only(
+        &mut self,
+        input: &ChainInput,
+        asked: &Break,
+        ids: &mut Ids,
+        changes: &mut Changes,
+        context: &Context,
+    ) -> Result<StemStage, Error> {
+        let cracks = Cracks::plan(&asked.recipe)?;
+        let (stem, ..) = self.stem(input, asked, cracks.as_ref(), ids, changes, context)?;
+        Ok(stem)
+    }
+
+    /// Height between the 5th and the 95th hundredth of the corners of a face, m, without what a species adds.
+    pub fn relief_range(
+        &mut self,
+        stage: &StemStage,
+        p: &BreakParameters,
+        ids: &mut Ids,
+    ) -> Result<f64, Error> {
+        let stem = stage.stem();
+        let key = (stage.id, LayoutKey::new(stem, p));
+        let layout = layout(&mut self.layout, stem, key, ids)?;
+        let setting = height_setting(stem, p, 1.0);
+        let bundles = &layout.value.bundles;
+        Ok(heights::relief_range(bundles, p, &setting, &mut self.cache))
+    }
+
+    /// The stem with the grain and the cracked end that a break asks for, and the relief of the species.
+    fn stem(
+        &mut self,
+        input: &ChainInput,
+        asked: &Break,
+        cracks: Option<&Cracks>,
+        ids: &mut Ids,
+        changes: &mut Changes,
+        context: &Context,
+    ) -> Result<(StemStage, SpeciesRelief), Error> {
+        context.report(0.0)?;
+        let p = &asked.recipe.face;
+        let key = FoundKey {
+            scene: input.id,
+            place: asked.place,
+            options: *input.stem,
+            above: input.above,
+        };
+        let found = self.found.get(key, ids, |_| {
+            let scene = input.scene.clone();
+            let mut stem = PreparedStem::find(scene, &asked.place, input.stem, context)?;
+            if let Some(above) = input.above {
+                above.limit(&mut stem);
+            }
+            Ok::<_, Error>(stem)
+        })?;
+        changes.note(BreakStage::Stem, found.is_new);
+        let spiral = is_spiral(&found.value, p);
+        let sawn = cracks.filter(|c| c.sawn);
+        let relief = self.relief(&found, asked, spiral || sawn.is_some(), ids)?;
+        let sound = if spiral {
+            let spiral = self.spiral(&found, asked, relief.factor, ids)?;
+            changes.note(BreakStage::Stem, spiral.is_new);
+            spiral
+        } else {
+            self.spiral.clear();
+            found
+        };
+        let bare = |n: &greenstick_geometry::Node| lacks_material(&n.mesh);
+        let scene = &sound.value.scene;
+        let before = u32::from(scene.nodes.iter().any(bare)) + input.inner_wood_before;
+        let inner_material = scene.materials.len() as u32 + before;
+        let mut stage = StemStage {
+            sound: sound.value,
+            opened: None,
+            inner_material,
+            id: sound.id,
+        };
+        match sawn {
+            None => self.opened.clear(),
+            Some(cracks) => {
+                let key = OpenedKey {
+                    stem: sound.id,
+                    cracks: CrackKey::new(&asked.recipe),
+                    proportions: p.proportions(),
+                    material: inner_material,
+                };
+                let opened = self.opened.get(key, ids, |_| {
+                    let silent = context.silenced();
+                    open_end(&stage.sound, p, &cracks.plan, inner_material, &silent)
+                })?;
+                changes.note(BreakStage::Stem, opened.is_new);
+                (stage.opened, stage.id) = (Some(opened.value), opened.id);
+            }
+        }
+        Ok((stage, relief))
+    }
+
+    /// The layout of the stem as it was found: that of the break itself, unless its stem will be `another`.
+    fn found_layout(
+        &mut self,
+        found: &Found<PreparedStem>,
+        p: &BreakParameters,
+        another: bool,
+        ids: &mut Ids,
+    ) -> Result<Found<FaceLayout>, Error> {
+        let key = (found.id, LayoutKey::new(&found.value, p));
+        let slot = if another {
+            &mut self.found_layout
+        } else {
+            &mut self.layout
+        };
+        layout(slot, &found.value, key, ids)
+    }
+
+    /// The stem with grain that spirals about the break and no farther.
+    fn spiral(
+        &mut self,
+        found: &Found<PreparedStem>,
+        asked: &Break,
+        relief: f64,
+        ids: &mut Ids,
+    ) -> Result<Found<PreparedStem>, Error> {
+        let p = &asked.recipe.face;
+        let layout = self.found_layout(found, p, true, ids)?;
+        let setting = height_setting(&found.value, p, relief);
+        let heights = heights::heights(
+            &layout.value.bundles,
+            p,
+            &setting,
+            &asked.heights,
+            &mut self.found_cache,
+        );
+        let stem = &found.value.found.stem;
+        let margin = SPIRAL_BEYOND * stem.radius;
+        let (low, high) = heights.range;
+        let between = (
+            (stem.place + low - margin).max(stem.usable.0),
+            (stem.place + high + margin).min(stem.usable.1),
+        );
+        let turn = p.spiral_angle.to_radians() / stem.radius;
+        self.spiral.get((found.id, turn, between), ids, |_| {
+            Ok(found.value.with_spiral_grain(turn, between))
+        })
+    }
+
+    /// The factor that the species puts on the relief. The stem of the break will be `another` than the one found, or it.
+    fn relief(
+        &mut self,
+        found: &Found<PreparedStem>,
+        asked: &Break,
+        another: bool,
+        ids: &mut Ids,
+    ) -> Result<SpeciesRelief, Error> {
+        let recipe = &asked.recipe;
+        let none = |note| SpeciesRelief {
+            factor: 1.0,
+            report: None,
+            note,
+        };
+        let Some(species) = recipe.species()? else {
+            return Ok(none(None));
+        };
+        let radius = found.value.found.stem.radius;
+        let moisture = recipe.moisture.unwrap_or(AIR_DRY_PERCENT);
+        let height = match species.fracture_height(
+            radius,
+            DEFAULT_BUNDLE_DIAMETER,
+            moisture,
+            Fallback::TwelvePercent,
+        ) {
+            Ok(height) => height,
+            Err(error) => return Ok(none(Some(BreakNote::NoSpeciesHeight(error.to_string())))),
+        };
+        let factor = match height.rule {
+            HeightRule::Eq9 => {
+                let p = &recipe.face;
+                let layout = self.found_layout(found, p, another, ids)?;
+                let cache = if another {
+                    &mut self.found_cache
+                } else {
+                    &mut self.cache
+                };
+                let setting = height_setting(&found.value, p, 1.0);
+                let range = heights::relief_range(&layout.value.bundles, p, &setting, cache);
+                height.ratio * radius / range.max(1e-9)
+            }
+            HeightRule::ShearLag => {
+                height.ratio * radius / DEFAULT_BUNDLE_DIAMETER / TYPICAL_SLENDERNESS
+            }
+        };
+        let report = SpeciesReport {
+            name: species.name.clone(),
+            scientific_name: species.scientific_name.clone(),
+            moisture_percent: moisture,
+            rule: height.rule.to_string(),
+            basis: height.basis.to_string(),
+            height_m: height.ratio * radius,
+            relief: factor,
+        };
+        Ok(SpeciesRelief {
+            factor,
+            report: Some(report),
+            note: None,
+        })
+    }
+
+    fn heights(
+        &mut self,
+        stem: &StemStage,
+        layout: &Found<FaceLayout>,
+        asked: &Break,
+        relief: SpeciesRelief,
+        ids: &mut Ids,
+    ) -> Result<Found<HeightStage>, Error> {
+        let p = &asked.recipe.face;
+        let key = HeightKey {
+            layout: layout.id,
+            parameters: p.clone(),
+            source: asked.heights.clone(),
+            species: asked.recipe.species.clone(),
+            moisture: asked.recipe.moisture,
+        };
+        let cache = &mut self.cache;
+        self.heights.get(key, ids, |_| {
+            let setting = height_setting(stem.stem(), p, relief.factor);
+            let bundles = &layout.value.bundles;
+            Ok(HeightStage {
+                heights: heights::heights(bundles, p, &setting, &asked.heights, cache),
+                relief,
+            })
+        })
+    }
+}
+
+/// How far beyond the break grain spirals, radii.
+const SPIRAL_BEYOND: f64 = 0.5;
+
+/// Median over the Wood Handbook's species of the shear-lag length over the bundle's width: the wood that the relief
+/// of the parameters stands for.
+const TYPICAL_SLENDERNESS: f64 = 2.87;
+
+/// Whether a break asks for spiral grain and the stem can have it: a fibrous face of a round stem.
+pub(super) fn is_spiral(stem: &PreparedStem, p: &BreakParameters) -> bool {
+    let round = stem.found.stem.kind != StemKind::Board;
+    p.spiral_angle != 0.0 && p.surface == Surface::Fibrous && round
+}
+
+fn layout(
+    slot: &mut Slot<(u64, LayoutKey), FaceLayout>,
+    stem: &PreparedStem,
+    key: (u64, LayoutKey),
+    ids: &mut Ids,
+) -> Result<Found<FaceLayout>, Error> {
+    let made = key.1.clone();
+    slot.get(key, ids, |_| Ok(FaceLayout::new(stem, &made)))
+}
+
+fn cut_stage(
+    stage: &StemStage,
+    layout: &FaceLayout,
+    surface: &greenstick_fracture::surface::Surface,
+    cracks: Option<&Cracks>,
+    inner: &InnerWood,
+    workspace: &mut CutWorkspace,
+) -> Result<CutStage, Error> {
+    let stem = stage.stem();
+    let cutter = Cutter {
+        stem,
+        skin: &stem.skin,
+        ground: &layout.ground,
+        absorb_chips: true,
+    };
+    let face = if stem.layers.winds() {
+        cutter.break_spiral_grain(surface, inner, workspace)?
+    } else {
+        cutter.break_along(surface, inner, workspace)?
+    };
+    let cracked = match cracks {
+        Some(cracks) => Some(Box::new(crack_faces(stem, surface, &cracks.plan, inner)?)),
+        None => None,
+    };
+    Ok(CutStage { face, cracked })
+}

@@ -1,0 +1,83 @@
+//! The materials of broken wood: the wood inside with its baked textures, and bark where the input has no material.
+
+use crate::Error;
+use crate::branch::bark_material;
+use crate::session::appearance::Looks;
+use glam::DVec2;
+use greenstick_geometry::mesh::NO_MATERIAL;
+use greenstick_geometry::{
+    Context, Image, ImageSource, Material, Scene, Texture, TextureReference,
+};
+use greenstick_skin::broken::lacks_material;
+use greenstick_skin::texture::{self, SectionSquare, WoodTextures};
+use greenstick_wood::stem::Stem;
+
+/// Gives bark to the triangles of a scene that have no material.
+pub(crate) fn add_missing_bark(scene: &mut Scene) {
+    if !scene.nodes.iter().any(|n| lacks_material(&n.mesh)) {
+        return;
+    }
+    let bark = scene.materials.len() as u32;
+    scene.materials.push(bark_material());
+    scene.change_meshes(lacks_material, |mesh| {
+        mesh.materials.resize(mesh.triangles.len(), NO_MATERIAL);
+        let lacking = mesh.materials.iter_mut().filter(|m| **m == NO_MATERIAL);
+        lacking.for_each(|m| *m = bark);
+    });
+}
+
+/// Bakes the textures of the wood inside, `width` pixels wide.
+pub(crate) fn bake(
+    stem: &Stem,
+    square: SectionSquare,
+    looks: &Looks,
+    width: u32,
+    context: &Context,
+) -> Result<WoodTextures, Error> {
+    let section = |p: DVec2| stem.rings.address(p + square.middle);
+    Ok(texture::bake(
+        width,
+        square.side,
+        &section,
+        &looks.wood,
+        context,
+    )?)
+}
+
+/// Adds the material of the wood inside with its textures, which cover `square`.
+pub(crate) fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodTextures) {
+    let mut reference = |name: &str, bytes: &[u8]| {
+        let image = Image {
+            name: format!("inner_wood_{name}"),
+            mime_type: "image/png".into(),
+            source: ImageSource::Bytes(bytes.to_vec()),
+        };
+        scene.images.push(image);
+        // Linear filtering with mipmaps; clamped across, repeating along the grain.
+        let sampler = [Some(9729), Some(9987), Some(33071), Some(10497)];
+        scene.textures.push(Texture {
+            image: Some(scene.images.len() - 1),
+            alternatives: Vec::new(),
+            sampler,
+        });
+        let scale = [(0.5 / square.side) as f32, (1.0 / square.side) as f32];
+        TextureReference {
+            texture: scene.textures.len() - 1,
+            coordinates: 0,
+            transform: Some(([0.0, 0.0], 0.0, scale)),
+            strength: 1.0,
+        }
+    };
+    let (color, normal, roughness) = (
+        reference("color", &baked.color),
+        reference("normal", &baked.normal),
+        reference("roughness", &baked.roughness),
+    );
+    scene.materials.push(Material {
+        name: "inner_wood".into(),
+        base_color_texture: Some(color),
+        normal_texture: Some(normal),
+        metallic_roughness_texture: Some(roughness),
+        ..Material::default()
+    });
+}

@@ -1,0 +1,310 @@
+//! What is worth saying about a break beside its figures.
+
+use greenstick_fracture::cracks::{CrackPlan, Grooved};
+use greenstick_fracture::recipe::CrackShrinkage;
+use greenstick_geometry::repair::Collapsed;
+use greenstick_skin::broken::SpiralRepair;
+use greenstick_skin::fray::BendReport;
+use std::fmt;
+
+/// Something that was assumed, limited, repaired or could not be done. Its text is a sentence without a full stop.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BreakNote {
+    /// The species has no height of the face, for this reason.
+    NoSpeciesHeight(String),
+    /// The shrinkage that cracks open by.
+    CrackShrinkage(CrackShrinkage),
+    /// Tangential cracks were moved to ring boundaries.
+    CracksMoved {
+        /// How many.
+        moved: usize,
+        /// Rings of the section.
+        rings: u32,
+    },
+    /// Heights had to be limited.
+    HeightsLimited {
+        /// Corners of the face.
+        corners: usize,
+        /// Lowest and highest height wanted, m from the place of the break.
+        wanted: (f64, f64),
+        /// Lowest and highest height that is free, m from the place of the break.
+        free: (f64, f64),
+    },
+    /// Slivers without a hold changed sides.
+    ChipsMoved(usize),
+    /// A face in spiral grain crossed itself.
+    SpiralRepaired {
+        /// What was done.
+        repair: SpiralRepair,
+        /// Length of the longest edge collapsed, m.
+        longest_m: f64,
+    },
+    /// A piece was bent.
+    Bent {
+        /// Name of the piece.
+        piece: String,
+        /// How.
+        report: BendReport,
+        /// How much was requested, 0 to 1.
+        requested: f64,
+    },
+    /// Splinters were requested, but none came loose.
+    NoSplinters,
+    /// Spiral grain was requested where there can be none.
+    NoSpiralGrain,
+    /// The upper piece hangs at a greater angle than requested.
+    HangsWider {
+        /// The angle, degrees.
+        angle: f64,
+        /// The angle requested, degrees.
+        requested: f64,
+    },
+    /// A piece crossed itself at the precision of files.
+    SelfIntersectionsResolved {
+        /// Name of the piece.
+        piece: String,
+        /// What was done.
+        collapsed: Collapsed,
+        /// Length of the longest edge collapsed, m.
+        longest_m: f64,
+    },
+    /// The end was sawn off straight before it was cracked.
+    EndSawnOff {
+        /// Triangles of other shells that fell with it.
+        fallen: usize,
+    },
+    /// What was made of the cracks of a face.
+    CracksMade {
+        /// Name of the face.
+        face: &'static str,
+        /// Cracks that were made.
+        cracks: usize,
+        /// The widest opening, m.
+        widest_m: f64,
+        /// The greatest depth, m.
+        deepest_m: f64,
+    },
+    /// Cracks of a face were left out.
+    CracksLeftOut {
+        /// Name of the face.
+        face: &'static str,
+        /// How many.
+        cracks: usize,
+    },
+    /// Cracks of a face were made shallower.
+    CracksShallower {
+        /// Name of the face.
+        face: &'static str,
+        /// At how many places.
+        places: usize,
+    },
+    /// Cracks were changed so that none cross.
+    CracksSeparated {
+        /// How many were shortened.
+        shortened: usize,
+        /// How many were left out.
+        left_out: usize,
+    },
+    /// Something that only the caller knows.
+    Other(String),
+}
+
+impl BreakNote {
+    /// Notes on the cracks of a face.
+    pub(super) fn on_grooves(face: &'static str, made: &Grooved) -> Vec<BreakNote> {
+        let mut notes = vec![BreakNote::CracksMade {
+            face,
+            cracks: made.cracks,
+            widest_m: made.widest,
+            deepest_m: made.deepest,
+        }];
+        let cracks = made.outside + made.undrawn + made.closed;
+        if cracks > 0 {
+            notes.push(BreakNote::CracksLeftOut { face, cracks });
+        }
+        if made.limited > 0 {
+            let places = made.limited;
+            notes.push(BreakNote::CracksShallower { face, places });
+        }
+        notes
+    }
+
+    /// The note on cracks that would have crossed, where there were any.
+    pub(super) fn on_plan(plan: &CrackPlan) -> Option<BreakNote> {
+        let (shortened, left_out) = (plan.shortened, plan.skipped);
+        (shortened + left_out > 0).then_some(BreakNote::CracksSeparated {
+            shortened,
+            left_out,
+        })
+    }
+}
+
+impl fmt::Display for BreakNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BreakNote::NoSpeciesHeight(why) => {
+                write!(f, "the height of the face does not follow the species: {why}")
+            }
+            BreakNote::CrackShrinkage(s) => write!(
+                f,
+                "cracks open by a shrinkage of {:.1} % along the rings and {:.1} % across ({})",
+                s.tangential * 100.0,
+                s.radial * 100.0,
+                s.basis
+            ),
+            BreakNote::CracksMoved { moved, rings } => write!(
+                f,
+                "{moved} tangential cracks were brought to the nearest boundary of two of the {rings} rings"
+            ),
+            BreakNote::HeightsLimited {
+                corners,
+                wanted,
+                free,
+            } => write!(
+                f,
+                "{corners} of the face's corners were limited: the break would have reached from {:.1} to {:.1} mm, but \
+                 only {:.1} to {:.1} mm along the stem are free",
+                wanted.0 * 1e3,
+                wanted.1 * 1e3,
+                free.0 * 1e3,
+                free.1 * 1e3
+            ),
+            BreakNote::ChipsMoved(chips) => write!(
+                f,
+                "{chips} slivers that would have hung in the air stay with the other piece"
+            ),
+            BreakNote::SpiralRepaired { repair, longest_m } => spiral(f, repair, *longest_m),
+            BreakNote::Bent {
+                piece,
+                report,
+                requested,
+            } => bent(f, piece, report, *requested),
+            BreakNote::NoSplinters => f.write_str(
+                "no splinter came loose: no fibre bundle away from the skin stands long enough alone",
+            ),
+            BreakNote::NoSpiralGrain => f.write_str(
+                "the spiral angle was left out: grain winds in the fibrous face of a round stem only",
+            ),
+            BreakNote::HangsWider { angle, requested } => write!(
+                f,
+                "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least at which it is clear of the \
+                 lower one"
+            ),
+            BreakNote::SelfIntersectionsResolved {
+                piece,
+                collapsed,
+                longest_m,
+            } => resolved(f, piece, collapsed, *longest_m),
+            BreakNote::Other(text) => f.write_str(text),
+            cracks => on_cracks(f, cracks),
+        }
+    }
+}
+
+fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
+    match note {
+        BreakNote::EndSawnOff { fallen } => {
+            f.write_str(
+                "the end is no face that cracks can be cut into: it was sawn off straight first, and what was sawn off is \
+                 left out",
+            )?;
+            if *fallen > 0 {
+                write!(f, ", with {fallen} triangles of what hangs on it")?;
+            }
+            Ok(())
+        }
+        BreakNote::CracksMade {
+            face,
+            cracks,
+            widest_m,
+            deepest_m,
+        } => write!(
+            f,
+            "{face}: {cracks} cracks, the widest {:.2} mm, the deepest {:.1} mm",
+            widest_m * 1e3,
+            deepest_m * 1e3
+        ),
+        BreakNote::CracksLeftOut { face, cracks } => write!(
+            f,
+            "{face}: {cracks} cracks were left out: closed, outside the wood, or too fine to draw"
+        ),
+        BreakNote::CracksShallower { face, places } => write!(
+            f,
+            "{face}: cracks were made shallower at {places} places to stay in the stem"
+        ),
+        BreakNote::CracksSeparated {
+            shortened,
+            left_out,
+        } => write!(
+            f,
+            "{shortened} cracks were shortened and {left_out} left out so that none cross"
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> fmt::Result {
+    write!(
+        f,
+        "{} pairs of triangles of the winding face crossed; {} edges were halved and {} of at most {:.0} µm drawn together",
+        repair.crossed,
+        repair.bisected,
+        repair.collapsed,
+        longest_m * 1e6
+    )?;
+    if repair.remaining > 0 {
+        write!(f, ", {} pairs still cross", repair.remaining)?;
+    }
+    Ok(())
+}
+
+fn bent(
+    f: &mut fmt::Formatter<'_>,
+    piece: &str,
+    report: &BendReport,
+    requested: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{piece}: bending changed the volume by {:+.3} %",
+        report.volume_change * 100.0
+    )?;
+    if report.crossed > 0 {
+        write!(
+            f,
+            "; {} pairs of triangles crossed when bent, and {} edges were halved",
+            report.crossed, report.bisected
+        )?;
+    }
+    if report.amount < requested {
+        write!(
+            f,
+            "; it was bent by {:.2} instead of {requested:.2}, as more would have made it cross itself",
+            report.amount
+        )?;
+    }
+    if report.remaining > 0 {
+        write!(f, "; {} pairs still cross", report.remaining)?;
+    }
+    Ok(())
+}
+
+fn resolved(
+    f: &mut fmt::Formatter<'_>,
+    piece: &str,
+    collapsed: &Collapsed,
+    longest_m: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{piece}: {} pairs of triangles crossed or met where the wood is too thin for a file's precision; {} edges of at \
+         most {:.2} µm were drawn together",
+        collapsed.faults,
+        collapsed.edges,
+        longest_m * 1e6
+    )?;
+    if collapsed.remaining > 0 {
+        write!(f, ", {} pairs are left", collapsed.remaining)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! The order in which several breaks of one stem are made: from the farthest from the base to the nearest, so that each
+//! breaks what the one before left at the base.
+
+use crate::Error;
+use crate::request::{Break, BreakRequest};
+use greenstick_geometry::{Context, Scene};
+use greenstick_skin::prepared::world_meshes;
+use greenstick_wood::stem::{Found, Place, StemOptions, find};
+use std::sync::Arc;
+
+/// A break with its place in the world.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PlacedBreak {
+    /// Its number in the request.
+    pub number: usize,
+    /// The break; of several the place is a point.
+    pub asked: Break,
+}
+
+/// Where the breaks of the last request were.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BreakOrder {
+    known: Vec<((Place, StemOptions), Arc<Found>)>,
+}
+
+impl BreakOrder {
+    /// The breaks of a request in the order in which they are made.
+    ///
+    /// # Errors
+    /// [`Error`] where there is no break, no stem at a place, or breaks are on different stems.
+    pub fn of(
+        &mut self,
+        scene: &Scene,
+        request: &BreakRequest,
+        context: &Context,
+    ) -> Result<Vec<PlacedBreak>, Error> {
+        if let [only] = &request.breaks[..] {
+            return Ok(vec![PlacedBreak {
+                number: 0,
+                asked: only.clone(),
+            }]);
+        }
+        let found = self.locate(scene, request, context)?;
+        let Some(first) = found.first() else {
+            return Err(Error::Amount("no breaks; expected at least 1".into()));
+        };
+        let shell = |f: &Found| (f.node, f.shell.first().copied());
+        if let Some(other) = found.iter().position(|f| shell(f) != shell(first)) {
+            return Err(Error::Amount(format!(
+                "breaks on several stems: break 1 is at {:.3} m of one, break {} at {:.3} m of another; expected all on one",
+                first.stem.place,
+                other + 1,
+                found[other].stem.place
+            )));
+        }
+        let mut order: Vec<usize> = (0..found.len()).collect();
+        order.sort_by(|&a, &b| {
+            let (a, b) = (&found[a].stem, &found[b].stem);
+            b.place.total_cmp(&a.place)
+        });
+        let placed = order.into_iter().map(|number| {
+            let stem = &found[number].stem;
+            let point = stem.grain.axis().frame(stem.place).origin;
+            PlacedBreak {
+                number,
+                asked: Break {
+                    place: Place::Point(point),
+                    ..request.breaks[number].clone()
+                },
+            }
+        });
+        Ok(placed.collect())
+    }
+
+    /// The stem at the place of each break.
+    fn locate(
+        &mut self,
+        scene: &Scene,
+        request: &BreakRequest,
+        context: &Context,
+    ) -> Result<Vec<Arc<Found>>, Error> {
+        let mut meshes = None;
+        let mut known = Vec::new();
+        for (number, asked) in request.breaks.iter().enumerate() {
+            let key = (asked.place, request.stem);
+            let found = match self.known.iter().find(|k| k.0 == key) {
+                Some(known) => known.1.clone(),
+                None => {
+                    let meshes = meshes.get_or_insert_with(|| world_meshes(scene));
+                    let context = context.item(number, request.breaks.len());
+                    Arc::new(find(meshes, &asked.place, &request.stem, &context)?)
+                }
+            };
+            known.push((key, found));
+        }
+        self.known = known;
+        Ok(self.known.iter().map(|k| k.1.clone()).collect())
+    }
+}

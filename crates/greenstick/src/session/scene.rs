@@ -1,0 +1,182 @@
+//! The scene of broken pieces and of everything that was not cut.
+
+use super::PiecesOfBreak;
+use super::pieces::{Piece, PieceRole, Pieces};
+use super::stages::BreakStages;
+use crate::report::PieceReport;
+use glam::DAffine3;
+use greenstick_geometry::{Node, Scene};
+use greenstick_skin::prepared::PreparedStem;
+
+/// What a node of a broken scene is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NodeRole {
+    /// A piece of the stem that was broken.
+    Piece(PieceRole),
+    /// Wood or leaves that hang beyond the break and move with the upper piece.
+    Carried,
+    /// What the break did not touch.
+    Untouched,
+}
+
+/// A scene, and what each of its nodes is.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Assembled {
+    pub scene: Scene,
+    pub roles: Vec<NodeRole>,
+}
+
+impl Assembled {
+    fn push(&mut self, node: Node, role: NodeRole) {
+        self.scene.nodes.push(node);
+        self.roles.push(role);
+    }
+}
+
+/// For each triangle of each node of the scene that a break was made in, whether it is in another node now: in a piece, or
+/// carried by the upper one.
+fn moved_triangles(stages: &BreakStages) -> Vec<Vec<bool>> {
+    let stem = stages.stem.stem();
+    let found = &stem.found;
+    let mut moved: Vec<Vec<bool>> = (stem.scene.nodes.iter())
+        .map(|n| vec![false; n.mesh.triangles.len()])
+        .collect();
+    for &t in &found.shell {
+        moved[found.node][t as usize] = true;
+    }
+    for (i, triangles) in &found.carried {
+        for &t in triangles {
+            moved[*i][t as usize] = true;
+        }
+    }
+    moved
+}
+
+/// The nodes that a break did not touch, and what is left of those of which it took parts.
+fn untouched(stem: &PreparedStem, moved: &[Vec<bool>]) -> Vec<Node> {
+    let remaining = |(source, moved): (&Node, &Vec<bool>)| {
+        let mesh = if !moved.contains(&true) {
+            source.mesh.clone()
+        } else if moved.contains(&false) {
+            let rest = (0..moved.len()).filter(|&t| !moved[t]);
+            source.mesh.submesh(rest).into()
+        } else {
+            return None;
+        };
+        Some(Node::new(source.name.clone(), source.transform, mesh))
+    };
+    let nodes = stem.scene.nodes.iter().zip(moved);
+    nodes.filter_map(remaining).collect()
+}
+
+/// The scene without what lies beyond a break: what further breaks nearer to the base are made in.
+pub(super) fn left_at_base(stages: &BreakStages, pieces: &Pieces) -> Scene {
+    let stem = stages.stem.stem();
+    let lower = pieces.pieces.iter().find(|p| p.role == PieceRole::Lower);
+    let lower = lower.map(|p| {
+        let name = stem.node().name.clone();
+        Node::new(name, *stem.transform(), p.mesh.clone())
+    });
+    let mut nodes: Vec<Node> = lower.into_iter().collect();
+    nodes.extend(untouched(stem, &moved_triangles(stages)));
+    Scene {
+        nodes,
+        notes: Vec::new(),
+        ..stem.scene.clone()
+    }
+}
+
+/// A piece of a scene with its motion and its part in the scene.
+struct PlacedPiece<'a> {
+    piece: &'a Piece,
+    report: &'a PieceReport,
+    /// The break that it comes from.
+    of: usize,
+    /// Its motion in the world, those of all breaks nearer to the base included.
+    motion: DAffine3,
+    role: PieceRole,
+}
+
+/// The pieces of breaks that were made in this order: from the base upwards, then splinters.
+fn placed(made: &[PiecesOfBreak]) -> Vec<PlacedPiece<'_>> {
+    let several = made.len() > 1;
+    let mut below = DAffine3::IDENTITY;
+    let (mut segments, mut splinters) = (Vec::new(), Vec::new());
+    for (of, one) in made.iter().enumerate().rev() {
+        let mut beyond = below;
+        for (piece, report) in one.pieces.pieces.iter().zip(&one.pieces.reports) {
+            let motion = below * piece.motion;
+            let placed = |role| PlacedPiece {
+                piece,
+                report,
+                of,
+                motion,
+                role,
+            };
+            match piece.role {
+                PieceRole::Splinter(_) => splinters.push(placed(piece.role)),
+                // Of several breaks the lower piece is that of the one nearest to the base.
+                PieceRole::Lower if of + 1 < made.len() => {}
+                _ if several => segments.push(placed(PieceRole::Segment(segments.len()))),
+                role => segments.push(placed(role)),
+            }
+            if piece.role == PieceRole::Upper {
+                beyond = motion;
+            }
+        }
+        below = beyond;
+    }
+    for (number, splinter) in splinters.iter_mut().enumerate() {
+        splinter.role = PieceRole::Splinter(number);
+    }
+    segments.extend(splinters);
+    segments
+}
+
+/// Reports on the pieces of breaks that were made in this order, in the order of the scene's nodes.
+pub(super) fn piece_reports(made: &[PiecesOfBreak]) -> Vec<PieceReport> {
+    placed(made).iter().map(|p| p.report.clone()).collect()
+}
+
+/// Puts the pieces of breaks that were made in this order in place of the stem.
+pub(super) fn assemble(made: &[PiecesOfBreak]) -> Assembled {
+    let mut out = Assembled::default();
+    let Some(last) = made.last() else {
+        return out;
+    };
+    let scene = &last.stages.stem.stem().scene;
+    out.scene.materials.clone_from(&scene.materials);
+    out.scene.textures.clone_from(&scene.textures);
+    out.scene.images.clone_from(&scene.images);
+    // Node and motion of the piece beyond each break.
+    let mut upper = vec![(0, DAffine3::IDENTITY); made.len()];
+    for placed in placed(made) {
+        if placed.piece.role == PieceRole::Upper {
+            upper[placed.of] = (out.scene.nodes.len(), placed.motion);
+        }
+        let stem = made[placed.of].stages.stem.stem();
+        let transform = placed.motion * *stem.transform();
+        let mesh = placed.piece.mesh.clone();
+        let node = Node::new(placed.role.name(), transform, mesh);
+        out.push(node, NodeRole::Piece(placed.role));
+    }
+    for (of, one) in made.iter().enumerate() {
+        let stem = one.stages.stem.stem();
+        let (node, motion) = upper[of];
+        for (number, (i, triangles)) in stem.found.carried.iter().enumerate() {
+            let source = &stem.scene.nodes[*i];
+            let mesh = source.mesh.submesh(triangles.iter().map(|&t| t as usize));
+            let name = format!("{}_with_upper_{number:03}", source.name);
+            let carried = Node {
+                parent: Some(node),
+                ..Node::new(name, motion * source.transform, mesh)
+            };
+            out.push(carried, NodeRole::Carried);
+        }
+    }
+    let moved = moved_triangles(&last.stages);
+    for node in untouched(last.stages.stem.stem(), &moved) {
+        out.push(node, NodeRole::Untouched);
+    }
+    out
+}

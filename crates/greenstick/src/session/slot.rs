@@ -1,0 +1,130 @@
+//! Values that are kept from one request to the next.
+
+use std::sync::Arc;
+
+/// A value, what it was made from, and a number that no other value of the session has.
+#[derive(Debug)]
+pub(super) struct Kept<K, V> {
+    key: K,
+    pub id: u64,
+    pub value: Arc<V>,
+}
+
+impl<K: Clone, V> Clone for Kept<K, V> {
+    fn clone(&self) -> Self {
+        Kept {
+            key: self.key.clone(),
+            id: self.id,
+            value: self.value.clone(),
+        }
+    }
+}
+
+/// Numbers values.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Ids(u64);
+
+impl Ids {
+    fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// The last value of a stage, where there is one.
+#[derive(Debug)]
+pub(super) struct Slot<K, V>(Option<Kept<K, V>>);
+
+impl<K, V> Default for Slot<K, V> {
+    fn default() -> Self {
+        Slot(None)
+    }
+}
+
+impl<K: Clone, V> Clone for Slot<K, V> {
+    fn clone(&self) -> Self {
+        Slot(self.0.clone())
+    }
+}
+
+/// A value from a slot.
+#[derive(Debug)]
+pub(super) struct Found<V> {
+    pub value: Arc<V>,
+    /// Its number.
+    pub id: u64,
+    /// Whether it was made anew.
+    pub is_new: bool,
+}
+
+impl<K: PartialEq, V> Slot<K, V> {
+    /// The value made from `key`: the one that is there, or a new one. `make` gets the old value where nobody else uses
+    /// it, to reuse its memory. Where `make` fails the slot is empty.
+    pub fn get<E>(
+        &mut self,
+        key: K,
+        ids: &mut Ids,
+        make: impl FnOnce(Option<V>) -> Result<V, E>,
+    ) -> Result<Found<V>, E> {
+        if let Some(kept) = self.0.as_ref().filter(|kept| kept.key == key) {
+            return Ok(Found {
+                value: kept.value.clone(),
+                id: kept.id,
+                is_new: false,
+            });
+        }
+        let old = self.0.take().and_then(|kept| Arc::into_inner(kept.value));
+        let value = Arc::new(make(old)?);
+        let id = ids.next();
+        self.0 = Some(Kept {
+            key,
+            id,
+            value: value.clone(),
+        });
+        Ok(Found {
+            value,
+            id,
+            is_new: true,
+        })
+    }
+
+    /// Forgets the value.
+    pub fn clear(&mut self) {
+        self.0 = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_made_once_for_each_key() {
+        let (mut slot, mut ids) = (Slot::default(), Ids::default());
+        let mut get = |key: u32| {
+            let make = |_| Ok::<_, ()>(vec![key]);
+            slot.get(key, &mut ids, make).unwrap()
+        };
+        let (a, b, c) = (get(1), get(1), get(2));
+        assert!(a.is_new && !b.is_new && c.is_new);
+        assert!(Arc::ptr_eq(&a.value, &b.value) && a.id == b.id && c.id != a.id);
+    }
+
+    #[test]
+    fn memory_is_reused_only_where_nobody_holds_it() {
+        let (mut slot, mut ids) = (Slot::default(), Ids::default());
+        let held = slot.get(1, &mut ids, |_| Ok::<_, ()>("a")).unwrap();
+        slot.get(2, &mut ids, |old| {
+            assert_eq!(old, None);
+            Ok::<_, ()>("b")
+        })
+        .unwrap();
+        drop(held);
+        slot.get(3, &mut ids, |old| {
+            assert_eq!(old, Some("b"));
+            Err("no")
+        })
+        .unwrap_err();
+        assert!(slot.get(3, &mut ids, |old| old.ok_or("empty")).is_err());
+    }
+}

@@ -1,0 +1,303 @@
+//! A session that keeps its stages gives the same bits as one that starts anew, after any change, in any thread.
+
+mod support;
+
+use greenstick::fracture::heights::{HeightField, HeightSource};
+use greenstick::fracture::presets::Preset;
+use greenstick::geometry::{CancelToken, Context, Scene};
+use greenstick::wood::stem::Place;
+use greenstick::{Break, BreakRequest, BreakSession, BreakStage, Broken, built_in_branch};
+use std::sync::Arc;
+
+fn request(settings: &[&str]) -> BreakRequest {
+    let mut request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::default()
+    };
+    change(&mut request, settings);
+    request
+}
+
+fn change(request: &mut BreakRequest, settings: &[&str]) {
+    for setting in settings {
+        request.breaks[0].recipe.apply_setting(setting).unwrap();
+    }
+}
+
+fn assert_same(a: &Broken, b: &Broken, what: &str) {
+    assert_eq!(a.report, b.report, "{what}");
+    assert_eq!(a.roles, b.roles, "{what}");
+    assert!(a.scene == b.scene, "{what}: other scene");
+}
+
+/// One change after another, each of which starts at another stage or switches something on or off.
+#[test]
+fn a_session_after_changes_equals_a_new_one() {
+    let small = ["rings=8", "sectors=16"];
+    let mut now = request(&small);
+    let mut session = BreakSession::new(built_in_branch());
+    type Change = (&'static str, fn(&mut BreakRequest), Option<BreakStage>);
+    let changes: [Change; 18] = [
+        ("nothing", |_| {}, None),
+        (
+            "slabs",
+            |r| change(r, &["slab_height=1.3"]),
+            Some(BreakStage::Heights),
+        ),
+        ("seed", |r| change(r, &["seed=5"]), Some(BreakStage::Layout)),
+        (
+            "place",
+            |r| r.breaks[0].place = Place::Fraction(0.4),
+            Some(BreakStage::Stem),
+        ),
+        (
+            "spiral grain",
+            |r| change(r, &["spiral_angle=12"]),
+            Some(BreakStage::Stem),
+        ),
+        (
+            "slabs in it",
+            |r| change(r, &["slab_height=1.1"]),
+            Some(BreakStage::Stem),
+        ),
+        (
+            "straight grain",
+            |r| change(r, &["spiral_angle=0"]),
+            Some(BreakStage::Layout),
+        ),
+        (
+            "species",
+            |r| change(r, &["species=temple juniper"]),
+            Some(BreakStage::Heights),
+        ),
+        (
+            "moisture",
+            |r| change(r, &["moisture=25"]),
+            Some(BreakStage::Heights),
+        ),
+        (
+            "hang",
+            |r| change(r, &["hang=30"]),
+            Some(BreakStage::Heights),
+        ),
+        (
+            "no hang",
+            |r| change(r, &["hang=0"]),
+            Some(BreakStage::Heights),
+        ),
+        ("fray", |r| r.breaks[0].fray = 0.5, Some(BreakStage::Finish)),
+        (
+            "no fray",
+            |r| r.breaks[0].fray = 0.0,
+            Some(BreakStage::Finish),
+        ),
+        (
+            "cracks",
+            |r| cracks(r, "crack_groups.end=break"),
+            Some(BreakStage::Cut),
+        ),
+        (
+            "cracks at the end",
+            |r| cracks(r, "crack_groups.end=sawn"),
+            Some(BreakStage::Stem),
+        ),
+        (
+            "smooth",
+            |r| change(r, &["surface=smooth"]),
+            Some(BreakStage::Layout),
+        ),
+        (
+            "apart",
+            |r| r.breaks[0].separation = 0.02,
+            Some(BreakStage::Finish),
+        ),
+        (
+            "a field",
+            |r| r.breaks[0].heights = steps(),
+            Some(BreakStage::Heights),
+        ),
+    ];
+    let context = Context::quiet();
+    session.broken(&now, &context).unwrap();
+    for (what, change, expected) in changes {
+        change(&mut now);
+        let kept = session.broken(&now, &context).unwrap();
+        assert_eq!(session.started_at(), expected, "{what}");
+        let fresh = BreakSession::new(built_in_branch()).broken(&now, &context);
+        assert_same(&kept, &fresh.unwrap(), what);
+    }
+}
+
+fn cracks(request: &mut BreakRequest, end: &str) {
+    let recipe = &mut request.breaks[0].recipe;
+    let fig20 = Preset::find("fig20").unwrap();
+    fig20
+        .apply(&mut recipe.face.clone(), &mut recipe.cracks)
+        .unwrap();
+    change(request, &[end]);
+}
+
+/// Heights that rise in steps around the stem.
+fn steps() -> HeightSource {
+    let heights = (0..6).map(|i| 0.004 * f64::from(i)).collect();
+    HeightSource::Field(Arc::new(HeightField::new(1, 6, heights).unwrap()))
+}
+
+#[test]
+fn a_height_field_is_where_the_stem_breaks() {
+    let mut request = request(&["surface=smooth", "rings=20", "sectors=60"]);
+    request.breaks[0].heights = steps();
+    let mut session = BreakSession::new(built_in_branch());
+    let stages = session.stages(&request, &Context::quiet()).unwrap();
+    let HeightSource::Field(field) = &request.breaks[0].heights else {
+        unreachable!()
+    };
+    let place = stages.stem.stem().found.stem.place;
+    let surface = &stages.heights.heights.surface;
+    let layout = &surface.layout;
+    for (facet, heights) in layout.facets.iter().zip(&surface.heights) {
+        for (&node, height) in facet.iter().zip(heights) {
+            let (rho, phi) = stages.layout.bundles.addresses[node as usize];
+            assert!((height - place - field.at(rho, phi)).abs() < 1e-12);
+        }
+    }
+    let whole = stages.stem.stem().node().mesh.volume();
+    let parts: f64 = support::pieces(&stages, &request.breaks[0].recipe.face)
+        .iter()
+        .map(|m| m.volume())
+        .sum();
+    assert!((parts / whole - 1.0).abs() < 1e-9);
+}
+
+fn several(places: &[f64]) -> BreakRequest {
+    let only = |(i, &at): (usize, &f64)| {
+        let mut one = request(&[
+            "rings=8",
+            "sectors=16",
+            "slab_height=0.3",
+            "sliver_height=0.2",
+        ]);
+        change(&mut one, &[&format!("seed={i}")]);
+        Break {
+            place: Place::Fraction(at),
+            separation: 0.03,
+            ..one.breaks.remove(0)
+        }
+    };
+    BreakRequest {
+        breaks: places.iter().enumerate().map(only).collect(),
+        texture_width: 16,
+        ..BreakRequest::default()
+    }
+}
+
+#[test]
+fn a_stem_breaks_at_several_places_into_pieces_in_order() {
+    // In any order in the request.
+    let request = several(&[0.5, 0.8, 0.2]);
+    let mut session = BreakSession::new(built_in_branch());
+    let broken = session.broken(&request, &Context::quiet()).unwrap();
+    let names: Vec<&str> = broken.scene.nodes.iter().map(|n| &*n.name).collect();
+    assert_eq!(names, ["piece_0", "piece_1", "piece_2", "piece_3"]);
+    let report = &broken.report;
+    let mut sum = 0.0;
+    for (piece, node) in report.pieces.iter().zip(&broken.scene.nodes) {
+        assert!(piece.closed, "{report}");
+        assert_eq!(node.mesh.check().self_intersections.unwrap().crossing, 0);
+        sum += piece.volume_m3.unwrap();
+    }
+    assert!((sum / report.input.volume_m3.unwrap() - 1.0).abs() < 1e-6);
+    // Each piece moves by the separations of all breaks below it.
+    let moved = |i: usize| broken.scene.nodes[i].transform.translation.length();
+    for (i, expected) in [0.0, 0.03, 0.06, 0.09].into_iter().enumerate() {
+        assert!((moved(i) - expected).abs() < 0.01, "{}", moved(i));
+    }
+    // Faces lie where they were asked for, and each has a material of its own.
+    let place = |i: usize| match i {
+        0 => &report.place,
+        i => &report.further_breaks[i - 1].place,
+    };
+    let length = place(1).stem_length_m;
+    assert!((place(1).length_m / length - 0.8).abs() < 0.01);
+    let materials: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
+    assert_eq!(materials, [2, 1, 3]);
+    assert_eq!(broken.scene.materials.len(), 4);
+    // A change of the lowest break leaves the others as they are.
+    let mut changed = request.clone();
+    changed.breaks[2]
+        .recipe
+        .apply_setting("slab_height=0.5")
+        .unwrap();
+    let kept = session.broken(&changed, &Context::quiet()).unwrap();
+    assert_eq!(session.started_at(), Some(BreakStage::Heights));
+    let fresh = BreakSession::new(built_in_branch()).broken(&changed, &Context::quiet());
+    assert_same(&kept, &fresh.unwrap(), "lowest break");
+}
+
+#[test]
+fn breaks_on_different_stems_and_no_breaks_are_refused() {
+    let branch = built_in_branch();
+    let mut scene = branch.clone();
+    let mut other = branch.nodes[0].clone();
+    other.transform.translation.x += 1.0;
+    scene.nodes.push(other);
+    let mut request = several(&[0.5, 0.6]);
+    let point = |x| Place::Point(glam::DVec3::new(x, 0.3, 0.0));
+    request.breaks[0].place = point(0.0);
+    request.breaks[1].place = point(1.0);
+    let refused = |scene: &Scene, request: &BreakRequest| {
+        let mut session = BreakSession::new(scene.clone());
+        session
+            .broken(request, &Context::quiet())
+            .unwrap_err()
+            .to_string()
+    };
+    let text = refused(&scene, &request);
+    assert!(text.contains("break 2"), "{text}");
+    request.breaks.clear();
+    let text = refused(&scene, &request);
+    assert!(text.contains("at least 1"), "{text}");
+}
+
+#[test]
+fn forks_work_side_by_side_and_give_the_same() {
+    let mut session = BreakSession::new(built_in_branch());
+    let context = Context::quiet();
+    let seeded = |seed: u64| request(&["rings=8", "sectors=16", &format!("seed={seed}")]);
+    session.broken(&seeded(0), &context).unwrap();
+    let one_by_one: Vec<Broken> = (1..5)
+        .map(|seed| session.broken(&seeded(seed), &context).unwrap())
+        .collect();
+    let forks: Vec<BreakSession> = (1..5).map(|_| session.fork()).collect();
+    let side_by_side: Vec<Broken> = std::thread::scope(|scope| {
+        let (context, seeded) = (&context, &seeded);
+        let threads: Vec<_> = forks
+            .into_iter()
+            .zip(1..5)
+            .map(|(mut fork, seed)| scope.spawn(move || fork.broken(&seeded(seed), context)))
+            .collect();
+        let done = threads.into_iter().map(|t| t.join().unwrap().unwrap());
+        done.collect()
+    });
+    for (a, b) in one_by_one.iter().zip(&side_by_side) {
+        assert_same(a, b, "fork");
+    }
+}
+
+#[test]
+fn a_cancelled_session_goes_on_where_it_was() {
+    let mut session = BreakSession::new(built_in_branch());
+    let token = CancelToken::default();
+    let asking = token.clone();
+    let stopping = Context::new(token, move |progress| {
+        if progress.stage.name() == "textures" {
+            asking.cancel();
+        }
+    });
+    let request = request(&["rings=8", "sectors=16"]);
+    assert!(session.broken(&request, &stopping).is_err());
+    let broken = session.broken(&request, &Context::quiet()).unwrap();
+    assert_eq!(session.started_at(), Some(BreakStage::Finish));
+    let fresh = BreakSession::new(built_in_branch()).broken(&request, &Context::quiet());
+    assert_same(&broken, &fresh.unwrap(), "after a stop");
+}

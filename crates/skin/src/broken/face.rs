@@ -1,0 +1,375 @@
+//! The broken face of a cut, ready to be drawn: positions, normals and texture coordinates.
+//!
+//! The wood inside has texture coordinates in metres. End grain reads (x, y) of the section, shifted so that the
+//! section's middle is the middle of a square of side W; side grain reads W + distance from the pith across and the
+//! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
+//! therefore serves both, with the scale (1/2W, 1/W).
+
+use super::pieces::{InnerWood, Source};
+use glam::{DVec2, DVec3};
+use greenstick_fracture::cut::{Cut, Host};
+use greenstick_fracture::layout::wrap;
+use greenstick_fracture::surface::NONE;
+
+/// Cosine of the angle between a face's normal and the grain above which it shows end grain.
+const END_GRAIN: f64 = 0.5;
+/// How fast side grain drifts across the texture along a ring, so that tangential faces are not one flat colour.
+const DRIFT: f64 = 0.12;
+/// Walls of no more triangles than this have one normal; longer ones follow the bend of the stem.
+const FLAT: usize = 8;
+
+/// The broken face, oriented for the lower piece; the upper piece has it turned over, its normals reversed.
+/// Positions are in the node's coordinates.
+#[derive(Debug, Clone, Default)]
+pub struct Face {
+    /// Positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Normals.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates, m.
+    pub coordinates: Vec<[f32; 2]>,
+    /// Triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// Vertex of the cut that each vertex lies at.
+    pub ids: Vec<u32>,
+    /// Cell (fibre bundle) of each vertex.
+    pub cells: Vec<u32>,
+    /// Exact position of each vertex that the cut made, from its first on.
+    pub places: Vec<DVec3>,
+}
+
+/// Where vertex `id` of a cut on the skin lies.
+fn on_skin(source: &Source, host: Host) -> DVec3 {
+    let point = |p: u32| source.mesh.positions[source.vertices[p as usize] as usize];
+    match host {
+        Host::Point(p) => point(p),
+        Host::Edge { ends: [a, b], t } => point(a).lerp(point(b), t),
+        Host::Face {
+            triangle,
+            weights: w,
+        } => {
+            let [a, b, c] = source.mesh.corners(triangle as usize);
+            a * w[0] + b * w[1] + c * w[2]
+        }
+        Host::Inside => DVec3::NAN,
+    }
+}
+
+/// Normals of one vertex of one bundle's top, and the mesh vertices made for it on side and on end grain.
+#[derive(Clone, Copy)]
+struct Slot {
+    normal: DVec3,
+    made: [u32; 2],
+}
+
+/// Where a vertex of the cut lies about the pith.
+#[derive(Clone, Copy)]
+struct Polar {
+    /// Angle, rad; no number where it has not been asked for.
+    phi: f64,
+    /// Distance, m.
+    r: f64,
+}
+
+struct Maker<'a> {
+    cut: &'a Cut,
+    source: &'a Source<'a>,
+    inner: &'a InnerWood<'a>,
+    face: Face,
+    /// For each vertex of the cut.
+    polar: Vec<Polar>,
+    /// Whether each vertex of the face made so far shows end grain; walls do not and are left out.
+    ends: Vec<bool>,
+    /// Low corner of the texture's square.
+    corner: DVec2,
+    pith: DVec2,
+    /// For each vertex of the cut the last run of triangles that used it, and its number there.
+    runs: Vec<(u32, u32)>,
+}
+
+/// Makes the broken face of a cut.
+pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
+    let mut places = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
+    places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
+    places.extend(cut.inside.iter().map(|&g| source.chart.to_world(g)));
+    // Vertices of the mesh itself are not expected here, but have their place behind the others.
+    let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
+    if least < cut.points {
+        places.extend((0..cut.points as u32).map(|p| on_skin(source, Host::Point(p))));
+    }
+    let corners = cut.cap.len();
+    let tops = cut.walls.first().map_or(corners, |&w| w as usize);
+    let room = if inner.smooth {
+        places.len()
+    } else {
+        3 * corners
+    };
+    let mut maker = Maker {
+        cut,
+        source,
+        inner,
+        runs: Vec::new(),
+        polar: polar(source, cut, inner, places.len()),
+        ends: Vec::with_capacity(room.min(3 * tops)),
+        face: Face {
+            normals: Vec::with_capacity(room),
+            triangles: Vec::with_capacity(corners),
+            ids: Vec::with_capacity(room),
+            cells: Vec::with_capacity(room),
+            places,
+            ..Face::default()
+        },
+        corner: inner.square.middle - inner.square.side / 2.0,
+        pith: inner.stem.rings.pith(),
+    };
+    let run = maker.tops(tops);
+    maker.walls(tops, run);
+    maker.place();
+    maker.face
+}
+
+/// Where the first `count` vertices of a cut lie about the pith.
+fn polar(source: &Source, cut: &Cut, inner: &InnerWood, count: usize) -> Vec<Polar> {
+    let pith = inner.stem.rings.pith();
+    let lie = |grain: DVec3, phi: f64| Polar {
+        phi,
+        r: grain.truncate().distance(pith),
+    };
+    let mut polar = Vec::with_capacity(count);
+    polar.extend(cut.vertices.iter().map(|v| lie(v.grain, f64::NAN)));
+    polar.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
+        let address = inner.bundles.addresses.get(node as usize);
+        lie(grain, address.map_or(f64::NAN, |a| a.1))
+    }));
+    let own = source.grain.iter().take(count - polar.len());
+    polar.extend(own.map(|&grain| lie(grain, f64::NAN)));
+    polar
+}
+
+/// Grain coordinates of a vertex of a cut; those of the mesh come last.
+#[inline]
+fn grain(source: &Source, cut: &Cut, index: usize) -> DVec3 {
+    match index.checked_sub(cut.vertices.len()) {
+        None => cut.vertices[index].grain,
+        Some(i) => match cut.inside.get(i) {
+            Some(&g) => g,
+            None => source.grain[i - cut.inside.len()],
+        },
+    }
+}
+
+impl Maker<'_> {
+    fn index(&self, id: u32) -> usize {
+        match (id as usize).checked_sub(self.cut.points) {
+            Some(i) => i,
+            None => self.cut.vertices.len() + self.cut.inside.len() + id as usize,
+        }
+    }
+
+    /// Makes the first `count` triangles, the tops of cells. Returns the number of the last run.
+    fn tops(&mut self, count: usize) -> u32 {
+        let known = self.inner.bundles.bundles.len() as u32;
+        if self.inner.smooth && self.cut.faces[..count].iter().all(|f| f.cell < known) {
+            self.smooth_tops(count);
+            return 1;
+        }
+        self.parted_tops(count)
+    }
+
+    /// [`Maker::tops`] where all of them are one run, so that every vertex of the cut has one normal.
+    fn smooth_tops(&mut self, count: usize) {
+        let none = Slot {
+            normal: DVec3::ZERO,
+            made: [NONE; 2],
+        };
+        let mut slots = vec![none; self.face.places.len()];
+        let mut slot_of: Vec<u32> = Vec::with_capacity(slots.len());
+        for t in 0..count {
+            let ids = self.cut.cap[t];
+            let at = ids.map(|id| self.index(id));
+            let (normal, end) = self.lie(at);
+            let cell = self.cut.faces[t].cell;
+            let corners = [0, 1, 2].map(|k| {
+                let slot = &mut slots[at[k]];
+                slot.normal += normal;
+                let made = &mut slot.made[usize::from(end)];
+                if *made == NONE {
+                    slot_of.push(at[k] as u32);
+                    self.ends.push(end);
+                    *made = self.push(ids[k], cell);
+                }
+                *made
+            });
+            self.face.triangles.push(corners);
+        }
+        let normal = |&s: &u32| to_f32(slots[s as usize].normal.normalize_or_zero());
+        self.face.normals.extend(slot_of.iter().map(normal));
+    }
+
+    /// Normal of a top, as long as twice its area, and whether it shows end grain.
+    #[inline]
+    fn lie(&self, at: [usize; 3]) -> (DVec3, bool) {
+        let [a, b, c] = at.map(|i| grain(self.source, self.cut, i));
+        let across = (b - a).cross(c - a);
+        let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
+        let [a, b, c] = at.map(|i| self.face.places[i]);
+        ((b - a).cross(c - a), end)
+    }
+
+    /// [`Maker::tops`] where cells part them into runs.
+    fn parted_tops(&mut self, count: usize) -> u32 {
+        self.runs = vec![(0, 0); self.polar.len()];
+        // Those of one run.
+        let mut slots: Vec<Slot> = Vec::new();
+        let mut slot_of: Vec<u32> = Vec::new();
+        let normal = |slots: &[Slot], s: u32| to_f32(slots[s as usize].normal.normalize_or_zero());
+        let (mut run, mut cell) = (0, NONE);
+        for t in 0..count {
+            let face = self.cut.faces[t];
+            // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
+            let known = self.inner.bundles.bundles.len() as u32;
+            let smooth = self.inner.smooth && face.cell < known && cell < known;
+            if run == 0 || (!smooth && face.cell != cell) {
+                run += 1;
+                let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+                self.face.normals.extend(normals);
+                slots.clear();
+            }
+            cell = face.cell;
+            let ids = self.cut.cap[t];
+            let at = ids.map(|id| self.index(id));
+            let (normal, end) = self.lie(at);
+            let corners = [0, 1, 2].map(|k| {
+                let known = self.runs[at[k]];
+                let slot = if known.0 == run {
+                    known.1
+                } else {
+                    self.runs[at[k]] = (run, slots.len() as u32);
+                    slots.push(Slot {
+                        normal: DVec3::ZERO,
+                        made: [NONE; 2],
+                    });
+                    slots.len() as u32 - 1
+                };
+                let entry = &mut slots[slot as usize];
+                entry.normal += normal;
+                let made = entry.made[usize::from(end)];
+                if made != NONE {
+                    return made;
+                }
+                slot_of.push(slot);
+                self.ends.push(end);
+                let made = self.push(ids[k], face.cell);
+                entry.made[usize::from(end)] = made;
+                made
+            });
+            self.face.triangles.push(corners);
+        }
+        let normals = slot_of.drain(..).map(|s| normal(&slots, s));
+        self.face.normals.extend(normals);
+        run
+    }
+
+    /// Makes the walls, whose triangles start at `first`.
+    fn walls(&mut self, first: usize, mut run: u32) {
+        let ends = self.cut.walls.iter().skip(1).map(|&w| w as usize);
+        let ends = ends.chain([self.cut.cap.len()]);
+        let mut from = first;
+        for to in ends {
+            run += 1;
+            let flat = to - from <= FLAT;
+            let start = self.face.ids.len();
+            let mut normal = DVec3::ZERO;
+            for t in from..to {
+                let ids = self.cut.cap[t];
+                let cell = self.cut.faces[t].cell;
+                if normal == DVec3::ZERO || !flat {
+                    let [a, b, c] = ids.map(|id| self.face.places[self.index(id)]);
+                    normal = (b - a).cross(c - a).normalize_or_zero();
+                }
+                let corners = ids.map(|id| {
+                    if flat {
+                        let made = &self.face.ids[start..];
+                        if let Some(i) = made.iter().position(|&m| m == id) {
+                            return (start + i) as u32;
+                        }
+                    } else {
+                        let at = self.index(id);
+                        self.runs.resize(self.polar.len(), (0, 0));
+                        if self.runs[at].0 == run {
+                            return self.runs[at].1;
+                        }
+                        self.runs[at] = (run, self.face.ids.len() as u32);
+                    }
+                    self.face.normals.push(to_f32(normal));
+                    self.push(id, cell)
+                });
+                self.face.triangles.push(corners);
+            }
+            from = to;
+        }
+    }
+
+    /// Makes a vertex, without its normal and place.
+    #[inline]
+    fn push(&mut self, id: u32, cell: u32) -> u32 {
+        let face = &mut self.face;
+        face.ids.push(id);
+        face.cells.push(cell);
+        face.ids.len() as u32 - 1
+    }
+
+    /// Gives all vertices their positions and texture coordinates.
+    fn place(&mut self) {
+        let (points, own) = (
+            self.cut.points,
+            self.cut.vertices.len() + self.cut.inside.len(),
+        );
+        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.side);
+        let (pith, corner) = (self.pith, self.corner);
+        let (source, cut, places) = (self.source, self.cut, &self.face.places);
+        let polar = &mut self.polar;
+        let ends = self.ends.iter().copied().chain(std::iter::repeat(false));
+        let vertices = self.face.ids.iter().zip(&self.face.cells).zip(ends);
+        let made = vertices.map(|((&id, &cell), end)| {
+            let index = (id as usize)
+                .checked_sub(points)
+                .unwrap_or(own + id as usize);
+            let grain = grain(source, cut, index);
+            let across = grain.truncate();
+            let coordinates = if end {
+                across - corner
+            } else {
+                let polar = &mut polar[index];
+                if polar.phi.is_nan() {
+                    polar.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
+                }
+                let phi = polar.phi;
+                let middle = bundles.get(cell as usize);
+                let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
+                along_grain(width, polar.r, phi, grain.z)
+            };
+            (to_f32(places[index]), coordinates.as_vec2().to_array())
+        });
+        (self.face.positions, self.face.coordinates) = made.unzip();
+    }
+}
+
+/// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
+fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
+    DVec2::new(width + r * (1.0 + DRIFT * phi), s)
+}
+
+/// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
+/// behind the pith. `width` is the side of the texture's square, m.
+pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
+    let out = grain.truncate() - pith;
+    let angle = |d: DVec2| libm::atan2(d.y, d.x);
+    let about = angle(middle - pith);
+    let phi = about + wrap(angle(out) - about);
+    along_grain(width, out.length(), phi, grain.z)
+}
+
+fn to_f32(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}

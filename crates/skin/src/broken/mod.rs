@@ -1,0 +1,226 @@
+//! The broken faces of a stem: its mesh cut along a fracture surface, the face that results, and the pieces.
+
+mod face;
+mod pieces;
+mod spiral;
+
+pub use face::Face;
+pub(crate) use face::side_grain;
+pub use pieces::{InnerWood, Patch, PatchVertex, Source, lacks_material};
+pub use spiral::SpiralRepair;
+
+use crate::error::BreakError;
+use crate::prepared::PreparedStem;
+use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
+use greenstick_fracture::heights::Setting;
+use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::parameters::{BreakParameters, Surface as Style};
+use greenstick_fracture::surface::Surface;
+use greenstick_geometry::Mesh;
+use greenstick_wood::stem::StemKind;
+use std::sync::Arc;
+
+/// The layout of a section: its fibre bundles, and how their facets lie on the skin.
+#[derive(Debug, Clone)]
+pub struct FaceLayout {
+    /// The fibre bundles.
+    pub bundles: Arc<Bundles>,
+    /// Their facets on the skin.
+    pub ground: Ground,
+}
+
+/// What a layout is made from beside the stem.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayoutKey {
+    style: Style,
+    options: LayoutOptions,
+}
+
+impl LayoutKey {
+    /// What the layout of a break with these parameters is made from.
+    pub fn new(stem: &PreparedStem, p: &BreakParameters) -> Self {
+        let board = stem.found.stem.kind == StemKind::Board;
+        LayoutKey {
+            style: p.surface,
+            options: LayoutOptions {
+                rings: p.rings as usize,
+                sectors: p.sectors as usize,
+                reach: stem.extent.reach,
+                radius: stem.extent.radius,
+                arc: stem.extent.arc,
+                bark: (!board).then_some(stem.extent.bark),
+                seed: match p.surface {
+                    // The published grid is regular.
+                    Style::Smooth => 0,
+                    Style::Fibrous => p.seed,
+                },
+            },
+        }
+    }
+}
+
+impl FaceLayout {
+    /// Lays out the section of a stem.
+    pub fn new(stem: &PreparedStem, key: &LayoutKey) -> Self {
+        let rings = &stem.found.stem.rings;
+        let bundles = match key.style {
+            Style::Smooth => layout::smooth(rings, &key.options),
+            Style::Fibrous => layout::fibrous(rings, &key.options),
+        };
+        FaceLayout {
+            ground: Ground::new(&stem.skin, &bundles.layout),
+            bundles: Arc::new(bundles),
+        }
+    }
+}
+
+/// The stem as heights are made for it. `relief` is the factor that a species puts on the torn relief.
+pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> Setting {
+    let found = &stem.found.stem;
+    Setting {
+        radius: found.radius,
+        place: found.place,
+        usable: found.usable,
+        pith: found.rings.pith(),
+        wedge: crate::hang::wedge(stem, p),
+        relief,
+    }
+}
+
+/// A stem cut along a fracture surface: everything that is drawn of a break and changes with it.
+///
+/// Each piece consists of the skin that the break does not come near ([`BrokenFace::skin_below`] and
+/// [`BrokenFace::skin_above`]), the skin about the break, whole triangles and parts of cut ones ([`BrokenFace::patch`]),
+/// and the broken face, which the upper piece has turned over.
+#[derive(Debug, Clone)]
+pub struct BrokenFace {
+    /// The cut.
+    pub cut: Cut,
+    /// The broken face.
+    pub face: Face,
+    /// The skin about the break.
+    pub patch: Patch,
+    /// Slivers that hung in the air on one side and were given to the other.
+    pub chips: usize,
+    /// What was done to keep a face in spiral grain from crossing itself.
+    pub spiral: Option<SpiralRepair>,
+}
+
+/// How a stem is cut.
+#[derive(Clone, Copy)]
+pub struct Cutter<'a> {
+    /// The stem.
+    pub stem: &'a PreparedStem,
+    /// Its sorted skin, within whose reach the surface lies.
+    pub skin: &'a Skin,
+    /// The facets of the surface on that skin.
+    pub ground: &'a Ground,
+    /// Whether parts of one piece that hang in the air are given to the other.
+    pub absorb_chips: bool,
+}
+
+impl Cutter<'_> {
+    /// Cuts the stem along `surface`, and splits the broken face at the levels of the grain. Returns the cut, and how many
+    /// chips changed sides.
+    ///
+    /// # Errors
+    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    pub fn cut(
+        &self,
+        surface: &Surface,
+        workspace: &mut CutWorkspace,
+    ) -> Result<(Cut, usize), BreakError> {
+        let solid = self.stem.solid();
+        let mut cut = cut_again(&solid, self.skin, self.ground, surface, workspace)
+            .map_err(|error| self.stem.locate(error))?;
+        let chips = if self.absorb_chips {
+            cut.absorb_chips(&solid, self.skin)
+        } else {
+            0
+        };
+        cut.part_at(&self.stem.grain, &self.stem.levels);
+        Ok((cut, chips))
+    }
+
+    /// Cuts the stem along `surface` and makes the broken face.
+    ///
+    /// # Errors
+    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    pub fn break_along(
+        &self,
+        surface: &Surface,
+        inner: &InnerWood,
+        workspace: &mut CutWorkspace,
+    ) -> Result<BrokenFace, BreakError> {
+        let (cut, chips) = self.cut(surface, workspace)?;
+        Ok(self.face_of(cut, chips, None, inner))
+    }
+
+    /// Cuts a stem of spiral grain along `surface`, removes the self-intersections of the face, and makes it.
+    ///
+    /// # Errors
+    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    pub fn break_spiral_grain(
+        &self,
+        surface: &Surface,
+        inner: &InnerWood,
+        workspace: &mut CutWorkspace,
+    ) -> Result<BrokenFace, BreakError> {
+        let (mut cut, chips) = self.cut(surface, workspace)?;
+        let transform = self.stem.transform();
+        let to_grain = |p| self.stem.layers.to_grain(transform.transform_point3(p));
+        let repair =
+            spiral::repair_spiral_face(&self.stem.source(), &mut cut, self.skin, &to_grain);
+        Ok(self.face_of(cut, chips, Some(repair), inner))
+    }
+
+    fn face_of(
+        &self,
+        cut: Cut,
+        chips: usize,
+        spiral: Option<SpiralRepair>,
+        inner: &InnerWood,
+    ) -> BrokenFace {
+        let source = self.stem.source();
+        let face = face::face(&source, &cut, inner);
+        let patch = pieces::patch(&source, &cut, self.skin, &face.places);
+        BrokenFace {
+            cut,
+            face,
+            patch,
+            chips,
+            spiral,
+        }
+    }
+}
+
+impl BrokenFace {
+    /// The face of a cut that does not reach the skin, such as that of a splinter.
+    pub(crate) fn within_the_wood(source: &Source, cut: Cut, inner: &InnerWood) -> Self {
+        BrokenFace {
+            face: face::face(source, &cut, inner),
+            patch: Patch {
+                first: source.mesh.positions.len() as u32,
+                ..Patch::default()
+            },
+            cut,
+            chips: 0,
+            spiral: None,
+        }
+    }
+
+    /// One piece as a mesh of its own, in the coordinates of the node that was cut.
+    pub fn piece(&self, source: &Source, inner: &InnerWood, upper: bool) -> Mesh {
+        pieces::piece(source, &self.cut, &self.patch, &self.face, inner, upper)
+    }
+
+    /// Triangles of the mesh that was cut that lie wholly below all that changes with the break.
+    pub fn skin_below<'a>(&self, stem: &'a PreparedStem) -> &'a [[u32; 3]] {
+        &stem.skin_triangles[..self.cut.sides.below]
+    }
+
+    /// Triangles of the mesh that was cut that lie wholly above all that changes with the break.
+    pub fn skin_above<'a>(&self, stem: &'a PreparedStem) -> &'a [[u32; 3]] {
+        &stem.skin_triangles[self.cut.sides.above..]
+    }
+}

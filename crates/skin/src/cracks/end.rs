@@ -1,0 +1,377 @@
+//! Cracks in an end of a stem. An end that is no cut face itself, as that of most scans, which is torn or slanted, and of
+//! limbs, which is a tip, is sawn off straight first.
+
+use super::{cut_along, fitted};
+use crate::broken::InnerWood;
+use crate::error::BreakError;
+use crate::prepared::{PreparedStem, world_meshes};
+use glam::{DVec2, DVec3};
+use greenstick_fracture::cracks::{
+    CrackError, CrackPlan, Direction, EndFace, Grooved, Setting, end_grooves, grooves,
+};
+use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::parameters::BreakParameters;
+use greenstick_fracture::surface::Surface;
+use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
+use greenstick_wood::stem::{Place, Section as CrossSection, StemError, StemOptions, find};
+use std::sync::Arc;
+
+/// A stem with cracks in one of its ends.
+#[derive(Debug, Clone)]
+pub struct CrackedEnd {
+    /// The stem, in the coordinates of the node.
+    pub mesh: Mesh,
+    /// The end that was found.
+    pub end: EndFace,
+    /// The surface that was cut along, what was made and what was limited.
+    pub grooves: Grooved,
+    /// Volume of the cracks, in cubic units of the node's coordinates.
+    pub void: f64,
+}
+
+/// Where a cracked end lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndOfStem {
+    /// Its middle, m.
+    pub middle: DVec3,
+    /// The direction that it faces.
+    pub outward: DVec3,
+    /// Greatest distance of the section's outline from the middle, m.
+    pub radius: f64,
+}
+
+/// Sectors and rings of the layout of a sawn end. It is level, so few are enough.
+const END_SECTORS: usize = 48;
+const END_RINGS: usize = 4;
+/// How near the cracks of an end come to the break, as part of the way from there to the end: a break through cracked
+/// wood would cross the walls of the cracks.
+const CRACKS_REACH: f64 = 0.5;
+/// Distance of the saw from the end of what can be cut, in radii.
+const SAW_FROM_END: f64 = 0.25;
+/// Wood that must remain between the break and the saw, in radii.
+const MIN_REMAINING: f64 = 1.0;
+/// Wood between the bottom of the deepest crack of an end and the highest point of a break, in radii: beside cracks the
+/// wood is thin.
+const BREAK_CLEARANCE: f64 = 0.05;
+/// Step by which the stem is looked for back from the saw, in radii.
+const SEARCH_STEP: f64 = 0.25;
+
+fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> Bundles {
+    let options = LayoutOptions {
+        rings: END_RINGS,
+        sectors: END_SECTORS,
+        reach: stem.extent.reach,
+        radius: stem.extent.radius,
+        arc: stem.extent.arc,
+        bark: None,
+        seed: p.seed,
+    };
+    layout::smooth(&stem.found.stem.rings, &options)
+}
+
+/// The wood that is seen in a sawn end.
+fn end_wood<'a>(
+    stem: &'a PreparedStem,
+    p: &BreakParameters,
+    bundles: &'a Bundles,
+    material: u32,
+) -> InnerWood<'a> {
+    InnerWood {
+        stem: &stem.found.stem,
+        bundles,
+        proportions: p.proportions(),
+        material,
+        square: stem.square,
+        smooth: false,
+    }
+}
+
+/// Cracks an end of the stem: the far one (greater lengths) or the near one. `material` is that of the wood inside.
+///
+/// # Errors
+/// [`BreakError::Crack`] where the end is not found, [`BreakError::Cut`] where the mesh is open there.
+pub fn crack_end(
+    stem: &PreparedStem,
+    p: &BreakParameters,
+    plan: &CrackPlan,
+    far: bool,
+    material: u32,
+) -> Result<CrackedEnd, BreakError> {
+    let found = &stem.found.stem;
+    let end = EndFace::fit(
+        &stem.corners,
+        &stem.found.limb,
+        &stem.grain,
+        far,
+        found.radius,
+    )?;
+    let bundles = end_layout(stem, p);
+    // The wood of the end itself may be cracked, though not broken.
+    let beyond = end.at(found.rings.pith());
+    let (low, high) = found.usable;
+    let place = found.place;
+    let usable = if far {
+        let nearest = place + CRACKS_REACH * (beyond - place);
+        (low.max(nearest), high.max(beyond + end.clearance))
+    } else {
+        let nearest = place - CRACKS_REACH * (place - beyond);
+        (low.min(beyond - end.clearance), high.min(nearest))
+    };
+    let setting = Setting {
+        radius: found.radius,
+        usable,
+        level: f64::INFINITY,
+    };
+    let plan = fitted(stem, plan);
+    let made = end_grooves(&plan, &found.rings, &bundles.layout, &end, &setting)?;
+    let whole = shell_volume(stem);
+    let inner = end_wood(stem, p, &bundles, material);
+    // What is cut out of an end is nothing but chips.
+    let cracked = cut_along(stem, made, &inner, false)?;
+    let mesh = cracked.piece(stem, &inner, !far);
+    let void = whole - mesh.volume();
+    Ok(CrackedEnd {
+        mesh,
+        end,
+        grooves: cracked.grooves,
+        void,
+    })
+}
+
+/// Saws the far end off straight, as near to it as the stem can be cut, and cracks the sawn face. What is sawn off is
+/// discarded.
+///
+/// # Errors
+/// [`BreakError::Crack`] where too little of the stem is left beyond the break, [`BreakError::Cut`] where the mesh is
+/// open or not a manifold there.
+pub fn saw_and_crack_end(
+    stem: &PreparedStem,
+    p: &BreakParameters,
+    plan: &CrackPlan,
+    material: u32,
+) -> Result<CrackedEnd, BreakError> {
+    let found = &stem.found.stem;
+    let (low, high) = found.usable;
+    let level = high - SAW_FROM_END * found.radius;
+    if level - found.place < MIN_REMAINING * found.radius {
+        return Err(CrackError::TooShort {
+            left: high - found.place,
+            needed: (SAW_FROM_END + MIN_REMAINING) * found.radius,
+        }
+        .into());
+    }
+    let bundles = end_layout(stem, p);
+    let flat = Surface {
+        heights: vec![[level; 3]; bundles.layout.facets.len()],
+        layout: Arc::clone(&bundles.layout),
+    };
+    let setting = Setting {
+        radius: found.radius,
+        usable: (
+            low.max(found.place + CRACKS_REACH * (level - found.place)),
+            high,
+        ),
+        level: f64::INFINITY,
+    };
+    let plan = fitted(stem, plan);
+    let inner = end_wood(stem, p, &bundles, material);
+    let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, Grooved), BreakError> {
+        let made = grooves(plan, &found.rings, &flat, Direction::Down, &setting)?;
+        let cracked = cut_along(stem, made, &inner, true)?;
+        Ok((cracked.piece(stem, &inner, false), cracked.grooves))
+    };
+    let (mesh, made) = lower_piece(&plan)?;
+    let (whole, _) = lower_piece(&CrackPlan::default())?;
+    Ok(CrackedEnd {
+        void: whole.volume() - mesh.volume(),
+        mesh,
+        end: EndFace::level(level),
+        grooves: made,
+    })
+}
+
+/// Volume of the stem's shell, in cubic units of the node's coordinates.
+fn shell_volume(stem: &PreparedStem) -> f64 {
+    let mesh = &stem.node().mesh;
+    stem.found
+        .shell
+        .iter()
+        .map(|&t| {
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| mesh.positions[v as usize]);
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum()
+}
+
+/// A stem whose end has been cracked.
+#[derive(Debug)]
+pub struct OpenedEnd {
+    /// The stem with the cracks, which can be broken at the same place.
+    pub stem: PreparedStem,
+    /// Where the end lies.
+    pub end: EndOfStem,
+    /// What was made and what was limited.
+    pub grooves: Grooved,
+    /// Volume of the cracks, m³.
+    pub void: f64,
+    /// Whether the end was sawn off straight first.
+    pub sawn_off: bool,
+    /// Triangles of other shells that fell with what was sawn off.
+    pub fallen: usize,
+}
+
+/// Opens the cracks of `plan` in the far end of a stem, which is sawn off straight where it is no cut face.
+///
+/// # Errors
+/// As [`crack_end`] and [`saw_and_crack_end`], or where the caller cancelled.
+pub fn open_end(
+    stem: &PreparedStem,
+    p: &BreakParameters,
+    plan: &CrackPlan,
+    material: u32,
+    context: &Context,
+) -> Result<OpenedEnd, BreakError> {
+    let (made, sawn_off) = match crack_end(stem, p, plan, true, material) {
+        Err(BreakError::Cut { .. } | BreakError::Crack(CrackError::NoEnd { .. })) => {
+            (saw_and_crack_end(stem, p, plan, material)?, true)
+        }
+        made => (made?, false),
+    };
+    let found = &stem.found.stem;
+    // The pith of a board may lie outside it.
+    let height = made.end.at(found.rings.pith());
+    let off = |s: &&CrossSection| (s.length - height).abs();
+    let nearest = (found.sections.iter()).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let middle = nearest.map_or(found.rings.pith(), |s| s.centroid);
+    let end = EndOfStem {
+        middle: stem.layers.to_world(middle.extend(made.end.at(middle))),
+        outward: found.grain.axis().frame(found.length).tangent,
+        radius: nearest.map_or(found.radius, |s| {
+            let distance = |p: &DVec2| p.distance(s.centroid);
+            s.contour.iter().map(distance).fold(0.0, f64::max)
+        }),
+    };
+    let clear = height - made.grooves.deepest - BREAK_CLEARANCE * found.radius;
+    let fallen = if sawn_off {
+        fallen_shells(stem, height, context)?
+    } else {
+        Vec::new()
+    };
+    let mut cracked = replace_shell(stem, made.mesh, &fallen);
+    let usable = &mut cracked.found.stem.usable;
+    usable.1 = usable.1.min(clear);
+    Ok(OpenedEnd {
+        void: made.void * stem.volume_scale(),
+        stem: cracked,
+        end,
+        grooves: made.grooves,
+        sawn_off,
+        fallen: fallen.iter().map(|(_, shell)| shell.len()).sum(),
+    })
+}
+
+/// The prepared stem with `mesh` in place of its shell, and without the shells that have `fallen` (node, triangles).
+fn replace_shell(
+    stem: &PreparedStem,
+    mut mesh: Mesh,
+    fallen: &[(usize, Vec<u32>)],
+) -> PreparedStem {
+    let (mut scene, mut found) = (stem.scene.clone(), stem.found.clone());
+    let node = found.node;
+    let count = mesh.triangles.len() as u32;
+    let mut removed: Vec<Vec<bool>> = (scene.nodes.iter())
+        .map(|n| vec![false; n.mesh.triangles.len()])
+        .collect();
+    let own = (node, std::mem::take(&mut found.shell));
+    for (i, triangles) in fallen.iter().chain([&own]) {
+        for &t in triangles {
+            removed[*i][t as usize] = true;
+        }
+    }
+    found.carried.retain(|shell| !fallen.contains(shell));
+    for (i, triangles) in &mut found.carried {
+        // New numbers of the triangles that remain; in the stem's node they follow those of the stem.
+        let mut next = if *i == node { count } else { 0 };
+        let number = |removed: &bool| {
+            next += u32::from(!removed);
+            next.wrapping_sub(1)
+        };
+        let numbers: Vec<u32> = removed[*i].iter().map(number).collect();
+        triangles.iter_mut().for_each(|t| *t = numbers[*t as usize]);
+    }
+    let on_limb = |t: &[u32; 3]| {
+        let grain = mesh.attributes.get("_GRAIN");
+        grain.is_some_and(|g| {
+            t.iter()
+                .all(|&v| g.at(v as usize).iter().any(|x| *x != 0.0))
+        })
+    };
+    found.limb = (0..count)
+        .filter(|&t| on_limb(&mesh.triangles[t as usize]))
+        .collect();
+    found.shell = (0..count).collect();
+    for (i, removed) in removed.iter().enumerate() {
+        let rest = (0..removed.len()).filter(|&t| !removed[t]);
+        let other = &scene.nodes[i].mesh;
+        if i == node {
+            append(&mut mesh, &other.submesh(rest));
+        } else if removed.contains(&true) {
+            scene.nodes[i].mesh = other.submesh(rest).into();
+        }
+    }
+    scene.nodes[node].mesh = mesh.into();
+    PreparedStem::from_found(scene, found, stem.layers.clone())
+}
+
+/// Shells that hang on the stem beyond a saw that cuts at the length `level`, m: (node, its triangles).
+fn fallen_shells(
+    stem: &PreparedStem,
+    level: f64,
+    context: &Context,
+) -> Result<Vec<(usize, Vec<u32>)>, BreakError> {
+    let meshes = world_meshes(&stem.scene);
+    let own = &stem.found;
+    let options = StemOptions {
+        kind: Some(own.stem.kind),
+        ..StemOptions::default()
+    };
+    // Too near to the end or to other wood no stem is found; nothing hangs on the free wood before the saw.
+    let mut back = 0.0;
+    while level - back > own.stem.place {
+        let point = own.stem.grain.axis().frame(level - back).origin;
+        match find(&meshes, &Place::Point(point), &options, context) {
+            Ok(found) if found.node == own.node && found.shell.first() == own.shell.first() => {
+                return Ok(found.carried);
+            }
+            Err(error @ StemError::Cancelled(_)) => return Err(error.into()),
+            _ => back += SEARCH_STEP * own.stem.radius,
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Appends the triangles of `other` to `mesh`; attributes that only one of them has are filled with zeros.
+fn append(mesh: &mut Mesh, other: &Mesh) {
+    if other.triangles.is_empty() {
+        return;
+    }
+    let (first, more) = (mesh.positions.len(), other.positions.len());
+    mesh.positions.extend(&other.positions);
+    mesh.triangles
+        .extend(other.triangles.iter().map(|t| t.map(|v| v + first as u32)));
+    let triangles = mesh.triangles.len();
+    mesh.materials
+        .resize(triangles - other.triangles.len(), NO_MATERIAL);
+    mesh.materials.extend(&other.materials);
+    mesh.materials.resize(triangles, NO_MATERIAL);
+    for (name, attribute) in &mut mesh.attributes {
+        match other
+            .attributes
+            .get(name)
+            .filter(|o| o.width == attribute.width)
+        {
+            Some(o) => attribute.data.extend(&o.data),
+            None => attribute.data.resize((first + more) * attribute.width, 0.0),
+        }
+    }
+}

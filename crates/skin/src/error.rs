@@ -1,0 +1,29 @@
+//! Why a stem cannot be broken.
+
+use glam::DVec3;
+use greenstick_fracture::cracks::CrackError;
+use greenstick_fracture::cut::CutError;
+use greenstick_geometry::Cancelled;
+use greenstick_wood::stem::StemError;
+
+/// Why a stem cannot be broken.
+#[derive(Debug, thiserror::Error)]
+pub enum BreakError {
+    /// There is no stem at the place.
+    #[error(transparent)]
+    Stem(#[from] StemError),
+    /// The mesh cannot be cut.
+    #[error("{error}; in the world that is at {at} (m)")]
+    Cut {
+        /// What went wrong.
+        error: CutError,
+        /// Where, m.
+        at: DVec3,
+    },
+    /// Cracks cannot be made.
+    #[error(transparent)]
+    Crack(#[from] CrackError),
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -1,0 +1,229 @@
+//! A stem in a scene, brought to grain space and ready to be broken any number of times.
+
+mod extent;
+mod levels;
+mod orientation;
+
+pub use extent::SectionExtent;
+pub use orientation::unmirror;
+
+use crate::broken::Source;
+use crate::error::BreakError;
+use crate::texture::SectionSquare;
+use glam::{DAffine3, DVec2, DVec3};
+use greenstick_fracture::cut::{CutError, Skin, Solid};
+use greenstick_geometry::{Context, Mesh, Node, Scene};
+use greenstick_wood::stem::{Found, LayeredGrain, Place, StemError, StemOptions, find};
+use levels::LevelSplitter;
+use std::sync::Arc;
+
+/// A scene with the stem found in it, and everything about the stem that no parameter of a break changes.
+#[derive(Debug, Clone)]
+pub struct PreparedStem {
+    /// The scene as it was read, except that the mesh that will be cut may have more triangles near the break.
+    pub scene: Scene,
+    /// The stem, and the node and triangles that it consists of.
+    pub found: Found,
+    /// The map between the world and the grain space that the stem is cut in.
+    pub layers: LayeredGrain,
+    /// Point of every vertex of the mesh that will be cut.
+    pub points: Vec<u32>,
+    /// Grain coordinates of every point of that mesh, m; NaN off the limb.
+    pub grain: Vec<DVec3>,
+    /// Points of the corners of its triangles.
+    pub corners: Vec<[u32; 3]>,
+    /// The extent of the limb's skin about the pith.
+    pub extent: SectionExtent,
+    /// The square of the section that holds the limb's skin.
+    pub square: SectionSquare,
+    /// Triangles of the skin that were split because the stem is bent there.
+    pub split: usize,
+    /// The skin, sorted along the grain.
+    pub skin: Skin,
+    /// Triangles of the skin in that order.
+    pub skin_triangles: Vec<[u32; 3]>,
+    /// One vertex of each point.
+    vertices: Vec<u32>,
+    /// Grain space to the node's coordinates.
+    chart: LayeredGrain,
+    /// Lengths between which the map to grain space is affine, m.
+    pub levels: Vec<f64>,
+}
+
+impl PreparedStem {
+    /// Finds the stem at `place` and brings it to grain space.
+    ///
+    /// # Errors
+    /// [`StemError`] where there is no stem that can be broken.
+    pub fn find(
+        mut scene: Scene,
+        place: &Place,
+        options: &StemOptions,
+        context: &Context,
+    ) -> Result<PreparedStem, StemError> {
+        scene.nodes.iter_mut().for_each(orientation::unmirror);
+        let mut found = find(&world_meshes(&scene), place, options, context)?;
+        let (layers, free) = LayeredGrain::of(&found.stem);
+        found.stem.usable = free;
+        Ok(PreparedStem::from_found(scene, found, layers))
+    }
+
+    /// Brings a stem that was found in a scene to grain space.
+    pub fn from_found(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> PreparedStem {
+        let transform = scene.nodes[found.node].transform;
+        let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
+        let mut mesh = Arc::unwrap_or_clone(mesh);
+        let (points, count) = mesh.points();
+        let mut grain = vec![DVec3::NAN; count];
+        for &t in &found.limb {
+            for v in mesh.triangles[t as usize] {
+                let p = points[v as usize] as usize;
+                if grain[p].is_nan() {
+                    let world = transform.transform_point3(mesh.positions[v as usize]);
+                    grain[p] = layers.to_grain(world);
+                }
+            }
+        }
+        orientation::orient_outwards(&mut mesh, &points, &grain, &mut found);
+        let mut splitter = LevelSplitter {
+            mesh,
+            points,
+            grain,
+            limb: std::mem::take(&mut found.limb),
+            split: 0,
+        };
+        let new = splitter.split(&layers, &transform, &found);
+        found.limb = std::mem::take(&mut splitter.limb);
+        found.shell.extend(new);
+        let LevelSplitter {
+            mesh,
+            points,
+            grain,
+            split,
+            ..
+        } = splitter;
+        let corners: Vec<[u32; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|v| points[v as usize]))
+            .collect();
+        let solid = Solid {
+            triangles: &corners,
+            points: &grain,
+            shell: &found.shell,
+            limb: &found.limb,
+        };
+        let skin = Skin::new(&solid, found.stem.usable);
+        let mut vertices = vec![0; grain.len()];
+        for (vertex, &point) in points.iter().enumerate() {
+            vertices[point as usize] = vertex as u32;
+        }
+        PreparedStem {
+            extent: SectionExtent::new(&found, &corners, &grain),
+            square: extent::square_about(&found.limb, &corners, &grain),
+            skin_triangles: (skin.order.iter().map(|&t| mesh.triangles[t as usize])).collect(),
+            skin,
+            vertices,
+            chart: layers.mapped(&transform.inverse()),
+            levels: layers.levels().collect(),
+            scene: {
+                scene.nodes[found.node].mesh = mesh.into();
+                scene
+            },
+            found,
+            layers,
+            points,
+            grain,
+            corners,
+            split,
+        }
+    }
+
+    /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m).
+    pub fn with_spiral_grain(&self, turn: f64, between: (f64, f64)) -> PreparedStem {
+        let layers = self.layers.clone().with_spiral(turn, between);
+        PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers)
+    }
+
+    /// The node that will be cut.
+    pub fn node(&self) -> &Node {
+        &self.scene.nodes[self.found.node]
+    }
+
+    /// The transform of the node that will be cut.
+    pub fn transform(&self) -> &DAffine3 {
+        &self.node().transform
+    }
+
+    /// Cubic metres per cubic unit of the node's coordinates.
+    pub fn volume_scale(&self) -> f64 {
+        volume_scale(self.node())
+    }
+
+    /// The mesh as it will be cut.
+    pub fn solid(&self) -> Solid<'_> {
+        Solid {
+            triangles: &self.corners,
+            points: &self.grain,
+            shell: &self.found.shell,
+            limb: &self.found.limb,
+        }
+    }
+
+    /// The mesh as pieces are made of it.
+    pub fn source(&self) -> Source<'_> {
+        Source {
+            mesh: &self.node().mesh,
+            points: &self.points,
+            vertices: &self.vertices,
+            grain: &self.grain,
+            chart: &self.chart,
+        }
+    }
+
+    /// Distance of the farthest limb point near the break from the pith, in the direction `toward` (unit, across the
+    /// grain), with the sign turned: the least of `dot(toward)` over the points within `reach` (m) of the break. Infinite
+    /// where there is none.
+    pub(crate) fn least_along(&self, toward: DVec2, reach: f64) -> f64 {
+        let place = self.found.stem.place;
+        (self.found.limb.iter())
+            .flat_map(|&t| self.corners[t as usize])
+            .map(|point| self.grain[point as usize])
+            .filter(|g| (g.z - place).abs() < reach)
+            .map(|g| g.truncate().dot(toward))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Adds where in the world a cut failed.
+    pub fn locate(&self, error: CutError) -> BreakError {
+        let at = match &error {
+            CutError::OffLayout { at } | CutError::Outline { at, .. } | CutError::Face { at } => {
+                *at
+            }
+            CutError::Misses | CutError::Joined { .. } => {
+                DVec3::new(0.0, 0.0, self.found.stem.place)
+            }
+        };
+        BreakError::Cut {
+            error,
+            at: self.layers.to_world(at),
+        }
+    }
+}
+
+/// The meshes of a scene in world metres, one per node, without attributes.
+pub fn world_meshes(scene: &Scene) -> Vec<Mesh> {
+    let world = |n: &Node| Mesh {
+        positions: (n.mesh.positions.iter())
+            .map(|&p| n.transform.transform_point3(p))
+            .collect(),
+        triangles: n.mesh.triangles.clone(),
+        ..Mesh::default()
+    };
+    scene.nodes.iter().map(world).collect()
+}
+
+/// Cubic metres per cubic unit of a node's coordinates.
+pub fn volume_scale(node: &Node) -> f64 {
+    node.transform.matrix3.determinant().abs()
+}
