@@ -7,18 +7,23 @@ use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::{scan, simulate, skin, values};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
+use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::{Context, Scene};
+use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
-use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
+use greenstick::simulate::{
+    MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
+    simulate as simulate_scene,
+};
 use greenstick::skin::rods::RodSkinOptions;
 use greenstick::wood::stem::Place;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
@@ -30,29 +35,6 @@ struct FullReport<'a> {
     hangs_together: bool,
     outputs: &'a [Written],
     stages: &'a [StageTime],
-}
-
-/// A folder that goes with its content.
-struct Temporary(PathBuf);
-
-impl Temporary {
-    fn new() -> Result<Self, Failure> {
-        let path = std::env::temp_dir().join(format!("greenstick-break-{}", std::process::id()));
-        std::fs::create_dir(&path).map_err(|e| {
-            Failure::work(format!(
-                "{}: cannot be made for the simulation: {e}",
-                path.display()
-            ))
-        })?;
-        Ok(Temporary(path))
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        // What cannot be removed stays for the system to clear.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
@@ -103,8 +85,11 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         setting.stem.kind = StemChoice::Input;
         mesh = Some(scene);
     }
-    // The run reads from the folder, and so is dropped before it.
-    let (report, _folder, mut run) = simulated(setting, &beside, mesh.as_ref(), &simulation)?;
+    let meshes = SceneMeshes {
+        input: mesh,
+        bodies: read_body_meshes(&setting, &beside)?,
+    };
+    let (report, mut run) = simulate_in_memory(setting, meshes, &simulation)?;
     let how = FilmOptions {
         skin: RodSkinOptions {
             seed: run.scene.seed,
@@ -147,38 +132,32 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The part of a simulated break that the simulation takes; opening what it left is the rest.
+/// The fraction of a simulated break that the simulation takes; the rest is opening the run.
 const SIMULATED: f64 = 0.98;
 
-/// Runs the scene in a folder of its own and opens what it left.
-fn simulated(
+/// Runs the scene in memory, and opens the run.
+fn simulate_in_memory(
     scene: Setting,
-    beside: &Path,
-    mesh: Option<&Scene>,
+    meshes: SceneMeshes,
     context: &Context,
-) -> Result<(SimulateReport, Temporary, Run), Failure> {
-    let folder = Temporary::new()?;
+) -> Result<(SimulateReport, Run), Failure> {
     let request = SimulateRequest {
         scene,
-        origin: Origin::of(None, beside),
-        folder: folder.0.clone(),
+        meshes,
         resume: false,
     };
-    let report = greenstick::simulate::simulate(mesh, &request, &context.part(0.0, SIMULATED))
-        .map_err(|error| match error {
-            SimulateError::Cancelled(cancelled) => cancelled.into(),
-            SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
-                .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
-            SimulateError::File(error) => error.into(),
-            SimulateError::Solver { .. }
-            | SimulateError::Placement(_)
-            | SimulateError::Unwritable { .. } => Failure::work(error),
-            _ => Failure::request(error),
-        })?;
-    let beside = request.origin.beside;
-    let run = Run::open(&folder.0, mesh, &beside, &context.part(SIMULATED, 1.0))
-        .map_err(skin::failure)?;
-    Ok((report, folder, run))
+    let mut store = MemoryRun::new();
+    let simulated = simulate_scene(&request, &mut store, &context.part(0.0, SIMULATED));
+    let report = simulated.map_err(|error| match error {
+        SimulateError::Cancelled(cancelled) => cancelled.into(),
+        SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
+            .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
+        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
+        _ => Failure::request(error),
+    })?;
+    let opening = context.part(SIMULATED, 1.0);
+    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(skin::failure)?;
+    Ok((report, run))
 }
 
 /// A place as scenes have it, with all of its digits.

@@ -1,12 +1,11 @@
 //! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
 
-use crate::arguments::SkinOptions;
-use crate::break_wood::picture_options;
 use crate::failure::Failure;
 use crate::skin::failure;
 use greenstick::files::{self, Output};
 use greenstick::film::{Run, SkinnedFilm};
 use greenstick::geometry::Context;
+use greenstick::picture::PictureOptions;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -42,11 +41,13 @@ pub fn pictures(
     run: &Run,
     film: &mut SkinnedFilm,
     folder: &Path,
-    options: &SkinOptions,
+    shot: &PictureOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = picture_options(&options.shot);
-    shot.shown = film.bounds().map_err(failure)?;
+    let shot = PictureOptions {
+        shown: film.bounds().map_err(failure)?,
+        ..shot.clone()
+    };
     let count = film.report.frames;
     let mut made = Vec::new();
     for number in 0..count {

@@ -11,7 +11,7 @@ use greenstick::wood::stem::StemOptions;
 use std::path::PathBuf;
 
 /// How work is told, and with how many threads it is done.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it is told")]
 pub struct Telling {
     /// Print the report as JSON

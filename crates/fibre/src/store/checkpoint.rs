@@ -12,6 +12,19 @@ const MAGIC: &[u8; 8] = b"GSPOINT\0";
 const VERSION: u32 = 2;
 const HEAD: usize = 24;
 
+/// Lengths of a run's records, in the unit of what holds them: bytes in files, rows in memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordLengths {
+    /// Of the energy table.
+    pub energies: u64,
+    /// Of the events.
+    pub events: u64,
+    /// Of the frames.
+    pub frames: u64,
+    /// Of the forces.
+    pub forces: u64,
+}
+
 /// How far a run is, and what it has recorded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
@@ -21,8 +34,8 @@ pub struct Progress {
     pub frames: u64,
     /// Events recorded.
     pub events: u64,
-    /// Lengths of the energy table, the events, the frames and the forces, bytes; 0 where they are not files.
-    pub bytes: [u64; 4],
+    /// Lengths of the records, which are cut back to them when the run is resumed.
+    pub lengths: RecordLengths,
     /// Energy that solvers and loads have taken and given so far.
     pub ledger: EnergyLedger,
 }
@@ -36,30 +49,33 @@ pub struct Checkpoint {
     pub bodies: BodiesState,
     /// How far the run is.
     pub progress: Progress,
+    /// Identifies what is simulated. It stands in the header of the bytes.
+    #[serde(skip)]
+    pub hash: u64,
 }
 
 impl Checkpoint {
-    /// Returns the checkpoint as bytes; `hash` identifies what is simulated.
+    /// Returns the checkpoint as bytes.
     ///
     /// # Errors
     /// [`StoreError::Damaged`] where the state cannot be serialised.
-    pub fn to_bytes(&self, hash: u64) -> Result<Vec<u8>, StoreError> {
+    pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
         let content = postcard::to_stdvec(self).map_err(|e| damaged(e.to_string()))?;
         let mut bytes = Vec::with_capacity(content.len() + HEAD + 8);
         bytes.extend(MAGIC);
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend([0; 4]);
-        bytes.extend(hash.to_le_bytes());
+        bytes.extend(self.hash.to_le_bytes());
         bytes.extend(&content);
         bytes.extend(checksum(&content).to_le_bytes());
         Ok(bytes)
     }
 
-    /// Reads a checkpoint, and the hash of what it is a checkpoint of.
+    /// Reads a checkpoint.
     ///
     /// # Errors
     /// [`StoreError`] for bytes that are no checkpoint, one of another version, or a damaged one.
-    pub fn from_bytes(bytes: &[u8]) -> Result<(Checkpoint, u64), StoreError> {
+    pub fn from_bytes(bytes: &[u8]) -> Result<Checkpoint, StoreError> {
         if !bytes.starts_with(MAGIC) {
             return Err(StoreError::Foreign {
                 expected: "checkpoint of a simulation",
@@ -90,8 +106,11 @@ impl Checkpoint {
         }
         let mut hash = [0; 8];
         hash.copy_from_slice(&bytes[16..24]);
-        let read = postcard::from_bytes(content).map_err(|e| damaged(e.to_string()))?;
-        Ok((read, u64::from_le_bytes(hash)))
+        let read: Checkpoint = postcard::from_bytes(content).map_err(|e| damaged(e.to_string()))?;
+        Ok(Checkpoint {
+            hash: u64::from_le_bytes(hash),
+            ..read
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Errors of stored runs.
 
+use crate::scene::SceneError;
 use std::io;
 
 /// Why stored bytes cannot be used.
@@ -36,4 +37,77 @@ pub enum StoreError {
     /// Reading or writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
+}
+
+/// Why a run cannot be recorded, or a recorded one not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// There is no run.
+    #[error("{location}: holds no simulation: {problem}")]
+    NoRun {
+        /// Where it should be.
+        location: String,
+        /// What was found.
+        problem: String,
+    },
+    /// A record cannot be read.
+    #[error("{location}: cannot be read: {source}")]
+    Unreadable {
+        /// The record.
+        location: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// A record cannot be written: the disk is full, or the like.
+    #[error(
+        "{location}: cannot be written: {source}; the run can be resumed from its last checkpoint"
+    )]
+    Unwritable {
+        /// The record.
+        location: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// A record is of another kind, or damaged.
+    #[error("{location}: {error}")]
+    Store {
+        /// The record.
+        location: String,
+        /// What is wrong.
+        error: StoreError,
+    },
+    /// The scene of the run cannot be used.
+    #[error("{location}: {error}")]
+    Scene {
+        /// The record.
+        location: String,
+        /// What is wrong.
+        error: SceneError,
+    },
+    /// A record is shorter than it was at the checkpoint.
+    #[error(
+        "{location}: has {found} {unit}, but the checkpoint was written when it had {expected}; it was changed since"
+    )]
+    Short {
+        /// The record.
+        location: String,
+        /// The unit of its length.
+        unit: &'static str,
+        /// Its length.
+        found: u64,
+        /// The length that it must have at least.
+        expected: u64,
+    },
+    /// A frame beyond the last.
+    #[error("there is no frame {number}: the run has {count}, counted from 0")]
+    NoSuchFrame {
+        /// The frame asked for.
+        number: usize,
+        /// Number of frames.
+        count: usize,
+    },
+    /// Another error of a sink or a source.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
 }

@@ -16,12 +16,12 @@ force_x_N,force_y_N,force_z_N,moment_x_Nm,moment_y_Nm,moment_z_Nm\n";
 pub struct ForceRow {
     /// Time, s.
     pub time: f64,
-    /// `clamp 0`, or a body's name, or `body 0`.
+    /// `clamp 0`, or a body's name, or `body 0`; without characters that would end a cell.
     pub holder: String,
     /// Its displacement, m.
     pub displacement: DVec3,
-    /// Its rotation vector: along the axis, as long as the angle, rad.
-    pub rotation: DVec3,
+    /// Its rotation vector: along the axis, as long as the angle in degrees.
+    pub rotation_degrees: DVec3,
     /// Force on the wood, N.
     pub force: DVec3,
     /// Moment on the wood about the holder's present centre, N m.
@@ -43,7 +43,9 @@ impl ForceRow {
             let name = if body.name.is_empty() {
                 format!("body {number}")
             } else {
-                body.name.clone()
+                (body.name.chars())
+                    .map(|c| if ",\"\n\r".contains(c) { ' ' } else { c })
+                    .collect()
             };
             let per = if interval > 0.0 { -1.0 / interval } else { 0.0 };
             let given = impulses.get(number).copied().unwrap_or_default();
@@ -55,22 +57,15 @@ impl ForceRow {
 
     /// Returns the row as a line, with its end.
     pub fn line(&self) -> String {
-        // Characters that would end a cell early are replaced in names.
-        let holder: String = (self.holder.chars())
-            .map(|c| if ",\"\n\r".contains(c) { ' ' } else { c })
-            .collect();
-        let degrees = self.rotation.to_array().map(f64::to_degrees);
-        let numbers = [
-            self.displacement.to_array(),
-            degrees,
-            self.force.into(),
-            self.moment.into(),
+        let vectors = [
+            self.displacement,
+            self.rotation_degrees,
+            self.force,
+            self.moment,
         ];
-        let cells = numbers
-            .concat()
-            .iter()
-            .fold(String::new(), |text, n| text + &format!(",{n}"));
-        format!("{},{holder}{cells}\n", self.time)
+        let numbers = vectors.map(|v| v.to_array()).concat();
+        let cells = (numbers.iter()).fold(String::new(), |text, n| text + &format!(",{n}"));
+        format!("{},{}{cells}\n", self.time, self.holder)
     }
 }
 
@@ -79,7 +74,7 @@ fn row(time: f64, holder: String, pose: Pose, [force, moment]: [DVec3; 2]) -> Fo
         time,
         holder,
         displacement: pose.translation,
-        rotation: to_rotation_vector(pose.rotation),
+        rotation_degrees: to_rotation_vector(pose.rotation).map(f64::to_degrees),
         force,
         moment,
     }

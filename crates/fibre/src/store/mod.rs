@@ -1,4 +1,5 @@
-//! What a run records: frames, tables and checkpoints, as bytes through `io` traits. Nothing here opens a file.
+//! What a run records: frames, tables and checkpoints, as bytes through `io` traits. Nothing here opens a file: a run is
+//! recorded by a [`RunSink`] and read from a [`RunSource`], such as a [`MemoryRun`].
 //!
 //! # Frames
 //! All numbers are little-endian. It begins with the 8 bytes `GSFRAMES`, a `u32` version and a `u32` 0. Then each
@@ -10,7 +11,6 @@
 //!   begins there (unit);
 //! - B × 2 `u32`: vertex and edge that a bond connects;
 //! - K × 7 `f64`: centre (m) and orientation (x, y, z, w) of each body.
-
 //!
 //! # Tables
 //! `energy.csv`, `events.csv` and `forces.csv` have one row a line ([`EnergyRow`], [`event_line`], [`ForceRow`]). Numbers are
@@ -22,14 +22,20 @@ mod error;
 mod forces;
 mod frames;
 mod index;
+mod memory;
+mod parse;
+mod record;
 mod tables;
 
-pub use checkpoint::{Checkpoint, Progress};
+pub use checkpoint::{Checkpoint, Progress, RecordLengths};
 pub use checksum::checksum;
-pub use error::StoreError;
+pub use error::{RunError, StoreError};
 pub use forces::{FORCE_HEADER, ForceRow};
 pub use frames::{BodyPose, Frame, FrameReader, write_header};
 pub use index::IndexedFrames;
+pub use memory::MemoryRun;
+pub use parse::{parse_energies, parse_events, parse_forces};
+pub use record::{FrameTimes, RunSink, RunSource, RunStore};
 pub use tables::{
     ENERGY_HEADER, EVENT_HEADER, EnergyLedger, EnergyRow, event_line, stagger_velocities,
 };

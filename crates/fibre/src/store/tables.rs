@@ -203,20 +203,29 @@ pub fn stagger_velocities(world: &mut World, lag: f64) {
     }
 }
 
+/// What the column `kind` holds.
+pub(super) const KINDS: [(EventKind, &str); 3] = [
+    (EventKind::RodBroke, "rod_broke"),
+    (EventKind::RodYielded, "rod_yielded"),
+    (EventKind::BondBroke, "bond_broke"),
+];
+
+/// What the column `cause` holds.
+pub(super) const CAUSES: [(Cause, &str); 5] = [
+    (Cause::Tension, "tension"),
+    (Cause::Compression, "compression"),
+    (Cause::Potential, "potential"),
+    (Cause::Griffith, "griffith"),
+    (Cause::Stress, "stress"),
+];
+
+fn name_of<T: PartialEq>(value: T, names: &[(T, &'static str)]) -> &'static str {
+    names.iter().find(|n| n.0 == value).map_or("", |n| n.1)
+}
+
 /// Returns an event as a line, with its end.
 pub fn event_line(event: &Event) -> String {
-    let kind = match event.kind {
-        EventKind::RodBroke => "rod_broke",
-        EventKind::RodYielded => "rod_yielded",
-        EventKind::BondBroke => "bond_broke",
-    };
-    let cause = match event.cause {
-        Cause::Tension => "tension",
-        Cause::Compression => "compression",
-        Cause::Potential => "potential",
-        Cause::Griffith => "griffith",
-        Cause::Stress => "stress",
-    };
+    let (kind, cause) = (name_of(event.kind, &KINDS), name_of(event.cause, &CAUSES));
     let other = event.other.map_or(String::new(), |o| o.to_string());
     let p = event.position;
     format!(

@@ -2,7 +2,7 @@
 //! it hangs on.
 
 use super::clip::{Loop, Saw, saw};
-use crate::simulate::Grown;
+use crate::simulate::FilledStem;
 use glam::DVec3;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::triangulate::triangulate;
@@ -58,7 +58,7 @@ pub(super) struct Beyond {
 impl Beyond {
     /// Splits the scene of a stem off its rods. `square` is where the texture of the wood inside lies, `zone` the tissue
     /// zone at a ring coordinate.
-    pub fn of(grown: &Grown, square: SectionSquare, zone: &dyn Fn(f64) -> u8) -> Self {
+    pub fn of(grown: &FilledStem, square: SectionSquare, zone: &dyn Fn(f64) -> u8) -> Self {
         let mut beyond = Beyond::default();
         for node in &grown.scene.nodes {
             let mut node = node.clone();
@@ -68,9 +68,9 @@ impl Beyond {
             beyond.meshes.push(mesh);
             beyond.names.push(node.name);
         }
-        let (node, shell) = &grown.shell;
-        address(&mut beyond.meshes[*node], grown, square, zone);
-        let mut own = vec![false; beyond.meshes[*node].triangles.len()];
+        let (node, shell) = (grown.node, &grown.shell);
+        address(&mut beyond.meshes[node], grown, square, zone);
+        let mut own = vec![false; beyond.meshes[node].triangles.len()];
         shell.iter().for_each(|&t| own[t as usize] = true);
         let ends = beyond.split(grown, &mut own, square, zone);
         beyond.attach(grown, &own, ends);
@@ -81,12 +81,12 @@ impl Beyond {
     /// stretch that the rods fill.
     fn split(
         &mut self,
-        grown: &Grown,
+        grown: &FilledStem,
         own: &mut Vec<bool>,
         square: SectionSquare,
         zone: &dyn Fn(f64) -> u8,
     ) -> Vec<Option<usize>> {
-        let mesh = &mut self.meshes[grown.shell.0];
+        let mesh = &mut self.meshes[grown.node];
         let stem = &grown.stem;
         let along = &grown.placed.along;
         let reach = [
@@ -152,8 +152,8 @@ impl Beyond {
     }
 
     /// Finds what every other shell hangs on, and lists the parts.
-    fn attach(&mut self, grown: &Grown, own: &[bool], of: Vec<Option<usize>>) {
-        let node = grown.shell.0;
+    fn attach(&mut self, grown: &FilledStem, own: &[bool], of: Vec<Option<usize>>) {
+        let node = grown.node;
         let stem: Vec<usize> = (0..own.len()).filter(|&t| own[t]).collect();
         for k in 0..2 {
             let here = stem.iter().filter(|&&t| of[t] == Some(k));
@@ -305,7 +305,7 @@ fn hang(meshes: &[Mesh], loose: &[(usize, Vec<u32>)], trunk: Standing, radius: f
 }
 
 /// Adds the address in the stem to a mesh that has none, and texture coordinates where it has none.
-fn address(mesh: &mut Mesh, grown: &Grown, square: SectionSquare, zone: &dyn Fn(f64) -> u8) {
+fn address(mesh: &mut Mesh, grown: &FilledStem, square: SectionSquare, zone: &dyn Fn(f64) -> u8) {
     let stem = &grown.stem;
     let pith = stem.rings.pith();
     let count = mesh.positions.len();
@@ -391,7 +391,7 @@ fn sides(
 }
 
 /// The same by where the triangles lie, for meshes that cannot be cut.
-fn by_place(mesh: &Mesh, own: &[bool], grown: &Grown, reach: [f64; 2]) -> Vec<Option<usize>> {
+fn by_place(mesh: &Mesh, own: &[bool], grown: &FilledStem, reach: [f64; 2]) -> Vec<Option<usize>> {
     let stem = &grown.stem;
     let axis = stem.grain.axis();
     let middle = 0.5 * (reach[0] + reach[1]);
@@ -414,7 +414,7 @@ fn cap(
     cut: &Loop,
     saw: &Saw,
     along: bool,
-    grown: &Grown,
+    grown: &FilledStem,
     square: SectionSquare,
     zone: &dyn Fn(f64) -> u8,
 ) -> Option<()> {

@@ -1,48 +1,21 @@
 //! Why there is no skin.
 
 use crate::simulate::SimulateError;
-use greenstick_fibre::scene::SceneError;
-use greenstick_fibre::store::StoreError;
+use greenstick_fibre::store::RunError;
 use greenstick_geometry::Cancelled;
 use greenstick_skin::rods::RodSkinError;
-use std::io;
-use std::path::PathBuf;
 
 /// Why there is no skin.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// The folder holds no run.
-    #[error(
-        "{}: holds no simulation: scene.toml cannot be read ({source}); `greenstick simulate SCENE -o FOLDER` makes one",
-        folder.display()
-    )]
-    NoRun {
-        /// The folder.
-        folder: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The run's scene cannot be used.
-    #[error("{}: {error}", path.display())]
-    Scene {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        error: SceneError,
-    },
-    /// The frames cannot be used.
-    #[error("{}: {error}", path.display())]
-    Store {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        error: StoreError,
-    },
-    /// There is no whole frame.
-    #[error("{}: holds no whole frame; run the simulation, or go on with it by --resume", path.display())]
+    /// The run cannot be read.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// There is no complete frame.
+    #[error("{run}: holds no complete frame; run the simulation, or resume it")]
     NoFrames {
-        /// The file.
-        path: PathBuf,
+        /// The run.
+        run: String,
     },
     /// A frame beyond the last.
     #[error("there is no frame {number}: the run has {count}, counted from 0")]

@@ -1,6 +1,6 @@
 //! The skin of a simulated run: stills and films of it (Sutherland 2012 §5).
 //!
-//! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
+//! [`Run::open`] takes a run that was recorded; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
 mod beyond;
@@ -31,13 +31,14 @@ pub use report::{FilmPiece, GapeReport, SkinReport};
 use crate::rods::bodies;
 use crate::session::Looks;
 use crate::session::appearance::looks;
-use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
+use crate::simulate::{
+    FilledStem, PositionedBundle, SceneMeshes, body_shapes, fill_scene_stem, position_bundle,
+};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
-use greenstick_fibre::Cause;
-use greenstick_fibre::RodBundle;
 use greenstick_fibre::bodies::Shape;
 use greenstick_fibre::scene::Scene as Setting;
-use greenstick_fibre::store::{Frame, IndexedFrames};
+use greenstick_fibre::store::{Frame, FrameTimes, RunSource};
+use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
@@ -51,9 +52,7 @@ use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Ring coordinate at which bark begins.
 const BARK: f64 = 0.94;
@@ -88,14 +87,14 @@ impl Default for FilmOptions {
 pub struct Run {
     /// Its scene.
     pub scene: Setting,
-    grown: Grown,
+    grown: FilledStem,
     /// The unbroken bundle in the scene's axes.
     bundle: RodBundle,
     /// The stem's world to the scene's.
     laid: DAffine3,
     shapes: Vec<Shape>,
-    frames: IndexedFrames<BufReader<File>>,
-    path: PathBuf,
+    source: Arc<dyn RunSource>,
+    frames: FrameTimes,
     causes: BTreeMap<u32, Cause>,
     looks: Looks,
     bark: Mesh,
@@ -115,7 +114,7 @@ pub struct Still {
 
 /// What a frame's skin begins with.
 struct Begun {
-    frame: Frame,
+    frame: Arc<Frame>,
     skin: RodSkin,
     rest: Rest,
     report: SkinReport,
@@ -230,14 +229,18 @@ fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     film.pieces.iter().enumerate().map(piece).collect()
 }
 
-/// Opens the frames of a run.
-fn open_frames(path: &Path) -> Result<IndexedFrames<BufReader<File>>, FilmError> {
-    let store = |error| FilmError::Store {
-        path: path.to_owned(),
-        error,
-    };
-    let file = File::open(path).map_err(|e| store(e.into()))?;
-    IndexedFrames::open(BufReader::new(file)).map_err(store)
+/// Why vertices of the unbroken rods broke.
+fn causes(events: &[Event]) -> BTreeMap<u32, Cause> {
+    let broken = events.iter().filter(|e| e.kind == EventKind::RodBroke);
+    broken
+        .map(|event| {
+            let cause = match event.cause {
+                Cause::Compression => Cause::Compression,
+                _ => Cause::Tension,
+            };
+            (event.vertex, cause)
+        })
+        .collect()
 }
 
 /// Turns the scene's z up to the y up of files.
@@ -246,47 +249,35 @@ fn upright() -> DQuat {
 }
 
 impl Run {
-    /// Opens the run in `folder`; `input` is the mesh that it was of, where its scene is of one, and `beside` the folder
-    /// that its bodies' files are named from.
+    /// Opens a run that was recorded. `meshes` are those that its scene names.
     ///
     /// # Errors
-    /// [`FilmError`] where the folder holds no run, or another mesh's.
+    /// [`FilmError`] where there is no run, or where it is of other meshes.
     pub fn open(
-        folder: &Path,
-        input: Option<&Scene>,
-        beside: &Path,
+        source: Arc<dyn RunSource>,
+        meshes: &SceneMeshes,
         context: &Context,
     ) -> Result<Run, FilmError> {
-        let path = folder.join("scene.toml");
-        let text = fs::read_to_string(&path).map_err(|source| FilmError::NoRun {
-            folder: folder.to_owned(),
-            source,
-        })?;
-        let scene = Setting::read(&text).map_err(|e| FilmError::Scene { path, error: e })?;
-        let path = folder.join(simulate::FRAME_FILE);
-        let frames = open_frames(&path)?;
+        let scene = source.scene()?;
+        let frames = source.frames()?;
         if frames.count() == 0 {
-            return Err(FilmError::NoFrames { path });
+            return Err(FilmError::NoFrames { run: source.name() });
         }
-        let request = SimulateRequest {
-            scene: scene.clone(),
-            origin: Origin::of(None, beside),
-            folder: folder.to_owned(),
-            resume: false,
-        };
-        let shapes = body_shapes(&request)?;
-        let grown = simulate::grow(&scene, input, context)?;
-        let (bundle, laid) = simulate::lay(&request, &grown)?;
-        let causes = simulate::causes(folder)?;
+        let shapes = body_shapes(&scene, meshes)?;
+        let grown = fill_scene_stem(&scene, meshes.input.as_ref(), context)?;
+        let PositionedBundle {
+            bundle,
+            scene_from_stem: laid,
+        } = position_bundle(&grown, meshes, context)?;
+        let causes = causes(&source.events()?);
         let species = Species::find(&scene.wood.species).ok();
         let parameters = BreakParameters {
             seed: scene.seed,
             ..BreakParameters::default()
         };
         let looks = looks(&grown.stem, &parameters, species, BARK);
-        let (node, shell) = &grown.shell;
-        let node = &grown.scene.nodes[*node];
-        let shell = shell.iter().map(|&t| t as usize);
+        let node = &grown.scene.nodes[grown.node];
+        let shell = grown.shell.iter().map(|&t| t as usize);
         let mut bark = node.mesh.submesh(shell).transformed(&node.transform);
         // Stems that come with the program part their triangles by materials that no scene lists.
         let listed = grown.scene.materials.len();
@@ -309,8 +300,8 @@ impl Run {
             bundle,
             laid,
             shapes,
+            source,
             frames,
-            path,
             causes,
             looks,
             bark,
@@ -333,13 +324,8 @@ impl Run {
         &self.grown.stem
     }
 
-    fn frame(&mut self, number: usize) -> Result<Frame, FilmError> {
-        let count = self.frames.count();
-        let read = self.frames.read(number).map_err(|error| FilmError::Store {
-            path: self.path.clone(),
-            error,
-        })?;
-        read.ok_or(FilmError::NoSuchFrame { number, count })
+    fn frame(&self, number: usize) -> Result<Arc<Frame>, FilmError> {
+        Ok(self.source.frame(number)?)
     }
 
     /// Its wood, unbroken.
@@ -542,11 +528,10 @@ impl Run {
             }
         }
         let carried = rest.join(&mut film, &self.laid, self.grown.stem.radius);
-        let frames = open_frames(&self.path)?;
         let motion = RunMotion::new(
-            frames,
-            self.path.clone(),
-            range,
+            self.source.clone(),
+            self.frames.times[range.clone()].to_vec(),
+            range.start,
             (joints, moving, carried),
             up,
         );
