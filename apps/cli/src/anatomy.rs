@@ -3,27 +3,24 @@
 use crate::arguments::AnatomyOptions;
 use crate::break_wood::{doubt_about_unit, size, use_threads};
 use crate::failure::{Failure, print};
-use crate::outcome::{Written, spent, written};
+use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
 use crate::values;
-use greenstick::anatomy::{AnatomyReport, AnatomyRequest};
-use greenstick::files;
-use greenstick::formats::LengthUnit;
+use greenstick::anatomy::{ANATOMY_FILE, AnatomyReport, AnatomyRequest, SegmentReport};
+use greenstick::files::{self, Batch, FileError, Output};
+use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The file that is always written.
-const MAIN: &str = "anatomy.json";
-
-/// The library's report but for its long lists, which are in the file, and what was written.
+/// What `--json` prints: the library's report but for its long lists, which are in the file, and what was written.
 #[derive(Serialize)]
-struct Told<'a> {
+struct PrintedReport<'a> {
     schema: &'a str,
     version: u32,
     kind: &'a str,
@@ -35,7 +32,7 @@ struct Told<'a> {
     bundle_area_m2: [f64; 2],
     mesh_volume_m3: Option<f64>,
     voxel_volume_m3: Option<f64>,
-    segments: &'a [greenstick::anatomy::SegmentReport],
+    segments: &'a [SegmentReport],
     notes: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     scan: Option<&'a ScannedReport>,
@@ -49,34 +46,25 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
     let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
-    let source = load(options, request.place, unit, &read)?;
-    request.place = source.place;
-    files::check_folder(&options.output, MAIN)?;
-    let mut inside = greenstick::anatomy::anatomy(&source.scene, &request, &work)?;
-    let doubt = doubt_about_unit(
+    let source = load(options, request.location, unit, &read)?;
+    request.location = source.place;
+    let mut folder = OutputFolder::new(&options.output, source.files)?;
+    let mut report =
+        greenstick::anatomy::anatomy(&source.scene, &request, &work, |file| folder.add(file))?;
+    report.notes.extend(doubt_about_unit(
         options.input.as_deref(),
         options.unit,
-        inside.report.length_m,
-    );
-    if let Some(doubt) = doubt {
-        inside.note(doubt)?;
-    }
+        report.length_m,
+    ));
     write.report(0.0)?;
-    let planned: Vec<_> = inside
-        .files
-        .iter()
-        .map(|f| options.output.join(&f.name))
-        .collect();
-    let planned: Vec<&Path> = planned.iter().map(|p| p.as_path()).collect();
-    files::check_distinct(&planned, &source.files)?;
-    let outputs = files::write_folder(&options.output, inside.files)?;
+    folder.add(report.to_file()?)?;
+    let outputs = folder.finish()?;
     let stages = progress.finish();
     if options.telling.reports() {
-        let written = written(&outputs);
-        print(&told(
-            &inside.report,
+        print(&printed(
+            &report,
             source.scan.as_ref(),
-            &written,
+            &outputs,
             &stages,
             options.telling.json,
         )?)?;
@@ -84,18 +72,82 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// A folder into which files are written one after the other, all or none. It is made where it is not there, and removed
+/// again where the files are not finished.
+struct OutputFolder {
+    path: PathBuf,
+    is_new: bool,
+    /// Files that were read, which none may overwrite.
+    inputs: Vec<PathBuf>,
+    /// `None` once it is finished.
+    batch: Option<Batch>,
+    written: Vec<Written>,
+}
+
+impl OutputFolder {
+    fn new(path: &Path, inputs: Vec<PathBuf>) -> Result<Self, FileError> {
+        files::check_folder(path, ANATOMY_FILE)?;
+        Ok(OutputFolder {
+            path: path.to_owned(),
+            is_new: !path.exists(),
+            inputs,
+            batch: Some(Batch::default()),
+            written: Vec::new(),
+        })
+    }
+
+    fn add(&mut self, file: Encoded) -> Result<(), Failure> {
+        let output = Output {
+            path: self.path.join(file.name),
+            bytes: file.bytes,
+        };
+        files::check_distinct(&[&output.path], &self.inputs)?;
+        std::fs::create_dir_all(&self.path).map_err(|source| FileError::Unwritable {
+            path: self.path.clone(),
+            source,
+        })?;
+        if let Some(batch) = &mut self.batch {
+            batch.add(&output)?;
+        }
+        self.written.push(Written {
+            path: output.path.display().to_string(),
+            bytes: output.bytes.len(),
+        });
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Vec<Written>, FileError> {
+        if let Some(batch) = self.batch.take() {
+            batch.finish()?;
+        }
+        self.is_new = false;
+        Ok(std::mem::take(&mut self.written))
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        // What was staged goes first.
+        self.batch = None;
+        if self.is_new {
+            // Only an empty folder goes.
+            let _ = std::fs::remove_dir(&self.path);
+        }
+    }
+}
+
 /// The scene of an input, a cloud's as the bark of its stem, or the branch that comes with the program.
 fn load(
     options: &AnatomyOptions,
-    place: Place,
+    location: StemLocation,
     unit: Option<LengthUnit>,
     context: &Context,
 ) -> Result<Loaded, Failure> {
     match &options.input {
-        Some(path) => scan::load(path, place, unit, &options.scan, context),
+        Some(path) => scan::load(path, location, unit, &options.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
-            place,
+            place: location,
             scan: None,
             files: Vec::new(),
         }),
@@ -104,23 +156,24 @@ fn load(
 
 fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest, Failure> {
     Ok(AnatomyRequest {
-        place: values::place(&options.at, unit).map_err(Failure::request)?,
+        location: values::place(&options.at, unit).map_err(Failure::request)?,
         stem: options.stem.options(unit)?,
         species: options.species.clone(),
         resolution: options.resolution,
-        rings_by: options.source.rings_by(options.rings.map(|_| "--rings"))?,
-        rings: options.rings,
+        ring_method: options.source.rings_by(options.rings.map(|_| "--rings"))?,
+        ring_count: options.rings,
         sectors: options.sectors,
         layers: options.layers,
-        bundles: options.bundles.into(),
+        division: options.bundles.into(),
         sections: options.sections,
         surface_ring: options.surface_ring,
-        colours: options.colours.into(),
-        parts: options.only.iter().map(|&word| word.into()).collect(),
+        colouring: options.colours.into(),
+        outputs: options.only.iter().map(|&word| word.into()).collect(),
     })
 }
 
-fn told(
+/// The report as it is printed.
+fn printed(
     report: &AnatomyReport,
     scan: Option<&ScannedReport>,
     outputs: &[Written],
@@ -128,7 +181,7 @@ fn told(
     json: bool,
 ) -> Result<String, Failure> {
     if json {
-        let told = Told {
+        let printed = PrintedReport {
             schema: report.schema,
             version: report.version,
             kind: report.kind,
@@ -146,7 +199,7 @@ fn told(
             outputs,
             stages,
         };
-        let text = serde_json::to_string_pretty(&told)
+        let text = serde_json::to_string_pretty(&printed)
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         return Ok(text + "\n");
     }

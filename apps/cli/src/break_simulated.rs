@@ -18,7 +18,7 @@ use greenstick::simulate::{
     simulate as simulate_scene,
 };
 use greenstick::skin::rods::RodSkinOptions;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -161,18 +161,18 @@ fn simulate_in_memory(
 }
 
 /// A place as scenes have it, with all of its digits.
-fn written_out(place: &Place) -> String {
+fn written_out(place: &StemLocation) -> String {
     match place {
-        Place::Fraction(x) => format!("{x}"),
-        Place::Length(x) => format!("{x} m"),
-        Place::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
+        StemLocation::Fraction(x) => format!("{x}"),
+        StemLocation::Length(x) => format!("{x} m"),
+        StemLocation::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
     }
 }
 
 /// Moves what lies beyond the break apart from the lower piece, with all that it carries.
 fn part(still: &mut Still, run: &Run, by: f64) {
     let stem = run.stem();
-    let along = stem.grain.axis().frame(stem.place).tangent;
+    let along = stem.grain.axis().frame(stem.location).tangent;
     let nodes = &mut still.scene.nodes;
     let upper = nodes.iter().position(|n| n.name == "upper");
     for (number, node) in nodes.iter_mut().enumerate() {

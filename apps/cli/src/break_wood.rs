@@ -11,7 +11,7 @@ use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::geometry::Context;
 use greenstick::picture::{PictureOptions, View};
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakReport, BreakRequest};
 use serde::Serialize;
 use std::fmt::Write;
@@ -161,7 +161,7 @@ impl Targets {
 
 fn load(
     options: &BreakOptions,
-    place: Place,
+    place: StemLocation,
     unit: Option<LengthUnit>,
     context: &Context,
 ) -> Result<Loaded, Failure> {

@@ -9,8 +9,8 @@ use greenstick::scanning::ScanningError;
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
-use greenstick::wood::species::nearest;
-use greenstick::wood::stem::{Place, StemError};
+use greenstick::wood::spelling::closest_names;
+use greenstick::wood::stem::{StemError, StemLocation};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -145,7 +145,12 @@ impl From<greenstick::Error> for Failure {
             Error::Stem(StemError::Empty | StemError::Invalid { .. })
             | Error::Species(_)
             | Error::Amount(_)
-            | Error::Anatomy(AnatomyError::Resolution(_)) => {
+            | Error::Anatomy(
+                AnatomyError::Resolution(_)
+                | AnatomyError::BoardErosion
+                | AnatomyError::InnerCircle(_)
+                | AnatomyError::TooManyParticles(_),
+            ) => {
                 Failure::request(&error)
             }
             Error::Stem(StemError::NoStem { .. }) => Failure::work(&error).hint(format!(
@@ -166,7 +171,7 @@ fn scan_failure(error: &ScanningError) -> Failure {
     use greenstick::scanning::ScanningError as Why;
     match error {
         Why::Scan(ScanError::Cancelled(c)) | Why::Clean(CleanError::Cancelled(c)) => (*c).into(),
-        Why::Scan(ScanError::LittleCover { .. }) => {
+        Why::Scan(ScanError::LowCoverage { .. }) => {
             Failure::work(error).hint("another --at may do, or a smaller --least-cover")
         }
         Why::Scan(ScanError::NotStarShaped { .. }) => Failure::work(error)
@@ -205,15 +210,15 @@ fn near(path: &Path) -> Option<String> {
         .collect();
     names.sort();
     let wanted = path.file_name()?.to_string_lossy();
-    let near = nearest(&wanted, names.iter().map(String::as_str));
+    let near = closest_names(&wanted, names.iter().map(String::as_str));
     let found = near.into_iter().find(|name| *name != wanted)?;
     Some(path.with_file_name(found).display().to_string())
 }
 
 /// A place as it can be typed whatever the unit of the file.
-fn typed(place: &Place) -> String {
+fn typed(place: &StemLocation) -> String {
     match place {
-        Place::Point(p) => format!("{:.4}m,{:.4}m,{:.4}m", p.x, p.y, p.z),
+        StemLocation::Point(p) => format!("{:.4}m,{:.4}m,{:.4}m", p.x, p.y, p.z),
         other => other.to_string(),
     }
 }

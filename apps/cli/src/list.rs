@@ -8,7 +8,7 @@ use greenstick::fracture::parameters::{
 };
 use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::Recipe;
-use greenstick::wood::species::{nearest, suggestion};
+use greenstick::wood::spelling::{closest_names, did_you_mean};
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -78,11 +78,11 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     sections.retain(|s| !s.parameters.is_empty());
     if sections.is_empty() {
         let groups = known.iter().filter_map(|k| k.split('.').next());
-        let mut near = nearest(wanted, known.iter().map(String::as_str).chain(groups));
+        let mut near = closest_names(wanted, known.iter().map(String::as_str).chain(groups));
         near.dedup();
         return Err(Failure::request(format!(
             "unknown parameter \"{wanted}\"{}",
-            suggestion(&near)
+            did_you_mean(&near)
         ))
         .hint("`greenstick parameters` without a name lists all of them"));
     }

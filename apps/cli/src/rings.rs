@@ -3,147 +3,140 @@
 use crate::arguments::RingsOptions;
 use crate::break_wood::check_png;
 use crate::failure::{Failure, print};
-use greenstick::anatomy::{Erosion, RingsBy};
+use greenstick::anatomy::RingMethod;
 use greenstick::files::{self, Output};
-use greenstick::rings::{RingComparison, RingsError, Section};
-use greenstick::wood::rings::RingList;
+use greenstick::geometry::Context;
+use greenstick::rings::{RingComparison, RingsError, RingsFile, SectionFile};
+use greenstick::wood::rings::{RingSeries, SectionRingMethod};
 use std::fmt::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Rings where nothing is said.
-const RINGS: usize = 20;
-/// Pixels along each side of the picture that is eroded, where nothing is said.
-const RESOLUTION: usize = 512;
-
-/// What a model of rings gives.
-struct Made {
-    rings: usize,
-    pith: [f64; 2],
-    guessed: bool,
-    told: String,
-    compared: Option<String>,
-    json: String,
-    picture: Option<Vec<u8>>,
-}
+/// Number of rings where none is given.
+const DEFAULT_RINGS: usize = 20;
+/// Pixels along each side of the bitmap that is eroded, where none are given.
+const DEFAULT_RESOLUTION: usize = 512;
 
 pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     let path = &options.section;
     if let Some(picture) = &options.picture {
         check_png(picture)?;
     }
+    let method = method(options)?;
+    let pith = pith(options)?;
+    let outputs: Vec<&Path> = options
+        .output
+        .iter()
+        .chain(&options.picture)
+        .map(|p| p.as_path())
+        .collect();
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
+    files::check_distinct(&outputs, std::slice::from_ref(path))?;
+    outputs.iter().try_for_each(|p| files::check_writable(p))?;
+
+    let context = Context::quiet();
+    let about_file = |e: RingsError| Failure::request(format!("{}: {e}", path.display()));
+    let section = SectionFile::parse(&text).map_err(about_file)?;
+    let units = section.units().to_owned();
+    let section = section
+        .rings(&method, pith.map(Into::into), &context)
+        .map_err(about_file)?;
+    let mut report = summary(path, &section, &method, &units);
+    if options.compare {
+        let rings = section.compare(&context).map_err(about_file)?;
+        let model = match method {
+            SectionRingMethod::Field(_) => "field/%",
+            SectionRingMethod::Erosion { .. } => "erosion/%",
+        };
+        report += &table(&rings, model, &units);
+    }
+    let mut files = Vec::new();
+    if let Some(path) = &options.output {
+        files.push(Output {
+            path: path.clone(),
+            bytes: section.json(&context)?.into_bytes(),
+        });
+    }
+    if let Some(path) = &options.picture {
+        files.push(Output {
+            path: path.clone(),
+            bytes: section.picture(options.picture_size, &context)?.png(),
+        });
+    }
+    files::write_all(&files)?;
+    for file in &files {
+        let _ = writeln!(report, "wrote {}", file.path.display());
+    }
+    print(&report)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn method(options: &RingsOptions) -> Result<SectionRingMethod, Failure> {
     let counted = [
         ("--rings", options.rings.is_some()),
         ("--radii", options.radii.is_some()),
         ("--widths", options.widths.is_some()),
     ];
     let counted = counted.into_iter().find(|c| c.1).map(|c| c.0);
-    let rings_by = options.source.rings_by(counted)?;
-    if rings_by == RingsBy::Field && options.resolution.is_some() {
-        return Err(Failure::request(
+    match options.source.rings_by(counted)? {
+        RingMethod::Field if options.resolution.is_some() => Err(Failure::request(
             "--resolution is of an erosion; say --rings-by erosion with it",
-        ));
+        )),
+        RingMethod::Field => Ok(SectionRingMethod::Field(
+            match (options.rings, &options.radii, &options.widths) {
+                (_, Some(radii), _) => RingSeries::Radii(radii.clone()),
+                (_, _, Some(widths)) => RingSeries::Widths(widths.clone()),
+                (number, _, _) => RingSeries::Number(number.unwrap_or(DEFAULT_RINGS)),
+            },
+        )),
+        RingMethod::Erosion(erosion) => Ok(SectionRingMethod::Erosion {
+            erosion,
+            resolution: options.resolution.unwrap_or(DEFAULT_RESOLUTION),
+        }),
     }
-    let outputs: Vec<_> = options.output.iter().chain(&options.picture).collect();
-    let outputs: Vec<_> = outputs.into_iter().map(|p| p.as_path()).collect();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
-    files::check_distinct(&outputs, std::slice::from_ref(path))?;
-    outputs.iter().try_for_each(|p| files::check_writable(p))?;
-    let told = |e: RingsError| Failure::request(format!("{}: {e}", path.display()));
-    let section = Section::parse(&text).map_err(told)?;
-    let pith = match options.pith.as_deref() {
-        Some([x, y]) => Some([*x, *y]),
-        Some(other) => {
-            return Err(Failure::request(format!(
-                "--pith takes two numbers x,y, not {}",
-                other.len()
-            )));
-        }
-        None => None,
-    };
-    let made = match &rings_by {
-        RingsBy::Field => by_field(options, section, pith),
-        RingsBy::Erosion(erosion) => by_erosion(options, section, erosion, pith),
-    };
-    let made = made.map_err(told)?;
-    let mut words = format!(
-        "{}: {} rings about the pith {:.2}, {:.2}{}; {}\n",
-        path.display(),
-        made.rings,
-        made.pith[0],
-        made.pith[1],
-        if made.guessed { " (guessed)" } else { "" },
-        made.told,
-    );
-    words += made.compared.as_deref().unwrap_or_default();
-    let mut written = Vec::new();
-    if let Some(path) = &options.output {
-        written.push(Output {
-            path: path.clone(),
-            bytes: made.json.into_bytes(),
-        });
-    }
-    if let (Some(path), Some(bytes)) = (&options.picture, made.picture) {
-        let path = path.clone();
-        written.push(Output { path, bytes });
-    }
-    files::write_all(&written)?;
-    for output in &written {
-        let _ = writeln!(words, "wrote {}", output.path.display());
-    }
-    print(&words)?;
-    Ok(ExitCode::SUCCESS)
 }
 
-fn by_field(
-    options: &RingsOptions,
-    section: Section,
-    pith: Option<[f64; 2]>,
-) -> Result<Made, RingsError> {
-    let list = match (options.rings, &options.radii, &options.widths) {
-        (_, Some(radii), _) => RingList::Radii(radii.clone()),
-        (_, _, Some(widths)) => RingList::Widths(widths.clone()),
-        (number, _, _) => RingList::Number(number.unwrap_or(RINGS)),
-    };
-    let units = section.units().to_owned();
-    let rings = section.rings(&list, pith.map(Into::into))?;
-    let compared = options.compare.then(|| rings.compare()).transpose()?;
-    Ok(Made {
-        rings: rings.coordinates.len(),
-        pith: rings.field.pith().into(),
-        guessed: rings.guessed,
-        told: format!(
+fn pith(options: &RingsOptions) -> Result<Option<[f64; 2]>, Failure> {
+    match options.pith.as_deref() {
+        Some([x, y]) => Ok(Some([*x, *y])),
+        Some(other) => Err(Failure::request(format!(
+            "--pith takes two numbers x,y, not {}",
+            other.len()
+        ))),
+        None => Ok(None),
+    }
+}
+
+/// A line about the rings that were made.
+fn summary(path: &Path, section: &RingsFile, method: &SectionRingMethod, units: &str) -> String {
+    let rings = &section.rings;
+    let pith = rings.pith();
+    let about_method = match method {
+        SectionRingMethod::Field(_) => format!(
             "mean radius of the outline {:.2} {units}",
-            rings.field.mean_radius(1.0)
+            rings.outline_mean_radius()
         ),
-        compared: compared.map(|c| table(&c, "field/%", &units)),
-        json: rings.json(),
-        picture: (options.picture.as_ref()).map(|_| rings.picture(options.picture_size).png()),
-    })
-}
-
-fn by_erosion(
-    options: &RingsOptions,
-    section: Section,
-    erosion: &Erosion,
-    pith: Option<[f64; 2]>,
-) -> Result<Made, RingsError> {
-    let resolution = options.resolution.unwrap_or(RESOLUTION);
-    let units = section.units().to_owned();
-    let rings = section.eroded(erosion, resolution, pith.map(Into::into))?;
-    let compared = options.compare.then(|| rings.compare()).transpose()?;
-    Ok(Made {
-        rings: rings.contours.len(),
-        pith: rings.pith.into(),
-        guessed: rings.guessed,
-        told: format!(
+        SectionRingMethod::Erosion {
+            erosion,
+            resolution,
+        } => format!(
             "{erosion}, {} passes on {resolution} × {resolution} pixels",
-            rings.kinds.len()
+            rings.pass_count().unwrap_or(0)
         ),
-        compared: compared.map(|c| table(&c, "erosion/%", &units)),
-        json: rings.json(),
-        picture: (options.picture.as_ref()).map(|_| rings.picture(options.picture_size).png()),
-    })
+    };
+    format!(
+        "{}: {} rings about the pith {:.2}, {:.2}{}; {about_method}\n",
+        path.display(),
+        rings.ring_count(),
+        pith.x,
+        pith.y,
+        if rings.is_pith_estimated() {
+            " (guessed)"
+        } else {
+            ""
+        },
+    )
 }
 
 /// What `--compare` prints: root mean square radial distances in % of each annotated ring's mean radius.

@@ -7,9 +7,9 @@ use greenstick::files;
 use greenstick::formats::{Content, LengthUnit};
 use greenstick::geometry::cloud::CleanOptions;
 use greenstick::geometry::{Context, Scene};
-use greenstick::scanning::{ScanRequest, ScannedReport, cloud_of, scan_to_scene};
+use greenstick::scanning::{ScanRequest, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::scan::ScanOptions;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
@@ -74,7 +74,7 @@ impl ScanArguments {
             },
             scan: ScanOptions {
                 bark_only: self.bark_only,
-                least_cover: self.least_cover.unwrap_or(scan.least_cover),
+                min_coverage: self.least_cover.unwrap_or(scan.min_coverage),
                 ..scan
             },
         }
@@ -86,7 +86,7 @@ pub struct Loaded {
     /// The meshes, or the bark of the scan.
     pub scene: Scene,
     /// The place asked for, in that scene.
-    pub place: Place,
+    pub place: StemLocation,
     /// What was made of the scan, where it was one.
     pub scan: Option<ScannedReport>,
     /// The files that were read.
@@ -96,7 +96,7 @@ pub struct Loaded {
 /// Reads a mesh as it is and a cloud as the bark of the stem at `place`.
 pub fn load(
     path: &Path,
-    place: Place,
+    place: StemLocation,
     unit: Option<LengthUnit>,
     arguments: &ScanArguments,
     context: &Context,
@@ -113,7 +113,7 @@ pub fn load(
                 files,
             });
         }
-        Content::Mesh(scene) => cloud_of(&scene),
+        Content::Mesh(scene) => cloud_from_scene(&scene),
         Content::Cloud(cloud) => cloud,
     };
     let request = arguments.request();
@@ -121,7 +121,7 @@ pub fn load(
         .map_err(|failure| Failure::from(failure).about(path))?;
     Ok(Loaded {
         scene: scanned.scene,
-        place: scanned.place,
+        place: scanned.location,
         scan: Some(scanned.report),
         files,
     })

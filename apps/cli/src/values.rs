@@ -2,7 +2,7 @@
 //! before them.
 
 use greenstick::formats::LengthUnit;
-use greenstick::wood::stem::{PithChoice, Place};
+use greenstick::wood::stem::{PithPosition, StemLocation};
 
 /// `3cm`, `12mm`, `0.1m` or `0`, in metres.
 pub fn distance(text: &str) -> Result<f64, String> {
@@ -62,21 +62,21 @@ pub fn seed(text: &str) -> Result<u64, String> {
 }
 
 /// A place, in the unit of the file.
-pub fn place(text: &str, unit: LengthUnit) -> Result<Place, String> {
-    Place::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
+pub fn place(text: &str, unit: LengthUnit) -> Result<StemLocation, String> {
+    StemLocation::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
 }
 
 /// `x,y,z` in the world, or `x,y` in the section, in the unit of the file.
-pub fn pith(text: &str, unit: LengthUnit) -> Result<PithChoice, String> {
+pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
     let in_section = text.split(',').count() == 2;
     let full = if in_section {
         format!("{text},0")
     } else {
         text.to_owned()
     };
-    match Place::parse(&full, unit.metres()) {
-        Ok(Place::Point(p)) if in_section => Ok(PithChoice::Section(p.truncate())),
-        Ok(Place::Point(p)) => Ok(PithChoice::World(p)),
+    match StemLocation::parse(&full, unit.metres()) {
+        Ok(StemLocation::Point(p)) if in_section => Ok(PithPosition::Section(p.truncate())),
+        Ok(StemLocation::Point(p)) => Ok(PithPosition::World(p)),
         _ => Err(format!(
             "--pith: \"{text}\" is no point; expected x,y,z in the world or x,y in the section, from its middle"
         )),
@@ -123,10 +123,14 @@ pub fn texture_size(text: &str) -> Result<u32, String> {
 
 /// Voxels along the side of a segment or pixels along that of a section, 32 to 512.
 pub fn resolution(text: &str) -> Result<usize, String> {
-    let (least, most) = greenstick::wood::anatomy::RESOLUTIONS;
+    let range = greenstick::wood::anatomy::RESOLUTION_RANGE;
     match text.parse::<usize>() {
-        Ok(x) if (least..=most).contains(&x) => Ok(x),
-        _ => Err(format!("expected a number from {least} to {most}")),
+        Ok(x) if range.contains(&x) => Ok(x),
+        _ => Err(format!(
+            "expected a number from {} to {}",
+            range.start(),
+            range.end()
+        )),
     }
 }
 
@@ -164,7 +168,7 @@ mod tests {
         let (azimuth, elevation) = view("180, -45").unwrap();
         assert!((azimuth + 4.0 * elevation).abs() < 1e-15);
         let section = pith("1,-2", LengthUnit::Millimetre).unwrap();
-        assert!(matches!(section, PithChoice::Section(p) if (p.y + 0.002).abs() < 1e-12));
+        assert!(matches!(section, PithPosition::Section(p) if (p.y + 0.002).abs() < 1e-12));
         assert!(pith("1cm", LengthUnit::Metre).is_err());
         assert!(texture_size("7").is_err() && texture_size("512") == Ok(512));
         assert_eq!((moisture("12 %"), moisture("Green")), (Ok(12.0), Ok(30.0)));

@@ -70,7 +70,10 @@ fn the_json_report_has_all_numbers_and_nothing_else_is_printed() {
         assert_eq!(output["bytes"], folder.read(name).len());
     }
     let stages = report["stages"].as_array().unwrap();
-    for name in ["read", "stem", "break", "picture", "write"] {
+    for name in [
+        "read", "stem", "layout", "heights", "cut", "finish", "textures", "encode", "picture",
+        "write",
+    ] {
         let stage = stages.iter().find(|s| s["name"] == name);
         let seconds = stage.and_then(|s| s["seconds"].as_f64());
         assert!(seconds.is_some_and(|s| s >= 0.0), "{name}: {stages:?}");

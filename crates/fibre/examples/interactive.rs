@@ -13,7 +13,7 @@ use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::cylinder;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, StemOptions, find};
+use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
 use std::time::Instant;
 
 fn stick() -> Option<World> {
@@ -21,7 +21,13 @@ fn stick() -> Option<World> {
     let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).ok()?;
     let mesh = cylinder(5e-3, 0.15, 48);
     let options = StemOptions::default();
-    let found = find(&[mesh], &Place::Fraction(0.5), &options, &Context::quiet()).ok()?;
+    let found = find_stem(
+        &[mesh],
+        &StemLocation::Fraction(0.5),
+        &options,
+        &Context::quiet(),
+    )
+    .ok()?;
     let placement = PlacementOptions {
         rods: RodCount::Number(100),
         weibull: 12.0,

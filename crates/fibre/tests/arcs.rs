@@ -12,13 +12,13 @@ use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{StemOptions, find};
+use greenstick_wood::stem::{StemOptions, find_stem};
 
 /// A mesh filled with the scene's number of rods, in the scene.
 fn filled(mesh: Mesh, length: f64, scene: &Scene) -> AssembledScene {
     let scene = scene.for_stem(length);
     let whole = "0.5".parse().unwrap();
-    let found = find(&[mesh], &whole, &StemOptions::default(), &Context::quiet()).unwrap();
+    let found = find_stem(&[mesh], &whole, &StemOptions::default(), &Context::quiet()).unwrap();
     let ash = Species::find("white ash").unwrap();
     let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).unwrap();
     let options = PlacementOptions {

@@ -11,7 +11,7 @@ use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::cylinder;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, StemOptions, find};
+use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
 
 /// A stick of ash whose ends turn by 40° within a second.
 fn stick(rods: u32, seed: u64) -> World {
@@ -19,7 +19,13 @@ fn stick(rods: u32, seed: u64) -> World {
     let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).unwrap();
     let mesh = cylinder(5e-3, 0.15, 48);
     let options = StemOptions::default();
-    let found = find(&[mesh], &Place::Fraction(0.5), &options, &Context::quiet()).unwrap();
+    let found = find_stem(
+        &[mesh],
+        &StemLocation::Fraction(0.5),
+        &options,
+        &Context::quiet(),
+    )
+    .unwrap();
     let placement = PlacementOptions {
         seed,
         rods: RodCount::Number(rods),

@@ -14,7 +14,7 @@ use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::board;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
+use greenstick_wood::stem::{StemKind, StemLocation, StemOptions, find_stem};
 use support::{four_rods, soft, straight};
 
 /// All solvers, with steps of `step` where they take one.
@@ -147,9 +147,14 @@ fn scene() -> World {
         ..StemOptions::default()
     };
     let mesh = board(0.13, 0.01, 0.01);
-    let stem = find(&[mesh], &Place::Fraction(0.5), &options, &Context::quiet())
-        .unwrap()
-        .stem;
+    let stem = find_stem(
+        &[mesh],
+        &StemLocation::Fraction(0.5),
+        &options,
+        &Context::quiet(),
+    )
+    .unwrap()
+    .stem;
     let placement = PlacementOptions {
         rods: RodCount::Number(9),
         edges: EdgeLengths::even(5e-3),

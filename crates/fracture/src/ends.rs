@@ -196,7 +196,7 @@ impl Ends {
             of_sliver: [sliver(9), sliver(0), sliver(1)],
             fibres: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
             crushed: [1, 7].map(|n| self.random(purpose::SHELF, key, n)),
-            step: noise::line(
+            step: noise::value_1d(
                 seed(self.key.seed, purpose::STEP) + u64::from(bundle.ring),
                 bundle.phi * 0.8,
             ),

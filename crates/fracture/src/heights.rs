@@ -335,11 +335,11 @@ fn fibrous_rims(
 /// Noise of a surface at one place after another.
 pub(crate) struct Walks {
     /// Perlin noise, by octave.
-    octaves: Vec<noise::Plane>,
+    octaves: Vec<noise::GradientNoise2d>,
     /// What rays wander by.
-    pub wander: noise::Plane,
+    pub wander: noise::GradientNoise2d,
     /// How ragged the edge of the compression shelf is.
-    pub shelf: noise::Plane,
+    pub shelf: noise::GradientNoise2d,
 }
 
 impl Walks {
@@ -350,10 +350,10 @@ impl Walks {
         let seed = maker.seed(purpose::PERLIN);
         Walks {
             octaves: (0..most)
-                .map(|octave| noise::Plane::new(seed + u64::from(octave)))
+                .map(|octave| noise::GradientNoise2d::new(seed + u64::from(octave)))
                 .collect(),
-            wander: noise::Plane::new(maker.seed(purpose::WANDER)),
-            shelf: noise::Plane::new(maker.seed(purpose::SHELF)),
+            wander: noise::GradientNoise2d::new(maker.seed(purpose::WANDER)),
+            shelf: noise::GradientNoise2d::new(maker.seed(purpose::SHELF)),
         }
     }
 }

@@ -11,7 +11,7 @@ pub use smooth::smooth;
 use crate::surface::Layout;
 use glam::DVec2;
 use greenstick_wood::noise;
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 

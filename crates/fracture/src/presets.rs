@@ -7,7 +7,7 @@
 use crate::parameters::{
     BreakParameters, Crack, CrackParameters, ParameterError, Parameters, Value,
 };
-use greenstick_wood::species::{nearest, suggestion};
+use greenstick_wood::spelling::{closest_names, did_you_mean};
 use serde::Serialize;
 
 /// A named set of parameters.
@@ -38,7 +38,7 @@ type SingleCrack = (&'static str, &'static [(&'static str, f64)]);
 
 /// A name that is no preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unknown preset \"{name}\"{}", suggestion(nearest))]
+#[error("unknown preset \"{name}\"{}", did_you_mean(nearest))]
 pub struct UnknownPreset {
     /// The name found.
     pub name: String,
@@ -382,7 +382,7 @@ impl Preset {
             .find(|p| p.name == wanted)
             .ok_or_else(|| UnknownPreset {
                 name: name.to_owned(),
-                nearest: nearest(name, PRESETS.iter().map(|p| p.name)),
+                nearest: closest_names(name, PRESETS.iter().map(|p| p.name)),
             })
     }
 

@@ -32,7 +32,8 @@ use crate::presets::{Preset, UnknownPreset};
 use greenstick_wood::moisture::{
     AIR_DRY_PERCENT, FIBRE_SATURATION_PERCENT, MoistureError, WETTEST_PERCENT, drying,
 };
-use greenstick_wood::species::{Species, UnknownSpecies, suggestion};
+use greenstick_wood::species::{Species, UnknownSpecies};
+use greenstick_wood::spelling::did_you_mean;
 use serde::{Deserialize, Serialize};
 
 /// Total tangential shrinkage, green to oven-dry, where the species is unknown: near the mean of
@@ -60,7 +61,7 @@ pub enum Problem {
     #[error(transparent)]
     Moisture(#[from] MoistureError),
     /// A key at the top of the file, or a table, that is not known.
-    #[error("unknown entry \"{key}\"{}", suggestion(nearest))]
+    #[error("unknown entry \"{key}\"{}", did_you_mean(nearest))]
     UnknownEntry {
         /// The key found.
         key: String,

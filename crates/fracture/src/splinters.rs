@@ -247,7 +247,6 @@ pub fn column(solid: &Solid, skin: &Skin, like: &Cut, faces: [&Surface; 2], cell
         faces: Vec::new(),
         walls: Vec::new(),
         outlines: 0,
-        outline_of: Vec::new(),
     };
     let facets: Vec<u32> = (0..layout.facets.len() as u32)
         .filter(|&f| layout.cells[f as usize] == cell)

@@ -79,9 +79,9 @@ impl Strips {
         let (sin, cos) = libm::sincos(phi);
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| DVec2::new(cos, sin) * scale;
-        let ragged = 0.22 * noise::plane(self.seed + 1, on(5.0))
-            + 0.16 * noise::plane(self.seed + 2, on(17.0))
-            + 0.12 * noise::plane(self.seed + 3, on(41.0));
+        let ragged = 0.22 * noise::gradient_2d(self.seed + 1, on(5.0))
+            + 0.16 * noise::gradient_2d(self.seed + 2, on(17.0))
+            + 0.12 * noise::gradient_2d(self.seed + 3, on(41.0));
         height + torn * (shape - 0.5) + ragged
     }
 }

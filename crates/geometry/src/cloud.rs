@@ -5,6 +5,7 @@ mod eigen;
 mod neighbours;
 mod normals;
 mod poisson;
+mod sample;
 mod tetrahedra;
 
 pub use clean::{CleanError, CleanOptions, CleanReport, CleanStep, clean, spacing};
@@ -12,6 +13,7 @@ pub use eigen::eigen;
 pub use neighbours::Neighbours;
 pub use normals::{normals, orient_along_tree, orient_from};
 pub use poisson::{MOST_NODES, PoissonError, poisson};
+pub use sample::sample_meshes;
 
 use glam::DVec3;
 

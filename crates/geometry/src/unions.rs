@@ -34,4 +34,14 @@ impl Unions {
         self.parents[a.max(b) as usize] = a.min(b);
         a != b
     }
+
+    /// Joins the sets that contain the corners of a triangle.
+    pub fn join_triangle(&mut self, [a, b, c]: [u32; 3]) {
+        let parent = |i: u32| self.parents[i as usize];
+        // Triangles that follow each other have corners that are mostly joined already.
+        if parent(a) != parent(b) || parent(b) != parent(c) {
+            self.join(a, b);
+            self.join(b, c);
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use greenstick_fracture::cut::CutError;
 use greenstick_geometry::Cancelled;
 use greenstick_skin::BreakError;
+use greenstick_wood::anatomy::AnatomyError;
 use greenstick_wood::stem::StemError;
 
 /// Why a break failed.
@@ -33,10 +34,10 @@ pub enum Error {
     Crack(#[from] greenstick_fracture::cracks::CrackError),
     /// A scan gives no bark.
     #[error(transparent)]
-    Scan(#[from] crate::scanning::ScanningError),
+    Scan(#[from] crate::scanning::error::ScanningError),
     /// The inside of the stem could not be made.
     #[error(transparent)]
-    Anatomy(#[from] greenstick_wood::anatomy::AnatomyError),
+    Anatomy(AnatomyError),
     /// A number asked for is out of range.
     #[error("{0}")]
     Amount(String),
@@ -58,6 +59,15 @@ impl From<BreakError> for Error {
             BreakError::Cut { error, at } => Error::Cut { error, at },
             BreakError::Crack(error) => Error::Crack(error),
             BreakError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+        }
+    }
+}
+
+impl From<AnatomyError> for Error {
+    fn from(error: AnatomyError) -> Self {
+        match error {
+            AnatomyError::Cancelled(cancelled) => Error::Cancelled(cancelled),
+            other => Error::Anatomy(other),
         }
     }
 }

@@ -36,11 +36,11 @@
 pub mod anatomy;
 pub mod bending;
 mod branch;
-mod erosion;
 mod error;
 pub mod files;
 pub mod film;
 pub mod fit;
+mod images;
 mod pictures;
 mod report;
 mod request;

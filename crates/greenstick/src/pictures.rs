@@ -7,7 +7,8 @@ use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface, bark};
+use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface};
+use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
 
@@ -58,13 +59,15 @@ impl StemShader<'_> {
             ),
         };
         let point = WoodPoint {
-            ring,
-            angle,
-            across: grain.truncate() - inside.stem.rings.pith(),
-            along: grain.z,
+            address: StemAddress {
+                rho: ring,
+                angle,
+                across: grain.truncate() - inside.stem.rings.pith(),
+                along: grain.z,
+            },
             end_grain,
         };
-        let surface = inside.looks.wood.wood(&point, hit.footprint);
+        let surface = inside.looks.wood.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
@@ -102,7 +105,7 @@ impl StemShader<'_> {
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = bark(&looks.bark, &point, hit.footprint);
+        let surface = looks.bark.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }
@@ -238,7 +241,7 @@ const MOST_OF_IT: f64 = 0.85;
 /// Points the camera at the whole of both faces and a stub of stem behind each.
 fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureOptions) {
     let stem = &wood.stem;
-    let frame = stem.grain.axis().frame(stem.place);
+    let frame = stem.grain.axis().frame(stem.location);
     let [low, high] = broken.report.face.range_m;
     let stub = STUB.0 * stem.radius + STUB.1 * (high - low);
     let lower = NodeRole::Piece(PieceRole::Lower);
@@ -282,7 +285,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         ends.sort_unstable_by(f64::total_cmp);
         let end = ends[(MOST_OF_IT * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
         let end = if upper { end } else { -end };
-        let at = stem.grain.axis().frame(stem.place + end);
+        let at = stem.grain.axis().frame(stem.location + end);
         shown.extend(
             [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
                 .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
@@ -324,7 +327,7 @@ fn aside(wood: &BrokenWood, across: DVec3) -> DVec3 {
 
 /// The scene with the upper piece turned over and set beside the lower, both faces up.
 fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
-    let frame = wood.stem.grain.axis().frame(wood.stem.place);
+    let frame = wood.stem.grain.axis().frame(wood.stem.location);
     let [low, high] = broken.report.face.range_m;
     let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
     let centre = frame.origin + frame.tangent * ((low + high) / 2.0);

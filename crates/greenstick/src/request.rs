@@ -2,13 +2,13 @@
 
 use greenstick_fracture::heights::HeightSource;
 use greenstick_fracture::recipe::Recipe;
-use greenstick_wood::stem::{Place, StemOptions};
+use greenstick_wood::stem::{StemLocation, StemOptions};
 
 /// A break of a stem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Break {
     /// Where.
-    pub place: Place,
+    pub place: StemLocation,
     /// How: species, moisture, parameters of the face and of cracks.
     pub recipe: Recipe,
     /// Where the heights of the face come from.
@@ -22,7 +22,7 @@ pub struct Break {
 impl Default for Break {
     fn default() -> Self {
         Break {
-            place: Place::Fraction(0.5),
+            place: StemLocation::Fraction(0.5),
             recipe: Recipe::default(),
             heights: HeightSource::default(),
             separation: 0.0,

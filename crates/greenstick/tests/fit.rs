@@ -14,7 +14,7 @@ use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
 use greenstick::wood::primitive;
 use greenstick::wood::species::Species;
-use greenstick::wood::stem::{Stem, StemOptions, find};
+use greenstick::wood::stem::{Stem, StemOptions, find_stem};
 use greenstick::{Break, BreakRequest, break_scene};
 
 const RADIUS: f64 = 0.02;
@@ -41,7 +41,7 @@ fn grown() -> Grown {
     };
     let middle = "0.5".parse().unwrap();
     let meshes = [(*scene.nodes[0].mesh).clone()];
-    let stem = find(&meshes, &middle, &StemOptions::default(), &Context::quiet())
+    let stem = find_stem(&meshes, &middle, &StemOptions::default(), &Context::quiet())
         .unwrap()
         .stem;
     let oak = Species::find("white oak").unwrap();

@@ -136,7 +136,7 @@ fn bent_pieces_stay_whole_and_splinters_lie_clear_of_the_stem() {
         let (before, after) = (fit_of_normals(straight), fit_of_normals(bent));
         assert!(before > 0.9 && after > before - 0.02, "{before} {after}");
     }
-    let axis = stem.grain.axis().frame(stem.place);
+    let axis = stem.grain.axis().frame(stem.location);
     for (mesh, thrown) in &made.splinters {
         assert!((thrown.matrix3.determinant() - 1.0).abs() < 1e-9);
         let move_to = *thrown * *frayed.stem.transform();
@@ -202,7 +202,7 @@ fn the_bend_is_one_to_one() {
             let unit = |k: i64| 2.0 * noise::unit(77, i, k, 0) - 1.0;
             let across =
                 frayed.stem.square.middle + DVec2::new(unit(0), unit(1)) * 3.5 * stem.radius;
-            let at = across.extend(stem.place + unit(2) * 6.0 * stem.radius);
+            let at = across.extend(stem.location + unit(2) * 6.0 * stem.radius);
             let column = |e: DVec3| (bend.moved(at + e * h) - bend.moved(at - e * h)) / (2.0 * h);
             let [x, y, z] = DVec3::AXES.map(column);
             worst = worst.min(glam::DMat3::from_cols(x, y, z).determinant());

@@ -19,7 +19,7 @@ use support::{pieces, request};
 const RINGS: u32 = 16;
 
 /// A session with a scanned log of fluted, eccentric section, and where it is broken.
-fn scanned() -> (BreakSession, stem::Place) {
+fn scanned() -> (BreakSession, stem::StemLocation) {
     let points = (0..40_000i64)
         .map(|i| {
             let chance = |k: u64| noise::unit(k, i, 0, 0);
@@ -41,10 +41,10 @@ fn scanned() -> (BreakSession, stem::Place) {
         origin: DVec3::ZERO,
         notes: Vec::new(),
     };
-    let place = stem::Place::Fraction(0.5);
+    let place = stem::StemLocation::Fraction(0.5);
     let context = Context::quiet();
     let made = scan_to_scene(&file, &place, &ScanRequest::default(), &context).unwrap();
-    (BreakSession::new(made.scene), made.place)
+    (BreakSession::new(made.scene), made.location)
 }
 
 fn crack(kind: &str, values: &[(&str, f64)]) -> Crack {
@@ -60,7 +60,7 @@ fn new_vertices(prepared: &PreparedStem, cracked: &Mesh, plain: &Mesh) -> Vec<(f
     let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
     let old: BTreeSet<_> = plain.positions.iter().map(bits).collect();
     let stem = &prepared.found.stem;
-    let frame = stem.grain.axis().frame(stem.place);
+    let frame = stem.grain.axis().frame(stem.location);
     let fresh = cracked.positions.iter().filter(|p| !old.contains(&bits(p)));
     fresh
         .map(|p| {

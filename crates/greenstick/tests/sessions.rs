@@ -5,7 +5,7 @@ mod support;
 use greenstick::fracture::heights::{HeightField, HeightSource};
 use greenstick::fracture::presets::Preset;
 use greenstick::geometry::{CancelToken, Context, Scene};
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, Broken, built_in_branch};
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ fn a_session_after_changes_equals_a_new_one() {
         ("seed", |r| change(r, &["seed=5"]), Some(BreakStage::Layout)),
         (
             "place",
-            |r| r.breaks[0].place = Place::Fraction(0.4),
+            |r| r.breaks[0].place = StemLocation::Fraction(0.4),
             Some(BreakStage::Stem),
         ),
         (
@@ -152,7 +152,7 @@ fn a_height_field_is_where_the_stem_breaks() {
     let HeightSource::Field(field) = &request.breaks[0].heights else {
         unreachable!()
     };
-    let place = stages.stem.stem().found.stem.place;
+    let place = stages.stem.stem().found.stem.location;
     let surface = &stages.heights.heights.surface;
     let layout = &surface.layout;
     for (facet, heights) in layout.facets.iter().zip(&surface.heights) {
@@ -179,7 +179,7 @@ fn several(places: &[f64]) -> BreakRequest {
         ]);
         change(&mut one, &[&format!("seed={i}")]);
         Break {
-            place: Place::Fraction(at),
+            place: StemLocation::Fraction(at),
             separation: 0.03,
             ..one.breaks.remove(0)
         }
@@ -242,7 +242,7 @@ fn breaks_on_different_stems_and_no_breaks_are_refused() {
     other.transform.translation.x += 1.0;
     scene.nodes.push(other);
     let mut request = several(&[0.5, 0.6]);
-    let point = |x| Place::Point(glam::DVec3::new(x, 0.3, 0.0));
+    let point = |x| StemLocation::Point(glam::DVec3::new(x, 0.3, 0.0));
     request.breaks[0].place = point(0.0);
     request.breaks[1].place = point(1.0);
     let refused = |scene: &Scene, request: &BreakRequest| {

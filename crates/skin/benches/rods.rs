@@ -15,7 +15,7 @@ use greenstick_wood::moisture::Fallback;
 use greenstick_wood::noise::unit;
 use greenstick_wood::primitive;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{StemOptions, find};
+use greenstick_wood::stem::{StemOptions, find_stem};
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
@@ -38,7 +38,7 @@ fn main() {
         WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).expect("oak is known dry");
     println!("rods vertices broken_rods fibres triangles made_ms points_ms points_and_normals_ms");
     for (rods, part) in [(100, 0.0), (100, 0.02), (400, 0.02)] {
-        let stem = find(
+        let stem = find_stem(
             &[primitive::cylinder(0.005, 0.15, 48)],
             &"0.5".parse().expect("a fraction"),
             &StemOptions::default(),

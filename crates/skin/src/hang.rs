@@ -119,7 +119,7 @@ impl Hinge {
     /// The edge of a wedge.
     fn new(stem: &PreparedStem, wedge: &Wedge) -> Hinge {
         let stem = &stem.found.stem;
-        let frame = stem.grain.axis().frame(stem.place);
+        let frame = stem.grain.axis().frame(stem.location);
         let toward = frame.x * wedge.toward.x + frame.y * wedge.toward.y;
         Hinge {
             point: frame.origin + toward * wedge.from + frame.tangent * (0.5 * LIFT * stem.radius),

@@ -10,6 +10,7 @@
 use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
+use greenstick_wood::rings::StemAddress;
 
 /// The square of a section that a texture covers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -141,12 +142,14 @@ fn end_grain(
     texel: f64,
 ) -> (WoodSurface, DVec2) {
     let (ring, angle) = section(across);
-    let surface = appearance.wood(
+    let surface = appearance.surface_at(
         &WoodPoint {
-            ring,
-            angle,
-            across,
-            along: 0.0,
+            address: StemAddress {
+                rho: ring,
+                angle,
+                across,
+                along: 0.0,
+            },
             end_grain: 1.0,
         },
         texel,
@@ -164,12 +167,14 @@ fn side_grain(
 ) -> (WoodSurface, DVec2) {
     let across = DVec2::new(radius, 0.0);
     let (ring, angle) = section(across);
-    let surface = appearance.wood(
+    let surface = appearance.surface_at(
         &WoodPoint {
-            ring,
-            angle,
-            across,
-            along,
+            address: StemAddress {
+                rho: ring,
+                angle,
+                across,
+                along,
+            },
             end_grain: 0.0,
         },
         texel,

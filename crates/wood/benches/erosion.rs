@@ -3,8 +3,9 @@
 //! `cargo bench -p greenstick-wood --bench erosion`. `python3 crates/wood/benches/erosion_opencv.py` runs this and a loop
 //! of OpenCV's `erode` over the same sections by turns and prints both.
 
-use greenstick_geometry::Bitmap;
-use greenstick_wood::rings::{Schedule, passes, passes_of_all};
+use greenstick_geometry::{Bitmap, Context};
+use greenstick_wood::rings::{KernelSchedule, erosion_passes};
+use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -28,7 +29,10 @@ fn section(size: usize) -> Bitmap {
 }
 
 fn main() {
-    let schedule = Schedule::thinnest();
+    let schedule = KernelSchedule::one_pixel_per_pass();
+    let passes = |section: &Bitmap| {
+        erosion_passes(section, &schedule, &Context::quiet()).expect("nobody cancels")
+    };
     // With --pictures FOLDER the sections are left there as PBM files, for the script.
     let arguments: Vec<String> = std::env::args().collect();
     let folder = arguments
@@ -47,11 +51,11 @@ fn main() {
             std::fs::write(format!("{folder}/{size}.pbm"), text)
                 .expect("the folder can be written");
         }
-        let contours = passes(&map, &schedule).into_iter().max().unwrap_or(0);
+        let contours = passes(&map).into_iter().max().unwrap_or(0);
         let mut times: Vec<f64> = (0..41)
             .map(|_| {
                 let start = Instant::now();
-                black_box(passes(black_box(&map), &schedule));
+                black_box(passes(black_box(&map)));
                 start.elapsed().as_secs_f64() * 1e3
             })
             .collect();
@@ -60,6 +64,6 @@ fn main() {
     }
     let many = vec![section(512); 512];
     let start = Instant::now();
-    black_box(passes_of_all(&many, &schedule));
+    black_box(many.par_iter().map(passes).collect::<Vec<_>>());
     println!("512x512 - {:.1} -", start.elapsed().as_secs_f64() * 1e3);
 }

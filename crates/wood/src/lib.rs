@@ -4,12 +4,15 @@
 
 pub mod anatomy;
 pub mod appearance;
-mod bark;
+pub mod colour;
 pub mod moisture;
 pub mod noise;
+pub mod polygon;
 pub mod primitive;
+pub mod raster;
 pub mod rings;
 pub mod scan;
 pub mod species;
+pub mod spelling;
 pub mod stem;
 pub mod tissue;

@@ -3,7 +3,7 @@
 //!
 //! Moisture contents are percent of the oven-dry mass, as the field writes them.
 
-use crate::species::{Property, Species};
+use crate::species::{Property, Shrinkage, Species};
 use serde::{Deserialize, Serialize};
 
 /// Moisture content at which the tables give dry wood, percent.
@@ -140,18 +140,6 @@ pub fn drying(moisture: f64, fibre_saturation: f64) -> Result<f64, MoistureError
         return Err(MoistureError::FibreSaturation(fibre_saturation));
     }
     Ok(((fibre_saturation - moisture) / fibre_saturation).max(0.0))
-}
-
-/// Shrinkage in the three measures, as fractions of the green size; `None` where the table has no
-/// value.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Shrinkage {
-    /// Across the rings, ε_R.
-    pub radial: Option<f64>,
-    /// Along the rings, ε_T.
-    pub tangential: Option<f64>,
-    /// Of the volume.
-    pub volumetric: Option<f64>,
 }
 
 impl Species {

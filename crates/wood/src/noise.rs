@@ -1,9 +1,9 @@
-//! Smooth noise without state: gradient noise (Perlin 2002) over an integer hash, with its exact derivative, from
-//! additions and multiplications only, so that it has the same bits on every machine.
+//! Smooth noise without state: gradient noise (Perlin 2002, Improving Noise) over an integer hash, with its exact
+//! derivative, from additions and multiplications only, so that it has the same bits on every machine.
 
 use glam::DVec3;
 
-/// A well-mixed hash of a place in an integer lattice.
+/// A well-mixed hash of a point of an integer lattice.
 #[inline]
 pub fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     let mut h = seed
@@ -15,8 +15,8 @@ pub fn hash(seed: u64, x: i64, y: i64, z: i64) -> u64 {
     h ^ (h >> 32)
 }
 
-/// The largest integer not above `x`, and the rest, 0 to 1. Without a call into the mathematics library, as most
-/// processors' basic instruction sets have no such operation.
+/// Splits a number into the largest integer not above it and the rest, 0 to 1. Without a call into the mathematics library:
+/// the basic instruction sets of most processors have no such operation.
 #[inline]
 fn split(x: f64) -> (i64, f64) {
     let whole = x as i64;
@@ -24,7 +24,15 @@ fn split(x: f64) -> (i64, f64) {
     (whole, x - whole as f64)
 }
 
-/// A number from 0 to 1 for an integer place.
+/// A uniform number from 0 to 1 for a point of an integer lattice.
+///
+/// ```
+/// use greenstick_wood::noise::unit;
+///
+/// let numbers: Vec<f64> = (0..3).map(|i| unit(7, i, 0, 0)).collect();
+/// assert!(numbers.iter().all(|x| (0.0..1.0).contains(x)));
+/// assert_eq!(numbers[1], unit(7, 1, 0, 0)); // the same on every machine
+/// ```
 #[inline]
 pub fn unit(seed: u64, x: i64, y: i64, z: i64) -> f64 {
     (hash(seed, x, y, z) >> 11) as f64 / 9_007_199_254_740_992.0
@@ -37,23 +45,23 @@ pub fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A smooth function of one number: −1 to 1, with features as wide as 1.
-pub fn line(seed: u64, x: f64) -> f64 {
+/// Value noise of one number: −1 to 1, with features as wide as 1.
+pub fn value_1d(seed: u64, x: f64) -> f64 {
     let (cell, f) = split(x);
     let s = f * f * (3.0 - 2.0 * f);
     let [a, b] = [0, 1].map(|i| unit(seed, cell + i, 0, 0) * 2.0 - 1.0);
     a + (b - a) * s
 }
 
-/// The largest whole number not above `v`, without the call that `floor` is on older machines.
+/// The largest integer not above `v`, without a call into the mathematics library.
 fn whole(v: f64) -> i64 {
     let cut = v as i64;
     cut - i64::from(v < cut as f64)
 }
 
-/// Noise in space: value (about −1 to 1, mean 0) and its gradient. Features are as wide as 1. With `period` > 0 it
-/// repeats along z after that many cells.
-pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
+/// Gradient noise in space: its value (about −1 to 1, mean 0) and gradient. Features are as wide as 1. With `period` > 0
+/// it repeats along z after that many cells.
+pub fn gradient_3d(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     let [x, y, z] = p.to_array().map(whole);
     let f = p - DVec3::new(x as f64, y as f64, z as f64);
     let (z0, z1) = if period > 0 {
@@ -92,26 +100,26 @@ pub fn space(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     (value * 1.25, gradient * 1.25)
 }
 
-/// Noise in the plane: about −1 to 1, mean 0, features as wide as 1 (Perlin 2002).
-pub fn plane(seed: u64, p: glam::DVec2) -> f64 {
-    Plane::new(seed).at(p)
+/// Gradient noise in the plane: about −1 to 1, mean 0, features as wide as 1.
+pub fn gradient_2d(seed: u64, p: glam::DVec2) -> f64 {
+    GradientNoise2d::new(seed).at(p)
 }
 
-/// [`plane`] at one place after another: places in one cell of the lattice share its gradients.
+/// [`gradient_2d`] at one point after another: points in one cell of the lattice share its gradients.
 #[derive(Debug, Clone)]
-pub struct Plane {
+pub struct GradientNoise2d {
     seed: u64,
     cell: (i64, i64),
     /// Gradients at the cell's corners, the lower row first.
     gradients: [(f64, f64); 4],
 }
 
-impl Plane {
+impl GradientNoise2d {
     /// The noise of a seed.
     #[inline]
     pub fn new(seed: u64) -> Self {
-        // Gradients that are no numbers say that no cell has been entered.
-        Plane {
+        // Gradients that are NaN mean that no cell has been entered.
+        GradientNoise2d {
             seed,
             cell: (0, 0),
             gradients: [(f64::NAN, f64::NAN); 4],
@@ -135,7 +143,7 @@ impl Plane {
         self.cell = (x, y);
     }
 
-    /// Its value at a place.
+    /// Its value at a point.
     #[inline]
     pub fn at(&mut self, p: glam::DVec2) -> f64 {
         let ((x, u), (y, v)) = (split(p.x), split(p.y));
@@ -164,13 +172,14 @@ mod tests {
         let step = 1e-5;
         for i in 0..200 {
             let t = f64::from(i);
-            // Every fourth place lies on a lattice plane.
+            // Every fourth point lies on a lattice plane.
             let x = if i % 4 == 0 { t.floor() } else { t * 0.737 };
             let p = DVec3::new(x, t * 1.31 - 70.0, t * 0.29);
-            let (_, gradient) = space(5, p, 0);
+            let (_, gradient) = gradient_3d(5, p, 0);
             for a in 0..3 {
                 let e = DVec3::AXES[a] * step;
-                let slope = (space(5, p + e, 0).0 - space(5, p - e, 0).0) / (2.0 * step);
+                let slope =
+                    (gradient_3d(5, p + e, 0).0 - gradient_3d(5, p - e, 0).0) / (2.0 * step);
                 assert!(
                     (slope - gradient[a]).abs() < 1e-4,
                     "{slope} is not {} at {p}",
@@ -186,7 +195,7 @@ mod tests {
         let number = 20_000;
         for i in 0..number {
             let t = f64::from(i);
-            let (v, _) = space(11, DVec3::new(t * 0.613, t * 0.377, t * 0.219), 0);
+            let (v, _) = gradient_3d(11, DVec3::new(t * 0.613, t * 0.377, t * 0.219), 0);
             sum += v;
             squares += v * v;
             most = most.max(v.abs());
@@ -203,7 +212,7 @@ mod tests {
     fn a_period_repeats() {
         for i in 0..50 {
             let p = DVec3::new(f64::from(i) * 0.3, 0.7, f64::from(i) * 0.23 - 4.0);
-            let (a, b) = (space(3, p, 6), space(3, p + DVec3::Z * 6.0, 6));
+            let (a, b) = (gradient_3d(3, p, 6), gradient_3d(3, p + DVec3::Z * 6.0, 6));
             assert!((a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).length() < 1e-12);
         }
     }

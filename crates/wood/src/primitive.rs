@@ -2,6 +2,7 @@
 //!
 //! Only + − × ÷, square roots and the pure-Rust `libm` are used: the same bits on every machine.
 
+use crate::colour::{RgbImage, srgb_from_linear};
 use crate::stem::Axis;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh};
@@ -248,6 +249,27 @@ pub fn bark_color(options: &BranchOptions, along: f64, turn: f64) -> [f64; 3] {
     (color * (1.0 + speck).max(0.2))
         .clamp(DVec3::ZERO, DVec3::ONE)
         .to_array()
+}
+
+/// Paints the branch's bark as a texture, around the branch in a row of `width` pixels and along it in `height` rows. What
+/// is painted is [`bark_color`] over `base_color`, by which a material multiplies it again.
+pub fn paint_bark(
+    options: &BranchOptions,
+    width: u32,
+    height: u32,
+    base_color: [f32; 3],
+) -> RgbImage {
+    let fraction = |pixel: u32, count: u32| (f64::from(pixel) + 0.5) / f64::from(count);
+    let mut rgb = Vec::with_capacity(width as usize * height as usize * 3);
+    for y in 0..height {
+        let along = fraction(y, height);
+        for x in 0..width {
+            let color = bark_color(options, along, fraction(x, width));
+            let factors = color.iter().zip(base_color);
+            rgb.extend(factors.map(|(&c, base)| srgb_from_linear(c / f64::from(base))));
+        }
+    }
+    RgbImage { width, height, rgb }
 }
 
 /// Area-weighted normals of a tube of `rows` × `around` quads, equal on both sides of its seam.

@@ -1,8 +1,15 @@
-//! Tissue: pith, heartwood, sapwood, phloem and bark of a section (Yang 2019, section 3.2).
+//! Tissue: pith, heartwood, sapwood, phloem and bark of a section (Yang 2019, section 3.2), and where bark begins.
 
 use serde::{Deserialize, Serialize};
 
-/// A tissue of the cross-section, from the inside out.
+/// Ring coordinate at which the outer bark begins where its relief is not measured.
+pub const BARK_START: f64 = 0.94;
+/// Least ring coordinate at which bark may begin: relief deeper than that cuts into the wood.
+pub const MIN_BARK_START: f64 = 0.88;
+/// Greatest ring coordinate at which bark may begin: smooth bark is no thinner than this leaves it.
+pub const MAX_BARK_START: f64 = 0.96;
+
+/// A tissue of the cross-section, from the inside out. The paper calls them tissue zones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Zone {
@@ -10,7 +17,7 @@ pub enum Zone {
     Pith,
     /// Dead, often darker wood around the pith.
     Heartwood,
-    /// Living wood.
+    /// Wood with living cells, between heartwood and cambium.
     Sapwood,
     /// Inner bark.
     Phloem,
@@ -56,7 +63,7 @@ impl std::fmt::Display for Zone {
     }
 }
 
-/// What part of the section's radius each tissue takes. Sapwood is what is left over.
+/// The part of the section's radius that each tissue takes. Sapwood takes the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Proportions {
     /// ν_pith, a part of the radius in 0..=1.
@@ -68,8 +75,8 @@ pub struct Proportions {
 }
 
 impl Proportions {
-    /// The zone of ring `ring` of `rings`, counted 1 at the pith to `rings` at the outside, by the
-    /// inequalities of section 3.2. The outermost ring is bark whatever the proportions; a ring
+    /// The zone of ring `ring` of `rings`, counted from 1 at the pith to `rings` at the outside, by
+    /// the inequalities of section 3.2. The outermost ring is bark whatever the proportions; a ring
     /// beyond it is bark too.
     pub fn zone_of_ring(&self, ring: u32, rings: u32) -> Zone {
         if ring >= rings {

@@ -6,49 +6,45 @@ mod support;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::anatomy::{
-    Anatomy, AnatomyError, AnatomyOptions, Layout, Particle, SurfaceColours, field_particles,
-    rebuilt_surface,
+    Anatomy, AnatomyError, AnatomyOptions, LayerOptions, ParticleLayers, SectorDivision,
+    StemSections, SurfaceColouring,
 };
+use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
-use greenstick_wood::stem::{Found, StemKind, StemOptions, find};
-use greenstick_wood::tissue::Proportions;
+use greenstick_wood::raster::fill_loops;
+use greenstick_wood::stem::{FoundStem, StemKind, StemOptions, find_stem};
 use std::f64::consts::{PI, TAU};
 
-const TISSUE: Proportions = Proportions {
-    pith: 0.05,
-    heartwood: 0.4,
-    phloem: 0.1,
-};
-
-fn found(mesh: &Mesh) -> Found {
+fn found(mesh: &Mesh) -> FoundStem {
     found_at(mesh, "0.5", StemOptions::default())
 }
 
-fn found_at(mesh: &Mesh, place: &str, options: StemOptions) -> Found {
+fn found_at(mesh: &Mesh, place: &str, options: StemOptions) -> FoundStem {
     let place = place.parse().unwrap();
     let meshes = std::slice::from_ref(mesh);
-    find(meshes, &place, &options, &Context::quiet()).unwrap()
+    find_stem(meshes, &place, &options, &Context::quiet()).unwrap()
 }
 
-fn options(resolution: usize) -> AnatomyOptions {
-    AnatomyOptions {
-        resolution,
-        rings: 12,
-    }
+fn sections<'a>(
+    found: &'a FoundStem,
+    mesh: &Mesh,
+    resolution: usize,
+) -> Result<StemSections<'a>, AnatomyError> {
+    StemSections::new(found, mesh, resolution, &Context::quiet())
 }
 
 /// Volume of all voxels, m³.
-fn volume(found: &Found, mesh: &Mesh, resolution: usize) -> f64 {
-    let anatomy = Anatomy::new(found, mesh, &options(resolution)).unwrap();
+fn volume(found: &FoundStem, mesh: &Mesh, resolution: usize) -> f64 {
+    let stem = sections(found, mesh, resolution).unwrap();
     let mut voxels = 0;
-    for segment in &anatomy.segments {
+    for segment in &stem.segments {
         for k in 0..resolution {
-            if let Some(outline) = anatomy.outline(anatomy.length_of(segment, k)) {
-                voxels += anatomy.voxels(&outline).count();
+            if let Some(outline) = stem.outline(stem.length_in_segment(segment, k)) {
+                voxels += fill_loops(&stem.grid, &outline.loops).count();
             }
         }
     }
-    voxels as f64 * anatomy.grid.pixel * anatomy.grid.pixel * anatomy.spacing()
+    voxels as f64 * stem.grid.pixel * stem.grid.pixel * stem.spacing()
 }
 
 /// A quarter of a torus, closed by fans: tube radius 0.05 m about a circle of radius 0.4 m.
@@ -106,13 +102,13 @@ fn a_bent_tube_has_the_volume_of_pappus() {
     let found = found(&mesh);
     let pappus = PI * 0.0025 * 0.4 * 0.5 * PI;
     assert!((mesh.volume() / pappus - 1.0).abs() < 2e-3);
-    let anatomy = Anatomy::new(&found, &mesh, &options(64)).unwrap();
-    assert!(anatomy.segments.len() >= 5);
+    let stem = sections(&found, &mesh, 64).unwrap();
+    assert!(stem.segments.len() >= 5);
     // Square to the centreline every section is the tube's circle; along a world axis none of most would be.
-    let (low, high) = anatomy.whole;
+    let (low, high) = stem.whole;
     for k in 0..50 {
         let s = low + (high - low) * (f64::from(k) + 0.5) / 50.0;
-        let section = anatomy.section(s).unwrap();
+        let section = stem.section(s).unwrap();
         assert!(
             (section.outline.area / (PI * 0.0025) - 1.0).abs() < 0.01,
             "{s}: {}",
@@ -182,9 +178,9 @@ fn both_sides_of_a_slot_are_wood() {
             ..StemOptions::default()
         },
     );
-    let anatomy = Anatomy::new(&found, &mesh, &options(512)).unwrap();
-    let section = anatomy.section(0.4).unwrap();
-    assert_eq!(section.outline.parts, 2);
+    let stem = sections(&found, &mesh, 512).unwrap();
+    let section = stem.section(0.4).unwrap();
+    assert_eq!(section.outline.own_loops, 2);
     assert!((section.outline.area - 0.1 * 0.025).abs() < 1e-12);
     assert!((section.outline.girth - 0.3).abs() < 1e-12);
     let rhos = section.outline.points().map(|p| section.field.address(p).0);
@@ -194,10 +190,10 @@ fn both_sides_of_a_slot_are_wood() {
 }
 
 #[test]
-fn holes_are_closed_and_told() {
+fn holes_are_bridged_and_reported() {
     let whole = cylinder(0.05, 0.6, 90);
     let found_whole = found(&whole);
-    let reference = Anatomy::new(&found_whole, &whole, &options(64)).unwrap();
+    let reference = sections(&found_whole, &whole, 64).unwrap();
     // Every triangle with its middle in a window of the bark is taken out: 30° of the girth.
     let axis = found_whole.stem.grain.axis();
     let mut torn = whole.clone();
@@ -219,18 +215,15 @@ fn holes_are_closed_and_told() {
     });
     assert!(torn.triangles.len() < whole.triangles.len());
     let shell: Vec<u32> = (0..torn.triangles.len() as u32).collect();
-    let found_torn = Found {
+    let found_torn = FoundStem {
         shell,
         ..found_whole.clone()
     };
-    let anatomy = Anatomy::new(&found_torn, &torn, &options(64)).unwrap();
-    let (a, b) = (
-        reference.outline(0.3).unwrap(),
-        anatomy.outline(0.3).unwrap(),
-    );
-    assert_eq!(a.guessed, 0.0);
+    let stem = sections(&found_torn, &torn, 64).unwrap();
+    let (a, b) = (reference.outline(0.3).unwrap(), stem.outline(0.3).unwrap());
+    assert_eq!(a.bridged, 0.0);
     // The chord of 30° and a little: 2 sin 15° of the 2π radii, and r²/2 (θ − sin θ) of the area is cut off.
-    assert!((b.guessed - 0.083).abs() < 0.015, "{}", b.guessed);
+    assert!((b.bridged - 0.083).abs() < 0.015, "{}", b.bridged);
     let lost = 1.0 - b.area / a.area;
     assert!(lost > 1e-3 && lost < 8e-3, "{lost}");
 }
@@ -239,31 +232,26 @@ fn holes_are_closed_and_told() {
 fn the_surface_of_particles_is_closed_and_holds_the_stem() {
     let mesh = branch(&BranchOptions::default());
     let found = found(&mesh);
-    let anatomy = Anatomy::new(&found, &mesh, &options(32)).unwrap();
-    let (low, high) = anatomy.whole;
+    let options = AnatomyOptions {
+        resolution: 32,
+        ring_count: 12,
+        ..AnatomyOptions::default()
+    };
+    let wood = WoodAppearance::default();
+    let anatomy = Anatomy::new(&found, &mesh, &options, wood, &Context::quiet()).unwrap();
+    let (low, high) = anatomy.sections().whole;
     let count = 150;
-    let sections: Vec<_> = (0..count)
-        .map(|k| {
-            anatomy
-                .section(low + (high - low) * (f64::from(k) + 0.5) / f64::from(count))
-                .unwrap()
-        })
-        .collect();
-    let piths = [&sections[0], &sections[sections.len() - 1]].map(|s| s.world(s.field.pith()));
-    for layout in [
-        Layout::fixed(12, 120),
-        Layout::equal_area([&found.stem.rings], 12, 120),
-    ] {
-        let layers: Vec<Vec<Particle>> = sections
-            .iter()
-            .zip(0..)
-            .map(|(s, layer)| field_particles(s, layer, &layout, &TISSUE))
-            .collect();
-        let layers: Vec<&[Particle]> = layers.iter().map(Vec::as_slice).collect();
+    for division in [SectorDivision::EqualAngle, SectorDivision::EqualArea] {
+        let options = LayerOptions {
+            sectors: 120,
+            layers: Some(count),
+            division,
+        };
+        let layers = ParticleLayers::sample(&anatomy, &options, &Context::quiet()).unwrap();
+        assert_eq!(layers.equation_1(), layers.particles().count() as u64);
         let mut volumes = Vec::new();
         for ring in [6, 12] {
-            let surface =
-                rebuilt_surface(&layers, &layout, ring, piths, SurfaceColours::Ring).unwrap();
+            let surface = layers.surface(ring, SurfaceColouring::Ring).unwrap();
             let report = surface.check();
             assert!(report.is_solid(), "ring {ring}: {report}");
             volumes.push(surface.volume());
@@ -284,29 +272,27 @@ fn odd_requests_are_refused() {
     let mesh = cylinder(0.05, 0.6, 24);
     let found = found(&mesh);
     for resolution in [0, 31, 513, usize::MAX] {
-        let made = Anatomy::new(&found, &mesh, &options(resolution));
+        let made = sections(&found, &mesh, resolution);
         assert_eq!(made.err(), Some(AnatomyError::Resolution(resolution)));
     }
-    let nothing = Found {
+    let nothing = FoundStem {
         shell: vec![u32::MAX],
         ..found
     };
     assert!(matches!(
-        Anatomy::new(&nothing, &mesh, &options(32)),
+        sections(&nothing, &mesh, 32),
         Err(AnatomyError::NoSections(_))
     ));
 }
 
 #[test]
 fn scans_have_sections_all_along() {
-    let pole = support::ply("scans/pole.ply", 1e-3);
-    if let Some(mesh) = pole {
-        let found = found(&mesh);
-        let voxels = volume(&found, &mesh, 32);
-        assert!(
-            (voxels / mesh.volume() - 1.0).abs() < 0.01,
-            "{voxels} {}",
-            mesh.volume()
-        );
-    }
+    let mesh = support::ply(&support::data("pole.ply"), 1e-3);
+    let found = found(&mesh);
+    let voxels = volume(&found, &mesh, 32);
+    assert!(
+        (voxels / mesh.volume() - 1.0).abs() < 0.01,
+        "{voxels} {}",
+        mesh.volume()
+    );
 }

@@ -4,8 +4,8 @@ use super::{KnownStem, RingSource, Telling, UnitWord};
 use crate::scan::ScanArguments;
 use crate::values;
 use clap::{Args, ValueEnum};
-use greenstick::anatomy::{Part, RingColours};
-use greenstick::wood::anatomy::Bundles;
+use greenstick::anatomy::{AnatomyOutput, RingColouring};
+use greenstick::wood::anatomy::SectorDivision;
 use std::path::PathBuf;
 
 const ANATOMY_EXAMPLES: &str = "\
@@ -121,14 +121,14 @@ impl std::fmt::Display for PartWord {
     }
 }
 
-impl From<PartWord> for Part {
+impl From<PartWord> for AnatomyOutput {
     fn from(word: PartWord) -> Self {
         match word {
-            PartWord::Sections => Part::Sections,
-            PartWord::Longitudinal => Part::Longitudinal,
-            PartWord::Volume => Part::Volume,
-            PartWord::Particles => Part::Particles,
-            PartWord::Surface => Part::Surface,
+            PartWord::Sections => AnatomyOutput::Sections,
+            PartWord::Longitudinal => AnatomyOutput::Longitudinal,
+            PartWord::Volume => AnatomyOutput::Volume,
+            PartWord::Particles => AnatomyOutput::Particles,
+            PartWord::Surface => AnatomyOutput::Surface,
         }
     }
 }
@@ -142,11 +142,11 @@ pub enum BundlesWord {
     EqualArea,
 }
 
-impl From<BundlesWord> for Bundles {
+impl From<BundlesWord> for SectorDivision {
     fn from(word: BundlesWord) -> Self {
         match word {
-            BundlesWord::Fixed => Bundles::Fixed,
-            BundlesWord::EqualArea => Bundles::EqualArea,
+            BundlesWord::Fixed => SectorDivision::EqualAngle,
+            BundlesWord::EqualArea => SectorDivision::EqualArea,
         }
     }
 }
@@ -160,11 +160,11 @@ pub enum ColoursWord {
     Published,
 }
 
-impl From<ColoursWord> for RingColours {
+impl From<ColoursWord> for RingColouring {
     fn from(word: ColoursWord) -> Self {
         match word {
-            ColoursWord::Wood => RingColours::Wood,
-            ColoursWord::Published => RingColours::Published,
+            ColoursWord::Wood => RingColouring::Wood,
+            ColoursWord::Published => RingColouring::Published,
         }
     }
 }

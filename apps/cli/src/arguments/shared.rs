@@ -4,9 +4,9 @@ use super::{KindWord, UnitWord};
 use crate::failure::Failure;
 use crate::values;
 use clap::{Args, ValueEnum};
-use greenstick::anatomy::{Erosion, ErosionSchedule, RingsBy};
+use greenstick::anatomy::RingMethod;
 use greenstick::formats::LengthUnit;
-use greenstick::wood::rings::Schedule;
+use greenstick::wood::rings::{Erosion, ErosionSchedule, KernelSchedule};
 use greenstick::wood::stem::StemOptions;
 use std::path::PathBuf;
 
@@ -82,7 +82,7 @@ pub struct RingSource {
     /// Kernels of one's own, from the bark inwards: rings parted by commas, in each latewood and earlywood by a slash, such
     /// as 4*3/5,3/7; a kernel is K or WxH pixels, then if wanted its offset +X+Y and tM, the threshold. The last ring repeats
     #[arg(long, value_name = "RINGS", conflicts_with = "schedule")]
-    pub kernels: Option<Schedule>,
+    pub kernels: Option<KernelSchedule>,
     /// Also erode from a circle about the pith outwards, until both fronts meet: its radius as a share of the section's
     /// mean one, as in the publication's Fig. 7. With any kernels, eccentric ones included
     #[arg(long, value_name = "SHARE", value_parser = values::positive)]
@@ -91,7 +91,7 @@ pub struct RingSource {
 
 impl RingSource {
     /// The library's word for it. `counted` is the option, if any, that sets a number of rings, which an erosion makes itself.
-    pub fn rings_by(&self, counted: Option<&str>) -> Result<RingsBy, Failure> {
+    pub fn rings_by(&self, counted: Option<&str>) -> Result<RingMethod, Failure> {
         let of_erosion = [
             ("--schedule", self.schedule.is_some()),
             ("--kernels", self.kernels.is_some()),
@@ -102,7 +102,7 @@ impl RingSource {
                 Some((option, _)) => Err(Failure::request(format!(
                     "{option} is of an erosion; say --rings-by erosion with it"
                 ))),
-                None => Ok(RingsBy::Field),
+                None => Ok(RingMethod::Field),
             };
         }
         if let Some(option) = counted {
@@ -111,7 +111,7 @@ impl RingSource {
             )));
         }
         let word = self.schedule.unwrap_or(ScheduleWord::Alternating);
-        Ok(RingsBy::Erosion(Erosion {
+        Ok(RingMethod::Erosion(Erosion {
             schedule: match &self.kernels {
                 Some(kernels) => ErosionSchedule::Kernels(kernels.clone()),
                 None => word.into(),

@@ -16,7 +16,7 @@ use crate::world::World;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::primitive::{board, cylinder};
-use greenstick_wood::stem::{Place, StemKind, StemOptions, find};
+use greenstick_wood::stem::{StemKind, StemLocation, StemOptions, find_stem};
 
 /// Stiffness of the grips' springs over that of the specimen.
 const GRIP_STIFFNESS_RATIO: f64 = 1e3;
@@ -101,7 +101,7 @@ impl Rig {
             kind: Some(kind),
             ..StemOptions::default()
         };
-        let stem = find(&[mesh], &Place::Fraction(0.5), &options, context)?.stem;
+        let stem = find_stem(&[mesh], &StemLocation::Fraction(0.5), &options, context)?.stem;
         let division = Division::new(test);
         let (middle, half) = (0.5 * stem.length, division.half_length());
         let placement = PlacementOptions {

@@ -54,12 +54,12 @@ struct AxisRange {
 /// use greenstick_wood::moisture::Fallback;
 /// use greenstick_wood::primitive::cylinder;
 /// use greenstick_wood::species::Species;
-/// use greenstick_wood::stem::{StemOptions, find};
+/// use greenstick_wood::stem::{StemOptions, find_stem};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let context = Context::quiet();
 /// let mesh = cylinder(0.01, 0.2, 48); // radius, length, sides
-/// let found = find(&[mesh], &"0.5".parse()?, &StemOptions::default(), &context)?;
+/// let found = find_stem(&[mesh], &"0.5".parse()?, &StemOptions::default(), &context)?;
 /// let wood = WoodMaterial::from_species(Species::find("white oak")?, 12.0, Fallback::Refuse)?;
 /// let options = PlacementOptions {
 ///     rods: RodCount::Number(20),

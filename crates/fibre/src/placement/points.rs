@@ -9,7 +9,7 @@ use super::voronoi::{Grid, is_inside};
 use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::noise::unit;
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use std::f64::consts::TAU;
 
 /// Tries around an active point (Bridson's k).
@@ -104,7 +104,7 @@ pub(super) fn by_ring_and_sector(
     if is_inside(outline, rings.pith()) {
         low = 0.0;
         high = 1.0;
-        let around = (0..64).map(|k| rings.outer(TAU * f64::from(k) / 64.0));
+        let around = (0..64).map(|k| rings.outer_radius(TAU * f64::from(k) / 64.0));
         radius = around.sum::<f64>() / 64.0;
     }
     let count = ((high - low) * radius / spacing).round().clamp(1.0, 1e5) as i64;

@@ -12,11 +12,11 @@ use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find};
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 use std::f64::consts::{PI, TAU};
 
 fn stem(mesh: Mesh) -> Stem {
-    find(
+    find_stem(
         &[mesh],
         &"0.5".parse().unwrap(),
         &StemOptions::default(),

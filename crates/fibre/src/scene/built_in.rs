@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::keys::Scene;
-use greenstick_wood::species::nearest;
+use greenstick_wood::spelling::closest_names;
 
 /// A scene that comes with the crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Scene {
             Some(found) => found.scene(),
             None => Err(SceneError::UnknownScene {
                 name: name.to_owned(),
-                nearest: nearest(name, BUILT_IN.iter().map(|b| b.name)),
+                nearest: closest_names(name, BUILT_IN.iter().map(|b| b.name)),
             }),
         }
     }

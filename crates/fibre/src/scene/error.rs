@@ -3,7 +3,7 @@
 use crate::bodies::BodyError;
 use crate::error::LoadError;
 use greenstick_geometry::Cancelled;
-use greenstick_wood::species::suggestion;
+use greenstick_wood::spelling::did_you_mean;
 
 /// Why a scene cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum SceneError {
     #[error(
         "line {line}: unknown key \"{key}\"{}{}",
         in_table(table),
-        suggestion(nearest)
+        did_you_mean(nearest)
     )]
     UnknownKey {
         /// Line, from 1.
@@ -43,7 +43,7 @@ pub enum SceneError {
         right: String,
     },
     /// There is no scene of this name.
-    #[error("there is no scene \"{name}\"{}", suggestion(nearest))]
+    #[error("there is no scene \"{name}\"{}", did_you_mean(nearest))]
     UnknownScene {
         /// The name.
         name: String,

@@ -4,7 +4,7 @@ use super::arc;
 use super::declare::{Declared, KeyInfo};
 use super::error::SceneError;
 use super::keys::{MotionChoice, Scene, SolverChoice};
-use greenstick_wood::species::nearest;
+use greenstick_wood::spelling::closest_names;
 use toml::de::{DeTable, DeValue};
 
 fn line(text: &str, at: usize) -> usize {
@@ -139,7 +139,7 @@ fn check_keys(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Resu
                 line: line(text, key.span().start),
                 key: word.to_owned(),
                 table: name.trim_matches(['[', ']']).to_owned(),
-                nearest: nearest(word, names),
+                nearest: closest_names(word, names),
             });
         };
         match value.get_ref() {

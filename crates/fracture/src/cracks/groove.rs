@@ -10,7 +10,7 @@ use super::refine::Refined;
 use super::{CrackError, CrackPlan, Direction, PlannedCrack, depth};
 use crate::surface::{Layout, Surface};
 use glam::{DVec2, DVec3};
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 

@@ -250,7 +250,7 @@ fn displaced(s: &Straight, t: f64, amount: f64, seed: u64, number: usize) -> (f6
         let seed = (seed ^ purpose << 20) + ((number as u64) << 8);
         (0..3).fold(0.0, |sum, octave: u64| {
             let scale = (1u64 << octave) as f64;
-            sum + noise::line(seed + octave, along * WAVES * scale) / (1.75 * scale)
+            sum + noise::value_1d(seed + octave, along * WAVES * scale) / (1.75 * scale)
         })
     };
     // The ends of a radial crack and the depth below the bark stay where they were asked for.

@@ -3,8 +3,9 @@
 //! Where the skin bulges or the surface runs out steeply, a sliver of one piece may not be joined to the rest of it. It is
 //! joined to the other piece by the face between them; that face is removed and the chip changes sides.
 
-use super::{Cut, Side, Skin, Solid, root};
+use super::{Cut, Ground, Side, Skin, Solid};
 use crate::surface::NONE;
+use greenstick_geometry::Unions;
 
 /// A whole triangle of the limb about the break.
 struct WholeTriangle {
@@ -16,47 +17,41 @@ struct WholeTriangle {
 
 impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. `skin` is the sorted skin of
-    /// `solid`. Returns how many.
-    pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin) -> usize {
+    /// `solid` and `ground` the layout's on it. Returns how many.
+    pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin, ground: &Ground) -> usize {
         // One closed outline parts a stem in two and no more.
         if self.outlines <= 1 {
             return 0;
         }
-        let mut chips = 0;
-        for upper in [false, true] {
-            if !self.is_surely_joined(solid, skin, upper) {
-                chips += self.absorb(solid, skin, upper);
-            }
-        }
-        chips
+        let joined = self.joined_by_face(ground);
+        let chips = self.absorb(solid, skin, false, joined.clone());
+        let joined = if chips == 0 {
+            joined
+        } else {
+            self.joined_by_face(ground)
+        };
+        chips + self.absorb(solid, skin, true, joined)
     }
 
-    /// Whether all of a piece is joined to what lies beyond the break, as far as a short look can tell: from every closed
-    /// line of the outline the skin leads there over whole triangles that lie farther and farther from the break. Each
-    /// part of a piece has such a line on its border.
-    fn is_surely_joined(&self, solid: &Solid, skin: &Skin, upper: bool) -> bool {
-        if !self.reaches_beyond(skin, upper) {
-            return false;
+    /// Joins the vertices of the split triangles of a piece, and those from which whole triangles lead beyond the break to
+    /// [`Cut::beyond`]. Returns whether that joins all of the piece: each part of it has split triangles on its
+    /// border.
+    fn join_split(&self, solid: &Solid, skin: &Skin, upper: bool, joined: &mut Unions) -> bool {
+        let beyond = self.beyond();
+        let parts = || self.skin.iter().filter(|s| s.upper == upper);
+        for part in parts() {
+            joined.join_triangle(part.corners);
         }
-        let mut joined = vec![false; self.outlines];
-        let mut open = self.outlines;
-        for part in self.skin.iter().filter(|s| s.upper == upper) {
-            let line = part.corners.iter().find_map(|&c| {
-                let vertex = (c as usize).checked_sub(self.points)?;
-                let line = *self.outline_of.get(vertex)?;
-                (line != NONE && !joined[line as usize]).then_some(line as usize)
-            });
-            let Some(line) = line else { continue };
-            let mut points = part.corners.iter().filter(|&&c| (c as usize) < self.points);
-            if points.any(|&p| self.leads_beyond(p, solid, skin, upper)) {
-                joined[line] = true;
-                open -= 1;
-                if open == 0 {
-                    return true;
-                }
+        for p in parts().flat_map(|s| s.corners) {
+            if (p as usize) < self.points
+                && joined.root(p) != joined.root(beyond)
+                && self.leads_beyond(p, solid, skin, upper)
+            {
+                joined.join(p, beyond);
             }
         }
-        false
+        let main = joined.root(beyond);
+        parts().all(|part| joined.root(part.corners[0]) == main)
     }
 
     /// Whether whole triangles of a piece lead from a point of it away from the break and beyond all that the break
@@ -107,42 +102,43 @@ impl Cut {
         }
     }
 
-    /// Vertices up to number `count` as the broken face joins them.
-    fn joined_by_face(&self, count: u32) -> Vec<u32> {
-        let mut parent: Vec<u32> = (0..=count).collect();
-        for &[a, b, c] in &self.cap {
-            // Triangles of a cell and walls follow each other with vertices that are mostly joined already.
-            let mut first = parent[a as usize];
-            if parent[b as usize] == first && parent[c as usize] == first {
-                continue;
-            }
-            first = root(&mut parent, a);
-            for other in [b, c] {
-                let other = root(&mut parent, other) as usize;
-                parent[other] = first;
-            }
-        }
-        parent
+    /// Number that stands for all that lies beyond the break in [`Cut::joined_by_face`].
+    fn beyond(&self) -> u32 {
+        (self.points + self.vertices.len() + self.inside.len()) as u32
     }
 
-    /// Joins the vertices of a piece's skin, and those beyond the break to the last of `parent`; returns the whole
-    /// triangles of the limb about the break in it.
-    fn join_skin(
+    /// The vertices as the broken face joins them.
+    fn joined_by_face(&self, ground: &Ground) -> Unions {
+        let mut joined = Unions::new(self.beyond() as usize + 1);
+        // No skin lies over the facets of a region, so that the face joins all of them.
+        let mut first_of = vec![NONE; ground.rims.len()];
+        let first = (self.points + self.vertices.len()) as u32;
+        for (vertex, &node) in (first..).zip(&self.nodes) {
+            let region = ground.node_regions.get(node as usize);
+            if let Some(known) = region.and_then(|&r| first_of.get_mut(r as usize)) {
+                if *known == NONE {
+                    *known = vertex;
+                }
+                joined.join(vertex, *known);
+            }
+        }
+        for &corners in &self.cap {
+            joined.join_triangle(corners);
+        }
+        joined
+    }
+
+    /// Joins the vertices of the whole triangles of a piece about the break, and those beyond the break to
+    /// [`Cut::beyond`]; returns these triangles.
+    fn join_whole(
         &self,
         solid: &Solid,
         skin: &Skin,
         upper: bool,
-        parent: &mut [u32],
+        joined: &mut Unions,
     ) -> Vec<WholeTriangle> {
         let side = if upper { Side::Upper } else { Side::Lower };
-        let count = parent.len() as u32 - 1;
-        let mut join = |t: [u32; 3]| {
-            let a = root(parent, t[0]);
-            for other in [t[1], t[2]] {
-                let b = root(parent, other) as usize;
-                parent[b] = a;
-            }
-        };
+        let beyond = self.beyond();
         let (below, above) = (self.sides.below, self.sides.above);
         let whole: Vec<WholeTriangle> = (below..above)
             .filter(|&rank| self.sides.between[rank - below] == side && skin.is_limb(rank))
@@ -152,30 +148,34 @@ impl Cut {
             })
             .collect();
         let parts = self.skin.iter().filter(|s| s.upper == upper);
-        for corners in (whole.iter().map(|w| w.points)).chain(parts.map(|s| s.corners)) {
-            join(corners);
-            for p in corners {
-                if (p as usize) < self.points && self.is_beyond(skin, p, upper) {
-                    join([p, count, count]);
-                }
+        whole.iter().for_each(|w| joined.join_triangle(w.points));
+        for p in (whole.iter().map(|w| w.points))
+            .chain(parts.map(|s| s.corners))
+            .flatten()
+        {
+            if (p as usize) < self.points && self.is_beyond(skin, p, upper) {
+                joined.join(p, beyond);
             }
         }
         whole
     }
 
-    /// Gives the parts of a piece that are not joined to the rest of it to the other one; returns how many.
-    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool) -> usize {
-        let count = (self.points + self.vertices.len() + self.inside.len()) as u32;
-        let mut parent = self.joined_by_face(count);
-        let whole = self.join_skin(solid, skin, upper, &mut parent);
+    /// Gives the parts of a piece that are not joined to the rest of it to the other one; returns how many. `joined` are
+    /// the vertices as the broken face joins them.
+    fn absorb(&mut self, solid: &Solid, skin: &Skin, upper: bool, mut joined: Unions) -> usize {
+        let reaches_beyond = self.reaches_beyond(skin, upper);
+        if self.join_split(solid, skin, upper, &mut joined) && reaches_beyond {
+            return 0;
+        }
+        let whole = self.join_whole(solid, skin, upper, &mut joined);
         let parts = self.skin.iter().filter(|s| s.upper == upper);
         let corners = (whole.iter().map(|w| w.points[0])).chain(parts.map(|s| s.corners[0]));
-        let mut roots: Vec<u32> = corners.map(|v| root(&mut parent, v)).collect();
+        let mut roots: Vec<u32> = corners.map(|v| joined.root(v)).collect();
         roots.sort_unstable();
         let all = || roots.chunk_by(|a, b| a == b);
         // What reaches beyond all that the break touches is the piece itself, however small.
-        let main = if self.reaches_beyond(skin, upper) {
-            root(&mut parent, count)
+        let main = if reaches_beyond {
+            joined.root(self.beyond())
         } else {
             let largest = all().max_by_key(|part| (part.len(), std::cmp::Reverse(part[0])));
             largest.map_or(0, |part| part[0])
@@ -184,7 +184,7 @@ impl Cut {
         if chips == 0 {
             return 0;
         }
-        let mut is_chip = |v: u32| root(&mut parent, v) != main;
+        let mut is_chip = |v: u32| joined.root(v) != main;
         let other = if upper { Side::Lower } else { Side::Upper };
         for triangle in &whole {
             if is_chip(triangle.points[0]) {

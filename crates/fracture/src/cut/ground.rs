@@ -4,6 +4,8 @@
 use super::{Side, Solid};
 use crate::surface::{Layout, NONE, Surface, range};
 use glam::DVec2;
+use greenstick_geometry::Unions;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Cells of the finest grid, each way.
@@ -51,26 +53,24 @@ impl Skin {
             let (low, high) = (s[0].min(s[1]).min(s[2]), s[0].max(s[1]).max(s[2]));
             items.push(((low + high) / 2.0, t, low, high, true));
         }
-        let off: Vec<u32> = solid
-            .shell
-            .iter()
-            .copied()
-            .filter(|&t| !on_limb[t as usize])
-            .collect();
+        let shell = solid.shell.iter().copied();
+        let off: Vec<u32> = shell.filter(|&t| !on_limb[t as usize]).collect();
         if !off.is_empty() {
-            let mut parent: Vec<u32> = (0..solid.points.len() as u32).collect();
-            super::unite(&mut parent, solid, &off);
+            let mut joined = Unions::new(solid.points.len());
+            for &t in &off {
+                joined.join_triangle(solid.triangles[t as usize]);
+            }
             let none = (f64::INFINITY, f64::NEG_INFINITY);
             let mut spans = vec![none; solid.points.len()];
             for p in 0..solid.points.len() as u32 {
                 if touched[p as usize] {
-                    let span = &mut spans[super::root(&mut parent, p) as usize];
+                    let span = &mut spans[joined.root(p) as usize];
                     let s = solid.points[p as usize].z;
                     *span = (span.0.min(s), span.1.max(s));
                 }
             }
             for &t in &off {
-                let root = super::root(&mut parent, solid.triangles[t as usize][0]);
+                let root = joined.root(solid.triangles[t as usize][0]);
                 let (mut low, mut high) = spans[root as usize];
                 if low > high {
                     // Joined to the limb nowhere: it stays with the lower piece.
@@ -245,6 +245,8 @@ pub struct Ground {
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
+    /// For each node the region that all facets about it belong to, [`NEAR`] where one of them lies near the skin.
+    pub(super) node_regions: Vec<u32>,
 }
 
 /// "Near the skin" in [`Ground::regions`].
@@ -395,6 +397,17 @@ impl Ground {
                 next[n as usize] += 1;
             }
         }
+        let about = starts.windows(2).map(|w| w[0] as usize..w[1] as usize);
+        let of_node = |list: Range<usize>| {
+            let mut regions = (self.around[list].iter()).map(|&(f, _)| self.regions[f as usize]);
+            let first = regions.next().unwrap_or(NEAR);
+            if regions.all(|r| r == first) {
+                first
+            } else {
+                NEAR
+            }
+        };
+        self.node_regions = about.map(of_node).collect();
         self.node_starts = starts;
     }
 }

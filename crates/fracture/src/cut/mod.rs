@@ -10,6 +10,7 @@ mod polygon;
 
 use crate::surface::{Layout, NONE, Surface};
 use glam::DVec3;
+use greenstick_geometry::Unions;
 pub use ground::{Ground, Sides, Skin};
 use overlay::{Overlay, Place, clips::Clips};
 use std::sync::Arc;
@@ -116,8 +117,6 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
-    /// For each of `vertices` the number of the outline it lies on, or [`NONE`].
-    pub(crate) outline_of: Vec<u32>,
 }
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
@@ -210,7 +209,7 @@ pub fn cut_again(
     let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
     let sides = lay(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
-    let (outlines, outline_of) = outlines(&overlay);
+    let outlines = outlines(&overlay);
     let cap = cap::build(surface, ground, &mut overlay)?;
     Ok(Cut {
         points: solid.points.len(),
@@ -219,7 +218,6 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
-        outline_of,
         cap: cap.triangles,
         faces: cap.faces,
         walls: cap.walls,
@@ -282,9 +280,8 @@ fn lay(
     Ok(sides)
 }
 
-/// Number of closed lines that the outline of the break consists of, and for each of the cut's vertices on the skin the
-/// number of the line it lies on, or [`NONE`].
-fn outlines(overlay: &Overlay) -> (usize, Vec<u32>) {
+/// Number of closed lines that the outline of the break consists of.
+fn outlines(overlay: &Overlay) -> usize {
     let edges = overlay.tops.iter().chain(&overlay.walls);
     // All of its vertices are the cut's own.
     let points = overlay.points() as u32;
@@ -294,66 +291,40 @@ fn outlines(overlay: &Overlay) -> (usize, Vec<u32>) {
             *next = b;
         }
     }
-    let mut outline_of = vec![NONE; overlay.vertices.len()];
-    let mut count = 0;
-    let mut take = |at: u32, outline: u32| {
-        let vertex = at.wrapping_sub(points) as usize;
-        let to = std::mem::replace(next.get_mut(vertex)?, NONE);
-        (to != NONE).then(|| {
-            outline_of[vertex] = outline;
-            to
-        })
+    let mut take = |at: u32| {
+        let next = next.get_mut(at.wrapping_sub(points) as usize)?;
+        let to = std::mem::replace(next, NONE);
+        (to != NONE).then_some(to)
     };
+    let mut count = 0;
     for (_, [start, _]) in &overlay.tops {
-        let Some(mut at) = take(*start, count) else {
+        let Some(mut at) = take(*start) else {
             continue;
         };
-        while let Some(to) = take(at, count) {
+        while let Some(to) = take(at) {
             at = to;
         }
         count += 1;
     }
-    (count as usize, outline_of)
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
-}
-
-/// Joins the points of each of `triangles`.
-fn unite(parent: &mut [u32], solid: &Solid, triangles: &[u32]) {
-    for &t in triangles {
-        let [a, b, c] = solid.triangles[t as usize];
-        let a = root(parent, a);
-        for other in [b, c] {
-            let other = root(parent, other);
-            parent[other as usize] = a;
-        }
-    }
+    count
 }
 
 /// Gives parts of the shell off the limb the side of those they are joined to. On the limb, triangles on different
 /// sides never share a point: the surface has one height over it.
 fn spread(solid: &Solid, skin: &Skin, sides: &mut Sides) -> Result<(), CutError> {
-    let mut parent: Vec<u32> = (0..solid.points.len() as u32).collect();
-    let whole: Vec<u32> = solid
-        .shell
-        .iter()
-        .copied()
-        .filter(|&t| sides[t as usize] != Side::Split)
-        .collect();
-    unite(&mut parent, solid, &whole);
+    let mut joined = Unions::new(solid.points.len());
+    for &t in solid.shell {
+        if sides[t as usize] != Side::Split {
+            joined.join_triangle(solid.triangles[t as usize]);
+        }
+    }
     let mut known = vec![Side::Elsewhere; solid.points.len()];
     for &t in solid.limb {
         let side = sides[t as usize];
         if side == Side::Split {
             continue;
         }
-        let r = root(&mut parent, solid.triangles[t as usize][0]) as usize;
+        let r = joined.root(solid.triangles[t as usize][0]) as usize;
         if known[r] != Side::Elsewhere && known[r] != side {
             return Err(CutError::Joined { triangle: t });
         }
@@ -362,7 +333,7 @@ fn spread(solid: &Solid, skin: &Skin, sides: &mut Sides) -> Result<(), CutError>
     for (i, side) in sides.between.iter_mut().enumerate() {
         if *side == Side::Elsewhere {
             let t = skin.order[sides.below + i] as usize;
-            let r = root(&mut parent, solid.triangles[t][0]) as usize;
+            let r = joined.root(solid.triangles[t][0]) as usize;
             // A part that the limb does not touch at all stays with the lower piece.
             *side = if known[r] == Side::Upper {
                 Side::Upper

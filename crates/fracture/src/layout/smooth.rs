@@ -2,7 +2,7 @@
 
 use super::{Bundle, Bundles, LayoutOptions, Maker, TURN, directions};
 use crate::surface::Layout;
-use greenstick_wood::stem::RingField;
+use greenstick_wood::rings::RingField;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 //! from that declaration.
 
 use super::value::{ParameterError, parse_number, parse_whole};
-use greenstick_wood::species::nearest;
+use greenstick_wood::spelling::closest_names;
 use serde::{Deserialize, Serialize};
 
 /// The unit a number is held in.
@@ -327,7 +327,7 @@ pub trait Parameters: Default {
         let table = Self::table();
         let unknown = || ParameterError::UnknownKey {
             key: key.to_owned(),
-            nearest: nearest(key, table.iter().map(|p| p.key.as_str())),
+            nearest: closest_names(key, table.iter().map(|p| p.key.as_str())),
         };
         let info = table.iter().find(|p| p.key == key).ok_or_else(unknown)?;
         if self.assign(key, &info.read(value)?) {

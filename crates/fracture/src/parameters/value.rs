@@ -1,13 +1,13 @@
 //! Reading a parameter's value from text, with its unit, and what is wrong with a value.
 
 use super::Unit;
-use greenstick_wood::species::suggestion;
+use greenstick_wood::spelling::did_you_mean;
 
 /// What is wrong with a parameter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// No parameter of this name.
-    #[error("unknown parameter \"{key}\"{}", suggestion(nearest))]
+    #[error("unknown parameter \"{key}\"{}", did_you_mean(nearest))]
     UnknownKey {
         /// The key found.
         key: String,

@@ -2,7 +2,7 @@
 
 use super::{Problem, Recipe, RecipeError};
 use crate::parameters::{Crack, ParameterError, Parameters, Value};
-use greenstick_wood::species::nearest;
+use greenstick_wood::spelling::closest_names;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -48,7 +48,7 @@ fn entries(recipe: &mut Recipe, text: &str, with_presets: bool) -> Result<(), Lo
         let name: &str = key.get_ref();
         if !ENTRIES.contains(&name) {
             // A parameter at the top of the file was meant for [break].
-            let mut near = nearest(name, ENTRIES);
+            let mut near = closest_names(name, ENTRIES);
             if recipe
                 .face
                 .list()

@@ -1,28 +1,28 @@
 //! The numbers of a stem's inside: `anatomy.json`, and a few lines for people.
 
-use super::Work;
-use super::particles::Layers;
+use super::request::AnatomyRequest;
+use crate::Error;
 use crate::report::closed_volume;
+use greenstick_formats::Encoded;
 use greenstick_geometry::Mesh;
-use greenstick_wood::anatomy::Section;
-use greenstick_wood::stem::{Found, StemKind};
+use greenstick_wood::anatomy::{Anatomy, ParticleLayers, SectionMeasures};
+use greenstick_wood::stem::{FoundStem, StemKind};
 use greenstick_wood::tissue::Zone;
 use serde::Serialize;
 use std::fmt;
 
-/// Directions over which a ring's radius is averaged.
-const DIRECTIONS: usize = 72;
+/// Name of the file of numbers.
+pub const ANATOMY_FILE: &str = "anatomy.json";
+/// Largest difference of the voxels' volume from the mesh's that is not reported, %: a board may be a few voxels thick.
+const MAX_VOLUME_DIFFERENCE: f64 = 2.0;
 
-/// Difference of the voxels' volume from the mesh's that is told, %: a board may be a few voxels thick.
-const COARSE: f64 = 2.0;
-
-/// Everything that is worth knowing about a stem's inside. Lengths are in m along the centreline or in the world, as their
+/// What is known of a stem's inside. Lengths are in m along the centreline or in the world, as their
 /// names say; every name ends with its unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnatomyReport {
     /// `greenstick-anatomy`.
     pub schema: &'static str,
-    /// Version of the schema: it rises when a name changes or goes.
+    /// Version of the schema, which rises when a name changes or is removed.
     pub version: u32,
     /// `round` or `board`.
     pub kind: &'static str,
@@ -30,11 +30,11 @@ pub struct AnatomyReport {
     pub species: Option<String>,
     /// Length of the centreline, m.
     pub length_m: f64,
-    /// Radius of the circle as large as the section at the place, m.
+    /// Radius of the circle of the same area as the section at the location, m.
     pub radius_m: f64,
-    /// Volume of the stem's mesh, m³; none where it is not closed.
+    /// Volume of the stem's mesh, m³; `None` where it is not closed.
     pub mesh_volume_m3: Option<f64>,
-    /// Volume of all voxels that are wood, m³; none where none were made.
+    /// Volume of all voxels that are wood, m³; `None` where none were made.
     pub voxel_volume_m3: Option<f64>,
     /// Number of rings; by erosion that of the section with most.
     pub rings: u16,
@@ -55,7 +55,7 @@ pub struct AnatomyReport {
     pub bundle_area_m2: [f64; 2],
     /// Standard deviation of the bundles' areas within a layer over their mean: the mean over all layers, and the most.
     pub bundle_spread: [f64; 2],
-    /// What the numbers of zones stand for.
+    /// The tissues that the numbers of zones stand for.
     pub zones: Vec<String>,
     /// Points of the centreline in the world, m.
     pub centreline_m: Vec<[f64; 3]>,
@@ -80,13 +80,13 @@ pub struct SegmentReport {
     pub voxel_m: [f64; 3],
     /// Volume of the voxels that are wood, m³.
     pub volume_m3: f64,
-    /// How far the centreline leaves the straight line that the image is placed along, at most, m.
+    /// How far the centreline leaves the straight line along which the image is placed, at most, m.
     pub off_straight_m: f64,
     /// Sections whose outline was closed across holes of the mesh.
     pub sections_with_holes: usize,
     /// Sections with no voxel of wood.
     pub sections_without_wood: usize,
-    /// The largest part of a section's girth that was guessed across holes, 0 to 1.
+    /// The largest part of a section's girth that was bridged across holes, 0 to 1.
     pub girth_guessed: f64,
 }
 
@@ -107,7 +107,7 @@ pub struct SectionReport {
     pub area_m2: f64,
     /// Girth, m.
     pub girth_m: f64,
-    /// Part of the girth that was guessed across holes of the mesh, 0 to 1.
+    /// Part of the girth that was bridged across holes of the mesh, 0 to 1.
     pub girth_guessed: f64,
     /// Its rings, from the pith outwards.
     pub rings: RingRows,
@@ -116,7 +116,7 @@ pub struct SectionReport {
 /// Rings of a section, column by column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RingRows {
-    /// Mean distance of the ring's outer contour from the pith, m; of an eroded ring the radius of the circle as large.
+    /// Mean distance of the ring's outer contour from the pith, m; of an eroded ring the radius of the circle of equal area.
     pub radius_m: Vec<f64>,
     /// Mean width, m.
     pub width_m: Vec<f64>,
@@ -126,162 +126,142 @@ pub struct RingRows {
     pub zone: Vec<u8>,
 }
 
-pub(super) fn report(
-    work: &Work,
-    layers: &Layers,
-    (mesh, found): (&Mesh, &Found),
-    segments: Vec<SegmentReport>,
-    mut notes: Vec<String>,
-) -> AnatomyReport {
-    let stem = &found.stem;
-    let axis = stem.grain.axis();
-    let shell = Mesh {
-        positions: mesh.positions.clone(),
-        triangles: found
-            .shell
-            .iter()
-            .filter_map(|&t| mesh.triangles.get(t as usize))
-            .copied()
-            .collect(),
-        ..Mesh::default()
-    };
-    let all = || layers.particles.iter().flatten();
-    let least = all().map(|p| p.area).fold(f64::INFINITY, f64::min);
-    let most = all().map(|p| p.area).fold(0.0, f64::max);
-    let holes: usize = segments.iter().map(|s| s.sections_with_holes).sum();
-    if holes > 0 {
-        let worst = segments.iter().map(|s| s.girth_guessed).fold(0.0, f64::max);
-        notes.push(format!(
-            "{holes} of {} sections were closed across holes of the mesh, {:.1} % of the girth at most",
-            segments.len() * work.anatomy.grid.count,
-            100.0 * worst
-        ));
-    }
-    let (low, high) = work.anatomy.whole;
-    if low > 0.0 || high < axis.length() {
-        notes.push(format!(
-            "particles lie between {low:.3} and {high:.3} m, where sections are whole"
-        ));
-    }
-    // Of a mesh that is inside out, too.
-    let mesh_volume = closed_volume(&shell).1.map(f64::abs);
-    let voxel_volume = (!segments.is_empty()).then(|| segments.iter().map(|s| s.volume_m3).sum());
-    if let (Some(mesh), Some(voxels)) = (mesh_volume, voxel_volume) {
-        let off: f64 = 100.0 * (voxels / mesh - 1.0);
-        if off.abs() > COARSE {
-            notes.push(format!(
-                "voxels of {:.2} mm are coarse for this stem: their volume is {off:+.1} % off the mesh's; a higher \
-                 --resolution brings it nearer",
-                1e3 * work.anatomy.grid.pixel
-            ));
+/// What a report is made from.
+pub(super) struct Findings<'a> {
+    pub request: &'a AnatomyRequest,
+    /// The mesh that the stem was found in.
+    pub mesh: &'a Mesh,
+    pub found: &'a FoundStem,
+    pub anatomy: &'a Anatomy<'a>,
+    pub layers: &'a ParticleLayers,
+    pub segments: Vec<SegmentReport>,
+    pub notes: Vec<String>,
+}
+
+impl Findings<'_> {
+    pub fn report(self) -> AnatomyReport {
+        let stem = &self.found.stem;
+        let axis = stem.grain.axis();
+        // Of a mesh that is inside out, too.
+        let mesh_volume = closed_volume(&self.shell()).1.map(f64::abs);
+        let voxel_volume =
+            (!self.segments.is_empty()).then(|| self.segments.iter().map(|s| s.volume_m3).sum());
+        let spread = self.layers.bundle_spread();
+        let mut notes = self.notes.clone();
+        notes.extend(self.note_on_holes());
+        notes.extend(self.note_on_ends());
+        notes.extend(self.note_on_coarseness(mesh_volume, voxel_volume));
+        AnatomyReport {
+            schema: "greenstick-anatomy",
+            version: 1,
+            kind: match stem.kind {
+                StemKind::Round => "round",
+                StemKind::Board => "board",
+            },
+            species: self.request.species.clone(),
+            length_m: axis.length(),
+            radius_m: stem.radius,
+            mesh_volume_m3: mesh_volume,
+            voxel_volume_m3: voxel_volume,
+            rings: self.anatomy.ring_count(),
+            rings_by: self.request.ring_method.to_string(),
+            sectors: self.layers.layout.sectors.clone(),
+            layers: self.layers.layers.len(),
+            layer_distance_m: self.layers.spacing,
+            particles: self.layers.particles().count(),
+            equation_1: self.layers.equation_1(),
+            bundle_area_m2: spread.range,
+            bundle_spread: [spread.mean_deviation, spread.max_deviation],
+            zones: Zone::ALL.iter().map(ToString::to_string).collect(),
+            centreline_m: axis.points().iter().map(|p| p.to_array()).collect(),
+            sections: self
+                .layers
+                .layers
+                .iter()
+                .map(|layer| SectionReport::new(&layer.section))
+                .collect(),
+            segments: self.segments,
+            notes,
         }
     }
-    AnatomyReport {
-        schema: "greenstick-anatomy",
-        version: 1,
-        kind: match stem.kind {
-            StemKind::Round => "round",
-            StemKind::Board => "board",
-        },
-        species: work.request.species.clone(),
-        length_m: axis.length(),
-        radius_m: stem.radius,
-        mesh_volume_m3: mesh_volume,
-        voxel_volume_m3: voxel_volume,
-        rings: work.anatomy.rings,
-        rings_by: work.request.rings_by.name(),
-        sectors: layers.layout.sectors.clone(),
-        layers: layers.sections.len(),
-        layer_distance_m: layers.thickness,
-        particles: all().count(),
-        equation_1: layers.equation_1(),
-        bundle_area_m2: [least.min(most), most],
-        bundle_spread: spread(layers),
-        zones: Zone::ALL.iter().map(ToString::to_string).collect(),
-        centreline_m: axis.points().iter().map(|p| p.to_array()).collect(),
-        segments,
-        sections: layers
-            .sections
-            .iter()
-            .zip(&layers.particles)
-            .map(|(section, particles)| {
-                let rings = usize::from(work.anatomy.rings);
-                let mut areas = vec![0.0; rings];
-                let mut zones: Vec<u8> = (1..=rings)
-                    .map(|ring| work.numbers.zone[2 * (rings - ring) + 2].code())
-                    .collect();
-                for p in particles {
-                    let ring = usize::from(p.ring) - 1;
-                    areas[ring] += p.area;
-                    zones[ring] = p.zone.code();
-                }
-                section_report(work, section, areas, zones)
-            })
-            .collect(),
-        notes,
-    }
-}
 
-fn section_report(
-    work: &Work,
-    section: &Section,
-    areas: Vec<f64>,
-    zones: Vec<u8>,
-) -> SectionReport {
-    let rings = work.anatomy.rings;
-    let pith = section.field.pith();
-    let mean = |ring: u16| {
-        let rho = f64::from(ring) / f64::from(rings);
-        let angle = |j: usize| std::f64::consts::TAU * j as f64 / DIRECTIONS as f64;
-        let sum: f64 = (0..DIRECTIONS)
-            .map(|j| section.field.point(rho, angle(j)).distance(pith))
-            .sum();
-        sum / DIRECTIONS as f64
-    };
-    let radii: Vec<f64> = if work.erosion.is_some() {
-        // Of eroded rings those of circles as large.
-        let mut sum = 0.0;
-        let circles = areas.iter().map(|a| {
-            sum += a;
-            (sum / std::f64::consts::PI).sqrt()
-        });
-        std::iter::once(0.0).chain(circles).collect()
-    } else {
-        (0..=rings).map(mean).collect()
-    };
-    SectionReport {
-        length_m: section.length,
-        centre_m: section.frame.origin.to_array(),
-        pith_m: section.world(pith).to_array(),
-        direction: section.frame.tangent.to_array(),
-        x: section.frame.x.to_array(),
-        area_m2: section.outline.area,
-        girth_m: section.outline.girth,
-        girth_guessed: section.outline.guessed,
-        rings: RingRows {
-            width_m: radii.windows(2).map(|w| w[1] - w[0]).collect(),
-            radius_m: radii[1..].to_vec(),
-            area_m2: areas,
-            zone: zones,
-        },
+    /// The stem's own triangles.
+    fn shell(&self) -> Mesh {
+        let triangles = self.found.shell.iter();
+        Mesh {
+            positions: self.mesh.positions.clone(),
+            triangles: triangles
+                .filter_map(|&t| self.mesh.triangles.get(t as usize))
+                .copied()
+                .collect(),
+            ..Mesh::default()
+        }
     }
-}
 
-/// Spread of the bundles' areas within layers: mean and greatest.
-fn spread(layers: &Layers) -> [f64; 2] {
-    let spreads: Vec<f64> = layers
-        .particles
-        .iter()
-        .filter(|layer| !layer.is_empty())
-        .map(|layer| {
-            let count = layer.len() as f64;
-            let mean = layer.iter().map(|p| p.area).sum::<f64>() / count;
-            let squares: f64 = layer.iter().map(|p| (p.area - mean).powi(2)).sum();
-            (squares / count).sqrt() / mean
+    fn note_on_holes(&self) -> Option<String> {
+        let holes: usize = self.segments.iter().map(|s| s.sections_with_holes).sum();
+        let most = self.segments.iter().map(|s| s.girth_guessed);
+        (holes > 0).then(|| {
+            format!(
+                "{holes} of {} sections were closed across holes of the mesh, {:.1} % of the girth at most",
+                self.segments.len() * self.anatomy.sections().grid.count,
+                100.0 * most.fold(0.0, f64::max)
+            )
         })
-        .collect();
-    let mean = spreads.iter().sum::<f64>() / spreads.len().max(1) as f64;
-    [mean, spreads.iter().copied().fold(0.0, f64::max)]
+    }
+
+    fn note_on_ends(&self) -> Option<String> {
+        let (low, high) = self.anatomy.sections().whole;
+        (low > 0.0 || high < self.anatomy.sections().length()).then(|| {
+            format!("particles lie between {low:.3} and {high:.3} m, where sections are whole")
+        })
+    }
+
+    fn note_on_coarseness(&self, mesh: Option<f64>, voxels: Option<f64>) -> Option<String> {
+        let difference = 100.0 * (voxels? / mesh? - 1.0);
+        (difference.abs() > MAX_VOLUME_DIFFERENCE).then(|| {
+            format!(
+                "voxels of {:.2} mm are coarse for this stem: their volume is {difference:+.1} % off the mesh's; a higher \
+                 resolution brings it nearer",
+                1e3 * self.anatomy.sections().grid.pixel
+            )
+        })
+    }
+}
+
+impl SectionReport {
+    fn new(section: &SectionMeasures) -> Self {
+        let rings = &section.rings;
+        SectionReport {
+            length_m: section.length,
+            centre_m: section.frame.origin.to_array(),
+            pith_m: section.pith.to_array(),
+            direction: section.frame.tangent.to_array(),
+            x: section.frame.x.to_array(),
+            area_m2: section.area,
+            girth_m: section.girth,
+            girth_guessed: section.bridged,
+            rings: RingRows {
+                radius_m: rings.radii.clone(),
+                width_m: rings.widths.clone(),
+                area_m2: rings.areas.clone(),
+                zone: rings.tissues.iter().map(|tissue| tissue.code()).collect(),
+            },
+        }
+    }
+}
+
+impl AnatomyReport {
+    /// The report as the file `anatomy.json`.
+    ///
+    /// # Errors
+    /// [`Error::Report`] where it cannot be put into JSON.
+    pub fn to_file(&self) -> Result<Encoded, Error> {
+        Ok(Encoded {
+            name: ANATOMY_FILE.to_owned(),
+            bytes: serde_json::to_vec(self).map_err(|e| Error::Report(e.to_string()))?,
+        })
+    }
 }
 
 impl fmt::Display for AnatomyReport {

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh};
+use greenstick_wood::polygon::area_and_centroid;
 use greenstick_wood::stem::Frame;
 use std::collections::BTreeMap;
 
@@ -62,22 +63,6 @@ fn loops(crossed: &[(usize, [Edge; 2])]) -> Vec<Vec<Edge>> {
     found
 }
 
-/// Twice the signed area of a polygon, and its centroid.
-fn area_and_centre(polygon: &[DVec2]) -> (f64, DVec2) {
-    let (mut area, mut sum) = (0.0, DVec2::ZERO);
-    let origin = polygon.first().copied().unwrap_or_default();
-    for (k, &p) in polygon.iter().enumerate() {
-        let (p, q) = (p - origin, polygon[(k + 1) % polygon.len()] - origin);
-        let part = p.perp_dot(q);
-        area += part;
-        sum += (p + q) * part;
-    }
-    if area == 0.0 {
-        return (0.0, origin);
-    }
-    (area, origin + sum / (3.0 * area))
-}
-
 /// Saws the triangles of `mesh` that `own` marks, where the plane of `saw` runs about the stem: those triangles are parted
 /// into one on one side and two on the other. `own` grows with the mesh. `None`, and nothing is changed, where no closed
 /// loop is about what a section of the stem is.
@@ -119,8 +104,8 @@ pub(super) fn saw(mesh: &mut Mesh, own: &mut Vec<bool>, saw: &Saw) -> Option<Loo
     let (centre, area) = saw.expected;
     let strange = |edges: &Vec<Edge>| {
         let section: Vec<DVec2> = edges.iter().map(|&e| flat(cut(e))).collect();
-        let (twice, middle) = area_and_centre(&section);
-        let ratio = (0.5 * twice.abs() / area).max(1e-300);
+        let (own_area, middle) = area_and_centroid(&section);
+        let ratio = (own_area.abs() / area).max(1e-300);
         libm::log(ratio).abs() + middle.distance(centre) / radius
     };
     let chosen = (loops(&crossed).into_iter())
@@ -136,7 +121,7 @@ pub(super) fn saw(mesh: &mut Mesh, own: &mut Vec<bool>, saw: &Saw) -> Option<Loo
         ..Loop::default()
     };
     made.section = made.places.iter().map(|&p| flat(p)).collect();
-    if area_and_centre(&made.section).0 < 0.0 {
+    if area_and_centroid(&made.section).0 < 0.0 {
         made.places.reverse();
         made.section.reverse();
     }

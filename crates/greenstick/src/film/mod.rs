@@ -51,11 +51,10 @@ use greenstick_skin::rods::{
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
+use greenstick_wood::tissue::BARK_START;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Ring coordinate at which bark begins.
-const BARK: f64 = 0.94;
 /// The texture's square over the section's width.
 const ROOM: f64 = 1.02;
 
@@ -275,7 +274,7 @@ impl Run {
             seed: scene.seed,
             ..BreakParameters::default()
         };
-        let looks = looks(&grown.stem, &parameters, species, BARK);
+        let looks = looks(&grown.stem, &parameters, species, BARK_START);
         let node = &grown.scene.nodes[grown.node];
         let shell = grown.shell.iter().map(|&t| t as usize);
         let mut bark = node.mesh.submesh(shell).transformed(&node.transform);

@@ -45,7 +45,7 @@ pub enum FitError {
     #[error("the rods broke at {at} of the stem, where no break can be drawn: {error}")]
     Place {
         /// The place.
-        at: stem::Place,
+        at: stem::StemLocation,
         /// Why.
         error: Box<Error>,
     },
@@ -60,7 +60,7 @@ pub struct Fit {
     /// The recipe.
     pub recipe: Recipe,
     /// Where along the stem: a point where the run is of the limb at a point, else a fraction of the length.
-    pub place: stem::Place,
+    pub place: stem::StemLocation,
     /// What was fitted.
     pub report: FitReport,
 }
@@ -85,10 +85,10 @@ pub struct Ground<'a> {
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
     context.report(0.0)?;
     let (parting, time) = run.parting(number)?;
-    let place = stem::Place::parse(&run.scene.stem.at, 1.0);
+    let place = stem::StemLocation::parse(&run.scene.stem.at, 1.0);
     let ground = Ground {
         scene: run.input(),
-        by_point: matches!(place, Ok(stem::Place::Point(_))),
+        by_point: matches!(place, Ok(stem::StemLocation::Point(_))),
         seed: run.scene.seed,
         time,
     };
@@ -135,12 +135,12 @@ pub fn fit_parting(
     // The middle layer is where the break is; known that, all is counted in the section that a break there has.
     let (_, _, rough) = known(stem, &|p| stem.grain.to_grain(p));
     context.report(0.3)?;
-    let along = stem.place + rough.level * stem.radius;
+    let along = stem.location + rough.level * stem.radius;
     let place = if ground.by_point {
-        stem::Place::Point(stem.grain.axis().frame(along).origin)
+        stem::StemLocation::Point(stem.grain.axis().frame(along).origin)
     } else {
         let part = (along / stem.length * PLACE_PARTS).round() / PLACE_PARTS;
-        stem::Place::Fraction(part.clamp(0.0, 1.0))
+        stem::StemLocation::Fraction(part.clamp(0.0, 1.0))
     };
     let options = StemOptions {
         kind: Some(stem.kind),

@@ -180,7 +180,7 @@ pub(super) fn addressed(
                     }
                     StemKind::Round => DVec2::new(cos, sin) * rho,
                 },
-                height: (grain.z - stem.place) / stem.radius,
+                height: (grain.z - stem.location) / stem.radius,
                 tension: b.tension,
             }
         })

@@ -74,7 +74,7 @@ impl FitReport {
         places: &[Place],
         shape: &Shape,
         stem: &Stem,
-        at: &stem::Place,
+        at: &stem::StemLocation,
     ) -> Self {
         let section: f64 = wood.cells.iter().map(|c| c.area).sum();
         let broken: f64 = places.iter().map(|p| wood.cells[p.rod as usize].area).sum();
@@ -103,7 +103,7 @@ impl FitReport {
             breaks_elsewhere: 0,
             area: broken / section,
             at: at.to_string(),
-            length_m: stem.place,
+            length_m: stem.location,
             radius_m: stem.radius,
             edge_m: 0.0,
             range_m,

@@ -42,7 +42,7 @@ pub(crate) fn looks(
     }
     let board = stem.kind == StemKind::Board;
     wood.radius = if board {
-        stem.rings.outer(0.0)
+        stem.rings.outer_radius(0.0)
     } else {
         stem.radius
     };

@@ -22,7 +22,7 @@ use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule};
-use greenstick_wood::stem::{Place, StemKind, StemOptions};
+use greenstick_wood::stem::{StemKind, StemLocation, StemOptions};
 
 /// What the cracks of a break are drawn from.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ impl CrackKey {
 #[derive(Debug, Clone, PartialEq)]
 struct FoundKey {
     scene: u64,
-    place: Place,
+    place: StemLocation,
     options: StemOptions,
     above: Option<LowestAbove>,
 }
@@ -160,7 +160,7 @@ impl LowestAbove {
         let stem = &stages.stem.stem().found.stem;
         let low = stages.heights.heights.range.0;
         LowestAbove {
-            point: stem.grain.axis().frame(stem.place + low).origin,
+            point: stem.grain.axis().frame(stem.location + low).origin,
             margin: BETWEEN_BREAKS * stem.radius,
         }
     }
@@ -169,7 +169,7 @@ impl LowestAbove {
     fn limit(self, stem: &mut PreparedStem) {
         let stem = &mut stem.found.stem;
         let length = stem.grain.axis().length_at(self.point) - self.margin;
-        stem.usable.1 = stem.usable.1.min(length).max(stem.place);
+        stem.usable.1 = stem.usable.1.min(length).max(stem.location);
     }
 }
 
@@ -377,8 +377,8 @@ impl Chain {
         let margin = SPIRAL_BEYOND * stem.radius;
         let (low, high) = heights.range;
         let between = (
-            (stem.place + low - margin).max(stem.usable.0),
-            (stem.place + high + margin).min(stem.usable.1),
+            (stem.location + low - margin).max(stem.usable.0),
+            (stem.location + high + margin).min(stem.usable.1),
         );
         let turn = p.spiral_angle.to_radians() / stem.radius;
         self.spiral.get((found.id, turn, between), ids, |_| {
@@ -513,7 +513,7 @@ fn cut_stage(
         ground: &layout.ground,
         absorb_chips: true,
     };
-    let face = if stem.layers.winds() {
+    let face = if stem.layers.has_spiral_grain() {
         cutter.break_spiral_grain(surface, inner, workspace)?
     } else {
         cutter.break_along(surface, inner, workspace)?

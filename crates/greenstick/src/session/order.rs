@@ -5,7 +5,7 @@ use crate::Error;
 use crate::request::{Break, BreakRequest};
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::prepared::world_meshes;
-use greenstick_wood::stem::{Found, Place, StemOptions, find};
+use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
 
 /// A break with its place in the world.
@@ -20,7 +20,7 @@ pub(super) struct PlacedBreak {
 /// Where the breaks of the last request were.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BreakOrder {
-    known: Vec<((Place, StemOptions), Arc<Found>)>,
+    known: Vec<((StemLocation, StemOptions), Arc<FoundStem>)>,
 }
 
 impl BreakOrder {
@@ -44,27 +44,27 @@ impl BreakOrder {
         let Some(first) = found.first() else {
             return Err(Error::Amount("no breaks; expected at least 1".into()));
         };
-        let shell = |f: &Found| (f.node, f.shell.first().copied());
+        let shell = |f: &FoundStem| (f.node, f.shell.first().copied());
         if let Some(other) = found.iter().position(|f| shell(f) != shell(first)) {
             return Err(Error::Amount(format!(
                 "breaks on several stems: break 1 is at {:.3} m of one, break {} at {:.3} m of another; expected all on one",
-                first.stem.place,
+                first.stem.location,
                 other + 1,
-                found[other].stem.place
+                found[other].stem.location
             )));
         }
         let mut order: Vec<usize> = (0..found.len()).collect();
         order.sort_by(|&a, &b| {
             let (a, b) = (&found[a].stem, &found[b].stem);
-            b.place.total_cmp(&a.place)
+            b.location.total_cmp(&a.location)
         });
         let placed = order.into_iter().map(|number| {
             let stem = &found[number].stem;
-            let point = stem.grain.axis().frame(stem.place).origin;
+            let point = stem.grain.axis().frame(stem.location).origin;
             PlacedBreak {
                 number,
                 asked: Break {
-                    place: Place::Point(point),
+                    place: StemLocation::Point(point),
                     ..request.breaks[number].clone()
                 },
             }
@@ -78,7 +78,7 @@ impl BreakOrder {
         scene: &Scene,
         request: &BreakRequest,
         context: &Context,
-    ) -> Result<Vec<Arc<Found>>, Error> {
+    ) -> Result<Vec<Arc<FoundStem>>, Error> {
         let mut meshes = None;
         let mut known = Vec::new();
         for (number, asked) in request.breaks.iter().enumerate() {
@@ -88,7 +88,7 @@ impl BreakOrder {
                 None => {
                     let meshes = meshes.get_or_insert_with(|| world_meshes(scene));
                     let context = context.item(number, request.breaks.len());
-                    Arc::new(find(meshes, &asked.place, &request.stem, &context)?)
+                    Arc::new(find_stem(meshes, &asked.place, &request.stem, &context)?)
                 }
             };
             known.push((key, found));

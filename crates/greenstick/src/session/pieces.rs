@@ -149,7 +149,7 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
 /// The direction of the stem at the break.
 fn along(stages: &BreakStages) -> glam::DVec3 {
     let stem = &stages.stem.stem().found.stem;
-    stem.grain.axis().frame(stem.place).tangent
+    stem.grain.axis().frame(stem.location).tangent
 }
 
 impl Pieces {
@@ -199,7 +199,7 @@ fn notes_up_to_the_cut(stages: &BreakStages, asked: &Break) -> Vec<BreakNote> {
         notes.push(BreakNote::HeightsLimited {
             corners: heights.limited,
             wanted: heights.wanted,
-            free: (stem.usable.0 - stem.place, stem.usable.1 - stem.place),
+            free: (stem.usable.0 - stem.location, stem.usable.1 - stem.location),
         });
     }
     let face = &stages.cut.face;

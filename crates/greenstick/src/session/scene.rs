@@ -44,9 +44,9 @@ fn moved_triangles(stages: &BreakStages) -> Vec<Vec<bool>> {
     for &t in &found.shell {
         moved[found.node][t as usize] = true;
     }
-    for (i, triangles) in &found.carried {
-        for &t in triangles {
-            moved[*i][t as usize] = true;
+    for shell in &found.carried {
+        for &t in &shell.triangles {
+            moved[shell.node][t as usize] = true;
         }
     }
     moved
@@ -163,9 +163,11 @@ pub(super) fn assemble(made: &[PiecesOfBreak]) -> Assembled {
     for (of, one) in made.iter().enumerate() {
         let stem = one.stages.stem.stem();
         let (node, motion) = upper[of];
-        for (number, (i, triangles)) in stem.found.carried.iter().enumerate() {
-            let source = &stem.scene.nodes[*i];
-            let mesh = source.mesh.submesh(triangles.iter().map(|&t| t as usize));
+        for (number, shell) in stem.found.carried.iter().enumerate() {
+            let source = &stem.scene.nodes[shell.node];
+            let mesh = source
+                .mesh
+                .submesh(shell.triangles.iter().map(|&t| t as usize));
             let name = format!("{}_with_upper_{number:03}", source.name);
             let carried = Node {
                 parent: Some(node),

@@ -7,7 +7,7 @@ use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::RunError;
 use greenstick_geometry::Cancelled;
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
-use greenstick_wood::stem::{PlaceError, StemError};
+use greenstick_wood::stem::{StemError, StemLocationError};
 
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +17,7 @@ pub enum SimulateError {
     Scene(#[from] SceneError),
     /// The location on the input is wrong.
     #[error("stem.at: {0}")]
-    Place(#[from] PlaceError),
+    Place(#[from] StemLocationError),
     /// No stem was found.
     #[error(transparent)]
     Stem(#[from] StemError),

@@ -7,7 +7,7 @@ use greenstick_fibre::bodies::Shape;
 use greenstick_fibre::scene::{MotionChoice, ShapeChoice, StemChoice};
 use greenstick_geometry::{Node, Scene};
 use greenstick_wood::primitive::{self, BranchOptions};
-use greenstick_wood::stem::Place;
+use greenstick_wood::stem::StemLocation;
 use std::collections::BTreeMap;
 
 /// The meshes that a scene names.
@@ -22,7 +22,7 @@ pub struct SceneMeshes {
 /// A scene with a stem, and where on it.
 pub(super) struct StemScene {
     pub scene: Scene,
-    pub location: Place,
+    pub location: StemLocation,
 }
 
 /// Returns the mesh with the stem of a scene, m: the input, or one of the scene's own.
@@ -40,7 +40,7 @@ pub(super) fn stem_scene(
             };
             return Ok(StemScene {
                 scene: crate::branch::branch(&options),
-                location: Place::parse("0.5", 1.0)?,
+                location: StemLocation::parse("0.5", 1.0)?,
             });
         }
         StemChoice::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
@@ -48,7 +48,7 @@ pub(super) fn stem_scene(
         StemChoice::Input => {
             return Ok(StemScene {
                 scene: input.ok_or(SimulateError::NoInput)?.clone(),
-                location: Place::parse(&stem.at, 1.0)?,
+                location: StemLocation::parse(&stem.at, 1.0)?,
             });
         }
     };
@@ -57,7 +57,7 @@ pub(super) fn stem_scene(
             nodes: vec![Node::new("stem", DAffine3::IDENTITY, mesh)],
             ..Scene::default()
         },
-        location: Place::parse("0.5", 1.0)?,
+        location: StemLocation::parse("0.5", 1.0)?,
     })
 }
 

@@ -15,7 +15,7 @@ use greenstick_fibre::store::checksum;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find};
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 
 /// The wood of a scene: its stem filled with rods, before these are moved into the scene's axes.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ pub fn fill_scene_stem(
     let [finding, filling] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
     finding.report(0.0)?;
     let of_stem = stem_scene(scene, input)?;
-    let found = find_stem(&of_stem, &finding)?;
+    let found = find_in_scene(&of_stem, &finding)?;
     let (from, to) = found.stem.usable;
     let range = scene.stem.part.map(|p| from + p * (to - from));
     filling.report(0.0)?;
@@ -73,12 +73,12 @@ pub fn fill_scene_stem(
     })
 }
 
-fn find_stem(
+fn find_in_scene(
     of_stem: &StemScene,
     context: &Context,
-) -> Result<greenstick_wood::stem::Found, SimulateError> {
+) -> Result<greenstick_wood::stem::FoundStem, SimulateError> {
     let meshes = greenstick_skin::prepared::world_meshes(&of_stem.scene);
-    Ok(find(
+    Ok(find_stem(
         &meshes,
         &of_stem.location,
         &StemOptions::default(),

@@ -5,7 +5,7 @@ use greenstick::fracture::parameters::BreakParameters;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::session::BreakStages;
-use greenstick::wood::stem::Place;
+use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakRequest, BreakSession};
 
 /// A scene of one mesh, in metres times `scale`.
@@ -20,7 +20,7 @@ pub fn scene(mesh: Mesh, scale: f64) -> Scene {
 /// A break with these parameters at a fraction of the length.
 pub fn request(at: f64, face: &BreakParameters) -> BreakRequest {
     BreakRequest::single(Break {
-        place: Place::Fraction(at),
+        place: StemLocation::Fraction(at),
         recipe: Recipe {
             face: face.clone(),
             ..Recipe::default()

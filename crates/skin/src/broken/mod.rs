@@ -79,7 +79,7 @@ pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> 
     let found = &stem.found.stem;
     Setting {
         radius: found.radius,
-        place: found.place,
+        place: found.location,
         usable: found.usable,
         pith: found.rings.pith(),
         wedge: crate::hang::wedge(stem, p),
@@ -134,7 +134,7 @@ impl Cutter<'_> {
         let mut cut = cut_again(&solid, self.skin, self.ground, surface, workspace)
             .map_err(|error| self.stem.locate(error))?;
         let chips = if self.absorb_chips {
-            cut.absorb_chips(&solid, self.skin)
+            cut.absorb_chips(&solid, self.skin, self.ground)
         } else {
             0
         };

@@ -13,7 +13,9 @@ use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::surface::Surface;
 use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
-use greenstick_wood::stem::{Place, Section as CrossSection, StemError, StemOptions, find};
+use greenstick_wood::stem::{
+    CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
+};
 use std::sync::Arc;
 
 /// A stem with cracks in one of its ends.
@@ -109,7 +111,7 @@ pub fn crack_end(
     // The wood of the end itself may be cracked, though not broken.
     let beyond = end.at(found.rings.pith());
     let (low, high) = found.usable;
-    let place = found.place;
+    let place = found.location;
     let usable = if far {
         let nearest = place + CRACKS_REACH * (beyond - place);
         (low.max(nearest), high.max(beyond + end.clearance))
@@ -153,9 +155,9 @@ pub fn saw_and_crack_end(
     let found = &stem.found.stem;
     let (low, high) = found.usable;
     let level = high - SAW_FROM_END * found.radius;
-    if level - found.place < MIN_REMAINING * found.radius {
+    if level - found.location < MIN_REMAINING * found.radius {
         return Err(CrackError::TooShort {
-            left: high - found.place,
+            left: high - found.location,
             needed: (SAW_FROM_END + MIN_REMAINING) * found.radius,
         }
         .into());
@@ -168,7 +170,7 @@ pub fn saw_and_crack_end(
     let setting = Setting {
         radius: found.radius,
         usable: (
-            low.max(found.place + CRACKS_REACH * (level - found.place)),
+            low.max(found.location + CRACKS_REACH * (level - found.location)),
             high,
         ),
         level: f64::INFINITY,
@@ -266,30 +268,29 @@ pub fn open_end(
         end,
         grooves: made.grooves,
         sawn_off,
-        fallen: fallen.iter().map(|(_, shell)| shell.len()).sum(),
+        fallen: fallen.iter().map(|shell| shell.triangles.len()).sum(),
     })
 }
 
-/// The prepared stem with `mesh` in place of its shell, and without the shells that have `fallen` (node, triangles).
-fn replace_shell(
-    stem: &PreparedStem,
-    mut mesh: Mesh,
-    fallen: &[(usize, Vec<u32>)],
-) -> PreparedStem {
+/// The prepared stem with `mesh` in place of its shell, and without the shells that have `fallen`.
+fn replace_shell(stem: &PreparedStem, mut mesh: Mesh, fallen: &[CarriedShell]) -> PreparedStem {
     let (mut scene, mut found) = (stem.scene.clone(), stem.found.clone());
     let node = found.node;
     let count = mesh.triangles.len() as u32;
     let mut removed: Vec<Vec<bool>> = (scene.nodes.iter())
         .map(|n| vec![false; n.mesh.triangles.len()])
         .collect();
-    let own = (node, std::mem::take(&mut found.shell));
-    for (i, triangles) in fallen.iter().chain([&own]) {
-        for &t in triangles {
-            removed[*i][t as usize] = true;
+    let own = CarriedShell {
+        node,
+        triangles: std::mem::take(&mut found.shell),
+    };
+    for shell in fallen.iter().chain([&own]) {
+        for &t in &shell.triangles {
+            removed[shell.node][t as usize] = true;
         }
     }
     found.carried.retain(|shell| !fallen.contains(shell));
-    for (i, triangles) in &mut found.carried {
+    for CarriedShell { node: i, triangles } in &mut found.carried {
         // New numbers of the triangles that remain; in the stem's node they follow those of the stem.
         let mut next = if *i == node { count } else { 0 };
         let number = |removed: &bool| {
@@ -328,7 +329,7 @@ fn fallen_shells(
     stem: &PreparedStem,
     level: f64,
     context: &Context,
-) -> Result<Vec<(usize, Vec<u32>)>, BreakError> {
+) -> Result<Vec<CarriedShell>, BreakError> {
     let meshes = world_meshes(&stem.scene);
     let own = &stem.found;
     let options = StemOptions {
@@ -337,9 +338,9 @@ fn fallen_shells(
     };
     // Too near to the end or to other wood no stem is found; nothing hangs on the free wood before the saw.
     let mut back = 0.0;
-    while level - back > own.stem.place {
+    while level - back > own.stem.location {
         let point = own.stem.grain.axis().frame(level - back).origin;
-        match find(&meshes, &Place::Point(point), &options, context) {
+        match find_stem(&meshes, &StemLocation::Point(point), &options, context) {
             Ok(found) if found.node == own.node && found.shell.first() == own.shell.first() => {
                 return Ok(found.carried);
             }

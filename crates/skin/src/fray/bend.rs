@@ -86,7 +86,7 @@ impl<'a> Bend<'a> {
             middle: prepared.square.middle,
             radius: stem.radius,
             reach: prepared.square.side / 2.0,
-            firm: sorted.get(at).copied().unwrap_or(stem.place),
+            firm: sorted.get(at).copied().unwrap_or(stem.location),
             sign,
             amount: frayed.amount,
             seed: seed + u64::from(upper),
@@ -107,7 +107,7 @@ impl<'a> Bend<'a> {
         const H: f64 = 1e-4;
         let p = (at - self.middle) / (FEATURE_WIDTH * self.radius);
         let slope = |e: DVec2| {
-            let noise = |p| noise::plane(self.seed << 1, p);
+            let noise = |p| noise::gradient_2d(self.seed << 1, p);
             (noise(p + e * H) - noise(p - e * H)) / (2.0 * H)
         };
         DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (DISPLACEMENT * FEATURE_WIDTH)

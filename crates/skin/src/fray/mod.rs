@@ -220,7 +220,7 @@ impl FrayedBreak<'_> {
         let near = (low - SKIN_BEYOND * stem.radius)..(high + SKIN_BEYOND * stem.radius);
         let points = self.stem.grain.iter();
         points
-            .filter(|p| near.contains(&(p.z - stem.place)))
+            .filter(|p| near.contains(&(p.z - stem.location)))
             .map(|p| (p.truncate() - middle).dot(direction))
             .fold(stem.radius, f64::max)
     }
@@ -228,7 +228,7 @@ impl FrayedBreak<'_> {
     /// Where a splinter falls: out of the break, on a side of the stem (0 to 1 around it), turned over in the air.
     fn throw(&self, splinter: &Splinter, side: f64) -> DAffine3 {
         let stem = &self.stem.found.stem;
-        let frame = stem.grain.axis().frame(stem.place);
+        let frame = stem.grain.axis().frame(stem.location);
         let seed = self.seed ^ purpose::THROW;
         let random = |i: i64| noise::unit(seed, i64::from(splinter.cell), i, 0);
         // A break that is not opened is shown with the upper piece set aside along x: no splinter falls there.

@@ -2,7 +2,8 @@
 
 use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
-use greenstick_wood::stem::{Found, StemKind};
+use greenstick_wood::stem::{FoundStem, StemKind};
+use greenstick_wood::tissue::{MAX_BARK_START, MIN_BARK_START};
 
 /// How far the skin of the limb reaches about the pith.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +18,6 @@ pub struct SectionExtent {
     pub arc: Option<(f64, f64)>,
 }
 
-/// Ring coordinates between which bark may begin: relief deeper than that reaches into the wood.
-const BARK_BEGINS: (f64, f64) = (0.88, 0.96);
 /// Length of stem on either side of the break, in radii, whose skin tells how deep the bark's furrows are.
 const FURROW_REACH: f64 = 1.5;
 /// Part of the skin that lies in furrows.
@@ -45,7 +44,7 @@ struct Gathered {
 
 impl SectionExtent {
     /// The extent of the limb of a stem, whose triangles have the corners `corners` with grain coordinates `grain`.
-    pub fn new(found: &Found, corners: &[[u32; 3]], grain: &[DVec3]) -> Self {
+    pub fn new(found: &FoundStem, corners: &[[u32; 3]], grain: &[DVec3]) -> Self {
         let stem = &found.stem;
         let pith = stem.rings.pith();
         let board = stem.kind == StemKind::Board;
@@ -79,7 +78,7 @@ impl SectionExtent {
                 let (rho, _) = stem.rings.address(point);
                 skin.rho.1 = skin.rho.1.max(rho);
                 skin.radius = skin.radius.max(point.distance(pith));
-                if (c[k].z - stem.place).abs() < FURROW_REACH * stem.radius {
+                if (c[k].z - stem.location).abs() < FURROW_REACH * stem.radius {
                     skin.near.push(rho);
                 }
                 let off = point - pith;
@@ -113,11 +112,11 @@ impl Gathered {
     fn round(mut self) -> SectionExtent {
         self.near.sort_by(f64::total_cmp);
         let furrow = self.near.get(self.near.len() / FURROW_SHARE).copied();
-        let bark = furrow.unwrap_or(BARK_BEGINS.1) - BELOW_FURROWS;
+        let bark = furrow.unwrap_or(MAX_BARK_START) - BELOW_FURROWS;
         SectionExtent {
             reach: (0.0, self.rho.1.max(1.0)),
             radius: self.radius,
-            bark: bark.clamp(BARK_BEGINS.0, BARK_BEGINS.1),
+            bark: bark.clamp(MIN_BARK_START, MAX_BARK_START),
             arc: None,
         }
     }

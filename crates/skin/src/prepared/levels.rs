@@ -5,7 +5,7 @@
 
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::Mesh;
-use greenstick_wood::stem::{Found, LayeredGrain};
+use greenstick_wood::stem::{FoundStem, LayeredGrain};
 use rustc_hash::FxHashMap;
 
 /// A mesh whose triangles are split; new vertices and triangles are only at the end of the lists.
@@ -59,7 +59,7 @@ impl LevelSplitter {
         &mut self,
         layers: &LayeredGrain,
         transform: &DAffine3,
-        found: &Found,
+        found: &FoundStem,
     ) -> Vec<u32> {
         let levels: Vec<f64> = layers.levels().collect();
         let before = self.mesh.triangles.len();

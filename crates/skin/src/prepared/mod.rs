@@ -13,7 +13,9 @@ use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_wood::stem::{Found, LayeredGrain, Place, StemError, StemOptions, find};
+use greenstick_wood::stem::{
+    FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
+};
 use levels::LevelSplitter;
 use std::sync::Arc;
 
@@ -23,7 +25,7 @@ pub struct PreparedStem {
     /// The scene as it was read, except that the mesh that will be cut may have more triangles near the break.
     pub scene: Scene,
     /// The stem, and the node and triangles that it consists of.
-    pub found: Found,
+    pub found: FoundStem,
     /// The map between the world and the grain space that the stem is cut in.
     pub layers: LayeredGrain,
     /// Point of every vertex of the mesh that will be cut.
@@ -57,19 +59,23 @@ impl PreparedStem {
     /// [`StemError`] where there is no stem that can be broken.
     pub fn find(
         mut scene: Scene,
-        place: &Place,
+        place: &StemLocation,
         options: &StemOptions,
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let mut found = find(&world_meshes(&scene), place, options, context)?;
-        let (layers, free) = LayeredGrain::of(&found.stem);
+        let mut found = find_stem(&world_meshes(&scene), place, options, context)?;
+        let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
         Ok(PreparedStem::from_found(scene, found, layers))
     }
 
     /// Brings a stem that was found in a scene to grain space.
-    pub fn from_found(mut scene: Scene, mut found: Found, layers: LayeredGrain) -> PreparedStem {
+    pub fn from_found(
+        mut scene: Scene,
+        mut found: FoundStem,
+        layers: LayeredGrain,
+    ) -> PreparedStem {
         let transform = scene.nodes[found.node].transform;
         let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
         let mut mesh = Arc::unwrap_or_clone(mesh);
@@ -124,7 +130,7 @@ impl PreparedStem {
             skin_triangles: (skin.order.iter().map(|&t| mesh.triangles[t as usize])).collect(),
             skin,
             vertices,
-            chart: layers.mapped(&transform.inverse()),
+            chart: layers.transformed(&transform.inverse()),
             levels: layers.levels().collect(),
             scene: {
                 scene.nodes[found.node].mesh = mesh.into();
@@ -185,7 +191,7 @@ impl PreparedStem {
     /// grain), with the sign turned: the least of `dot(toward)` over the points within `reach` (m) of the break. Infinite
     /// where there is none.
     pub(crate) fn least_along(&self, toward: DVec2, reach: f64) -> f64 {
-        let place = self.found.stem.place;
+        let place = self.found.stem.location;
         (self.found.limb.iter())
             .flat_map(|&t| self.corners[t as usize])
             .map(|point| self.grain[point as usize])
@@ -201,7 +207,7 @@ impl PreparedStem {
                 *at
             }
             CutError::Misses | CutError::Joined { .. } => {
-                DVec3::new(0.0, 0.0, self.found.stem.place)
+                DVec3::new(0.0, 0.0, self.found.stem.location)
             }
         };
         BreakError::Cut {

@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Mesh, Node};
-use greenstick_wood::stem::Found;
+use greenstick_wood::stem::FoundStem;
 
 /// Moves the mesh of a mirrored node into the world, so that its triangles face there as the file means them to.
 pub fn unmirror(node: &mut Node) {
@@ -15,7 +15,12 @@ pub fn unmirror(node: &mut Node) {
 
 /// Reverses the shell of a stem whose skin faces inwards. `points` are those of the mesh's vertices and `grain` their
 /// grain coordinates.
-pub(super) fn orient_outwards(mesh: &mut Mesh, points: &[u32], grain: &[DVec3], found: &mut Found) {
+pub(super) fn orient_outwards(
+    mesh: &mut Mesh,
+    points: &[u32],
+    grain: &[DVec3],
+    found: &mut FoundStem,
+) {
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| grain[points[v as usize] as usize]);
     // The flow of the field (p − middle) across the grain leaves the limb through its skin alone, as it is parallel to
     // all sections across the grain: twice the volume with its sign, even of an open tube.

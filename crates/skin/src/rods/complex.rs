@@ -7,7 +7,7 @@ use super::{RodSkinError, RodSkinOptions, Wood};
 use glam::DVec2;
 use greenstick_fibre::Cause;
 use greenstick_geometry::Unions;
-use greenstick_wood::noise::{plane, unit};
+use greenstick_wood::noise::{gradient_2d, unit};
 use std::collections::BTreeMap;
 
 /// The most prisms.
@@ -126,7 +126,7 @@ impl<'a> Complex<'a> {
         let slab = self.stations[1] - self.stations[0];
         // Alike for corners that lie near each other, so that no side of a column is steep.
         let at = self.columns.corners[corner as usize] / self.columns.spacing;
-        s + JITTER * slab * plane(self.seed ^ 0x5e7 ^ ((station as u64) << 32), at)
+        s + JITTER * slab * gradient_2d(self.seed ^ 0x5e7 ^ ((station as u64) << 32), at)
     }
 
     /// Gives every prism the part of its rod: each column breaks where its rod does, but at a length of its own.

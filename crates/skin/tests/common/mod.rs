@@ -9,7 +9,7 @@ use greenstick_skin::rods::{Materials, Wood};
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find};
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 
 pub struct Grown {
     pub stem: Stem,
@@ -19,7 +19,7 @@ pub struct Grown {
 
 pub fn grown(mesh: Mesh, rods: u32) -> Grown {
     let middle = "0.5".parse().unwrap();
-    let found = find(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
+    let found = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
     let stem = found.unwrap().stem;
     let oak = Species::find("white oak").unwrap();
     let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();

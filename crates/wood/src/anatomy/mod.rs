@@ -1,19 +1,64 @@
-//! The inside of a stem as data: voxels, rings and particles (Xu et al., *Forests* 2023, §3).
+//! The inside of a stem as data: sections, rings, voxels and particles (Xu et al., *Forests* 2023, §3).
 //!
-//! A stem that was found in a mesh is cut into sections square to its centreline ([`Anatomy::section`]); each becomes
-//! a bitmap and a number of passes for every pixel, and so many particles. Sections do not depend on each other, so a
-//! caller may make them on as many threads as there are, and need not hold more of them than it wants.
+//! A stem that was found in a mesh is cut into sections square to its centreline ([`StemSections`]). [`Anatomy`] gives
+//! each of them rings, from the ring field or by erosion, and from there come pixels ([`Anatomy::rasterize`]), voxels
+//! ([`Anatomy::voxel_slice`]), particles ([`ParticleLayers`]) and pictures ([`Anatomy::paint_section`],
+//! [`Anatomy::paint_longitudinal`]). Sections do not depend on each other, so a caller may make them on as many threads
+//! as there are, and need not hold more of them than it wants.
+//!
+//! ```
+//! use greenstick_geometry::Context;
+//! use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, LayerOptions, ParticleLayers};
+//! use greenstick_wood::appearance::WoodAppearance;
+//! use greenstick_wood::primitive::{BranchOptions, branch};
+//! use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
+//!
+//! let context = Context::quiet();
+//! let meshes = [branch(&BranchOptions::default())];
+//! let found = find_stem(&meshes, &StemLocation::Fraction(0.5), &StemOptions::default(), &context)?;
+//! let options = AnatomyOptions { resolution: 64, ring_count: 12, ..AnatomyOptions::default() };
+//! let anatomy = Anatomy::new(&found, &meshes[0], &options, WoodAppearance::softwood(), &context)?;
+//!
+//! let layers = LayerOptions { sectors: 24, layers: Some(4), ..LayerOptions::default() };
+//! let layers = ParticleLayers::sample(&anatomy, &layers, &context)?;
+//! assert_eq!(layers.particles().count(), 12 * 24 * 4);
+//!
+//! let middle = 0.5 * anatomy.sections().length();
+//! let slice = anatomy.voxel_slice(middle, &context)?;
+//! let outermost = slice.rings.iter().max();
+//! assert_eq!(outermost, Some(&12));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-mod fill;
+mod error;
+mod layers;
+mod limits;
+mod measures;
+mod model;
 mod outline;
+mod painting;
+mod palette;
 mod particles;
-mod rings;
+mod passes;
+mod section_raster;
 mod sections;
+mod sectors;
+mod slicer;
 mod surface;
+mod voxels;
 
-pub use fill::{Grid, fill};
-pub use outline::{Outline, Slicer};
-pub use particles::{Bundles, Layout, Particle, field_particles, pixel_particles};
-pub use rings::{LATEWOOD, RingNumbers, field_passes};
-pub use sections::{Anatomy, AnatomyError, AnatomyOptions, RESOLUTIONS, Section, Segment};
-pub use surface::{SurfaceColours, rebuilt_surface};
+pub use error::AnatomyError;
+pub use layers::{BundleSpread, LayerOptions, ParticleLayer, ParticleLayers};
+pub use limits::{MAX_PARTICLES, RESOLUTION_RANGE};
+pub use measures::{RingMeasures, SectionMeasures};
+pub use model::{Anatomy, AnatomyOptions, RingMethod};
+pub use outline::Outline;
+pub use painting::SectionPictures;
+pub use palette::RingColouring;
+pub use particles::{Particle, particles_from_field, particles_from_raster};
+pub use passes::{PassLegend, PassMeaning, passes_of_rings};
+pub use section_raster::SectionRaster;
+pub use sections::{Segment, StemSections, TransverseSection};
+pub use sectors::{SectorDivision, SectorLayout};
+pub use surface::SurfaceColouring;
+pub use voxels::{NO_TISSUE, VoxelSlice};

@@ -1,39 +1,15 @@
-//! Particles (forests-2023 §3.4): a section's bundles of fibres, each by its ring, sector and layer.
-//!
-//! As published every ring is parted into the same number of sectors, and Eq. 1 counts the particles; outer bundles are
-//! then many times larger than inner ones, as its authors deplore. Equal-area bundles have sectors in proportion to each
-//! ring's area, and within a ring the sectors' borders lie so that all have the same share of it.
+//! Particles (Forests 2023 §3.4): a section's bundles of fibres, each by its ring, sector and layer.
 //!
 //! A particle lies on its ring's outer contour, as published, so that those of the outermost ring are the bark.
 
-use super::fill::Grid;
 use super::outline::Outline;
-use super::rings::RingNumbers;
-use super::sections::Section;
-use crate::stem::RingField;
-use crate::tissue::{Proportions, Zone};
+use super::section_raster::SectionRaster;
+use super::sections::TransverseSection;
+use super::sectors::{RingAreas, SectorDivision, SectorLayout};
+use crate::rings::ConcentricRings;
+use crate::tissue::Zone;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
-
-/// How rings are parted into sectors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Bundles {
-    /// The same number of sectors in every ring, at equal angles.
-    #[default]
-    Fixed,
-    /// As many sectors as make the cross-sections of bundles equal.
-    EqualArea,
-}
-
-/// Numbers of sectors by ring; the same in all layers, so that particles of one address follow each other along the
-/// grain.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layout {
-    /// How sectors are bounded.
-    pub bundles: Bundles,
-    /// Sectors of each ring, from the pith outwards.
-    pub sectors: Vec<u32>,
-}
+use std::f64::consts::TAU;
 
 /// A bundle of fibres in one layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +20,7 @@ pub struct Particle {
     pub sector: u32,
     /// Layer, counted from 0 at the base.
     pub layer: u32,
-    /// Place in the world, m.
+    /// Position in the world, m.
     pub position: DVec3,
     /// Length along the centreline, m.
     pub length: f64,
@@ -53,138 +29,27 @@ pub struct Particle {
     /// Angle about the pith, rad, 0 to 2π.
     pub angle: f64,
     /// Tissue.
-    pub zone: Zone,
+    pub tissue: Zone,
     /// Area of the bundle's cross-section, m².
     pub area: f64,
 }
 
-/// Directions in which a ring's area is summed.
-const ANGLES: usize = 720;
-
-/// Squared radii and areas of rings, direction by direction.
-struct Areas {
-    /// For each ring from the pith: its area (m²) from angle 0 up to direction j of [`ANGLES`], which comes with τ.
-    sums: Vec<Vec<f64>>,
-}
-
-impl Areas {
-    fn of(field: &RingField, rings: u16) -> Self {
-        let half_step = 0.5 * TAU / ANGLES as f64;
-        let squares = |ring: u16| -> Vec<f64> {
-            (0..ANGLES)
-                .map(|j| {
-                    let angle = TAU * j as f64 / ANGLES as f64;
-                    let p = field.point(f64::from(ring) / f64::from(rings), angle);
-                    p.distance_squared(field.pith())
-                })
-                .collect()
-        };
-        let mut inner = vec![0.0; ANGLES];
-        let sums = (1..=rings)
-            .map(|ring| {
-                let outer = squares(ring);
-                let width = |j: usize| outer[j % ANGLES] - inner[j % ANGLES];
-                let mut sum = vec![0.0; ANGLES + 1];
-                for j in 0..ANGLES {
-                    // Half the squared radius is the area by angle; the trapezoidal rule.
-                    sum[j + 1] = sum[j] + half_step * 0.5 * (width(j) + width(j + 1));
-                }
-                inner = outer;
-                sum
-            })
-            .collect();
-        Areas { sums }
-    }
-
-    fn total(&self, ring: usize) -> f64 {
-        self.sums[ring][ANGLES]
-    }
-
-    /// Area of a ring from angle 0 to `angle`, rad.
-    fn up_to(&self, ring: usize, angle: f64) -> f64 {
-        let u = angle / TAU;
-        let whole = u.floor();
-        let v = (u - whole) * ANGLES as f64;
-        let j = (v as usize).min(ANGLES - 1);
-        let sum = &self.sums[ring];
-        whole * self.total(ring) + sum[j] + (sum[j + 1] - sum[j]) * (v - j as f64)
-    }
-
-    /// The angle, 0 to 2π rad, up to which a ring has so much area.
-    fn angle(&self, ring: usize, area: f64) -> f64 {
-        let sum = &self.sums[ring];
-        let j = sum.partition_point(|&a| a <= area).clamp(1, ANGLES) - 1;
-        let part = (area - sum[j]) / (sum[j + 1] - sum[j]).max(f64::MIN_POSITIVE);
-        (j as f64 + part.clamp(0.0, 1.0)) * TAU / ANGLES as f64
-    }
-}
-
-impl Layout {
-    /// `sectors` in every ring.
-    pub fn fixed(rings: u16, sectors: u32) -> Self {
-        Layout {
-            bundles: Bundles::Fixed,
-            sectors: vec![sectors; rings.into()],
-        }
-    }
-
-    /// Sectors of equal area: `sectors` in the outermost ring, and in each other as many as make bundles of
-    /// nearly that area, on average over the sections whose `fields` are given: how much of a section a ring has differs
-    /// along a stem, as the outermost takes in the bark's relief, and the numbers are the same in all layers.
-    pub fn equal_area<'a>(
-        fields: impl IntoIterator<Item = &'a RingField>,
-        rings: u16,
-        sectors: u32,
-    ) -> Self {
-        let mut shares = vec![0.0; rings.into()];
-        for field in fields {
-            let areas = Areas::of(field, rings);
-            let whole: f64 = (0..shares.len()).map(|ring| areas.total(ring)).sum();
-            for (ring, share) in shares.iter_mut().enumerate() {
-                *share += areas.total(ring) / whole;
-            }
-        }
-        let most = shares.last().copied().unwrap_or(0.0);
-        let count = |share: &f64| {
-            let wanted = f64::from(sectors) * share / most;
-            (wanted.round() as u32).clamp(1, sectors.max(1))
-        };
-        Layout {
-            bundles: Bundles::EqualArea,
-            sectors: shares.iter().map(count).collect(),
-        }
-    }
-
-    /// Number of rings.
-    pub fn rings(&self) -> u16 {
-        self.sectors.len() as u16
-    }
-
-    /// Particles in a layer: one term of Eq. 1's sum.
-    pub fn particles(&self) -> u64 {
-        self.sectors.iter().map(|&n| u64::from(n)).sum()
-    }
-}
-
 /// The particles of a round stem's section, ring by ring from the pith, sector by sector.
-pub fn field_particles(
-    section: &Section,
+pub fn particles_from_field(
+    section: &TransverseSection,
     layer: u32,
-    layout: &Layout,
-    tissue: &Proportions,
+    layout: &SectorLayout,
+    rings: &ConcentricRings,
 ) -> Vec<Particle> {
-    let rings = layout.rings();
-    let areas = Areas::of(&section.field, rings);
+    let areas = RingAreas::new(&section.field, rings);
     let mut particles = Vec::with_capacity(layout.particles() as usize);
     for (k, &sectors) in layout.sectors.iter().enumerate() {
-        let ring = k as u16 + 1;
-        let rho = f64::from(ring) / f64::from(rings);
-        let zone = tissue.zone_of_ring(ring.into(), rings.into());
+        let rho = rings.edges()[k];
         let share = areas.total(k) / f64::from(sectors);
         for sector in 0..sectors {
-            let (angle, area) = match layout.bundles {
-                Bundles::EqualArea => (areas.angle(k, share * f64::from(sector)), share),
-                Bundles::Fixed => {
+            let (angle, area) = match layout.division {
+                SectorDivision::EqualArea => (areas.angle(k, share * f64::from(sector)), share),
+                SectorDivision::EqualAngle => {
                     let step = TAU / f64::from(sectors);
                     let angle = step * f64::from(sector);
                     let area =
@@ -193,14 +58,14 @@ pub fn field_particles(
                 }
             };
             particles.push(Particle {
-                ring,
+                ring: k as u16 + 1,
                 sector,
                 layer,
                 position: section.world(section.field.point(rho, angle)),
                 length: section.length,
                 rho,
                 angle,
-                zone,
+                tissue: rings.tissues()[k],
                 area,
             });
         }
@@ -208,126 +73,150 @@ pub fn field_particles(
     particles
 }
 
-/// The particles of a section whose rings are given as passes, as after an erosion; also of boards, whose rings are cut
-/// off by their faces. Rings that have no pixel have no particles.
+/// The particles of a section by its pixels, as after an erosion; also of boards, whose rings are cut off by their faces.
+/// Rings that have no pixel have no particles.
 ///
 /// As published, rays go out from the centre of what each pass left, at equal angles, and a particle is where the first
-/// pixel beyond is met. Where the centre lies off the ring's own wood (a board) the sectors part the angle under which
-/// the pith sees the section, and a particle is the middle of its bundle's pixels. Areas are those of the pixels.
-pub fn pixel_particles(
-    section: &Section,
-    (grid, passes): (&Grid, &[u16]),
-    numbers: &RingNumbers,
-    layout: &Layout,
+/// pixel beyond is met. Where the centre lies off the ring's own wood (a board) the sectors divide the angle which the
+/// section subtends at the pith, and a particle is the middle of its bundle's pixels. Areas are those of the pixels.
+pub fn particles_from_raster(
+    section: &TransverseSection,
+    raster: &SectionRaster,
+    layout: &SectorLayout,
     layer: u32,
 ) -> Vec<Particle> {
-    let rings = usize::from(numbers.rings);
-    let pixels = || {
-        passes
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| **p > 0 && usize::from(**p) < numbers.ring.len())
-            .map(|(i, &p)| {
-                let at = grid.middle(i % grid.count, i / grid.count);
-                (
-                    at,
-                    usize::from(numbers.ring[usize::from(p)]).clamp(1, rings) - 1,
-                )
-            })
-    };
-    let pith = section.field.pith();
-    let inside = section.outline.holds(pith);
-    // The centre of what is left before each ring is taken: all pixels of that ring and of those within it.
-    let mut sums = vec![(DVec2::ZERO, 0.0); rings];
-    for (at, ring) in pixels() {
-        sums[ring].0 += at;
-        sums[ring].1 += 1.0;
-    }
-    let mut left = (DVec2::ZERO, 0.0);
-    let centres: Vec<DVec2> = sums
-        .iter()
-        .map(|&(sum, count)| {
-            left = (left.0 + sum, left.1 + count);
-            if inside && left.1 > 0.0 {
-                left.0 / left.1
-            } else {
-                pith
-            }
-        })
-        .collect();
-    let window = if inside {
-        (0.0, TAU)
-    } else {
-        seen_from(&section.outline, pith)
-    };
-    let mut cells: Vec<Vec<(DVec2, f64)>> = layout
-        .sectors
-        .iter()
-        .map(|&n| vec![(DVec2::ZERO, 0.0); n as usize])
-        .collect();
-    for (at, ring) in pixels() {
-        let Some(cells) = cells.get_mut(ring).filter(|c| !c.is_empty()) else {
-            continue;
-        };
-        let d = at - centres[ring];
-        let turn = (libm::atan2(d.y, d.x) - window.0).rem_euclid(TAU) / window.1;
-        // About the pith a sector lies to both sides of its ray; over a window they lie side by side.
-        let offset = if inside { 0.5 } else { 0.0 };
-        let sector = (turn * cells.len() as f64 + offset) as usize % cells.len();
-        cells[sector].0 += at;
-        cells[sector].1 += 1.0;
-    }
-    let pixel_area = grid.pixel * grid.pixel;
+    let bundles = PixelBundles::new(section, raster, layout);
+    let pixel_area = raster.grid.pixel * raster.grid.pixel;
     let mut particles = Vec::new();
-    for (k, cells) in cells.iter().enumerate() {
-        for (sector, &(sum, count)) in cells.iter().enumerate() {
-            if count == 0.0 {
+    for (k, bundles_of_ring) in bundles.sums.iter().enumerate() {
+        for (sector, sum) in bundles_of_ring.iter().enumerate() {
+            if sum.count == 0.0 {
                 continue;
             }
-            let at = if inside {
-                let angle = TAU * sector as f64 / cells.len() as f64;
-                let within = |p: u16| p > 0 && usize::from(numbers.ring[usize::from(p)]) <= k + 1;
-                first_beyond(grid, passes, centres[k], angle, within)
+            let at = if bundles.pith_inside {
+                let angle = TAU * sector as f64 / bundles_of_ring.len() as f64;
+                first_pixel_beyond(raster, bundles.centres[k], angle, k + 1)
             } else {
-                sum / count
+                sum.position / sum.count
             };
-            let d = at - pith;
+            let d = at - bundles.pith;
             particles.push(Particle {
                 ring: k as u16 + 1,
                 sector: sector as u32,
                 layer,
                 position: section.world(at),
                 length: section.length,
-                rho: (k + 1) as f64 / rings as f64,
+                rho: (k + 1) as f64 / bundles.sums.len() as f64,
                 angle: libm::atan2(d.y, d.x).rem_euclid(TAU),
-                zone: zone_of(numbers, k + 1),
-                area: count * pixel_area,
+                tissue: raster.legend.tissue_of_ring(k + 1),
+                area: sum.count * pixel_area,
             });
         }
     }
     particles
 }
 
-fn zone_of(numbers: &RingNumbers, ring: usize) -> Zone {
-    let pass = numbers.ring.iter().position(|&r| usize::from(r) == ring);
-    pass.map_or(Zone::Bark, |p| numbers.zone[p])
+/// Sum of the positions (m) of pixels, and their number.
+#[derive(Debug, Clone, Copy, Default)]
+struct PixelSum {
+    position: DVec2,
+    count: f64,
 }
 
-/// Where a ray from `centre` leaves the pixels that are `within`, m: the middle of the first pixel beyond, or of the last
-/// one of the picture.
-fn first_beyond(
-    grid: &Grid,
-    passes: &[u16],
-    centre: DVec2,
-    angle: f64,
-    within: impl Fn(u16) -> bool,
-) -> DVec2 {
+impl PixelSum {
+    fn add(&mut self, position: DVec2, count: f64) {
+        self.position += position;
+        self.count += count;
+    }
+}
+
+/// The pixels of a section by ring and sector.
+struct PixelBundles {
+    pith: DVec2,
+    pith_inside: bool,
+    /// For each ring the centre of what is left before it is taken: of its pixels and those within it, m.
+    centres: Vec<DVec2>,
+    /// By ring and sector.
+    sums: Vec<Vec<PixelSum>>,
+}
+
+impl PixelBundles {
+    fn new(section: &TransverseSection, raster: &SectionRaster, layout: &SectorLayout) -> Self {
+        let rings = usize::from(raster.legend.rings);
+        let pith = section.field.pith();
+        let pith_inside = section.outline.contains(pith);
+        let mut of_rings = vec![PixelSum::default(); rings];
+        for_wood_pixels(raster, |at, ring| of_rings[ring].add(at, 1.0));
+        let mut left = PixelSum::default();
+        let centres: Vec<DVec2> = of_rings
+            .iter()
+            .map(|sum| {
+                left.add(sum.position, sum.count);
+                if pith_inside && left.count > 0.0 {
+                    left.position / left.count
+                } else {
+                    pith
+                }
+            })
+            .collect();
+        let window = if pith_inside {
+            Window {
+                start: 0.0,
+                width: TAU,
+            }
+        } else {
+            Window::of_outline(&section.outline, pith)
+        };
+        // About the pith a sector lies to both sides of its ray; over a window they lie side by side.
+        let offset = if pith_inside { 0.5 } else { 0.0 };
+        let mut sums: Vec<Vec<PixelSum>> = layout
+            .sectors
+            .iter()
+            .map(|&n| vec![PixelSum::default(); n as usize])
+            .collect();
+        for_wood_pixels(raster, |at, ring| {
+            let Some(sectors) = sums.get_mut(ring).filter(|s| !s.is_empty()) else {
+                return;
+            };
+            let d = at - centres[ring];
+            let turn = (libm::atan2(d.y, d.x) - window.start).rem_euclid(TAU) / window.width;
+            let sector = (turn * sectors.len() as f64 + offset) as usize % sectors.len();
+            sectors[sector].add(at, 1.0);
+        });
+        PixelBundles {
+            pith,
+            pith_inside,
+            centres,
+            sums,
+        }
+    }
+}
+
+/// Visits the position (m) and the ring, counted from 0 at the pith, of every pixel that is wood.
+fn for_wood_pixels(raster: &SectionRaster, mut visit: impl FnMut(DVec2, usize)) {
+    let rings = usize::from(raster.legend.rings);
+    let count = raster.grid.count;
+    for (i, &pass) in raster.passes.iter().enumerate() {
+        let Some(meaning) = raster.legend.passes.get(usize::from(pass)) else {
+            continue;
+        };
+        if pass > 0 {
+            let at = raster.grid.pixel_centre(i % count, i / count);
+            visit(at, usize::from(meaning.ring).clamp(1, rings) - 1);
+        }
+    }
+}
+
+/// Where a ray from `centre` leaves the pixels of rings up to `ring`, m: the middle of the first pixel beyond, or of the
+/// last one of the grid.
+fn first_pixel_beyond(raster: &SectionRaster, centre: DVec2, angle: f64, ring: usize) -> DVec2 {
+    let grid = &raster.grid;
+    let within = |pass: u16| pass > 0 && usize::from(raster.legend.of(pass).ring) <= ring;
     let (sin, cos) = libm::sincos(angle);
     let direction = DVec2::new(cos, sin);
-    let half = 0.5 * grid.count as f64;
-    let start = centre / grid.pixel + half;
+    let start = grid.to_pixels(centre);
     let mut last = (start.x as usize, start.y as usize);
-    // Half pixels, so that no pixel is passed over but at its corner.
+    // Half pixels, so that no pixel is skipped but at its corner.
     for step in 0..4 * grid.count {
         let p = start + direction * (0.5 * step as f64);
         if p.x < 0.0 || p.y < 0.0 {
@@ -338,31 +227,49 @@ fn first_beyond(
             break;
         }
         last = (x, y);
-        if !within(passes[y * grid.count + x]) {
+        if !within(raster.pass(x, y)) {
             break;
         }
     }
-    grid.middle(last.0.min(grid.count - 1), last.1.min(grid.count - 1))
+    grid.pixel_centre(last.0.min(grid.count - 1), last.1.min(grid.count - 1))
 }
 
-/// The angle (rad) at which an outline begins as seen from a point outside of it, and how wide it looks.
-fn seen_from(outline: &Outline, from: DVec2) -> (f64, f64) {
-    let middle = outline.centroid - from;
-    let (mut low, mut high) = (0.0_f64, 0.0_f64);
-    for p in outline.points() {
-        let d = p - from;
-        let angle = libm::atan2(middle.perp_dot(d), middle.dot(d));
-        (low, high) = (low.min(angle), high.max(angle));
+/// The angles under which something is seen from a point, rad.
+struct Window {
+    start: f64,
+    width: f64,
+}
+
+impl Window {
+    /// The angles under which an outline is seen from a point outside of it.
+    fn of_outline(outline: &Outline, from: DVec2) -> Self {
+        let middle = outline.centroid - from;
+        let (mut low, mut high) = (0.0_f64, 0.0_f64);
+        for p in outline.points() {
+            let d = p - from;
+            let angle = libm::atan2(middle.perp_dot(d), middle.dot(d));
+            (low, high) = (low.min(angle), high.max(angle));
+        }
+        Window {
+            start: libm::atan2(middle.y, middle.x) + low,
+            width: (high - low).clamp(1e-9, TAU),
+        }
     }
-    let width = (high - low).clamp(1e-9, 2.0 * PI);
-    (libm::atan2(middle.y, middle.x) + low, width)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anatomy::{field_passes, fill};
+    use crate::anatomy::outline::Outline;
+    use crate::anatomy::passes::PassLegend;
+    use crate::anatomy::passes::passes_of_rings;
+    use crate::raster::PixelGrid;
+    use crate::raster::fill_loops;
+    use crate::rings::RingField;
     use crate::stem::Frame;
+    use crate::tissue::{Proportions, Zone};
+    use std::borrow::Cow;
+    use std::f64::consts::PI;
 
     const TISSUE: Proportions = Proportions {
         pith: 0.1,
@@ -370,8 +277,12 @@ mod tests {
         phloem: 0.1,
     };
 
+    fn rings(count: u16) -> ConcentricRings {
+        ConcentricRings::even(count, &TISSUE)
+    }
+
     /// A lobed section of known area with its pith off the middle.
-    fn section() -> (Section, f64) {
+    fn section() -> (TransverseSection, f64) {
         let radius = |a: f64| 0.05 * (1.0 + 0.1 * (3.0 * a).cos());
         let own: Vec<DVec2> = (0..720)
             .map(|i| TAU * f64::from(i) / 720.0)
@@ -384,8 +295,8 @@ mod tests {
             area,
             centroid: DVec2::ZERO,
             girth: 0.33,
-            guessed: 0.0,
-            parts: 1,
+            bridged: 0.0,
+            own_loops: 1,
             loops: vec![own],
         };
         let frame = Frame {
@@ -395,7 +306,7 @@ mod tests {
             tangent: DVec3::X,
         };
         (
-            Section {
+            TransverseSection {
                 length: 0.5,
                 frame,
                 outline,
@@ -408,8 +319,8 @@ mod tests {
     #[test]
     fn equation_1_counts_the_particles_and_their_areas_make_the_section() {
         let (section, area) = section();
-        let layout = Layout::fixed(20, 40);
-        let particles = field_particles(&section, 7, &layout, &TISSUE);
+        let layout = SectorLayout::equal_angle(20, 40);
+        let particles = particles_from_field(&section, 7, &layout, &rings(20));
         // One layer of Eq. 1's sum: N_sec · N_ring.
         assert_eq!(particles.len(), 800);
         let sum: f64 = particles.iter().map(|p| p.area).sum();
@@ -417,7 +328,7 @@ mod tests {
         // The outermost ring's particles are on the bark, the frame's x axis first.
         let bark = particles.iter().filter(|p| p.ring == 20);
         for (k, p) in bark.enumerate() {
-            assert_eq!((p.sector, p.layer, p.zone), (k as u32, 7, Zone::Bark));
+            assert_eq!((p.sector, p.layer, p.tissue), (k as u32, 7, Zone::Bark));
             let d = p.position - section.frame.origin;
             let (x, y) = (d.dot(DVec3::Y), d.dot(DVec3::Z));
             let r = 0.05 * (1.0 + 0.1 * (3.0 * y.atan2(x)).cos());
@@ -428,8 +339,8 @@ mod tests {
     #[test]
     fn equal_area_bundles_are_equal_where_fixed_ones_differ_tens_of_times() {
         let (section, area) = section();
-        let spread = |layout: &Layout| {
-            let particles = field_particles(&section, 0, layout, &TISSUE);
+        let spread = |layout: &SectorLayout| {
+            let particles = particles_from_field(&section, 0, layout, &rings(20));
             assert_eq!(particles.len() as u64, layout.particles());
             let sum: f64 = particles.iter().map(|p| p.area).sum();
             assert!((sum / area - 1.0).abs() < 1e-4);
@@ -439,8 +350,8 @@ mod tests {
                 .map(|p| p.area)
                 .fold(f64::INFINITY, f64::min)
         };
-        let fixed = spread(&Layout::fixed(20, 40));
-        let layout = Layout::equal_area([&section.field], 20, 40);
+        let fixed = spread(&SectorLayout::equal_angle(20, 40));
+        let layout = SectorLayout::equal_area([&section.field], &rings(20), 40);
         let equal = spread(&layout);
         // Rounding to whole sectors is all that is left: half a sector of the innermost rings' one or two.
         assert!(fixed > 30.0 && equal < 2.0, "{fixed} {equal}");
@@ -453,7 +364,7 @@ mod tests {
 
     #[test]
     fn sectors_of_equal_area_suit_all_sections_of_a_stem() {
-        // Two sections, one between roots, whose lobes are the outer rings'.
+        // Two sections, one between roots, whose lobes belong to the outer rings.
         let outline = |wave: f64| -> Vec<DVec2> {
             (0..720)
                 .map(|i| TAU * f64::from(i) / 720.0)
@@ -463,11 +374,11 @@ mod tests {
         let fields =
             [0.0, 0.25].map(|wave| RingField::round(&outline(wave), DVec2::new(0.004, 0.0), 0.1));
         // Shares of the outermost of 30 rings in bundles of 60 sectors, over the mean bundle of the section.
-        let worst = |layout: &Layout| {
+        let worst = |layout: &SectorLayout| {
             fields
                 .iter()
                 .map(|field| {
-                    let areas = Areas::of(field, 30);
+                    let areas = RingAreas::new(field, &rings(30));
                     let whole: f64 = (0..30).map(|k| areas.total(k)).sum();
                     let mean = whole / layout.particles() as f64;
                     let outer = areas.total(29) / f64::from(layout.sectors[29]);
@@ -475,23 +386,30 @@ mod tests {
                 })
                 .fold(0.0, f64::max)
         };
-        let of_one = worst(&Layout::equal_area([&fields[0]], 30, 60));
-        let of_both = worst(&Layout::equal_area(&fields, 30, 60));
+        let of_one = worst(&SectorLayout::equal_area([&fields[0]], &rings(30), 60));
+        let of_both = worst(&SectorLayout::equal_area(&fields, &rings(30), 60));
         assert!(of_one > 0.1 && of_both < 0.7 * of_one, "{of_one} {of_both}");
     }
 
     #[test]
-    fn particles_of_pixels_agree_with_those_of_the_field_they_were_drawn_from() {
+    fn particles_of_pixels_agree_with_those_of_the_field() {
         let (section, area) = section();
-        let grid = Grid {
+        let grid = PixelGrid {
             count: 512,
             pixel: 0.12 / 512.0,
         };
-        let map = fill(&grid, &section.outline.loops);
-        let passes = field_passes(&grid, &map, &section.field, 10);
-        let numbers = RingNumbers::alternating(20, &TISSUE);
-        let layout = Layout::fixed(10, 24);
-        let particles = pixel_particles(&section, (&grid, &passes), &numbers, &layout, 3);
+        let wood = fill_loops(&grid, &section.outline.loops);
+        let legend = PassLegend::of_rings(&rings(10));
+        let raster = SectionRaster {
+            grid,
+            passes: passes_of_rings(&grid, &wood, &section.field, &rings(10)),
+            wood,
+            palette: Cow::Owned(vec![[0; 3]; legend.passes.len()]),
+            legend: Cow::Owned(legend),
+            pith: section.field.pith(),
+        };
+        let layout = SectorLayout::equal_angle(10, 24);
+        let particles = particles_from_raster(&section, &raster, &layout, 3);
         assert_eq!(particles.len(), 240);
         let sum: f64 = particles.iter().map(|p| p.area).sum();
         assert!((sum / area - 1.0).abs() < 2e-3, "{sum} of {area}");

@@ -1,24 +1,24 @@
-//! The continuous ring field of a section: ring coordinate and angle of every point, and back (`model.md` §1).
+//! The continuous ring field of a section: ring coordinate and angle of every point, and back.
 //!
 //! The radius about the pith is written as r(ρ, φ) = ρ · mean · exp(Σ g_k(ρ) · wave k of ln r(1, φ)), so that an
-//! outline that is a circle beside the pith gives circles beside the pith, and g = 1 gives the outline made smaller.
-//! What a wave is worth inside, its gain g_k, follows how a stem grows:
+//! outline that is a circle beside the pith gives circles beside the pith, and g = 1 gives the outline scaled down.
+//! How much of a wave is left inside, its gain g_k, follows how a stem grows:
 //!
-//! - Wave 1 is eccentricity: the stem grows faster on one side, year after year, so that it stays on the way in. Only
+//! - Wave 1 is eccentricity: the stem grows faster on one side, year after year, so that it persists towards the pith. Only
 //!   the first years show none, before the shoot is tall enough to lean or to sway: g_1 = ρ³ (1 + h³) / (ρ³ + h³).
-//! - Waves from 2 on are bumps and dents. A front that grows along its normal rounds them off as curvature does, by
-//!   rates that go with k² − 1: g_k = ρ^(q (k² − 1)). A furrow of the bark is gone a few rings inside.
+//! - Waves from 2 on are bumps and dents. A front that grows along its normal rounds them off as curvature does, at
+//!   rates proportional to k² − 1: g_k = ρ^(q (k² − 1)). A furrow of the bark vanishes within a few rings.
 //!
-//! A deep notch would fade faster than rings are thick there and they would cross. Below one, and only there, they make
-//! way inwards, the outermost farthest, and crowd together.
+//! Below a deep notch, waves would fade faster than rings are thick, and rings would cross. There, and only there, they are
+//! shifted inwards, the outermost most, and crowd together.
 //!
-//! Exponents and rates were chosen on three annotated sections of pine, of which they meet the rings to 5.1, 4.0 and
-//! 2.3 % of a ring's mean radius (the outline made smaller: 5.8, 4.9, 3.2 %; the root mean square over all angles).
-//! Chosen on two of the three at a time they meet the third to 5.6, 4.05 and 2.27 %, which is what to expect elsewhere.
+//! Exponents and rates were chosen on three annotated sections of pine, whose rings they match to 5.1, 4.0 and
+//! 2.3 % of a ring's mean radius (the outline scaled down: 5.8, 4.9, 3.2 %; root mean square over all angles).
+//! Chosen on two of the three at a time they match the third to 5.6, 4.05 and 2.27 %, which is what to expect elsewhere.
 //!
-//! In a board rings are arcs about the pith and ρ is the distance from it over the largest one in the section.
+//! In a board rings are arcs about the pith, and ρ is the distance from it over the largest one in the section.
 
-use crate::stem::polygon;
+use crate::polygon;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
@@ -26,18 +26,30 @@ use std::f64::consts::{PI, TAU};
 const ANGLES: usize = 512;
 /// Steps of ρ in the table.
 const LEVELS: usize = 64;
-/// The ρ at which half of the eccentricity is there, h above. In pines' sections eccentricity starts between 0.2 and
-/// 0.36 of the radius. From 0.25 to 0.31 the error on the section that is most eccentric, F02b, changes by
-/// 4 % of itself to either side.
-const ONSET: f64 = 0.28;
+/// The ρ at which half of the eccentricity is reached, h above. In the pine sections eccentricity starts between 0.2 and
+/// 0.36 of the radius. From 0.25 to 0.31 the error on the most eccentric section, F02b, changes by 4 % of itself to either
+/// side.
+const ECCENTRICITY_ONSET: f64 = 0.28;
 /// The factor q above. From 0.15 to 0.3 errors change by less than 1 % of themselves.
-const FADING: f64 = 0.2;
+const FADING_RATE: f64 = 0.2;
 /// Largest exponent of ρ by which waves fade: half of a wave is left a fiftieth of the radius inside.
-const STEEPEST: f64 = 32.0;
-/// Rings are nowhere closer than this, relative to even spacing along the ray.
-const CLOSEST: f64 = 0.06;
+const MAX_EXPONENT: f64 = 32.0;
+/// Least distance of rings, relative to even spacing along the ray.
+const MIN_SPACING: f64 = 0.06;
 
 /// Ring coordinate and angle in a section, in its grain coordinates (x, y).
+///
+/// ```
+/// use glam::DVec2;
+/// use greenstick_wood::rings::RingField;
+///
+/// let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(DVec2::from);
+/// let field = RingField::from_outline(&square, DVec2::ZERO)?;
+/// let (rho, angle) = field.address(DVec2::new(0.0, 0.5));
+/// assert!(rho > 0.4 && rho < 0.6 && (angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+/// assert!(field.point(rho, angle).distance(DVec2::new(0.0, 0.5)) < 1e-12);
+/// # Ok::<(), greenstick_wood::rings::RingError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingField {
     pith: DVec2,
@@ -63,7 +75,7 @@ impl RingField {
             .iter()
             .map(|r| r.unwrap_or(mean).max(0.02 * mean))
             .collect();
-        // An outline that folds back makes the radius jump; one pass takes the edge off it.
+        // An outline that folds back makes the radius jump; one pass of smoothing takes the edge off it.
         let outer: Vec<f64> = (0..ANGLES)
             .map(|j| {
                 let (a, b) = (raw[(j + ANGLES - 1) % ANGLES], raw[(j + 1) % ANGLES]);
@@ -154,7 +166,7 @@ impl RingField {
     }
 
     /// Radius (m) of ρ = 1 at an angle (rad).
-    pub fn outer(&self, angle: f64) -> f64 {
+    pub fn outer_radius(&self, angle: f64) -> f64 {
         match &self.shape {
             Shape::Arcs(outer) => *outer,
             Shape::Table { table, .. } => Column::at(table, angle).radius(LEVELS),
@@ -223,17 +235,16 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Radii of all rings at all angles for the outer radii, nowhere crossing: where rings would, they lie inwards of where
-/// they should, and elsewhere where they should.
+/// Radii of all rings at all angles for the outer radii. Where rings would cross, they are shifted inwards.
 fn table(outer: &[f64]) -> Vec<f64> {
-    let mut table = Waves::of(outer).table(outer);
+    let mut table = Waves::new(outer).table(outer);
     for column in table.chunks_exact_mut(LEVELS + 1) {
-        // Relative to the tightest even spacing that reaches any of the rings, so that all find room.
+        // Relative to the tightest even spacing that reaches any of the rings, so that all fit.
         let even = (1..=LEVELS)
             .map(|level| column[level] / level as f64)
             .fold(f64::INFINITY, f64::min);
         for level in (1..LEVELS).rev() {
-            column[level] = column[level].min(column[level + 1] - CLOSEST * even);
+            column[level] = column[level].min(column[level + 1] - MIN_SPACING * even);
         }
     }
     table
@@ -250,7 +261,7 @@ struct Waves {
 }
 
 impl Waves {
-    fn of(outer: &[f64]) -> Self {
+    fn new(outer: &[f64]) -> Self {
         let circle: Vec<(f64, f64)> = (0..ANGLES)
             .map(|j| {
                 let (sin, cos) = libm::sincos(TAU * j as f64 / ANGLES as f64);
@@ -258,7 +269,7 @@ impl Waves {
             })
             .collect();
         let logarithms: Vec<f64> = outer.iter().map(|&r| libm::log(r)).collect();
-        let single = (0..).take_while(|&k| exponent(k) < STEEPEST);
+        let single = (0..).take_while(|&k| exponent(k) < MAX_EXPONENT);
         let parts = single
             .flat_map(|k| {
                 let (mut c, mut s) = (0.0, 0.0);
@@ -284,7 +295,7 @@ impl Waves {
         let single = self.parts.len() / 2;
         let mut table = vec![0.0; ANGLES * (LEVELS + 1)];
         let mut weights = vec![0.0; single + 1];
-        // Wave by wave the values at all angles; last what is left.
+        // Wave by wave the values at all angles; the last is the remainder.
         let mut waves: Vec<Vec<f64>> = (0..single)
             .map(|k| {
                 let at = |j: usize| self.circle[j * k % ANGLES];
@@ -300,13 +311,13 @@ impl Waves {
             let ring = level as f64 / LEVELS as f64;
             for (k, weight) in weights[..single].iter_mut().enumerate() {
                 *weight = match k {
-                    // The mean only scales, which the ring's own mean takes away again.
+                    // The mean only scales, which the ring's own mean cancels.
                     0 => 0.0,
-                    1 => eccentric(ring),
+                    1 => eccentricity_gain(ring),
                     _ => libm::pow(ring, exponent(k)),
                 };
             }
-            weights[single] = libm::pow(ring, STEEPEST);
+            weights[single] = libm::pow(ring, MAX_EXPONENT);
             radii.fill(0.0);
             for (wave, weight) in waves.iter().zip(&weights) {
                 for (radius, w) in radii.iter_mut().zip(wave) {
@@ -330,12 +341,15 @@ impl Waves {
 
 /// The power of ρ by which wave k fades.
 fn exponent(k: usize) -> f64 {
-    FADING * ((k * k) as f64 - 1.0).max(0.0)
+    FADING_RATE * ((k * k) as f64 - 1.0).max(0.0)
 }
 
 /// The share of the outline's eccentricity that a ring has.
-fn eccentric(ring: f64) -> f64 {
-    let (r, h) = (ring * ring * ring, ONSET * ONSET * ONSET);
+fn eccentricity_gain(ring: f64) -> f64 {
+    let (r, h) = (
+        ring * ring * ring,
+        ECCENTRICITY_ONSET * ECCENTRICITY_ONSET * ECCENTRICITY_ONSET,
+    );
     r * (1.0 + h) / (r + h)
 }
 
@@ -380,7 +394,7 @@ mod tests {
             let sagitta = 0.05 * (25.0 * depth + 1.5) * (TAU / 240.0).powi(2) / 8.0;
             for p in &outline {
                 let d = *p - field.pith();
-                let off = d.length() - field.outer(libm::atan2(d.y, d.x));
+                let off = d.length() - field.outer_radius(libm::atan2(d.y, d.x));
                 assert!(off.abs() < sagitta, "{depth}: {off}");
             }
         }

@@ -1,18 +1,30 @@
-//! Annual rings of one section: the published erosion of its picture, and the continuous field that everything
-//! downstream is written in (`model.md` §1; Forests 2023 §3.3).
+//! Annual rings: the shape of rings in a section ([`RingField`]), and the sources that divide it into years
+//! ([`RingSource`]).
 
-pub mod erosion;
+mod address;
+mod concentric;
+mod erosion;
 mod field;
-mod kernel;
-mod kernels;
+mod irregular;
 mod pith;
-mod schedule;
+mod section;
 mod series;
+mod source;
 
-pub use erosion::{Circle, NEVER, TwoSided, erode, passes, passes_of_all, two_sided};
+pub use address::StemAddress;
+pub use concentric::{ConcentricRings, LATEWOOD_FRACTION, RingEdges};
+pub use erosion::{
+    ErodedPasses, Erosion, ErosionFronts, ErosionSchedule, InnerCircleError, Kernel,
+    KernelListError, KernelSchedule, NOT_ERODED, Pass, PixelCircle, ScheduleError, erode,
+    erode_from_both_sides, erosion_passes, ring_numbers,
+};
 pub use field::RingField;
-pub use kernel::Kernel;
-pub use kernels::KernelsError;
-pub use pith::likely_pith;
-pub use schedule::{Kind, Pass, Schedule, ScheduleError, rings_of};
-pub use series::{RingError, RingList};
+pub use irregular::{IrregularRings, TissueEdges};
+pub(crate) use irregular::{latewood_strength, periodic_cells};
+pub use pith::estimate_pith;
+pub use section::{
+    AnnotatedRing, RingComparison, RingCurve, SectionOutline, SectionRingError, SectionRingMethod,
+    SectionRings,
+};
+pub use series::{RingError, RingSeries};
+pub use source::{RingPart, RingPosition, RingSource};

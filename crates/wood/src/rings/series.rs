@@ -1,32 +1,32 @@
 //! The rings of one section, given as a number, as mean radii or as widths (a climate series).
 
-use super::RingField;
-use crate::stem::polygon;
+use super::field::RingField;
+use crate::polygon;
 use glam::DVec2;
 
-/// Rings are at most this many: more are no wood.
-const MOST: usize = 100_000;
-/// The last ring may be larger than the outline by this share, which is how far printed radii are rounded.
-const SLACK: f64 = 1e-3;
+/// Most rings of a section: no tree has more.
+const MAX_RINGS: usize = 100_000;
+/// The last ring may be larger than the outline by this share, since printed radii are rounded.
+const ROUNDING_TOLERANCE: f64 = 1e-3;
 
-/// Which rings a section has. Lengths are in the outline's unit.
+/// The rings of a section. Lengths are in the outline's unit.
 #[derive(Debug, Clone, PartialEq)]
-pub enum RingList {
-    /// So many rings of the same mean width; the last one is the outline.
+pub enum RingSeries {
+    /// This many rings of the same mean width; the last one is the outline.
     Number(usize),
     /// Mean radii about the pith, from the pith outwards.
     Radii(Vec<f64>),
-    /// Mean widths from the pith outwards. What they leave of the mean radius lies outside the last one.
+    /// Mean widths from the pith outwards. The rest of the mean radius lies outside the last one.
     Widths(Vec<f64>),
 }
 
-/// Why a section has no such rings.
+/// Why rings do not fit a section.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RingError {
     /// Too few points.
     #[error("the outline has {0} points; it takes at least 3")]
     Points(usize),
-    /// A coordinate that is no number.
+    /// A coordinate that is not finite.
     #[error("point {index} of the outline is ({x}, {y}); coordinates must be finite numbers")]
     Coordinate {
         /// Which point, from 0.
@@ -58,9 +58,9 @@ pub enum RingError {
         bottom: f64,
     },
     /// No rings, or more than wood has.
-    #[error("{0} rings asked for; give 1 to 100000")]
+    #[error("{0} rings; expected 1 to 100000")]
     Number(usize),
-    /// A radius or width that is no positive number.
+    /// A radius or width that is not a positive number.
     #[error("{what} {number} is {value}; it must be a positive number")]
     Value {
         /// `radius` or `width`.
@@ -70,9 +70,9 @@ pub enum RingError {
         /// As given.
         value: f64,
     },
-    /// Radii that do not rise.
+    /// Radii that do not increase.
     #[error(
-        "radius {number} is {value}, not more than {before} before it; radii must rise from the pith outwards"
+        "radius {number} is {value}, not more than {before} before it; radii must increase from the pith outwards"
     )]
     Order {
         /// Which, from 1.
@@ -103,7 +103,7 @@ impl RingField {
     ///
     /// # Errors
     /// [`RingError`] where the outline is no area or does not hold the pith.
-    pub fn of_section(outline: &[DVec2], pith: DVec2) -> Result<Self, RingError> {
+    pub fn from_outline(outline: &[DVec2], pith: DVec2) -> Result<Self, RingError> {
         if outline.len() < 3 {
             return Err(RingError::Points(outline.len()));
         }
@@ -136,19 +136,19 @@ impl RingField {
     ///
     /// # Errors
     /// [`RingError`] where they do not fit into the section.
-    pub fn coordinates(&self, rings: &RingList) -> Result<Vec<f64>, RingError> {
+    pub fn coordinates(&self, rings: &RingSeries) -> Result<Vec<f64>, RingError> {
         let (what, radii) = match rings {
-            RingList::Number(n) => {
-                if !(1..=MOST).contains(n) {
+            RingSeries::Number(n) => {
+                if !(1..=MAX_RINGS).contains(n) {
                     return Err(RingError::Number(*n));
                 }
                 return Ok((1..=*n).map(|i| i as f64 / *n as f64).collect());
             }
-            RingList::Radii(radii) => {
+            RingSeries::Radii(radii) => {
                 check("radius", radii)?;
                 ("radii", radii.clone())
             }
-            RingList::Widths(widths) => {
+            RingSeries::Widths(widths) => {
                 check("width", widths)?;
                 let mut sum = 0.0;
                 let radii = widths.iter().map(|w| {
@@ -170,8 +170,8 @@ impl RingField {
                     before,
                 });
             }
-            // Only the last may use the slack: two rings on the outline would be one.
-            if value > outer * (1.0 + SLACK) || before >= outer {
+            // Only the last may use the tolerance: two rings on the outline would be one.
+            if value > outer * (1.0 + ROUNDING_TOLERANCE) || before >= outer {
                 return Err(RingError::TooLarge {
                     what,
                     number,
@@ -198,7 +198,7 @@ impl RingField {
 }
 
 fn check(what: &'static str, values: &[f64]) -> Result<(), RingError> {
-    if !(1..=MOST).contains(&values.len()) {
+    if !(1..=MAX_RINGS).contains(&values.len()) {
         return Err(RingError::Number(values.len()));
     }
     match values.iter().position(|v| !(v.is_finite() && *v > 0.0)) {

@@ -14,33 +14,44 @@ pub(super) struct Circle {
     /// Root of the mean square of their distances from it, or from a form with lobes and flutes that follows it.
     pub rms: f64,
     /// Share of its girth that has points.
-    pub cover: f64,
+    pub coverage: f64,
     /// Points well inside it for each one on it: wood is solid, so that a scan shows none, whereas a crown is full of them.
     pub inside: f64,
-    /// How unlikely it is that points strewn evenly about would lie on any circle so well: the logarithm of one over the
-    /// number of such circles that chance brings (Desolneux, Moisan and Morel 2000). At 0 one is to be expected.
+    /// How unlikely it is that evenly scattered points would lie on any circle so well: the logarithm of one over the
+    /// number of such circles that chance brings (Desolneux, Moisan and Morel 2000, Meaningful Alignments). At 0 one is to
+    /// be expected.
     pub evidence: f64,
-    /// The same, of places that are apart instead of points: those that stand together count once.
-    pub apart: f64,
+    /// The same of occupied cells instead of points: points that stand close together count once.
+    pub cell_evidence: f64,
 }
 
 /// What is known of the circle beforehand.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected {
-    /// Smallest and largest radius.
-    pub radius: (f64, f64),
-    /// Where its centre is, how far it may be from there, and its radius.
-    pub near: Option<(DVec2, f64, f64)>,
+    pub min_radius: f64,
+    pub max_radius: f64,
+    pub prior: Option<Prior>,
+}
+
+/// A circle that is about where it was before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prior {
+    pub centre: DVec2,
+    pub radius: f64,
+    /// How far the centre may be from there.
+    pub max_offset: f64,
 }
 
 /// Samples of three points.
 const SAMPLES: i64 = 150;
-/// Points that score a sample.
-const SCORED: usize = 240;
+/// Most points that score a sample.
+const MAX_SCORED: usize = 240;
+/// Rounds of least squares.
+const REFINEMENTS: usize = 8;
 /// Distance from the circle, in radii, up to which a point lies on it: bark furrows and buttresses included.
-const TOLERANCE: f64 = 0.15;
+const ON_CIRCLE_RADII: f64 = 0.15;
 /// Distance within the circle, in radii, from which on a point is well inside.
-const INSIDE: f64 = 0.3;
+const INSIDE_RADII: f64 = 0.3;
 /// Sectors in which the covered girth is counted.
 const SECTORS: usize = 24;
 
@@ -50,20 +61,20 @@ pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Ci
     if count < 6 {
         return None;
     }
-    let stride = count.div_ceil(SCORED);
+    let stride = count.div_ceil(MAX_SCORED);
     let scored: Vec<DVec2> = points.iter().step_by(stride).copied().collect();
     let allowed = |centre: DVec2, radius: f64| {
-        (expected.radius.0..=expected.radius.1).contains(&radius)
+        (expected.min_radius..=expected.max_radius).contains(&radius)
             && expected
-                .near
-                .is_none_or(|(c, reach, _)| c.distance(centre) <= reach)
+                .prior
+                .is_none_or(|p| p.centre.distance(centre) <= p.max_offset)
     };
     let mut best: Option<(f64, DVec2, f64)> = None;
     let mut consider = |centre: DVec2, radius: f64| {
         if !allowed(centre, radius) {
             return;
         }
-        let tolerance = TOLERANCE * expected.near.map_or(radius, |n| n.2);
+        let tolerance = ON_CIRCLE_RADII * expected.prior.map_or(radius, |p| p.radius);
         let loss: f64 = scored
             .iter()
             .map(|p| ((p.distance(centre) - radius) / tolerance).powi(2).min(1.0))
@@ -72,41 +83,40 @@ pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Ci
             best = Some((loss, centre, radius));
         }
     };
-    if let Some((centre, _, radius)) = expected.near {
-        consider(centre, radius);
+    if let Some(prior) = expected.prior {
+        consider(prior.centre, prior.radius);
     }
     for k in 0..SAMPLES {
         let pick = |n: i64| points[(noise::unit(seed, k, n, 0) * count as f64) as usize % count];
-        if let Some((centre, radius)) = through(pick(0), pick(1), pick(2)) {
+        if let Some((centre, radius)) = circle_through(pick(0), pick(1), pick(2)) {
             consider(centre, radius);
         }
     }
     let (_, mut centre, mut radius) = best?;
-    for _ in 0..8 {
-        (centre, radius) = refined(points, centre, radius, expected)?;
+    for _ in 0..REFINEMENTS {
+        (centre, radius) = refine(points, centre, radius, expected)?;
     }
-    allowed(centre, radius).then(|| judged(points, centre, radius))
+    allowed(centre, radius).then(|| judge(points, centre, radius))
 }
 
 /// Half the widths of bands about a circle, in radii, that are tried to judge it.
 const BANDS: [f64; 4] = [0.15, 0.08, 0.04, 0.02];
 /// Radii about a circle's middle within which points are compared with those on it.
-const ABOUT: f64 = 2.0;
-
+const COMPARED_RADII: f64 = 2.0;
 /// Side of the cells, in radii, of whose points one counts as evidence.
-const CELL: f64 = 0.12;
+const CELL_RADII: f64 = 0.12;
 
-/// Distances from the middle in radii, one for each occupied cell: what stands close together, as the points of a twig do,
-/// was not strewn one by one, and counts once.
-fn apart(points: &[DVec2], centre: DVec2, radius: f64) -> Vec<f64> {
+/// Distances from the middle in radii, one for each occupied cell: points that stand close together, as those of a twig
+/// do, were not scattered one by one, and count once.
+fn cell_distances(points: &[DVec2], centre: DVec2, radius: f64) -> Vec<f64> {
     let mut cells: Vec<((i64, i64), f64)> = points
         .iter()
         .map(|p| {
             let d = (*p - centre) / radius;
-            let cell = (d / CELL).floor();
+            let cell = (d / CELL_RADII).floor();
             ((cell.x as i64, cell.y as i64), d.length())
         })
-        .filter(|cell| cell.1 < ABOUT)
+        .filter(|cell| cell.1 < COMPARED_RADII)
         .collect();
     cells.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     // The middle one of a cell's points stands for all of them.
@@ -118,14 +128,14 @@ fn apart(points: &[DVec2], centre: DVec2, radius: f64) -> Vec<f64> {
 
 /// The evidence of a circle from its points' distances to the middle in radii. `count` points choose it, three by three.
 fn evidence(distances: &[f64], count: usize) -> f64 {
-    let about = distances.iter().filter(|d| **d < ABOUT).count() as f64;
-    if about < 1.0 {
+    let compared = distances.iter().filter(|d| **d < COMPARED_RADII).count() as f64;
+    if compared < 1.0 {
         return f64::NEG_INFINITY;
     }
-    let unlikely = |band: f64| {
+    let unlikeliness = |band: f64| {
         let on = distances.iter().filter(|d| (**d - 1.0).abs() < band);
-        let share = on.count() as f64 / about;
-        let chance = 4.0 * band / (ABOUT * ABOUT);
+        let share = on.count() as f64 / compared;
+        let chance = 4.0 * band / (COMPARED_RADII * COMPARED_RADII);
         if share <= chance {
             return 0.0;
         }
@@ -135,15 +145,15 @@ fn evidence(distances: &[f64], count: usize) -> f64 {
         } else {
             0.0
         };
-        about * (share * libm::log(share / chance) + rest)
+        compared * (share * libm::log(share / chance) + rest)
     };
-    let best = BANDS.map(unlikely).into_iter().fold(0.0, f64::max);
+    let best = BANDS.map(unlikeliness).into_iter().fold(0.0, f64::max);
     let tests = 3.0 * libm::log(count.max(2) as f64) + libm::log(BANDS.len() as f64);
     best - tests
 }
 
-/// The circle through three points.
-fn through(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
+/// Centre and radius of the circle through three points.
+fn circle_through(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
     let (u, v) = (b - a, c - a);
     let d = 2.0 * u.perp_dot(v);
     let size = u.length_squared().max(v.length_squared());
@@ -155,20 +165,23 @@ fn through(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
     Some((a + offset, offset.length()))
 }
 
-/// Angle's sector of `d`.
+/// The sector of the direction `d`.
 fn sector(d: DVec2) -> usize {
     let turn = libm::atan2(d.y, d.x) / std::f64::consts::TAU + 0.5;
     ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
-/// One step of Gauss and Newton. Each sector weighs the same, so that a side seen by two scanners does not pull.
-fn refined(
+/// Weight of the prior against a whole girth: it keeps a short arc from running away.
+const PRIOR_WEIGHT: f64 = 0.3;
+
+/// One Gauss–Newton step. Each sector weighs the same, so that a side seen by two scanners does not pull.
+fn refine(
     points: &[DVec2],
     centre: DVec2,
     radius: f64,
     expected: &Expected,
 ) -> Option<(DVec2, f64)> {
-    let tolerance = TOLERANCE * radius;
+    let tolerance = ON_CIRCLE_RADII * radius;
     let on = |p: &&DVec2| (p.distance(centre) - radius).abs() < tolerance;
     let mut counts = [0.0; SECTORS];
     points
@@ -185,11 +198,9 @@ fn refined(
         matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
         right += row * ((length - radius) * weight);
     }
-    // What is known keeps a short arc from running away, and weighs little against a girth that was seen.
-    const PRIOR: f64 = 0.3;
-    if let Some((c, _, r)) = expected.near {
-        matrix += DMat3::from_diagonal(DVec3::splat(PRIOR));
-        right += (c - centre).extend(r - radius) * PRIOR;
+    if let Some(prior) = expected.prior {
+        matrix += DMat3::from_diagonal(DVec3::splat(PRIOR_WEIGHT));
+        right += (prior.centre - centre).extend(prior.radius - radius) * PRIOR_WEIGHT;
     }
     if matrix.determinant().abs() < 1e-9 {
         return None;
@@ -199,20 +210,21 @@ fn refined(
     (centre.is_finite() && radius > 0.0).then_some((centre, radius))
 }
 
-/// Points from which on a fluted form can be told from strewn points.
-const FLUTED: usize = 100;
+/// Points from which on a fluted form can be distinguished from scattered points.
+const MIN_FLUTED_POINTS: usize = 100;
 
 /// Standard deviation of points, in radii, from whatever smooth form they lie on: each against the mean of those beside
-/// it by angle, which needs no model of the form (Gasser, Sroka and Jennen-Steinmetz 1986). Points strewn evenly have 0.17.
-fn off_any_form(points: &[DVec2], centre: DVec2, radius: f64) -> Option<f64> {
+/// it by angle, which needs no model of the form (Gasser, Sroka and Jennen-Steinmetz 1986). Evenly scattered points have
+/// 0.17.
+fn deviation_from_any_form(points: &[DVec2], centre: DVec2, radius: f64) -> Option<f64> {
     let mut polar: Vec<(f64, f64)> = points
         .iter()
         .map(|p| *p - centre)
         .map(|d| (libm::atan2(d.y, d.x), d.length() / radius - 1.0))
-        .filter(|d| d.1.abs() < INSIDE)
+        .filter(|d| d.1.abs() < INSIDE_RADII)
         .collect();
     let count = polar.len();
-    if count < FLUTED {
+    if count < MIN_FLUTED_POINTS {
         return None;
     }
     polar.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -224,30 +236,32 @@ fn off_any_form(points: &[DVec2], centre: DVec2, radius: f64) -> Option<f64> {
     Some((squares / (1.5 * count as f64)).sqrt())
 }
 
-fn judged(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
+/// How well the points lie on a circle.
+fn judge(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
     let (mut on, mut squares, mut seen) = (0usize, 0.0, [false; SECTORS]);
     let mut inside = 0usize;
     let distances: Vec<f64> = points.iter().map(|p| p.distance(centre) / radius).collect();
     for (p, distance) in points.iter().zip(&distances) {
         let off = (distance - 1.0) * radius;
-        inside += usize::from(off < -INSIDE * radius);
-        if off.abs() < TOLERANCE * radius {
+        inside += usize::from(off < -INSIDE_RADII * radius);
+        if off.abs() < ON_CIRCLE_RADII * radius {
             on += 1;
             squares += off * off;
             seen[sector(*p - centre)] = true;
         }
     }
     let rms = (squares / on.max(1) as f64).sqrt();
-    let formed = off_any_form(points, centre, radius).map_or(rms, |off| off * radius);
+    let deviation = deviation_from_any_form(points, centre, radius);
+    let rms_from_form = deviation.map_or(rms, |off| off * radius);
     Circle {
         centre,
         radius,
         share: on as f64 / points.len() as f64,
-        rms: rms.min(formed),
+        rms: rms.min(rms_from_form),
         inside: inside as f64 / on.max(1) as f64,
         evidence: evidence(&distances, points.len()),
-        apart: evidence(&apart(points, centre, radius), points.len()),
-        cover: seen.iter().filter(|s| **s).count() as f64 / SECTORS as f64,
+        cell_evidence: evidence(&cell_distances(points, centre, radius), points.len()),
+        coverage: seen.iter().filter(|s| **s).count() as f64 / SECTORS as f64,
     }
 }
 
@@ -256,7 +270,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_circle_is_found_among_strangers() {
+    fn a_circle_is_found_among_scattered_points() {
         let centre = DVec2::new(2.0, -1.0);
         let mut points: Vec<DVec2> = (0..300)
             .map(|i| {
@@ -270,12 +284,13 @@ mod tests {
             centre + DVec2::new(x, y)
         }));
         let expected = Expected {
-            radius: (0.1, 2.0),
-            near: None,
+            min_radius: 0.1,
+            max_radius: 2.0,
+            prior: None,
         };
         let circle = fit(&points, &expected, 7).unwrap();
         assert!(circle.centre.distance(centre) < 0.01, "{circle:?}");
-        assert!((circle.radius - 0.5).abs() < 0.01 && circle.cover == 1.0);
+        assert!((circle.radius - 0.5).abs() < 0.01 && circle.coverage == 1.0);
         assert!(circle.share > 0.55 && circle.share < 0.8);
     }
 }

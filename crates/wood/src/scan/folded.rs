@@ -1,144 +1,163 @@
 //! Bark that folds back over itself, so that it is no surface over angle and length: screened Poisson reconstruction of the
 //! points with their normals, cut off square to the stem at both ends.
 
-use super::points::Addressed;
+use super::coverage::{MAX_FOLDED_SHARE, Requirements, coverage, mean_coverage, usable_span};
+use super::points::StemPoints;
 use super::report::{ScanError, ScanOptions, ScanReport, ScannedBark};
-use super::surface::{covers, span};
-use super::{Followed, MOST_FOLDED};
-use crate::stem::Place;
+use super::traced::TracedStem;
+use crate::stem::StemLocation;
 use glam::DVec3;
 use greenstick_geometry::cloud::{MOST_NODES, Neighbours, normals, orient_along_tree, poisson};
 use greenstick_geometry::{Attribute, Bvh, Context, Mesh, PointCloud};
+use std::f64::consts::PI;
 
 /// Points in a cell on average, at least.
-const PER_CELL: f64 = 4.0;
+const MIN_POINTS_PER_CELL: f64 = 4.0;
 /// Part of the most nodes that a grid uses.
-const NODES: f64 = 0.3;
-/// Neighbours of a normal, and of the tree along which normals are oriented.
-const NEAR: usize = 12;
-const LINKED: usize = 8;
-/// Points whose distance from the surface is taken.
-const JUDGED: usize = 4000;
+const NODE_BUDGET: f64 = 0.3;
+/// Neighbours that a normal is estimated from, and neighbours along which normals are oriented.
+const NORMAL_NEIGHBOURS: usize = 12;
+const ORIENTATION_NEIGHBOURS: usize = 8;
+/// Most points whose distance from the surface is measured.
+const MAX_NOISE_SAMPLES: usize = 4000;
 
-/// The bark about the place at length `at`, folds and all.
+/// The bark about the location at length `at` (m), folds and all.
 pub(super) fn bark(
     cloud: &PointCloud,
-    followed: &Followed,
+    stem: &TracedStem,
     at: f64,
     options: &ScanOptions,
     context: &Context,
 ) -> Result<ScannedBark, ScanError> {
     // With what lies off the median form, which is bark here.
-    let mut addressed = Addressed::new(cloud, followed, options.bark_only);
-    let length = followed.axis.length();
-    let cover = covers(&addressed, followed);
-    let (from, to) = span(&addressed, &cover, at, length, options.least_cover, 1.0)?;
-    let margin = 2.0 * followed.mean_radius();
-    addressed
+    let mut points = StemPoints::new(cloud, stem, options.bark_only, context)?;
+    let length = stem.axis.length();
+    let coverage = coverage(&points, stem);
+    let required = Requirements {
+        min_coverage: options.min_coverage,
+        max_folded: 1.0,
+    };
+    let span = usable_span(&points, &coverage, at, length, required)?;
+    let (from, to) = span;
+    let margin = 2.0 * stem.mean_radius();
+    points
         .points
         .retain(|p| (from - margin..=to + margin).contains(&p.s));
-    let points: Vec<DVec3> = addressed
+    let positions: Vec<DVec3> = points
         .points
         .iter()
         .map(|p| cloud.points[p.number as usize])
         .collect();
-    let directions = directions(&addressed, &points);
-    let mean_cover = cover
-        .iter()
-        .map(|c| c.share * (c.to_m - c.from_m))
-        .sum::<f64>()
-        / length;
-    let radius = followed.mean_radius();
-    let area = followed.section.girth(radius) * (to - from) * mean_cover;
-    let (low, high) = points
-        .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| {
-            (a.min(*p), b.max(*p))
-        });
-    let extent = (high - low + 2.0 * radius).to_array();
-    let cell = (PER_CELL * area / points.len().max(1) as f64)
-        .sqrt()
-        .max((extent.iter().product::<f64>() / (NODES * MOST_NODES)).cbrt());
-    let [base, end] = [from, to].map(|s| followed.axis.frame(s));
+    context.check()?;
+    let directions = outward_normals(&points, &positions);
+    let mean_coverage = mean_coverage(&coverage, length);
+    let cell = cell_width(&positions, stem, to - from, mean_coverage);
+    let [base, end] = [from, to].map(|s| stem.axis.frame(s));
     let inside = |p: DVec3| {
         let ahead = (p - base.origin).dot(base.tangent);
         ahead.min((end.origin - p).dot(end.tangent))
     };
-    let mut mesh = largest(poisson(&points, &directions, cell, inside, context)?);
+    let mut mesh = largest_shell(poisson(&positions, &directions, cell, inside, context)?);
     if mesh.triangles.is_empty() {
         return Err(ScanError::NoStem {
-            points: points.len(),
+            points: positions.len(),
         });
     }
-    let noise_m = noise(&mesh, &points, &addressed, (from, to));
+    context.check()?;
+    let noise_m = noise(&mesh, &positions, &points, span);
     if !cloud.colours.is_empty() {
-        let tree = Neighbours::new(&points);
-        let data = mesh.positions.iter().flat_map(|p| {
-            let near = tree.nearest(*p, 1).first().map_or(0, |n| n.1 as usize);
-            let number = addressed.points[near].number as usize;
-            cloud.colours[number].map(|c| f32::from(c) / 255.0)
-        });
-        let colours = Attribute {
-            width: 3,
-            data: data.collect(),
-        };
+        let colours = colours(&mesh, &positions, &points);
         mesh.attributes.insert("COLOR_0".to_owned(), colours);
     }
-    let frame = followed.axis.frame(at);
-    let aim = frame.origin + frame.x * followed.radius(at);
-    let off = |p: &&DVec3| p.distance_squared(aim);
-    let place = mesh
-        .positions
-        .iter()
-        .min_by(|a, b| off(a).total_cmp(&off(b)));
-    let around = followed.section.girth(radius) / cell;
-    let mut report = ScanReport {
-        points: points.len(),
-        strangers: 0,
-        fracture_points: addressed.face,
+    let around = stem.shape.girth(stem.mean_radius()) / cell;
+    let report = ScanReport {
+        points: positions.len(),
+        foreign_points: 0,
+        fracture_points: points.fracture_points,
         stem_length_m: length,
         span_m: [from, to],
-        radius_m: (mesh.volume() / (std::f64::consts::PI * (to - from))).sqrt(),
-        mean_cover,
-        completed: 1.0 - mean_cover,
+        radius_m: (mesh.volume() / (PI * (to - from))).sqrt(),
+        coverage,
+        mean_coverage,
+        completed: 1.0 - mean_coverage,
         noise_m,
         cells: [around, (to - from) / cell].map(|n| n.round() as usize),
         ..ScanReport::default()
     };
-    report.cover = cover;
     Ok(ScannedBark {
-        place: Place::Point(place.copied().unwrap_or(aim)),
+        location: StemLocation::Point(vertex_at(&mesh, stem, at)),
         mesh,
-        centreline: followed.axis.points().to_vec(),
+        centreline: stem.axis.points().to_vec(),
         report,
     })
 }
 
-/// What is told of a bark that was made this way. `folded` is the share of the sections' parts with folds.
+/// The note of a bark that was made this way. `folded` is the share of the sections' patches with folds.
 pub(super) fn note(from: f64, to: f64, folded: f64) -> String {
     format!(
-        "from {from:.2} to {to:.2} m along the stem a ray from the pith meets {:.0} % of the sections' parts more than once, \
-         and {:.0} % is the most for a surface over angle and length: the bark was closed by screened Poisson reconstruction",
+        "from {from:.2} to {to:.2} m along the stem a ray from the pith meets {:.0} % of the sections' patches more than \
+         once, and {:.0} % is the most for a surface over angle and length: the bark was closed by screened Poisson \
+         reconstruction",
         100.0 * folded,
-        100.0 * MOST_FOLDED
+        100.0 * MAX_FOLDED_SHARE
     )
 }
 
-/// Normals of the points out of the wood: the cloud's own, or those of their neighbourhoods.
-fn directions(addressed: &Addressed, points: &[DVec3]) -> Vec<DVec3> {
-    let own = &addressed.cloud.normals;
+/// Side of a cell (m): some points in each over `length` metres of the stem, and no more cells than the budget.
+fn cell_width(positions: &[DVec3], stem: &TracedStem, length: f64, coverage: f64) -> f64 {
+    let radius = stem.mean_radius();
+    let area = stem.shape.girth(radius) * length * coverage;
+    let (low, high) = positions
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| {
+            (a.min(*p), b.max(*p))
+        });
+    let volume: f64 = (high - low + 2.0 * radius).to_array().iter().product();
+    let by_points = (MIN_POINTS_PER_CELL * area / positions.len().max(1) as f64).sqrt();
+    by_points.max((volume / (NODE_BUDGET * MOST_NODES)).cbrt())
+}
+
+/// The vertex nearest to the bark at length `at` (m) and angle 0.
+fn vertex_at(mesh: &Mesh, stem: &TracedStem, at: f64) -> DVec3 {
+    let frame = stem.axis.frame(at);
+    let aim = frame.origin + frame.x * stem.radius(at);
+    let distance = |p: &DVec3| p.distance_squared(aim);
+    let nearest = mesh
+        .positions
+        .iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.copied().unwrap_or(aim)
+}
+
+/// Colours of the nearest points.
+fn colours(mesh: &Mesh, positions: &[DVec3], points: &StemPoints) -> Attribute {
+    let tree = Neighbours::new(positions);
+    let data = mesh.positions.iter().flat_map(|p| {
+        let near = tree.nearest(*p, 1).first().map_or(0, |n| n.1 as usize);
+        let number = points.points[near].number as usize;
+        points.cloud.colours[number].map(|c| f32::from(c) / 255.0)
+    });
+    Attribute {
+        width: 3,
+        data: data.collect(),
+    }
+}
+
+/// Normals that point out of the wood: the cloud's own, or those of the points' neighbourhoods.
+fn outward_normals(points: &StemPoints, positions: &[DVec3]) -> Vec<DVec3> {
+    let own = &points.cloud.normals;
     if !own.is_empty() {
-        let numbers = addressed.points.iter().map(|p| p.number as usize);
+        let numbers = points.points.iter().map(|p| p.number as usize);
         return numbers.map(|n| own[n]).collect();
     }
-    let tree = Neighbours::new(points);
-    let mut found = normals(points, &tree, NEAR);
-    orient_along_tree(points, &mut found, &tree, LINKED);
+    let tree = Neighbours::new(positions);
+    let mut found = normals(positions, &tree, NORMAL_NEIGHBOURS);
+    orient_along_tree(positions, &mut found, &tree, ORIENTATION_NEIGHBOURS);
     found
 }
 
-/// The connected part of a closed mesh that holds most.
-fn largest(mesh: Mesh) -> Mesh {
+/// The connected part of a closed mesh with the largest volume.
+fn largest_shell(mesh: Mesh) -> Mesh {
     let shells = mesh.shells();
     let mut volumes = vec![0.0; shells.count];
     let origin = mesh.positions.first().copied().unwrap_or_default();
@@ -148,28 +167,28 @@ fn largest(mesh: Mesh) -> Mesh {
     }
     let best = (0..shells.count).max_by(|a, b| volumes[*a].total_cmp(&volumes[*b]));
     let mut new = vec![u32::MAX; mesh.positions.len()];
-    let mut part = Mesh::default();
+    let mut largest = Mesh::default();
     for (t, &shell) in shells.of_triangle.iter().enumerate() {
         if Some(shell as usize) != best {
             continue;
         }
-        part.triangles.push(mesh.triangles[t].map(|v| {
+        largest.triangles.push(mesh.triangles[t].map(|v| {
             if new[v as usize] == u32::MAX {
-                new[v as usize] = part.positions.len() as u32;
-                part.positions.push(mesh.positions[v as usize]);
+                new[v as usize] = largest.positions.len() as u32;
+                largest.positions.push(mesh.positions[v as usize]);
             }
             new[v as usize]
         }));
     }
-    part
+    largest
 }
 
-/// Standard deviation of the points from the surface.
-fn noise(mesh: &Mesh, points: &[DVec3], addressed: &Addressed, span: (f64, f64)) -> f64 {
+/// Standard deviation of the points within `span` (m) from the surface.
+fn noise(mesh: &Mesh, positions: &[DVec3], points: &StemPoints, span: (f64, f64)) -> f64 {
     let bvh = Bvh::of_triangles(mesh);
-    let stride = points.len().div_ceil(JUDGED).max(1);
+    let stride = positions.len().div_ceil(MAX_NOISE_SAMPLES).max(1);
     let (mut squares, mut count) = (0.0, 0usize);
-    for (p, a) in points.iter().zip(&addressed.points).step_by(stride) {
+    for (p, a) in positions.iter().zip(&points.points).step_by(stride) {
         if (span.0..=span.1).contains(&a.s)
             && let Some(near) = bvh.nearest_on(mesh, *p, f64::INFINITY)
         {

@@ -1,162 +1,141 @@
-//! From a cleaned point cloud and a place to the bark of the stem there, as a mesh (model §1 of Forests 2023, from the
-//! raw cloud on).
+//! From a cleaned point cloud and a location to the bark of the stem there, as a mesh (the first step of Forests 2023,
+//! from the raw cloud on).
 //!
-//! The stem is found and followed by circles (`trace`); its points get an address (angle, length, radius), and where a
-//! ray from the pith meets the bark once, the bark is a surface over (angle, length) at the scan's own resolution, which
-//! closes holes and completes a girth that was seen in part. Elsewhere it is made by screened Poisson reconstruction.
+//! The stem is found and followed by circles (`trace`); its points get an address (angle, length, radius). Where a ray from
+//! the pith meets the bark once, the bark is a surface over (angle, length) at the scan's own resolution, which closes holes
+//! and completes a girth that was seen in part. Elsewhere it is made by screened Poisson reconstruction.
 
 mod circle;
-mod field;
+mod coverage;
 mod folded;
+mod grid;
 mod points;
 mod report;
-mod section;
+mod shape;
 mod surface;
 mod timber;
 mod trace;
+mod traced;
 
-pub use report::{Cover, ScanError, ScanOptions, ScanReport, ScannedBark};
+pub use report::{Coverage, ScanError, ScanOptions, ScanReport, ScannedBark};
 
-use crate::stem::centreline::{Station, smooth};
-use crate::stem::{Axis, Place};
+use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
+use crate::stem::{Axis, StemLocation};
 use glam::DVec3;
-use greenstick_geometry::cloud::Neighbours;
+use greenstick_geometry::cloud::{Neighbours, spacing};
 use greenstick_geometry::{Context, PointCloud};
-use points::Addressed;
-use section::Section;
-use trace::{Ring, Searched};
+use points::StemPoints;
+use shape::SectionShape;
+use timber::Timber;
+use trace::{Limb, Ring, Searched};
+use traced::{RadiusAt, TracedStem};
 
-/// Points that the search for the stem looks at.
-const SEARCHED: usize = 150_000;
-/// Share of the sections' parts that a ray may meet more than once: bark flakes and stubs are no folds.
-pub const MOST_FOLDED: f64 = 0.25;
-
+/// Most points that the search for the stem uses.
+const MAX_SEARCHED: usize = 150_000;
 /// Spread about the surface, in radii, from which on points are those of a crown and not of bark.
-const CROWN: f64 = 0.1;
-
-/// The stem as it was followed: its curve from the base and its radius along it.
-#[derive(Debug, Clone)]
-pub(crate) struct Followed {
-    pub axis: Axis,
-    /// Length (m), radius (m) of the rings, in order.
-    pub radii: Vec<(f64, f64)>,
-    /// The form of its sections.
-    pub section: Section,
-}
-
-impl Followed {
-    /// Mean radius, m.
-    pub fn mean_radius(&self) -> f64 {
-        self.radii.iter().map(|r| r.1).sum::<f64>() / self.radii.len() as f64
-    }
-
-    /// Radius at `s`, m.
-    pub fn radius(&self, s: f64) -> f64 {
-        let k = self
-            .radii
-            .partition_point(|r| r.0 <= s)
-            .clamp(1, self.radii.len() - 1);
-        let (a, b) = (self.radii[k - 1], self.radii[k]);
-        let t = ((s - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-        a.1 + (b.1 - a.1) * t
-    }
-}
-
-/// Parts of the whole work after which the stem has been followed, and every point has its address.
-const FOLLOWED: f64 = 0.7;
+const CROWN_SPREAD_RADII: f64 = 0.1;
+/// A point as location may be this far from the axis, in half widths of the stem.
+const MAX_DISTANCE_HALF_WIDTHS: f64 = 2.0;
+/// Parts of the whole work after which the stem has been traced, and every point has its address.
+const TRACED: f64 = 0.7;
 const ADDRESSED: f64 = 0.8;
 
-/// The bark of the stem or limb at `place`. Lengths and fractions are counted from the thicker end (the lower one where
-/// both are alike) of the largest stem in the cloud.
+/// Reconstructs the bark of the stem or limb at `location`. Lengths and fractions are counted from the thicker end (the
+/// lower one where both are alike) of the largest stem in the cloud.
 ///
 /// # Errors
 /// [`ScanError`] where there is no stem, too little of it was seen, or its sections are folded.
-pub fn scanned_bark(
+pub fn reconstruct_bark(
     cloud: &PointCloud,
-    place: &Place,
+    location: &StemLocation,
     options: &ScanOptions,
     context: &Context,
 ) -> Result<ScannedBark, ScanError> {
-    if !(0.0..=1.0).contains(&options.least_cover) {
-        return Err(ScanError::LeastCover(options.least_cover));
+    if !(0.0..=1.0).contains(&options.min_coverage) {
+        return Err(ScanError::MinCoverage(options.min_coverage));
     }
-    let none = || ScanError::NoStem {
+    let no_stem = || ScanError::NoStem {
         points: cloud.points.len(),
     };
     context.report(0.0)?;
-    let (followed, notes) = match timber::timber(cloud) {
-        Some((followed, size)) => {
-            let [thick, wide] = [size.x, size.y].map(|x| 1e3 * x);
-            let note = format!(
-                "four flat sides: taken for squared timber of {wide:.0} × {thick:.0} mm, straight and with corners"
-            );
-            (followed, vec![note])
+    let (stem, notes) = match timber::find_timber(cloud) {
+        Some(timber) => {
+            let note = timber_note(&timber);
+            (timber.stem, vec![note])
         }
-        None => round(cloud, place, &context.part(0.0, FOLLOWED))?.ok_or_else(none)?,
+        None => round_stem(cloud, location, &context.part(0.0, TRACED))?.ok_or_else(no_stem)?,
     };
-    let at = asked(&followed, place)?;
-    context.report(FOLLOWED)?;
-    let mut addressed = Addressed::new(cloud, &followed, options.bark_only);
-    addressed.drop_strangers(&followed);
+    let at = length_at(&stem, location)?;
+    context.report(TRACED)?;
+    let mut points = StemPoints::new(cloud, &stem, options.bark_only, context)?;
+    points.remove_foreign_points(&stem, context)?;
     context.report(ADDRESSED)?;
     // Bark is most of what there is about a stem; of a crown any tube is the smaller part.
-    let tube = followed.section == Section::Round;
-    if tube && addressed.strangers > addressed.points.len() {
-        return Err(none());
+    let round = stem.shape == SectionShape::Round;
+    if round && points.foreign > points.points.len() {
+        return Err(no_stem());
     }
-    let mut bark = match surface::bark(&addressed, &followed, at, options) {
+    let last = context.part(ADDRESSED, 1.0);
+    let mut bark = match surface::bark(&points, &stem, at, options, &last) {
         Err(ScanError::NotStarShaped {
             from, to, share, ..
-        }) if tube => {
-            let mut bark =
-                folded::bark(cloud, &followed, at, options, &context.part(ADDRESSED, 1.0))?;
-            bark.report.folded = addressed.folded(0.0, followed.axis.length());
+        }) if round => {
+            let mut bark = folded::bark(cloud, &stem, at, options, &last)?;
+            bark.report.folded = points.folded(0.0, stem.axis.length());
             bark.report.notes.push(folded::note(from, to, share));
             bark
         }
-        made => made?,
+        unfolded => unfolded?,
     };
-    if tube && bark.report.noise_m > CROWN * bark.report.radius_m {
-        return Err(none());
+    if round && bark.report.noise_m > CROWN_SPREAD_RADII * bark.report.radius_m {
+        return Err(no_stem());
     }
     context.report(1.0)?;
     bark.report.notes.extend(notes);
     Ok(bark)
 }
 
-/// The largest round stem or limb at a place, and why it ends where it does.
-fn round(
+fn timber_note(timber: &Timber) -> String {
+    let [wide, thick] = [timber.width, timber.thickness].map(|x| 1e3 * x);
+    format!(
+        "four flat sides: taken for squared timber of {wide:.0} × {thick:.0} mm, straight and with corners"
+    )
+}
+
+/// The largest round stem or limb at a location, and notes on why it ends where it does.
+fn round_stem(
     cloud: &PointCloud,
-    place: &Place,
+    location: &StemLocation,
     context: &Context,
-) -> Result<Option<(Followed, Vec<String>)>, ScanError> {
-    let stride = cloud.points.len().div_ceil(SEARCHED).max(1);
-    let searched: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
-    let tree = Neighbours::new(&searched);
-    let found = trace::limb(
-        &Searched {
-            points: &searched,
-            tree: &tree,
-            spacing: greenstick_geometry::cloud::spacing(&searched),
-        },
-        place,
-        context,
-    )?;
+) -> Result<Option<(TracedStem, Vec<String>)>, ScanError> {
+    let stride = cloud.points.len().div_ceil(MAX_SEARCHED).max(1);
+    let points: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
+    let tree = Neighbours::new(&points);
+    context.check()?;
+    let searched = Searched {
+        points: &points,
+        tree: &tree,
+        spacing: spacing(&points),
+    };
+    let Some(mut limb) = trace::limb(&searched, location, context)? else {
+        return Ok(None);
+    };
+    turn_base_first(&mut limb);
     // A tube that is wider than long has its axis somewhere else.
-    let followed = found
-        .and_then(|(rings, ends)| from_base(rings, ends))
-        .filter(|(followed, _)| followed.axis.length() > 2.0 * followed.mean_radius());
-    Ok(followed.map(|(followed, ends)| {
+    let stem =
+        traced_stem(&limb.rings).filter(|stem| stem.axis.length() > 2.0 * stem.mean_radius());
+    Ok(stem.map(|stem| {
         let notes = ["base", "end"]
             .iter()
-            .zip(ends)
+            .zip(limb.ends)
             .map(|(which, why)| format!("the stem was followed to its {which}, where {why}"));
-        (followed, notes.collect())
+        (stem, notes.collect())
     }))
 }
 
-/// The smooth curve through rings, from the base on.
-fn from_base(mut rings: Vec<Ring>, mut ends: Vec<String>) -> Option<(Followed, Vec<String>)> {
+/// Turns a limb so that its thicker end, or the lower one where both are alike, comes first.
+fn turn_base_first(limb: &mut Limb) {
+    let rings = &limb.rings;
     let quarter = (rings.len() / 4).max(1);
     let mean = |part: &[Ring]| part.iter().map(|r| r.radius).sum::<f64>() / part.len() as f64;
     let (first, last) = (
@@ -164,11 +143,16 @@ fn from_base(mut rings: Vec<Ring>, mut ends: Vec<String>) -> Option<(Followed, V
         mean(&rings[rings.len() - quarter..]),
     );
     let alike = (first - last).abs() < 0.05 * first.max(last);
-    let lower = rings[rings.len() - 1].centre.z < rings[0].centre.z;
-    if if alike { lower } else { last > first } {
-        rings.reverse();
-        ends.reverse();
+    let last_is_lower = rings[rings.len() - 1].centre.z < rings[0].centre.z;
+    let last_is_base = if alike { last_is_lower } else { last > first };
+    if last_is_base {
+        limb.rings.reverse();
+        limb.ends.reverse();
     }
+}
+
+/// The smooth stem through rings, from the base on.
+fn traced_stem(rings: &[Ring]) -> Option<TracedStem> {
     let mut stations: Vec<Station> = Vec::with_capacity(rings.len());
     for (k, ring) in rings.iter().enumerate() {
         let t = match stations.last() {
@@ -191,56 +175,62 @@ fn from_base(mut rings: Vec<Ring>, mut ends: Vec<String>) -> Option<(Followed, V
     if stations.len() < 3 {
         return None;
     }
-    let last = stations[stations.len() - 1].t;
-    let (curve, lengths) = smooth(&stations, 0.0, last, (0.0, last));
-    let axis = Axis::new(&curve, None)?;
+    let whole = ParameterRange {
+        low: 0.0,
+        high: stations[stations.len() - 1].t,
+    };
+    let SmoothCurve { points, parameters } = smooth(&stations, whole, whole);
+    let axis = Axis::new(&points, None)?;
     // The smooth curve is a little shorter than the polygon of centres.
-    let at = |t: f64| {
-        let k = lengths.partition_point(|l| *l < t).min(lengths.len() - 1);
+    let length = |t: f64| {
+        let k = parameters
+            .partition_point(|p| *p < t)
+            .min(parameters.len() - 1);
         axis.lengths()[k.min(axis.lengths().len() - 1)]
     };
-    let mut radii: Vec<(f64, f64)> = stations.iter().map(|s| (at(s.t), s.radius)).collect();
-    radii.dedup_by(|b, a| b.0 <= a.0);
-    let section = Section::Round;
-    (radii.len() >= 2).then_some((
-        Followed {
-            axis,
-            radii,
-            section,
-        },
-        ends,
-    ))
+    let mut radii: Vec<RadiusAt> = stations
+        .iter()
+        .map(|s| RadiusAt {
+            length: length(s.t),
+            radius: s.radius,
+        })
+        .collect();
+    radii.dedup_by(|b, a| b.length <= a.length);
+    (radii.len() >= 2).then_some(TracedStem {
+        axis,
+        radii,
+        shape: SectionShape::Round,
+    })
 }
 
-/// Length of the place along the stem, m.
-fn asked(followed: &Followed, place: &Place) -> Result<f64, ScanError> {
-    let length = followed.axis.length();
-    let off = || ScanError::OffStem {
-        asked: *place,
-        length,
-    };
-    match *place {
-        Place::Fraction(x) if (0.0..=1.0).contains(&x) => Ok(x * length),
-        Place::Length(x) if (0.0..=length).contains(&x) => Ok(x),
-        Place::Point(p) => {
-            let at = followed.axis.length_at(p).clamp(0.0, length);
-            let radius = followed.radius(at);
-            let distance = followed.axis.frame(at).origin.distance(p);
-            let widest = radius
-                + match followed.section {
-                    Section::Round => 0.0,
-                    Section::Squared { core, .. } => core,
+/// Length of the location along the stem, m.
+fn length_at(stem: &TracedStem, location: &StemLocation) -> Result<f64, ScanError> {
+    let length = stem.axis.length();
+    match *location {
+        StemLocation::Fraction(x) if (0.0..=1.0).contains(&x) => Ok(x * length),
+        StemLocation::Length(x) if (0.0..=length).contains(&x) => Ok(x),
+        StemLocation::Point(p) => {
+            let at = stem.axis.length_at(p).clamp(0.0, length);
+            let radius = stem.radius(at);
+            let distance = stem.axis.frame(at).origin.distance(p);
+            let half_width = radius
+                + match stem.shape {
+                    SectionShape::Round => 0.0,
+                    SectionShape::Squared { core, .. } => core,
                 };
-            if distance > 2.0 * widest {
+            if distance > MAX_DISTANCE_HALF_WIDTHS * half_width {
                 return Err(ScanError::FarFromWood {
-                    asked: *place,
+                    requested: *location,
                     distance,
                     radius,
                 });
             }
             Ok(at)
         }
-        _ => Err(off()),
+        _ => Err(ScanError::OffStem {
+            requested: *location,
+            length,
+        }),
     }
 }
 

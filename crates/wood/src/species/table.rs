@@ -5,8 +5,8 @@
 //! these join every row of that name. A name that matches nothing joins nothing, and the property
 //! stays `None`.
 
-use super::{Group, MechanicalProperties, Species, anatomy};
-use crate::moisture::Shrinkage;
+use super::genus;
+use super::record::{Group, MechanicalProperties, Shrinkage, Species};
 
 const MECHANICAL: &str = include_str!("../../data/usda_table_5_3a_mechanical.csv");
 const SHRINKAGE: &str = include_str!("../../data/usda_table_4_3_shrinkage.csv");
@@ -14,8 +14,7 @@ const GREEN_MOISTURE: &str = include_str!("../../data/usda_table_4_1_green_moist
 const INTERSECTION: &str = include_str!("../../data/usda_table_5_13_intersection_moisture.csv");
 const YANG: &str = include_str!("../../data/yang_2019_table_1.csv");
 
-/// The one mass of water that wood at 12 % holds beside its own: air-dry density over oven-dry mass
-/// per volume.
+/// Air-dry density over oven-dry mass per volume: wood at 12 % moisture holds 0.12 of its own mass in water.
 const AIR_DRY_MASS: f64 = 1.12;
 const WATER_DENSITY: f64 = 1000.0;
 /// One kilogram-force per centimetre, N/m.
@@ -103,7 +102,7 @@ fn from_handbook(row: &[&str]) -> Species {
         volumetric: percent(r, 3),
     });
     let moisture = joined(GREEN_MOISTURE, &name);
-    let anatomy = anatomy::of(&text(row, 1));
+    let anatomy = genus::ring_character_and_heartwood(&text(row, 1));
     let dry = mechanical(row);
     Species {
         scientific_name: text(row, 1),
@@ -128,7 +127,7 @@ fn from_handbook(row: &[&str]) -> Species {
 }
 
 fn from_yang(row: &[&str]) -> Species {
-    let anatomy = anatomy::of(&text(row, 1));
+    let anatomy = genus::ring_character_and_heartwood(&text(row, 1));
     let density = number(row, 3, WATER_DENSITY);
     Species {
         name: text(row, 0),
@@ -161,6 +160,7 @@ fn from_yang(row: &[&str]) -> Species {
     }
 }
 
+/// Reads all species, in the order of their tables.
 pub(super) fn read() -> Vec<Species> {
     let handbook = rows(MECHANICAL)
         .filter(|r| r.get(3) == Some(&"12%"))

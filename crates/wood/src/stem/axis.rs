@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// Place and directions at one point of an [`Axis`].
+/// A point of an [`Axis`] and the directions along and across the stem there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Point on the curve, m.
@@ -15,7 +15,7 @@ pub struct Frame {
     pub tangent: DVec3,
 }
 
-/// A smooth curve through given points, its parameter the length along them in metres, with transported frames.
+/// A smooth curve through given points, with transported frames. Its parameter is the length along the points, m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     points: Vec<DVec3>,
@@ -30,25 +30,35 @@ pub struct Axis {
 impl Axis {
     /// The curve through `points` (m). Consecutive points that coincide are taken once; `None` for fewer than two
     /// distinct, finite points. The first direction across is the one nearest to `across`, where given.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use greenstick_wood::stem::Axis;
+    ///
+    /// let axis = Axis::new(&[DVec3::ZERO, DVec3::Y, DVec3::Y * 3.0], None).expect("three distinct points");
+    /// assert_eq!(axis.length(), 3.0);
+    /// assert_eq!(axis.frame(2.0).tangent, DVec3::Y);
+    /// assert!((axis.length_at(DVec3::new(0.5, 2.5, 0.0)) - 2.5).abs() < 1e-12);
+    /// ```
     pub fn new(points: &[DVec3], across: Option<DVec3>) -> Option<Self> {
-        let mut kept: Vec<DVec3> = Vec::with_capacity(points.len());
+        let mut distinct: Vec<DVec3> = Vec::with_capacity(points.len());
         for &p in points {
             if !p.is_finite() {
                 return None;
             }
-            if kept.last() != Some(&p) {
-                kept.push(p);
+            if distinct.last() != Some(&p) {
+                distinct.push(p);
             }
         }
-        if kept.len() < 2 {
+        if distinct.len() < 2 {
             return None;
         }
         let mut lengths = vec![0.0];
-        for pair in kept.windows(2) {
+        for pair in distinct.windows(2) {
             lengths.push(lengths[lengths.len() - 1] + pair[0].distance(pair[1]));
         }
-        let last = kept.len() - 1;
-        let chord = |i: usize| (kept[i + 1] - kept[i]) / (lengths[i + 1] - lengths[i]);
+        let last = distinct.len() - 1;
+        let chord = |i: usize| (distinct[i + 1] - distinct[i]) / (lengths[i + 1] - lengths[i]);
         let slopes: Vec<DVec3> = (0..=last)
             .map(|i| match i {
                 0 => chord(0),
@@ -73,7 +83,7 @@ impl Axis {
             frames.push(direction);
         }
         Some(Axis {
-            points: kept,
+            points: distinct,
             lengths,
             slopes,
             across: frames,
@@ -95,7 +105,7 @@ impl Axis {
         &self.lengths
     }
 
-    /// The interval that holds `s`.
+    /// Index of the interval that contains `s`.
     fn interval(&self, s: f64) -> usize {
         self.lengths
             .partition_point(|&l| l <= s)
@@ -103,7 +113,7 @@ impl Axis {
             - 1
     }
 
-    /// Point and derivative at `s`; straight on beyond the ends.
+    /// Point and derivative at `s`; the curve goes straight on beyond its ends.
     fn point_and_slope(&self, s: f64) -> (DVec3, DVec3) {
         if s <= 0.0 {
             return (self.points[0] + self.slopes[0] * s, self.slopes[0]);
@@ -128,7 +138,7 @@ impl Axis {
         (point, slope)
     }
 
-    /// Place and directions at length `s` (m), which may lie beyond the ends.
+    /// Point and directions at length `s` (m), which may lie beyond the ends.
     pub fn frame(&self, s: f64) -> Frame {
         let (origin, slope) = self.point_and_slope(s);
         let tangent = slope.try_normalize().unwrap_or(DVec3::Z);
@@ -148,7 +158,7 @@ impl Axis {
         }
     }
 
-    /// The length whose section plane holds `world`: of several the one near the nearest of the curve's points.
+    /// The length (m) whose section plane contains `world`; of several, the one near the closest of the curve's points.
     pub fn length_at(&self, world: DVec3) -> f64 {
         let nearest = (0..self.points.len())
             .min_by(|&a, &b| {
@@ -160,7 +170,7 @@ impl Axis {
         self.length_near(world, self.lengths[nearest])
     }
 
-    /// [`Axis::length_at`], with Newton's iteration started from `guess` (m).
+    /// [`Axis::length_at`], by Newton's iteration from `guess` (m).
     pub fn length_near(&self, world: DVec3, guess: f64) -> f64 {
         let miss = |s: f64| {
             let (point, slope) = self.point_and_slope(s);
@@ -172,7 +182,7 @@ impl Axis {
             if value == 0.0 {
                 break;
             }
-            // The plane turns slowly along a stem, so the miss falls by nearly one per metre; a secant corrects that.
+            // The plane turns slowly along a stem, so that the miss falls by nearly one per metre; a secant corrects that.
             let next = s + value;
             let next_value = miss(next);
             let slope = (next_value - value) / (next - s);

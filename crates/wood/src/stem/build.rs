@@ -1,141 +1,39 @@
-//! From a trace to a stem: smooth axis, sections across it, taper, and what part of it is free for a break.
+//! From a trace to the body of a stem: a smooth axis, the sections across it, and what each stretch of it is good for.
 
-use super::centreline::{Station, smooth};
-use super::polygon;
-use super::seed::Plank;
+use super::Axis;
+use super::body::{Body, BodyStation, Stretch};
+use super::centreline::{ParameterRange, SmoothCurve, Station, smooth};
+use super::model::{CrossSection, StemKind};
+use super::plank::Plank;
+use super::section::{ShellSection, section};
 use super::surface::Surface;
-use super::trace::{Cut, End, State, Trace, section};
-use super::{Axis, GrainSpace, RingField};
+use super::trace::{StationState, Trace, TraceEnd};
+use crate::polygon;
 use glam::{DVec2, DVec3};
+use greenstick_geometry::{Cancelled, Context};
+use std::f64::consts::PI;
 
-/// Whether a stem is a log or was sawn from one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StemKind {
-    /// A trunk, branch or pole: rings about a pith inside the section.
-    Round,
-    /// A board or beam: straight grain along its longest axis, rings are arcs about a pith that may lie outside.
-    Board,
+/// Below this length in radii the centroids do not show a direction: the axis is straight, as in a stump.
+const MIN_CURVED_LENGTH_RADII: f64 = 2.5;
+/// Area of a plain section relative to that expected from the trace.
+const MIN_AREA_RATIO: f64 = 0.5;
+const MAX_AREA_RATIO: f64 = 1.8;
+/// A board's section of less than this part of the usual area is a rounded end.
+const MIN_BOARD_AREA_RATIO: f64 = 0.5;
+
+/// A section across the axis, with the number of other closed loops close by.
+pub(crate) struct FoundSection {
+    pub section: CrossSection,
+    nearby_loops: usize,
 }
 
-/// A section across the axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Section {
-    /// Length along the axis, m.
-    pub length: f64,
-    /// Outline: closed, counter-clockwise, m, in the axis frame's (x, y) at `length`; not scaled with the taper.
-    pub contour: Vec<DVec2>,
-    /// Centroid in the same frame, m.
-    pub centroid: DVec2,
-    /// Area, m².
-    pub area: f64,
-    /// Length of the outline, m.
-    pub perimeter: f64,
-}
-
-/// A stem and the place at which it is to break.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stem {
-    /// Grain space about the axis; its scale is 1 at the place.
-    pub grain: GrainSpace,
-    /// Log or board.
-    pub kind: StemKind,
-    /// Plain sections in rising length, the one at the place among them.
-    pub sections: Vec<Section>,
-    /// Length along the axis at the place, m.
-    pub place: f64,
-    /// Range of length (m) about the place that is free for the surface of a break.
-    pub usable: (f64, f64),
-    /// Rings of the section at the place.
-    pub rings: RingField,
-    /// Radius of the circle of the same area as the section at the place, m.
-    pub radius: f64,
-    /// Whether `usable` ends at a real end of the stem, as opposed to a fork or another limb.
-    pub ends: (bool, bool),
-    /// Length of the axis, m.
-    pub length: f64,
-}
-
-/// Below this length in radii the centroids do not tell a direction: the axis is straight, as in a stump.
-const SHORT: f64 = 2.5;
-/// Free space kept from ends, forks and other limbs, in radii.
-pub(crate) const MARGIN: f64 = 0.08;
-
-/// What a stretch of the axis is good for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Stretch {
-    Free,
-    Fork,
-    End,
-    /// The section is open or not a single loop.
-    Broken,
-}
-
-/// The axis with its sections, before the place is known.
-pub(crate) struct Body {
-    pub axis: Axis,
-    /// At each of the axis's points: what it is good for, and its section.
-    pub stations: Vec<(Stretch, Option<Section>)>,
-    pub kind: StemKind,
-    pub ends: [End; 2],
-    /// Width of a board, m.
-    pub width: f64,
-}
-
-impl Body {
-    /// Radius at `s` (m) of the circle of equal area, m.
-    pub fn radius(&self, s: f64) -> f64 {
-        let near = self.section_near(s).map_or(0.0, |section| section.area);
-        (near / std::f64::consts::PI).sqrt()
-    }
-
-    /// The section next to `s` (m).
-    fn section_near(&self, s: f64) -> Option<&Section> {
-        let k = self.axis.lengths().partition_point(|&l| l < s);
-        let there = |i: &usize| self.stations[*i].1.is_some();
-        let before = (0..k).rev().find(there);
-        let behind = (k..self.stations.len()).find(there);
-        [before, behind]
-            .into_iter()
-            .flatten()
-            .filter_map(|i| self.stations[i].1.as_ref())
-            .min_by(|a, b| (a.length - s).abs().total_cmp(&(b.length - s).abs()))
-    }
-
-    /// Runs of free stations as lengths (m).
-    pub fn free(&self) -> Vec<(f64, f64)> {
-        let lengths = self.axis.lengths();
-        let mut runs = Vec::new();
-        let mut start = None;
-        for (i, (state, _)) in self.stations.iter().enumerate() {
-            match (*state == Stretch::Free, start) {
-                (true, None) => start = Some(i),
-                (false, Some(a)) => {
-                    runs.push((lengths[a], lengths[i - 1]));
-                    start = None;
-                }
-                _ => {}
-            }
-        }
-        if let Some(a) = start {
-            runs.push((lengths[a], lengths[lengths.len() - 1]));
-        }
-        runs.retain(|r| r.1 > r.0);
-        runs
-    }
-}
-
-/// The section's outline in the axis frame at `s`.
-pub(crate) fn section_at(surface: &Surface, axis: &Axis, s: f64, limit: f64) -> Option<Section> {
-    section_and_rivals(surface, axis, s, limit).map(|(section, _)| section)
-}
-
-/// The same, with the number of other closed loops close by.
-fn section_and_rivals(
+/// The section in the axis frame at `s` (m), its outline at most `limit` (m) from the axis.
+pub(crate) fn section_at(
     surface: &Surface,
     axis: &Axis,
     s: f64,
     limit: f64,
-) -> Option<(Section, usize)> {
+) -> Option<FoundSection> {
     let frame = axis.frame(s);
     let cut = section(surface, frame.origin, frame.tangent, limit)?;
     let mut contour: Vec<DVec2> = cut
@@ -153,287 +51,360 @@ fn section_and_rivals(
         contour.reverse();
     }
     let perimeter = polygon::perimeter(&contour);
-    Some((
-        Section {
+    Some(FoundSection {
+        section: CrossSection {
             length: s,
             contour,
             centroid,
             area: area.abs(),
             perimeter,
         },
-        cut.rivals,
-    ))
+        nearby_loops: cut.nearby_loops,
+    })
+}
+
+/// The good sections of a trace, in order, by the length t (m) along the polygon of their centroids.
+struct GoodSections<'a> {
+    trace: &'a Trace,
+    /// Indices into the trace.
+    good: Vec<usize>,
+    stations: Vec<Station>,
+    /// From the one tip of the trace to the other.
+    whole: ParameterRange,
+    /// Between neighbouring good stations with a fork between them.
+    gaps: Vec<ParameterRange>,
+}
+
+impl<'a> GoodSections<'a> {
+    /// `None` where the trace has no good section or no length.
+    fn new(trace: &'a Trace) -> Option<Self> {
+        let is_good = |i: &usize| trace.states[*i] == StationState::Good;
+        let good: Vec<usize> = (0..trace.sections.len()).filter(is_good).collect();
+        let first = &trace.sections[*good.first()?];
+        let last = &trace.sections[*good.last()?];
+        let mut stations: Vec<Station> = Vec::with_capacity(good.len());
+        let mut t = 0.0;
+        for (k, &i) in good.iter().enumerate() {
+            let cut = &trace.sections[i];
+            if k > 0 {
+                let before = trace.sections[good[k - 1]].centre;
+                t += cut.centre.distance(before).max(1e-6 * cut.radius);
+            }
+            stations.push(Station {
+                t,
+                centre: cut.centre,
+                radius: cut.radius,
+                reach: cut.reach,
+            });
+        }
+        let before_first = (first.centre - trace.tips[0]).dot(first.normal).max(0.0);
+        let beyond_last = (trace.tips[1] - last.centre).dot(last.normal).max(0.0);
+        let whole = ParameterRange {
+            low: -before_first,
+            high: t + beyond_last,
+        };
+        if whole.high <= whole.low {
+            return None;
+        }
+        let gaps = good
+            .windows(2)
+            .zip(stations.windows(2))
+            .filter(|(g, _)| g[1] > g[0] + 1)
+            .map(|(_, s)| ParameterRange {
+                low: s[0].t,
+                high: s[1].t,
+            })
+            .collect();
+        Some(GoodSections {
+            trace,
+            good,
+            stations,
+            whole,
+            gaps,
+        })
+    }
+
+    fn section(&self, k: usize) -> &ShellSection {
+        &self.trace.sections[self.good[k]]
+    }
+
+    /// t of the last good station.
+    fn end(&self) -> f64 {
+        self.stations[self.stations.len() - 1].t
+    }
+
+    /// The range between forks that contains the trace's station `near`.
+    fn unforked_range(&self, near: usize) -> ParameterRange {
+        let k = self.good.partition_point(|&g| g < near);
+        let at = self.stations[k.min(self.good.len() - 1)].t;
+        let before = self.gaps.iter().map(|g| g.high).filter(|&g| g <= at);
+        let after = self.gaps.iter().map(|g| g.low).filter(|&g| g >= at);
+        ParameterRange {
+            low: before.fold(self.whole.low, f64::max),
+            high: after.fold(self.whole.high, f64::min),
+        }
+    }
+
+    /// The axis. It must not bend too tightly in the range between forks that contains the station `near`.
+    fn axis(
+        &self,
+        surface: &Surface,
+        near: usize,
+        context: &Context,
+    ) -> Result<Option<ParametricAxis>, Cancelled> {
+        let middle = self.section(self.good.len() / 2);
+        if self.stations.len() < 3 || self.end() < MIN_CURVED_LENGTH_RADII * middle.radius {
+            return Ok(self.straight_axis(middle.normal));
+        }
+        self.curved_axis(surface, self.unforked_range(near), context)
+    }
+
+    /// A straight axis through the middle of the centroids along `normal`.
+    fn straight_axis(&self, normal: DVec3) -> Option<ParametricAxis> {
+        let stations = &self.stations;
+        let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
+        let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
+        let radius = stations[stations.len() / 2].radius;
+        let ParameterRange { low, high } = self.whole;
+        let count = ((high - low) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
+        let parameters: Vec<f64> = (0..=count)
+            .map(|i| low + (high - low) * i as f64 / count as f64)
+            .collect();
+        let points = parameters
+            .iter()
+            .map(|t| mean + normal * (t - middle))
+            .collect();
+        ParametricAxis::new(SmoothCurve { points, parameters })
+    }
+
+    /// A smooth axis: through the centroids as traced, then once more through those of sections square to it.
+    fn curved_axis(
+        &self,
+        surface: &Surface,
+        limited: ParameterRange,
+        context: &Context,
+    ) -> Result<Option<ParametricAxis>, Cancelled> {
+        let mut stations = self.stations.clone();
+        let Some(first) = ParametricAxis::new(smooth(&stations, self.whole, limited)) else {
+            return Ok(None);
+        };
+        for station in &mut stations {
+            context.check()?;
+            let in_gap = |g: &ParameterRange| station.t >= g.low && station.t <= g.high;
+            if self.gaps.iter().any(in_gap) {
+                continue;
+            }
+            let s = first.length_at(station.t);
+            let Some(found) = section_at(surface, &first.axis, s, 0.5 * station.radius) else {
+                continue;
+            };
+            let (area, found) = (PI * station.radius * station.radius, found.section);
+            if found.area > 0.7 * area && found.area < 1.3 * area {
+                let frame = first.axis.frame(s);
+                station.centre =
+                    frame.origin + frame.x * found.centroid.x + frame.y * found.centroid.y;
+            }
+        }
+        Ok(ParametricAxis::new(smooth(&stations, self.whole, limited)))
+    }
+
+    /// The range of t that good sections cover, up to the very end where nothing but the end follows the last one.
+    fn free_range(&self) -> ParameterRange {
+        let reaches_end = |side: usize, station: usize| {
+            let outermost = if side == 0 {
+                0
+            } else {
+                self.trace.states.len() - 1
+            };
+            station == outermost && self.trace.ends[side] == TraceEnd::Real
+        };
+        ParameterRange {
+            low: if reaches_end(0, self.good[0]) {
+                self.whole.low
+            } else {
+                0.0
+            },
+            high: if reaches_end(1, self.good[self.good.len() - 1]) {
+                self.whole.high
+            } else {
+                self.end()
+            },
+        }
+    }
+
+    /// Whether a fork, rather than the stem's own end, follows the last good section on a side.
+    fn ends_in_fork(&self, side: usize) -> bool {
+        let beyond = if side == 0 {
+            &self.trace.states[..self.good[0]]
+        } else {
+            &self.trace.states[self.good[self.good.len() - 1]..]
+        };
+        self.trace.ends[side] == TraceEnd::Fork || beyond.contains(&StationState::Fork)
+    }
+}
+
+/// An axis and the t (m) of each of its points.
+struct ParametricAxis {
+    axis: Axis,
+    parameters: Vec<f64>,
+}
+
+impl ParametricAxis {
+    /// `None` where points coincide.
+    fn new(curve: SmoothCurve) -> Option<Self> {
+        let axis = Axis::new(&curve.points, None)?;
+        (axis.points().len() == curve.parameters.len()).then_some(ParametricAxis {
+            axis,
+            parameters: curve.parameters,
+        })
+    }
+
+    /// Length (m) along the axis at t.
+    fn length_at(&self, t: f64) -> f64 {
+        let (parameters, lengths) = (&self.parameters, self.axis.lengths());
+        let k = parameters
+            .partition_point(|&p| p <= t)
+            .clamp(1, parameters.len() - 1);
+        let u = (t - parameters[k - 1]) / (parameters[k] - parameters[k - 1]);
+        lengths[k - 1] + (lengths[k] - lengths[k - 1]) * u
+    }
 }
 
 /// Makes axis and sections of a trace. `near` is the station about which the axis must not bend too tightly.
-pub(crate) fn body(surface: &Surface, trace: &Trace, near: usize) -> Option<Body> {
-    let good: Vec<usize> = (0..trace.cuts.len())
-        .filter(|&i| trace.states[i] == State::Good)
-        .collect();
-    if good.is_empty() {
-        return None;
-    }
-    let cuts: Vec<&Cut> = good.iter().map(|&i| &trace.cuts[i]).collect();
-    let mut stations = Vec::new();
-    let mut t = 0.0;
-    for (k, cut) in cuts.iter().enumerate() {
-        if k > 0 {
-            t += cut
-                .centre
-                .distance(cuts[k - 1].centre)
-                .max(1e-6 * cut.radius);
+///
+/// # Errors
+/// [`Cancelled`].
+pub(crate) fn body(
+    surface: &Surface,
+    trace: &Trace,
+    near: usize,
+    context: &Context,
+) -> Result<Option<Body>, Cancelled> {
+    let Some(course) = GoodSections::new(trace) else {
+        return Ok(None);
+    };
+    let Some(ParametricAxis { axis, parameters }) = course.axis(surface, near, context)? else {
+        return Ok(None);
+    };
+    let free = course.free_range();
+    let forks = [course.ends_in_fork(0), course.ends_in_fork(1)];
+    let stretch_beyond = |side: usize| {
+        if forks[side] {
+            Stretch::Fork
+        } else {
+            Stretch::End
         }
-        stations.push(Station {
-            t,
-            centre: cut.centre,
-            radius: cut.radius,
-            reach: cut.reach,
+    };
+    let first_radius = course.section(0).radius;
+    let last_radius = course.section(course.good.len() - 1).radius;
+    // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
+    let inset = 0.06 * first_radius.min(last_radius);
+    let mut stations = Vec::with_capacity(parameters.len());
+    for (i, &t) in parameters.iter().enumerate() {
+        context.check()?;
+        let blocked = if course.gaps.iter().any(|g| t > g.low && t < g.high) {
+            Some(Stretch::Fork)
+        } else if t < free.low - 1e-12 {
+            Some(stretch_beyond(0))
+        } else if t > free.high + 1e-12 {
+            Some(stretch_beyond(1))
+        } else {
+            None
+        };
+        stations.push(match blocked {
+            Some(stretch) => BodyStation {
+                stretch,
+                section: None,
+            },
+            None => {
+                let s = axis.lengths()[i].clamp(inset, axis.length() - inset);
+                let outermost = i == 0 || i + 1 == parameters.len();
+                free_station(surface, &axis, s, &course.stations, t, outermost)
+            }
         });
     }
-    let last = cuts[cuts.len() - 1];
-    let first = -(cuts[0].centre - trace.tips[0])
-        .dot(cuts[0].normal)
-        .max(0.0);
-    let end = t + (trace.tips[1] - last.centre).dot(last.normal).max(0.0);
-    if end <= first {
-        return None;
-    }
-    // Which good stations border a gap, by t.
-    let gaps: Vec<(f64, f64)> = good
-        .windows(2)
-        .zip(stations.windows(2))
-        .filter(|(g, _)| g[1] > g[0] + 1)
-        .map(|(_, s)| (s[0].t, s[1].t))
-        .collect();
-    let at = stations[good.partition_point(|&g| g < near).min(good.len() - 1)].t;
-    let keep = (
-        gaps.iter()
-            .map(|g| g.1)
-            .filter(|&g| g <= at)
-            .fold(first, f64::max),
-        gaps.iter()
-            .map(|g| g.0)
-            .filter(|&g| g >= at)
-            .fold(end, f64::min),
-    );
-    let (axis, lengths) = if stations.len() < 3 || t < SHORT * cuts[cuts.len() / 2].radius {
-        straight(&stations, first, end, cuts[cuts.len() / 2].normal)?
-    } else {
-        curved(surface, stations.clone(), first, end, keep, &gaps)?
-    };
-    // Up to the very end, where nothing but the end follows the last good station.
-    let whole = |side: usize, station: usize| {
-        let outermost = if side == 0 { 0 } else { trace.states.len() - 1 };
-        station == outermost && trace.ends[side] == End::Real
-    };
-    let free = (
-        if whole(0, good[0]) { first } else { 0.0 },
-        if whole(1, good[good.len() - 1]) {
-            end
-        } else {
-            t
-        },
-    );
-    let cut_off = |side: usize| {
-        let states = if side == 0 {
-            &trace.states[..good[0]]
-        } else {
-            &trace.states[good[good.len() - 1]..]
-        };
-        trace.ends[side] == End::Fork || states.contains(&State::Fork)
-    };
-    let kind = StemKind::Round;
-    let mut body = Body {
+    Ok(Some(Body {
         axis,
-        stations: Vec::new(),
-        kind,
+        stations,
+        kind: StemKind::Round,
         ends: trace.ends,
         width: 0.0,
+    }))
+}
+
+/// The station at length `s` and parameter `t` where nothing blocks the axis.
+fn free_station(
+    surface: &Surface,
+    axis: &Axis,
+    s: f64,
+    traced: &[Station],
+    t: f64,
+    outermost: bool,
+) -> BodyStation {
+    let nearest = traced.partition_point(|q| q.t < t).min(traced.len() - 1);
+    let radius = traced[nearest].radius;
+    let expected = PI * radius * radius;
+    let section = section_at(surface, axis, s, 0.5 * radius)
+        .map(|found| found.section)
+        .filter(|c| c.area > MIN_AREA_RATIO * expected && c.area < MAX_AREA_RATIO * expected);
+    let stretch = if section.is_some() {
+        Stretch::Free
+    } else if outermost {
+        Stretch::End
+    } else {
+        Stretch::Broken
     };
-    let tiny = 0.06 * cuts[0].radius.min(last.radius);
-    for (i, &t) in lengths.iter().enumerate() {
-        // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
-        let s = body.axis.lengths()[i].clamp(tiny, body.axis.length() - tiny);
-        let fork = gaps.iter().any(|g| t > g.0 && t < g.1);
-        let state = if fork {
-            Stretch::Fork
-        } else if t < free.0 - 1e-12 {
-            if cut_off(0) {
-                Stretch::Fork
-            } else {
-                Stretch::End
-            }
-        } else if t > free.1 + 1e-12 {
-            if cut_off(1) {
-                Stretch::Fork
-            } else {
-                Stretch::End
-            }
-        } else {
-            Stretch::Free
-        };
-        if state != Stretch::Free {
-            body.stations.push((state, None));
-            continue;
-        }
-        let nearest = stations
-            .partition_point(|q| q.t < t)
-            .min(stations.len() - 1);
-        let expected = std::f64::consts::PI * stations[nearest].radius * stations[nearest].radius;
-        let found = section_at(surface, &body.axis, s, 0.5 * stations[nearest].radius)
-            .filter(|c| c.area > 0.5 * expected && c.area < 1.8 * expected);
-        let state = if found.is_some() {
-            Stretch::Free
-        } else if i == 0 || i + 1 == lengths.len() {
-            Stretch::End
-        } else {
-            Stretch::Broken
-        };
-        body.stations.push((state, found));
-    }
-    Some(body)
+    BodyStation { stretch, section }
 }
 
 /// Axis and sections of a board: straight along its box, whatever notches and holes there are.
-pub(crate) fn board_body(surface: &Surface, plank: &Plank) -> Option<Body> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub(crate) fn board_body(
+    surface: &Surface,
+    plank: &Plank,
+    context: &Context,
+) -> Result<Option<Body>, Cancelled> {
     let [length, width, thickness] = plank.size;
     // A quarter of the radius of a circle of the same area.
-    let spacing = 0.25 * (width * thickness / std::f64::consts::PI).sqrt();
+    let spacing = 0.25 * (width * thickness / PI).sqrt();
     let count = (length / spacing).ceil().clamp(16.0, 1000.0) as usize;
     let points: Vec<DVec3> = (0..=count)
         .map(|i| plank.end + plank.direction * (length * i as f64 / count as f64))
         .collect();
-    let axis = Axis::new(&points, Some(plank.wide))?;
-    if axis.points().len() != points.len() {
-        return None;
+    let axis = Axis::new(&points, Some(plank.wide));
+    let Some(axis) = axis.filter(|axis| axis.points().len() == points.len()) else {
+        return Ok(None);
+    };
+    let mut found: Vec<Option<FoundSection>> = Vec::with_capacity(count + 1);
+    for i in 0..=count {
+        context.check()?;
+        let s = axis.lengths()[i].clamp(0.1 * spacing, length - 0.1 * spacing);
+        found.push(section_at(surface, &axis, s, width));
     }
-    let cuts: Vec<Option<(Section, usize)>> = (0..=count)
-        .map(|i| {
-            let s = axis.lengths()[i].clamp(0.1 * spacing, length - 0.1 * spacing);
-            section_and_rivals(surface, &axis, s, width)
-        })
-        .collect();
-    let mut areas: Vec<f64> = cuts.iter().flatten().map(|c| c.0.area).collect();
+    let mut areas: Vec<f64> = found.iter().flatten().map(|c| c.section.area).collect();
     areas.sort_by(f64::total_cmp);
-    let typical = *areas.get(areas.len() / 2)?;
-    let stations = cuts
-        .into_iter()
-        .enumerate()
-        .map(|(i, cut)| match cut {
-            // A rounded end is left out where it is less than half of the board.
-            Some((section, 0)) if section.area > 0.5 * typical => (Stretch::Free, Some(section)),
-            Some((_, rivals)) if rivals > 0 => (Stretch::Broken, None),
+    let Some(&usual) = areas.get(areas.len() / 2) else {
+        return Ok(None);
+    };
+    let station = |(i, found): (usize, Option<FoundSection>)| {
+        let (stretch, section) = match found {
+            Some(FoundSection {
+                section,
+                nearby_loops: 0,
+            }) if section.area > MIN_BOARD_AREA_RATIO * usual => (Stretch::Free, Some(section)),
+            Some(found) if found.nearby_loops > 0 => (Stretch::Broken, None),
             _ if i < count / 8 || i > count - count / 8 => (Stretch::End, None),
             _ => (Stretch::Broken, None),
-        })
-        .collect();
-    Some(Body {
-        axis,
-        stations,
-        kind: StemKind::Board,
-        ends: [End::Real; 2],
-        width,
-    })
-}
-
-/// A straight axis through the middle of the centroids along `normal`.
-fn straight(stations: &[Station], first: f64, end: f64, normal: DVec3) -> Option<(Axis, Vec<f64>)> {
-    let mean = stations.iter().map(|s| s.centre).sum::<DVec3>() / stations.len() as f64;
-    let middle = stations.iter().map(|s| s.t).sum::<f64>() / stations.len() as f64;
-    let radius = stations[stations.len() / 2].radius;
-    let count = ((end - first) / (0.25 * radius)).ceil().clamp(8.0, 4000.0) as usize;
-    let lengths: Vec<f64> = (0..=count)
-        .map(|i| first + (end - first) * i as f64 / count as f64)
-        .collect();
-    let points: Vec<DVec3> = lengths
-        .iter()
-        .map(|t| mean + normal * (t - middle))
-        .collect();
-    let axis = Axis::new(&points, None)?;
-    (axis.points().len() == lengths.len()).then_some((axis, lengths))
-}
-
-/// A smooth axis: through the centroids as traced, then once more through those of sections square to it.
-fn curved(
-    surface: &Surface,
-    mut stations: Vec<Station>,
-    first: f64,
-    end: f64,
-    keep: (f64, f64),
-    gaps: &[(f64, f64)],
-) -> Option<(Axis, Vec<f64>)> {
-    let (points, lengths) = smooth(&stations, first, end, keep);
-    let axis = Axis::new(&points, None)?;
-    if axis.points().len() != lengths.len() {
-        return None;
-    }
-    for station in &mut stations {
-        if gaps.iter().any(|g| station.t >= g.0 && station.t <= g.1) {
-            continue;
-        }
-        let k = lengths
-            .partition_point(|&t| t <= station.t)
-            .clamp(1, lengths.len() - 1);
-        let u = (station.t - lengths[k - 1]) / (lengths[k] - lengths[k - 1]);
-        let s = axis.lengths()[k - 1] + (axis.lengths()[k] - axis.lengths()[k - 1]) * u;
-        let Some(found) = section_at(surface, &axis, s, 0.5 * station.radius) else {
-            continue;
         };
-        let area = std::f64::consts::PI * station.radius * station.radius;
-        if found.area > 0.7 * area && found.area < 1.3 * area {
-            let frame = axis.frame(s);
-            station.centre = frame.origin + frame.x * found.centroid.x + frame.y * found.centroid.y;
-        }
-    }
-    let (points, lengths) = smooth(&stations, first, end, keep);
-    let axis = Axis::new(&points, None)?;
-    (axis.points().len() == lengths.len()).then_some((axis, lengths))
-}
-
-/// Size of the sections of the run that holds `place`, relative to that at the place: smoothed, 1 at the place.
-pub(crate) fn taper(body: &Body, run: (f64, f64), place: f64, area: f64) -> Vec<(f64, f64)> {
-    if body.kind == StemKind::Board {
-        return Vec::new();
-    }
-    let sizes: Vec<(f64, f64)> = body
-        .stations
-        .iter()
-        .filter_map(|(_, section)| section.as_ref())
-        .filter(|s| s.length >= run.0 && s.length <= run.1)
-        .map(|s| (s.length, (s.area / area).sqrt()))
-        .collect();
-    let window = 3.0 * body.radius(place);
-    let fit = |s: f64| {
-        let mut m = [0.0; 5];
-        let from = sizes.partition_point(|p| p.0 < s - window);
-        for &(at, size) in sizes[from..].iter().take_while(|p| p.0 <= s + window) {
-            let u = (at - s) / window;
-            let w = (1.0 - u * u) * (1.0 - u * u) + 1e-9;
-            m = [
-                m[0] + w,
-                m[1] + w * u,
-                m[2] + w * u * u,
-                m[3] + w * size,
-                m[4] + w * u * size,
-            ];
-        }
-        let det = m[0] * m[2] - m[1] * m[1];
-        if det > 1e-9 * m[0] * m[0] {
-            (m[3] * m[2] - m[4] * m[1]) / det
-        } else {
-            m[3] / m[0]
-        }
+        BodyStation { stretch, section }
     };
-    if sizes.len() < 2 {
-        return Vec::new();
-    }
-    let here = fit(place);
-    let mut taper: Vec<(f64, f64)> = sizes
-        .iter()
-        .filter(|p| (p.0 - place).abs() > 1e-9 * window)
-        .map(|p| (p.0, (fit(p.0) / here).clamp(0.1, 10.0)))
-        .collect();
-    let k = taper.partition_point(|p| p.0 < place);
-    taper.insert(k, (place, 1.0));
-    taper
+    Ok(Some(Body {
+        axis,
+        stations: found.into_iter().enumerate().map(station).collect(),
+        kind: StemKind::Board,
+        ends: [TraceEnd::Real; 2],
+        width,
+    }))
 }

@@ -6,10 +6,15 @@
 
 use glam::DVec3;
 
-/// Standard deviation of the weights, in radii, before any more smoothing turns out to be needed.
-const WINDOW: f64 = 1.0;
+/// Standard deviation of the weights, in radii, at the first attempt.
+const FIRST_WINDOW_RADII: f64 = 1.0;
+/// Factor by which the window grows from one attempt to the next, and the number of attempts.
+const WINDOW_GROWTH: f64 = 1.35;
+const MAX_ATTEMPTS: usize = 14;
+/// Attempts that fit parabolas. Further ones fit straight lines, which bend less.
+const QUADRATIC_ATTEMPTS: usize = 3;
 /// The tightest bend allowed: radius of curvature over the reach of the section. Below 1, grain space would fold.
-const TIGHTEST: f64 = 1.5;
+const MIN_CURVATURE_RADIUS_OVER_REACH: f64 = 1.5;
 
 /// A centroid to be smoothed.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +26,20 @@ pub(crate) struct Station {
     pub radius: f64,
     /// Largest distance of the outline from the centroid, m.
     pub reach: f64,
+}
+
+/// A smooth curve: its points and the parameter t (m) of each.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SmoothCurve {
+    pub points: Vec<DVec3>,
+    pub parameters: Vec<f64>,
+}
+
+/// A range of the parameter t, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ParameterRange {
+    pub low: f64,
+    pub high: f64,
 }
 
 /// Value and derivative of the local fit at `t`.
@@ -61,7 +80,7 @@ fn fit(stations: &[Station], t: f64, sigma: f64, quadratic: bool) -> (DVec3, DVe
         let value = (v[0] * m[2] - v[1] * m[1]) / det;
         return (value, (v[1] * m[0] - v[0] * m[1]) / (det * sigma));
     }
-    // Between stations that are too far apart: straight on.
+    // Between stations that are too far apart, a straight line.
     let k = stations
         .partition_point(|s| s.t <= t)
         .clamp(1, stations.len() - 1);
@@ -70,57 +89,65 @@ fn fit(stations: &[Station], t: f64, sigma: f64, quadratic: bool) -> (DVec3, DVe
     (a.centre + slope * (t - a.t), slope)
 }
 
-/// The axis as points at lengths of `stations`, from `first` to `last` (both in t, m), straight beyond the stations.
-/// Bends within `keep` (t, m) are at least [`TIGHTEST`] reaches wide. Gives points and the t of each.
+/// Smooths the polygon of centroids over `range`, straight beyond the stations. Bends within `limited` are at least
+/// [`MIN_CURVATURE_RADIUS_OVER_REACH`] reaches wide where [`MAX_ATTEMPTS`] suffice.
 pub(crate) fn smooth(
     stations: &[Station],
-    first: f64,
-    last: f64,
-    keep: (f64, f64),
-) -> (Vec<DVec3>, Vec<f64>) {
+    range: ParameterRange,
+    limited: ParameterRange,
+) -> SmoothCurve {
     let mut radii: Vec<f64> = stations.iter().map(|s| s.radius).collect();
     radii.sort_by(f64::total_cmp);
-    let typical = radii[radii.len() / 2];
-    let mut window = WINDOW;
-    let mut best = (Vec::new(), Vec::new());
-    for attempt in 0..14 {
-        best = sample(stations, first, last, (typical, window), attempt < 3);
-        if !too_tight(&best, stations, keep) {
+    let typical_radius = radii[radii.len() / 2];
+    let mut window = Window {
+        radii: FIRST_WINDOW_RADII,
+        typical_radius,
+        quadratic: true,
+    };
+    let mut curve = SmoothCurve::default();
+    for attempt in 0..MAX_ATTEMPTS {
+        window.quadratic = attempt < QUADRATIC_ATTEMPTS;
+        curve = sample(stations, range, window);
+        if !bends_too_tightly(&curve, stations, limited) {
             break;
         }
-        window *= 1.35;
+        window.radii *= WINDOW_GROWTH;
     }
-    best
+    curve
 }
 
-fn sample(
-    stations: &[Station],
-    first: f64,
-    last: f64,
-    (typical, window): (f64, f64),
+/// How strongly one attempt smooths.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    /// Standard deviation of the weights, in radii of the stem.
+    radii: f64,
+    /// Median radius of the stem, m.
+    typical_radius: f64,
+    /// Whether parabolas are fitted rather than straight lines.
     quadratic: bool,
-) -> (Vec<DVec3>, Vec<f64>) {
+}
+
+fn sample(stations: &[Station], range: ParameterRange, window: Window) -> SmoothCurve {
     let (low, high) = (stations[0].t, stations[stations.len() - 1].t);
-    let (mut points, mut lengths) = (Vec::new(), Vec::new());
-    let mut t = first;
+    let mut curve = SmoothCurve::default();
+    let mut t = range.low;
     loop {
         let inside = t.clamp(low, high);
         // The window follows the thickness slowly: a thin tip is not smoothed like the base.
-        let radius = radius_at(stations, inside).max(0.3 * typical);
-        let (value, slope) = fit(stations, inside, window * radius, quadratic);
-        points.push(value + slope * (t - inside));
-        lengths.push(t);
-        if t >= last {
-            break;
+        let radius = radius_at(stations, inside).max(0.3 * window.typical_radius);
+        let (value, slope) = fit(stations, inside, window.radii * radius, window.quadratic);
+        curve.points.push(value + slope * (t - inside));
+        curve.parameters.push(t);
+        if t >= range.high {
+            return curve;
         }
         let step = 0.25 * radius;
-        t = if t + 1.5 * step > last {
-            last
+        t = if t + 1.5 * step > range.high {
+            range.high
         } else {
             t + step
         };
     }
-    (points, lengths)
 }
 
 /// Interpolated radius at `t`.
@@ -133,13 +160,10 @@ fn radius_at(stations: &[Station], t: f64) -> f64 {
     a.radius + (b.radius - a.radius) * u
 }
 
-fn too_tight(
-    (points, lengths): &(Vec<DVec3>, Vec<f64>),
-    stations: &[Station],
-    keep: (f64, f64),
-) -> bool {
+fn bends_too_tightly(curve: &SmoothCurve, stations: &[Station], limited: ParameterRange) -> bool {
+    let (points, t) = (&curve.points, &curve.parameters);
     (1..points.len().saturating_sub(1)).any(|i| {
-        if lengths[i] < keep.0 || lengths[i] > keep.1 {
+        if t[i] < limited.low || t[i] > limited.high {
             return false;
         }
         let (a, b) = (points[i] - points[i - 1], points[i + 1] - points[i]);
@@ -147,9 +171,9 @@ fn too_tight(
         let chord = points[i + 1].distance(points[i - 1]);
         let curvature = 2.0 * a.cross(b).length() / (a.length() * b.length() * chord);
         let k = stations
-            .partition_point(|s| s.t <= lengths[i])
+            .partition_point(|s| s.t <= t[i])
             .clamp(1, stations.len() - 1);
         let reach = stations[k - 1].reach.max(stations[k].reach);
-        curvature * TIGHTEST * reach > 1.0
+        curvature * MIN_CURVATURE_RADIUS_OVER_REACH * reach > 1.0
     })
 }

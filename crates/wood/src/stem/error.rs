@@ -1,23 +1,23 @@
-//! Why a stem is not found, with what would work.
+//! Why a stem is not found, and what would work instead.
 
-use super::Place;
+use super::StemLocation;
 use greenstick_geometry::Cancelled;
 
-/// Why there is no stem at a place.
+/// Why there is no stem at a location.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StemError {
-    /// There is nothing to break.
+    /// The model is empty.
     #[error("the model has no triangles; a stem is found from a triangle mesh")]
     Empty,
-    /// A vertex is not a number or a triangle names one that is not there.
+    /// A vertex is not finite, or a triangle refers to one that does not exist.
     #[error("mesh {node}: {found}")]
     Invalid {
         /// Index of the mesh.
         node: usize,
-        /// What and where.
+        /// What is wrong, and where.
         found: String,
     },
-    /// No shell has sections.
+    /// No shell has plain sections.
     #[error(
         "no stem found: none of the {shells} connected parts of the model has a section that is one closed loop; \
          a stem is a tube or a solid that is longer than wide"
@@ -26,43 +26,43 @@ pub enum StemError {
         /// Number of connected parts.
         shells: usize,
     },
-    /// A fraction or length that the stem does not have.
+    /// A fraction or length beyond the stem's.
     #[error(
-        "place {asked} is off the stem, which is {length:.4} m long; nearest place that works: {nearest}"
+        "place {requested} is off the stem, which is {length:.4} m long; nearest place that works: {nearest}"
     )]
     OffStem {
-        /// The place asked for.
-        asked: Place,
+        /// The location that was requested.
+        requested: StemLocation,
         /// Length of the stem, m.
         length: f64,
-        /// The nearest place that works.
-        nearest: Place,
+        /// The nearest location that works.
+        nearest: StemLocation,
     },
-    /// A point in the air.
-    #[error("point {asked} is {distance:.4} m from the nearest wood, which is at {nearest}")]
+    /// A point too far from the wood.
+    #[error("point {requested} is {distance:.4} m from the nearest wood, which is at {nearest}")]
     FarFromWood {
-        /// The place asked for.
-        asked: Place,
+        /// The location that was requested.
+        requested: StemLocation,
         /// Distance to the nearest surface, m.
         distance: f64,
         /// The nearest point of a surface.
-        nearest: Place,
+        nearest: StemLocation,
     },
     /// The stem cannot be broken there.
-    #[error("at {asked} {found}; nearest place that works: {nearest}")]
+    #[error("at {requested} {found}; nearest place that works: {nearest}")]
     Unusable {
-        /// The place asked for.
-        asked: Place,
+        /// The location that was requested.
+        requested: StemLocation,
         /// What was found there.
         found: String,
-        /// The nearest place that works.
-        nearest: Place,
+        /// The nearest location that works.
+        nearest: StemLocation,
     },
-    /// The limb has no free place at all.
-    #[error("at {asked} {found}, and no other place on this limb is free for a break")]
+    /// The limb is not free for a break anywhere.
+    #[error("at {requested} {found}, and no other place on this limb is free for a break")]
     NowhereFree {
-        /// The place asked for.
-        asked: Place,
+        /// The location that was requested.
+        requested: StemLocation,
         /// What was found there.
         found: String,
     },

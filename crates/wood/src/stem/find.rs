@@ -1,69 +1,138 @@
-//! Finding the stem at a place: which shell, which limb of it, and what moves with the upper piece.
+//! Finding the stem at a location: which shell, which limb of it, and what moves with the upper piece.
 
-use super::attach::{self, Hanging, Tube};
-use super::build::{self, Body, MARGIN, Section, Stem, StemKind};
-use super::course::{Course, Parts, at_point, main_stem, station_at, turned_over};
+use super::attach::{Attachment, Carrier, CutPlane, find_attachment, upper_side};
+use super::body::Body;
+use super::build::{board_body, body, section_at};
+use super::choose::{Choice, Course, main_stem, station_at, stem_at_point};
 use super::error::StemError;
-use super::free::{Zone, free_ranges, reaches_end};
-use super::polygon;
-use super::shells::{self, Points, Shell};
+use super::free::{Blocked, MARGIN_RADII, Obstruction, free_ranges, obstructions, reaches_end};
+use super::model::{CrossSection, Stem, StemKind};
+use super::parts::Parts;
+use super::section::section;
 use super::surface::Surface;
-use super::{GrainSpace, Place};
-use crate::rings::{RingField, likely_pith};
+use super::taper::taper;
+use super::tube::Tube;
+use super::{GrainSpace, StemLocation};
+use crate::polygon;
+use crate::rings::{RingField, estimate_pith};
 use glam::{DVec2, DVec3};
-use greenstick_geometry::{Context, Mesh};
+use greenstick_geometry::{Cancelled, Context, Mesh};
+use std::f64::consts::PI;
 
-/// A pith that somebody knows.
+/// Where the pith is, for stems whose pith is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PithChoice {
+pub enum PithPosition {
     /// A point in the world, m; taken along the grain to the section of the break.
     World(DVec3),
     /// In the section of the break, m, from the axis along the frame's x and y.
     Section(DVec2),
 }
 
-/// What may be said about the stem beforehand.
+/// What is known of a stem beforehand.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StemOptions {
     /// The pith; estimated where absent.
-    pub pith: Option<PithChoice>,
+    pub pith: Option<PithPosition>,
     /// Log or board; judged by the section where absent.
     pub kind: Option<StemKind>,
 }
 
 /// A stem in meshes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct FoundStem {
     /// Index of the mesh.
     pub node: usize,
-    /// Triangles of the connected part of that mesh that holds the place, ascending.
+    /// Triangles of the connected part of that mesh that holds the location, ascending.
     pub shell: Vec<u32>,
     /// Those of them on the limb within the usable range and a little beyond, ascending: what a break may cut.
     pub limb: Vec<u32>,
     /// The stem.
     pub stem: Stem,
-    /// Other shells that hang beyond the place and move with the upper piece: (mesh, its triangles, ascending).
-    pub carried: Vec<(usize, Vec<u32>)>,
+    /// Other shells that are attached beyond the location and move with the upper piece.
+    pub carried: Vec<CarriedShell>,
     /// What was assumed or repaired, a sentence each.
     pub notes: Vec<String>,
 }
 
-/// Shells that others may hang on: the largest ones. A tree with more limbs than this has leaves for the rest.
-const CARRIERS: usize = 256;
-/// Finds the stem at `place`. `meshes` are in world metres, one per node.
+/// A shell that moves with the upper piece.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CarriedShell {
+    /// Index of the mesh.
+    pub node: usize,
+    /// Its triangles, ascending.
+    pub triangles: Vec<u32>,
+}
+
+/// Most shells that others may be attached to, the largest ones. A tree with more limbs than this has leaves for the rest.
+const MAX_CARRIERS: usize = 256;
+/// Tolerances of welding, relative to the model's size, that are tried where the mesh is not connected.
+const WELDING_TOLERANCES: [f64; 3] = [1e-6, 1e-5, 1e-4];
+/// A board is taken for flat-sawn: its pith lies so far below the middle of its wide face, in widths.
+const FLAT_SAWN_PITH_WIDTHS: f64 = 0.75;
+/// How much farther than the sections its rings reach, so that relief between sections is inside.
+const EXTENT_MARGIN: f64 = 1.05;
+/// Parts of the whole search after which shells are known, the stem is chosen, and it is built.
+const SHELLS_KNOWN: f64 = 0.2;
+const STEM_CHOSEN: f64 = 0.5;
+const STEM_BUILT: f64 = 0.8;
+
+/// Finds the stem at `location`. `meshes` are in world metres, one per node.
 ///
 /// For a point the nearest shell is taken and the limb of it that is there; for a fraction or length the shell whose
 /// stem has the largest volume, measured from its base: the end stuck in another shell, else the thicker end, else
 /// the one with the lower y (then x, then z).
 ///
+/// ```
+/// use greenstick_geometry::Context;
+/// use greenstick_wood::primitive;
+/// use greenstick_wood::stem::{StemOptions, find_stem};
+///
+/// let pole = primitive::cylinder(0.05, 2.0, 24); // from the origin along +y, m
+/// let found = find_stem(&[pole], &"50cm".parse()?, &StemOptions::default(), &Context::quiet())?;
+/// assert!((found.stem.length - 2.0).abs() < 0.01);
+///
+/// // The address of a point: ring coordinate, angle about the pith, and length along the axis.
+/// let grain = found.stem.grain.to_grain(glam::DVec3::new(0.025, 0.7, 0.0));
+/// let (ring, _angle) = found.stem.rings.address(grain.truncate());
+/// assert!((ring - 0.5).abs() < 0.02 && (grain.z - 0.7).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
-/// [`StemError`] where there is no stem at the place, with the nearest place that works where there is one.
-pub fn find(
+/// [`StemError`] where there is no stem at the location, with the nearest location that works where there is one.
+pub fn find_stem(
     meshes: &[Mesh],
-    place: &Place,
+    location: &StemLocation,
     options: &StemOptions,
     context: &Context,
-) -> Result<Found, StemError> {
+) -> Result<FoundStem, StemError> {
+    validate(meshes)?;
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in meshes.iter().flat_map(|m| &m.positions) {
+        (low, high) = (low.min(*p), high.max(*p));
+    }
+    let search = |tolerance: f64| find_welded(meshes, location, options, tolerance, context);
+    let first = search(0.0);
+    if !matches!(
+        first,
+        Err(StemError::NoStem { .. } | StemError::NowhereFree { .. })
+    ) {
+        return first;
+    }
+    // Perhaps a soup whose triangles touch only nearly.
+    for tolerance in WELDING_TOLERANCES {
+        match search(tolerance * low.distance(high)) {
+            Err(StemError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(_) => {}
+            found => return found,
+        }
+    }
+    first
+}
+
+/// Refuses meshes with coordinates that are not finite, with triangles that refer to vertices that do not exist, or
+/// without triangles.
+fn validate(meshes: &[Mesh]) -> Result<(), StemError> {
     for (node, mesh) in meshes.iter().enumerate() {
         let count = mesh.positions.len();
         if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
@@ -73,120 +142,56 @@ pub fn find(
             );
             return Err(StemError::Invalid { node, found });
         }
-        if let Some(t) = mesh
-            .triangles
-            .iter()
-            .position(|t| t.iter().any(|&v| v as usize >= count))
-        {
-            let found = format!("triangle {t} names a vertex beyond the {count} that there are");
+        let missing = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= count);
+        if let Some(t) = mesh.triangles.iter().position(missing) {
+            let found = format!("triangle {t} refers to a vertex beyond the {count} of the mesh");
             return Err(StemError::Invalid { node, found });
         }
-    }
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in meshes.iter().flat_map(|m| &m.positions) {
-        (low, high) = (low.min(*p), high.max(*p));
     }
     if meshes.iter().all(|m| m.triangles.is_empty()) {
         return Err(StemError::Empty);
     }
-    let first = attempt(meshes, place, options, context, 0.0);
-    if !matches!(
-        first,
-        Err(StemError::NoStem { .. } | StemError::NowhereFree { .. })
-    ) {
-        return first;
-    }
-    // Perhaps a soup whose triangles touch only nearly.
-    for tolerance in [1e-6, 1e-5, 1e-4] {
-        let tolerance = tolerance * low.distance(high);
-        if let Ok(found) = attempt(meshes, place, options, context, tolerance) {
-            return Ok(found);
-        }
-    }
-    first
+    Ok(())
 }
 
-fn attempt(
+/// Finds the stem with vertices welded within `tolerance` (m).
+fn find_welded(
     meshes: &[Mesh],
-    place: &Place,
+    location: &StemLocation,
     options: &StemOptions,
-    context: &Context,
     tolerance: f64,
-) -> Result<Found, StemError> {
+    context: &Context,
+) -> Result<FoundStem, StemError> {
     context.report(0.0)?;
-    let points: Vec<Points> = meshes
-        .iter()
-        .map(|m| shells::points(m, tolerance))
-        .collect();
-    let shells: Vec<Shell> = points
-        .iter()
-        .enumerate()
-        .flat_map(|(node, p)| shells::shells(node, p))
-        .collect();
-    let mut order: Vec<usize> = (0..shells.len()).collect();
-    order.sort_by(|&a, &b| {
-        shells[b]
-            .diagonal()
-            .total_cmp(&shells[a].diagonal())
-            .then(a.cmp(&b))
-    });
-    let parts = Parts {
-        points,
-        shells,
-        order,
+    let parts = Parts::new(meshes, tolerance, context)?;
+    context.report(SHELLS_KNOWN)?;
+    let choosing = context.part(SHELLS_KNOWN, STEM_CHOSEN);
+    let mut choice = match location {
+        StemLocation::Point(p) => stem_at_point(&parts, *p, options.kind, &choosing)?,
+        _ => main_stem(&parts, options.kind, &choosing)?,
     };
-    context.report(0.2)?;
-    let (cut, mut followed, at) = match place {
-        Place::Point(p) => at_point(&parts, *p, place, options.kind)?,
-        _ => main_stem(&parts, options.kind, context)?,
-    };
-    context.report(0.5)?;
-    let carriers: Vec<(usize, Surface)> = if parts.shells.len() == 1 {
-        vec![(cut, parts.surface(cut))]
-    } else {
-        let mut chosen: Vec<usize> = parts.order.iter().copied().take(CARRIERS).collect();
-        if !chosen.contains(&cut) {
-            chosen.push(cut);
-        }
-        chosen.into_iter().map(|i| (i, parts.surface(i))).collect()
-    };
-    let tips = match &followed {
-        Course::Log(trace) => trace.tips,
-        Course::Board(plank) => [plank.end, plank.end + plank.direction * plank.size[0]],
-    };
-    let held = tips.map(|tip| {
-        carriers
-            .iter()
-            .find(|(i, surface)| *i != cut && surface.holds(tip))
-            .map(|(i, _)| *i)
-    });
-    let reversed = turned_over(&followed, tips, held);
-    let held = if reversed { [held[1], held[0]] } else { held };
-    match &mut followed {
-        Course::Log(trace) if reversed => trace.reverse(),
-        Course::Board(plank) if reversed => {
-            plank.end = tips[1];
-            plank.direction = -plank.direction;
-        }
-        _ => {}
-    }
-    let Some(surface) = carriers.iter().find(|(i, _)| *i == cut).map(|(_, s)| s) else {
+    context.report(STEM_CHOSEN)?;
+    let carriers = carriers(&parts, choice.shell, context)?;
+    let held = orient(&mut choice, &carriers);
+    let carrier = carriers.iter().find(|c| c.shell == choice.shell);
+    let Some(Carrier { surface, .. }) = carrier else {
         return Err(StemError::NoStem {
             shells: parts.shells.len(),
         });
     };
     let search = Search {
         parts: &parts,
-        cut,
+        choice: &choice,
         surface,
-        place,
+        location,
         options,
+        context,
     };
-    let mut found = search.stem(&followed, at, held)?;
-    context.report(0.8)?;
-    found.carried = search.carried(&found, &carriers);
-    let moved: usize = parts.points.iter().map(|p| p.moved).sum();
+    let mut found = search.stem(held)?;
+    context.report(STEM_BUILT)?;
+    found.carried = search.carried_shells(&found, &carriers)?;
     if tolerance > 0.0 {
+        let moved = parts.moved_vertices();
         found.notes.insert(
             0,
             format!(
@@ -198,104 +203,166 @@ fn attempt(
     Ok(found)
 }
 
-/// One search after shell and limb are known.
-pub(super) struct Search<'a> {
-    pub parts: &'a Parts,
-    pub cut: usize,
-    pub surface: &'a Surface<'a>,
-    pub place: &'a Place,
-    pub options: &'a StemOptions,
+/// The shells that others may be attached to, the chosen one among them.
+fn carriers<'a>(
+    parts: &'a Parts,
+    chosen: usize,
+    context: &Context,
+) -> Result<Vec<Carrier<'a>>, Cancelled> {
+    let mut shells: Vec<usize> = if parts.shells.len() == 1 {
+        Vec::new()
+    } else {
+        let largest = parts.largest_first.iter().copied();
+        largest.take(MAX_CARRIERS).collect()
+    };
+    if !shells.contains(&chosen) {
+        shells.push(chosen);
+    }
+    shells
+        .into_iter()
+        .map(|shell| {
+            let surface = parts.surface(shell, context)?;
+            Ok(Carrier { shell, surface })
+        })
+        .collect()
+}
+
+/// Turns the stem so that it runs from its base to its tip; returns the shells that hold base and tip.
+fn orient(choice: &mut Choice, carriers: &[Carrier]) -> [Option<usize>; 2] {
+    let held = choice.course.tips().map(|tip| {
+        carriers
+            .iter()
+            .find(|c| c.shell != choice.shell && c.surface.contains(tip))
+            .map(|c| c.shell)
+    });
+    if choice.course.runs_from_tip_to_base(held) {
+        choice.course.reverse();
+        [held[1], held[0]]
+    } else {
+        held
+    }
+}
+
+/// The rest of the search, once shell and limb are known.
+struct Search<'a> {
+    parts: &'a Parts,
+    choice: &'a Choice,
+    surface: &'a Surface<'a>,
+    location: &'a StemLocation,
+    options: &'a StemOptions,
+    context: &'a Context,
 }
 
 impl Search<'_> {
-    fn stem(
-        &self,
-        course: &Course,
-        at: Option<DVec3>,
-        held: [Option<usize>; 2],
-    ) -> Result<Found, StemError> {
-        let body = match course {
-            Course::Board(plank) => build::board_body(self.surface, plank),
-            Course::Log(trace) => {
-                build::body(self.surface, trace, station_at(trace, self.place, at))
-            }
-        };
-        let body = body.ok_or(StemError::NoStem {
-            shells: self.parts.shells.len(),
-        })?;
-        let length = body.axis.length();
-        let asked = match (self.place, at) {
-            (Place::Fraction(x), _) => x * length,
-            (Place::Length(x), _) => *x,
-            (Place::Point(p), _) => body.axis.length_at(at.unwrap_or(*p)),
-        };
+    fn stem(&self, held: [Option<usize>; 2]) -> Result<FoundStem, StemError> {
+        let body = self.body()?;
+        let at = self.length_at_location(&body);
         let tube = Tube::new(&body);
-        let zones = self.zones(&body, &tube, held);
-        let free = free_ranges(&body, &zones);
-        let inside = |r: &&(f64, f64)| asked >= r.0 && asked <= r.1;
-        let Some(&usable) = free.iter().find(inside) else {
-            return Err(self.refusal(&body, &zones, &free, asked));
+        let (parts, cut) = (self.parts, self.choice.shell);
+        let length = body.axis.length();
+        let obstructions = obstructions(parts, cut, &tube, held, length, self.context)?;
+        let free = free_ranges(&body, &obstructions);
+        let refusal = || {
+            let blocked = Blocked {
+                body: &body,
+                surface: self.surface,
+                obstructions: &obstructions,
+                free: &free,
+                requested: *self.location,
+                at,
+            };
+            blocked.refusal()
         };
-        let limit = 0.5 * body.radius(asked);
-        let Some(section) = build::section_at(self.surface, &body.axis, asked, limit) else {
-            return Err(self.refusal(&body, &zones, &free, asked));
-        };
+        let contains = |r: &&(f64, f64)| at >= r.0 && at <= r.1;
+        let usable = *free.iter().find(contains).ok_or_else(refusal)?;
+        let limit = 0.5 * body.radius(at);
+        let here = section_at(self.surface, &body.axis, at, limit)
+            .ok_or_else(refusal)?
+            .section;
         let mut notes = Vec::new();
-        let stem = self.assemble(&body, usable, &zones, section, &mut notes);
-        let margin = 2.0 * MARGIN * stem.radius;
-        for zone in &zones {
-            let gap = (zone.range.0 - usable.1).max(usable.0 - zone.range.1);
-            if gap < margin {
-                let (a, b) = zone.range;
+        let stem = self.assemble(&body, usable, &obstructions, here, &mut notes);
+        let margin = 2.0 * MARGIN_RADII * stem.radius;
+        for obstruction in &obstructions {
+            let (a, b) = obstruction.range;
+            if (a - usable.1).max(usable.0 - b) < margin {
                 notes.push(format!(
                     "the break stays clear of {a:.3} to {b:.3} m, where {}",
-                    zone.why
+                    obstruction.reason
                 ));
             }
         }
-        let frame = stem.grain.axis().frame(asked);
-        let under = super::trace::section(self.surface, frame.origin, frame.tangent, limit)
-            .map_or(Vec::new(), |c| c.triangles);
-        let limb = tube.limb(self.surface, (usable.0 - margin, usable.1 + margin), &under);
-        let shell = &self.parts.shells[self.cut];
-        Ok(Found {
+        let under = self.triangles_under(&stem, at, limit);
+        let range = (usable.0 - margin, usable.1 + margin);
+        let shell = &parts.shells[cut];
+        Ok(FoundStem {
             node: shell.node,
             shell: shell.triangles.clone(),
-            limb,
+            limb: tube.limb(self.surface, range, &under, self.context)?,
             stem,
             carried: Vec::new(),
             notes,
         })
     }
 
+    fn body(&self) -> Result<Body, StemError> {
+        let body = match &self.choice.course {
+            Course::Board(plank) => board_body(self.surface, plank, self.context)?,
+            Course::Log(trace) => {
+                let near = station_at(trace, self.location, self.choice.surface_point);
+                body(self.surface, trace, near, self.context)?
+            }
+        };
+        body.ok_or(StemError::NoStem {
+            shells: self.parts.shells.len(),
+        })
+    }
+
+    /// The requested location as length along the axis, m.
+    fn length_at_location(&self, body: &Body) -> f64 {
+        match self.location {
+            StemLocation::Fraction(x) => x * body.axis.length(),
+            StemLocation::Length(x) => *x,
+            StemLocation::Point(p) => {
+                let point = self.choice.surface_point.unwrap_or(*p);
+                body.axis.length_at(point)
+            }
+        }
+    }
+
+    /// Triangles under the section at `at` (m).
+    fn triangles_under(&self, stem: &Stem, at: f64, limit: f64) -> Vec<u32> {
+        let frame = stem.grain.axis().frame(at);
+        section(self.surface, frame.origin, frame.tangent, limit)
+            .map_or(Vec::new(), |c| c.triangles)
+    }
+
     fn assemble(
         &self,
         body: &Body,
         usable: (f64, f64),
-        zones: &[Zone],
-        section: Section,
+        obstructions: &[Obstruction],
+        here: CrossSection,
         notes: &mut Vec<String>,
     ) -> Stem {
-        let place = section.length;
+        let location = here.length;
         let length = body.axis.length();
-        let radius = (section.area / std::f64::consts::PI).sqrt();
+        let radius = (here.area / PI).sqrt();
         let run = body
-            .free()
+            .free_runs()
             .into_iter()
-            .find(|r| place >= r.0 && place <= r.1)
+            .find(|r| location >= r.0 && location <= r.1)
             .unwrap_or((0.0, length));
-        let taper = build::taper(body, run, place, section.area);
-        let grain = GrainSpace::new(body.axis.clone(), taper);
-        let mut sections: Vec<Section> = body
+        let grain = GrainSpace::new(body.axis.clone(), taper(body, run, location, here.area));
+        let pith = self.pith(body, &grain, &here, notes);
+        let mut sections: Vec<CrossSection> = body
             .stations
             .iter()
-            .filter_map(|(_, s)| s.clone())
-            .filter(|s| s.length != place)
+            .filter_map(|station| station.section.clone())
+            .filter(|s| s.length != location)
             .collect();
-        let pith = self.pith(body, &grain, &section, notes);
-        let k = sections.partition_point(|s| s.length < place);
-        sections.insert(k, section.clone());
-        let reach = |s: &Section| {
+        let k = sections.partition_point(|s| s.length < location);
+        sections.insert(k, here.clone());
+        let reach = |s: &CrossSection| {
             let scale = grain.scale(s.length);
             s.contour
                 .iter()
@@ -307,25 +374,25 @@ impl Search<'_> {
             .filter(|s| s.length >= usable.0 && s.length <= usable.1)
             .map(reach)
             .fold(0.0, f64::max)
-            * 1.05;
-        let holds = polygon::contains(&section.contour, pith);
-        let rings = if body.kind == StemKind::Round && holds {
-            RingField::round(&section.contour, pith, extent)
+            * EXTENT_MARGIN;
+        let round = body.kind == StemKind::Round;
+        let rings = if round && polygon::contains(&here.contour, pith) {
+            RingField::round(&here.contour, pith, extent)
         } else {
-            if body.kind == StemKind::Round {
+            if round {
                 notes.push("the pith lies outside the section: rings are arcs about it".to_owned());
             }
-            RingField::arcs(pith, reach(&section), extent)
+            RingField::arcs(pith, reach(&here), extent)
         };
         let ends = (
-            reaches_end(body, zones, usable.0, 0),
-            reaches_end(body, zones, usable.1, 1),
+            reaches_end(body, obstructions, usable.0, 0),
+            reaches_end(body, obstructions, usable.1, 1),
         );
         Stem {
             grain,
             kind: body.kind,
             sections,
-            place,
+            location,
             usable,
             rings,
             radius,
@@ -339,14 +406,14 @@ impl Search<'_> {
         &self,
         body: &Body,
         grain: &GrainSpace,
-        section: &Section,
+        section: &CrossSection,
         notes: &mut Vec<String>,
     ) -> DVec2 {
         match (self.options.pith, body.kind) {
-            (Some(PithChoice::Section(p)), _) => p,
-            (Some(PithChoice::World(p)), _) => grain.to_grain(p).truncate(),
+            (Some(PithPosition::Section(p)), _) => p,
+            (Some(PithPosition::World(p)), _) => grain.to_grain(p).truncate(),
             (None, StemKind::Round) => {
-                let pith = likely_pith(&section.contour);
+                let pith = estimate_pith(&section.contour);
                 let off = (pith - section.centroid).length() * 1e3;
                 notes.push(format!(
                     "the pith was estimated, {off:.1} mm from the section's centroid"
@@ -355,7 +422,7 @@ impl Search<'_> {
             }
             (None, StemKind::Board) => {
                 // Flat-sawn: the wide faces are tangential to the rings. x is the wide direction.
-                let down = 0.75 * body.width;
+                let down = FLAT_SAWN_PITH_WIDTHS * body.width;
                 notes.push(format!(
                     "the pith was taken to lie {:.0} mm below the middle of the wide face (flat-sawn)",
                     down * 1e3
@@ -366,53 +433,65 @@ impl Search<'_> {
     }
 
     /// Shells that move with the upper piece.
-    fn carried(&self, found: &Found, carriers: &[(usize, Surface)]) -> Vec<(usize, Vec<u32>)> {
-        let shells = &self.parts.shells;
+    fn carried_shells(
+        &self,
+        found: &FoundStem,
+        carriers: &[Carrier],
+    ) -> Result<Vec<CarriedShell>, Cancelled> {
+        let (shells, cut) = (&self.parts.shells, self.choice.shell);
         if shells.len() < 2 {
-            return Vec::new();
+            return Ok(Vec::new());
         }
-        let hangings: Vec<Option<Hanging>> = (0..shells.len())
-            .map(|i| {
-                if i == self.cut {
-                    return None;
-                }
-                attach::hangs_on(&self.parts.points[shells[i].node], shells, i, carriers)
-            })
-            .collect();
-        let shell = &shells[self.cut];
-        let points = &self.parts.points[shell.node];
-        let frame = found.stem.grain.axis().frame(found.stem.place);
-        let limit = found.stem.radius;
-        let barrier = super::trace::section(self.surface, frame.origin, frame.tangent, limit)
-            .map_or(Vec::new(), |c| c.triangles);
-        let mut sides = attach::upper_side(points, shell, &barrier, frame.origin, frame.tangent);
-        let mut beyond = |at: DVec3| {
-            let high = (at - frame.origin).dot(frame.tangent) > 0.0;
-            let (Some(sides), Some((t, _))) = (&mut sides, self.surface.nearest(at)) else {
-                return high;
+        let mut attachments: Vec<Option<Attachment>> = Vec::with_capacity(shells.len());
+        for (i, shell) in shells.iter().enumerate() {
+            self.context.check()?;
+            let mesh = &self.parts.meshes[shell.node];
+            attachments.push(if i == cut {
+                None
+            } else {
+                find_attachment(mesh, shells, i, carriers)
+            });
+        }
+        let mesh = &self.parts.meshes[shells[cut].node];
+        let frame = found.stem.grain.axis().frame(found.stem.location);
+        let plane = CutPlane {
+            origin: frame.origin,
+            along: frame.tangent,
+        };
+        let barrier = self.triangles_under(&found.stem, found.stem.location, found.stem.radius);
+        let mut upper_points = upper_side(mesh, &shells[cut], &barrier, plane);
+        let mut is_beyond = |at: DVec3| {
+            let above = (at - plane.origin).dot(plane.along) > 0.0;
+            let (Some(upper), Some((t, _))) = (&mut upper_points, self.surface.nearest(at)) else {
+                return above;
             };
             if barrier.contains(&t) {
-                return high;
+                return above;
             }
-            sides(points.triangles[t as usize][0])
+            upper(mesh.triangles[t as usize][0])
         };
         let mut carried = Vec::new();
         for (i, shell) in shells.iter().enumerate() {
-            // Follow what it hangs on down to the cut shell; a ring of shells holding each other ends the walk.
+            // Follow what carries it down to the cut shell; a ring of shells that hold each other ends the walk.
             let mut at = i;
             let mut moves = false;
             for _ in 0..shells.len() {
-                let Some(hanging) = hangings[at] else { break };
-                if hanging.on == self.cut {
-                    moves = beyond(hanging.at);
+                let Some(attachment) = attachments[at] else {
+                    break;
+                };
+                if attachment.carrier == cut {
+                    moves = is_beyond(attachment.at);
                     break;
                 }
-                at = hanging.on;
+                at = attachment.carrier;
             }
-            if moves && i != self.cut {
-                carried.push((shell.node, shell.triangles.clone()));
+            if moves && i != cut {
+                carried.push(CarriedShell {
+                    node: shell.node,
+                    triangles: shell.triangles.clone(),
+                });
             }
         }
-        carried
+        Ok(carried)
     }
 }

@@ -1,22 +1,31 @@
 //! Grain space: the stem straightened, so that every line along the grain is parallel to the third axis.
 //!
-//! Coordinates are (x, y, s): metres across in the section of the break, and metres along the axis. Away from the
-//! break a section is scaled with the stem's taper, as the grain follows the bark.
+//! Coordinates are (x, y, s): metres across the stem, in the section of the break, and metres along the axis. Away from
+//! the break a section is scaled with the stem's taper, as the grain follows the bark.
 
 use super::Axis;
 use glam::DVec3;
+
+/// The size of a stem at one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TaperPoint {
+    /// Length along the axis, m.
+    pub length: f64,
+    /// Size of the section relative to the one at the break, above 0.
+    pub scale: f64,
+}
 
 /// The map between the world and grain space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrainSpace {
     axis: Axis,
-    /// (length along the axis in m, size of the section relative to the one at the break), rising in length.
-    taper: Vec<(f64, f64)>,
+    /// Rising in length.
+    taper: Vec<TaperPoint>,
 }
 
 impl GrainSpace {
-    /// Grain space about `axis`. `taper` gives (length in m, relative size > 0) rising in length; empty for none.
-    pub fn new(axis: Axis, taper: Vec<(f64, f64)>) -> Self {
+    /// Grain space about `axis`. `taper` must rise in length; an empty one is no taper.
+    pub fn new(axis: Axis, taper: Vec<TaperPoint>) -> Self {
         GrainSpace { axis, taper }
     }
 
@@ -27,23 +36,25 @@ impl GrainSpace {
 
     /// Size of the section at `s` (m) relative to the one at the break.
     pub fn scale(&self, s: f64) -> f64 {
-        let k = self.taper.partition_point(|&(l, _)| l <= s);
+        let k = self.taper.partition_point(|p| p.length <= s);
         match (k.checked_sub(1).map(|i| self.taper[i]), self.taper.get(k)) {
-            (Some((a, u)), Some(&(b, v))) => u + (v - u) * ((s - a) / (b - a)),
-            (Some((_, u)), None) => u,
-            (None, Some(&(_, v))) => v,
+            (Some(a), Some(b)) => {
+                a.scale + (b.scale - a.scale) * ((s - a.length) / (b.length - a.length))
+            }
+            (Some(a), None) => a.scale,
+            (None, Some(b)) => b.scale,
             (None, None) => 1.0,
         }
     }
 
-    /// Grain space (x, y, s) to the world.
+    /// Maps grain space (x, y, s) to the world.
     pub fn to_world(&self, p: DVec3) -> DVec3 {
         let f = self.axis.frame(p.z);
         let k = self.scale(p.z);
         f.origin + f.x * (k * p.x) + f.y * (k * p.y)
     }
 
-    /// The world to grain space (x, y, s).
+    /// Maps the world to grain space (x, y, s).
     pub fn to_grain(&self, world: DVec3) -> DVec3 {
         self.in_section(world, self.axis.length_at(world))
     }

@@ -1,29 +1,36 @@
 //! The stem: a curved axis with sections, and the address (ring coordinate, angle, length) of every point in it.
 //!
-//! [`find`] finds one in a mesh at a [`Place`].
+//! [`find_stem`] finds one in a mesh at a [`StemLocation`].
 
 mod attach;
 mod axis;
+mod body;
 mod build;
 pub(crate) mod centreline;
-mod course;
+mod choose;
 mod error;
 mod find;
 mod free;
 mod grain;
 mod layered;
-mod place;
-pub(crate) mod polygon;
+mod location;
+mod model;
+mod parts;
+mod plank;
+mod principal;
+mod section;
 mod seed;
 mod shells;
+mod slice;
 mod surface;
+mod taper;
 mod trace;
+mod tube;
 
-pub use crate::rings::RingField;
 pub use axis::{Axis, Frame};
-pub use build::{Section, Stem, StemKind};
 pub use error::StemError;
-pub use find::{Found, PithChoice, StemOptions, find};
-pub use grain::GrainSpace;
+pub use find::{CarriedShell, FoundStem, PithPosition, StemOptions, find_stem};
+pub use grain::{GrainSpace, TaperPoint};
 pub use layered::LayeredGrain;
-pub use place::{Place, PlaceError};
+pub use location::{StemLocation, StemLocationError};
+pub use model::{CrossSection, Stem, StemKind};

@@ -4,17 +4,21 @@ use glam::DVec3;
 use greenstick_geometry::Mesh;
 use std::path::{Path, PathBuf};
 
-/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
-/// repository; `None`, said aloud, where it is in neither.
-pub fn data(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let own = root.join("tests/data").join(Path::new(name).file_name()?);
-    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(name));
-    let found = [own].into_iter().chain(beside).find(|p| p.exists());
-    if found.is_none() {
-        println!("skipped: there is no shared/data/{name} beside the repository");
-    }
-    found
+/// A file of `tests/data`.
+pub fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/data")
+        .join(name)
+}
+
+/// A file of the data that may not be handed on with the repository, in the folder that the environment variable
+/// `GREENSTICK_DATA` names. Tests that need one are ignored; `cargo test -- --include-ignored` runs them.
+pub fn outside_data(name: &str) -> PathBuf {
+    let folder = std::env::var_os("GREENSTICK_DATA")
+        .expect("GREENSTICK_DATA must name the folder of the test data");
+    let path = Path::new(&folder).join(name);
+    assert!(path.exists(), "{} is not there", path.display());
+    path
 }
 
 fn fan(mesh: &mut Mesh, corners: &[u32]) {
@@ -24,8 +28,9 @@ fn fan(mesh: &mut Mesh, corners: &[u32]) {
     }
 }
 
-pub fn obj(name: &str) -> Option<Mesh> {
-    let text = std::fs::read_to_string(data(name)?).unwrap();
+/// An OBJ file of positions and faces.
+pub fn obj(path: &Path) -> Mesh {
+    let text = std::fs::read_to_string(path).unwrap();
     let mut mesh = Mesh::default();
     for line in text.lines() {
         let mut words = line.split_whitespace();
@@ -43,12 +48,12 @@ pub fn obj(name: &str) -> Option<Mesh> {
             _ => {}
         }
     }
-    Some(mesh)
+    mesh
 }
 
 /// An ASCII PLY file of positions and faces, its numbers times `unit`.
-pub fn ply(name: &str, unit: f64) -> Option<Mesh> {
-    let text = std::fs::read_to_string(data(name)?).unwrap();
+pub fn ply(path: &Path, unit: f64) -> Mesh {
+    let text = std::fs::read_to_string(path).unwrap();
     let (head, body) = text.split_once("end_header").unwrap();
     let count: usize = head
         .lines()
@@ -70,14 +75,13 @@ pub fn ply(name: &str, unit: f64) -> Option<Mesh> {
             fan(&mut mesh, &corners);
         }
     }
-    Some(mesh)
+    mesh
 }
 
 /// The first primitive of a glTF file with one buffer and no node transforms.
-pub fn gltf(name: &str) -> Option<Mesh> {
-    let path = data(name)?;
+pub fn gltf(path: &Path) -> Mesh {
     let json: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let buffer = path.with_file_name(json["buffers"][0]["uri"].as_str().unwrap());
     let bytes = std::fs::read(buffer).unwrap();
     let part = &json["meshes"][0]["primitives"][0];
@@ -102,5 +106,5 @@ pub fn gltf(name: &str) -> Option<Mesh> {
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]])
         .collect();
-    Some(mesh)
+    mesh
 }

@@ -34,22 +34,31 @@ fn cylinder(count: i64, seen: f64) -> (PointCloud, DVec3, DVec3) {
     (cloud, base, along)
 }
 
-fn made(cloud: &PointCloud, place: &str, options: &ScanOptions) -> Result<ScannedBark, ScanError> {
-    scanned_bark(cloud, &place.parse().unwrap(), options, &Context::quiet())
+fn reconstruct(
+    cloud: &PointCloud,
+    location: &str,
+    options: &ScanOptions,
+) -> Result<ScannedBark, ScanError> {
+    reconstruct_bark(
+        cloud,
+        &location.parse().unwrap(),
+        options,
+        &Context::quiet(),
+    )
 }
 
 #[test]
 fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
     let (cloud, base, along) = cylinder(40_000, 1.0);
-    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let bark = reconstruct(&cloud, "0.5", &ScanOptions::default()).unwrap();
     let report = &bark.report;
     assert!((report.radius_m - RADIUS).abs() < 0.2 * NOISE, "{report:?}");
     assert!((report.noise_m / NOISE - 1.0).abs() < 0.15, "{report:?}");
     assert!(
-        report.mean_cover > 0.97 && report.stem_length_m > 2.8,
+        report.mean_coverage > 0.97 && report.stem_length_m > 2.8,
         "{report:?}"
     );
-    assert_eq!(report.strangers, 0);
+    assert_eq!(report.foreign_points, 0);
     for p in &bark.centreline {
         let off = (*p - base).reject_from_normalized(along).length();
         assert!(off < NOISE, "{off} off the axis at {p}");
@@ -102,10 +111,10 @@ fn a_deeply_fluted_log_is_found_and_keeps_its_flutes() {
         points,
         ..PointCloud::default()
     };
-    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let bark = reconstruct(&cloud, "0.5", &ScanOptions::default()).unwrap();
     let report = &bark.report;
     assert!(
-        report.stem_length_m > 1.8 && report.strangers < 60,
+        report.stem_length_m > 1.8 && report.foreign_points < 60,
         "{report:?}"
     );
     assert!(report.noise_m < 1.5 * NOISE, "{report:?}");
@@ -125,11 +134,11 @@ fn a_deeply_fluted_log_is_found_and_keeps_its_flutes() {
 }
 
 #[test]
-fn half_a_cylinder_is_completed_and_told_or_refused() {
+fn half_a_cylinder_is_completed_and_reported_or_refused() {
     let (cloud, base, along) = cylinder(20_000, 0.5);
-    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let bark = reconstruct(&cloud, "0.5", &ScanOptions::default()).unwrap();
     assert!(
-        (bark.report.mean_cover - 0.5).abs() < 0.04,
+        (bark.report.mean_coverage - 0.5).abs() < 0.04,
         "{:?}",
         bark.report
     );
@@ -145,14 +154,14 @@ fn half_a_cylinder_is_completed_and_told_or_refused() {
         );
     }
     let strict = ScanOptions {
-        least_cover: 0.6,
+        min_coverage: 0.6,
         ..ScanOptions::default()
     };
-    let error = made(&cloud, "0.5", &strict).unwrap_err();
+    let error = reconstruct(&cloud, "0.5", &strict).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("of the girth; at least 60 %"), "{text}");
     assert!(
-        matches!(error, ScanError::LittleCover { cover, .. } if (cover.share - 0.5).abs() < 0.05)
+        matches!(error, ScanError::LowCoverage { coverage, .. } if (coverage.share - 0.5).abs() < 0.05)
     );
 }
 
@@ -173,9 +182,9 @@ fn the_fracture_surface_is_cut_off() {
         bark_only: true,
         ..ScanOptions::default()
     };
-    let bark = made(&cloud, "0.3", &options).unwrap();
+    let bark = reconstruct(&cloud, "0.3", &options).unwrap();
     let report = &bark.report;
-    let gone = report.fracture_points + report.strangers;
+    let gone = report.fracture_points + report.foreign_points;
     assert!(gone as i64 >= face * 9 / 10, "{report:?}");
     assert!(report.points > 27_000, "{report:?}");
     assert!((report.radius_m - RADIUS).abs() < 0.5 * NOISE, "{report:?}");
@@ -194,11 +203,11 @@ fn folded_bark_is_closed_where_it_is_and_left_out_elsewhere() {
         cloud.points.push(base + along * s + out * radius);
     }
     let options = ScanOptions::default();
-    let bark = made(&cloud, "2.5m", &options).unwrap();
-    let told = &bark.report.notes[0];
+    let bark = reconstruct(&cloud, "2.5m", &options).unwrap();
+    let note = &bark.report.notes[0];
     assert!(
-        told.contains("from 2.00") && told.contains("Poisson"),
-        "{told}"
+        note.contains("from 2.00") && note.contains("Poisson"),
+        "{note}"
     );
     let check = bark.mesh.check();
     assert!(
@@ -229,22 +238,22 @@ fn folded_bark_is_closed_where_it_is_and_left_out_elsewhere() {
         d.length() > 1.2 * RADIUS
     });
     assert!(out.count() > 500);
-    let bark = made(&cloud, "1m", &options).unwrap();
+    let bark = reconstruct(&cloud, "1m", &options).unwrap();
     assert_eq!(bark.report.span_m, [0.0, 2.0], "{:?}", bark.report);
     assert!(bark.report.folded > 0.05 && bark.report.folded < 0.25);
 }
 
 #[test]
-fn places_and_clouds_that_do_not_do_are_refused() {
+fn unsuitable_locations_and_clouds_are_refused() {
     let (cloud, base, _) = cylinder(20_000, 1.0);
     let options = ScanOptions::default();
     assert!(matches!(
-        made(&cloud, "9m", &options),
+        reconstruct(&cloud, "9m", &options),
         Err(ScanError::OffStem { .. })
     ));
     let p = base + DVec3::X;
-    let far = Place::Point(p);
-    let error = scanned_bark(&cloud, &far, &options, &Context::quiet()).unwrap_err();
+    let far = StemLocation::Point(p);
+    let error = reconstruct_bark(&cloud, &far, &options, &Context::quiet()).unwrap_err();
     assert!(matches!(error, ScanError::FarFromWood { .. }), "{error}");
     let flat = PointCloud {
         points: (0..5000i64)
@@ -253,15 +262,15 @@ fn places_and_clouds_that_do_not_do_are_refused() {
         ..PointCloud::default()
     };
     assert!(matches!(
-        made(&flat, "0.5", &options),
+        reconstruct(&flat, "0.5", &options),
         Err(ScanError::NoStem { .. })
     ));
     let wrong = ScanOptions {
-        least_cover: f64::NAN,
+        min_coverage: f64::NAN,
         ..options
     };
     assert!(matches!(
-        made(&cloud, "0.5", &wrong),
-        Err(ScanError::LeastCover(_))
+        reconstruct(&cloud, "0.5", &wrong),
+        Err(ScanError::MinCoverage(_))
     ));
 }

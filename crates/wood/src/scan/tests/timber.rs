@@ -67,7 +67,7 @@ fn squared_timber_keeps_its_sides_and_its_corners() {
         let what = format!("{width} x {thickness} x {length}, noise {noise}");
         let piece = Piece::new(width, thickness, length, noise);
         let cloud = piece.cloud(30_000, gap);
-        let bark = made(&cloud, "0.5", &ScanOptions::default());
+        let bark = reconstruct(&cloud, "0.5", &ScanOptions::default());
         let bark = bark.unwrap_or_else(|e| panic!("{what}: {e}"));
         let report = &bark.report;
         assert!(report.notes[0].contains("squared timber"), "{report:?}");
@@ -120,7 +120,7 @@ fn a_log_with_one_flat_side_is_no_squared_timber() {
             *p -= x * off;
         }
     }
-    let bark = made(&cloud, "0.5", &ScanOptions::default()).unwrap();
+    let bark = reconstruct(&cloud, "0.5", &ScanOptions::default()).unwrap();
     assert!(
         !bark.report.notes[0].contains("squared"),
         "{:?}",

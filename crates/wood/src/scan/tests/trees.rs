@@ -79,7 +79,7 @@ impl Tree {
 }
 
 #[test]
-fn the_stem_of_a_tree_is_told_from_its_crown() {
+fn the_stem_of_a_tree_is_distinguished_from_its_crown() {
     for (seed, density, scatter, lean, forked) in [
         (1, 4_000.0, 0.006, 0.0, true),
         (2, 3_000.0, 0.004, 0.25, false),
@@ -95,7 +95,7 @@ fn the_stem_of_a_tree_is_told_from_its_crown() {
         let what = format!(
             "density {density}, noise {scatter}, lean {lean}, forked {forked}, seed {seed}"
         );
-        let bark = made(&tree.cloud(), "1.5m", &ScanOptions::default());
+        let bark = reconstruct(&tree.cloud(), "1.5m", &ScanOptions::default());
         let bark = bark.unwrap_or_else(|e| panic!("{what}: {e}"));
         let below: Vec<&DVec3> = bark
             .centreline
@@ -107,8 +107,8 @@ fn the_stem_of_a_tree_is_told_from_its_crown() {
             let off = p.truncate().distance(tree.axis(p.z, 0.0).truncate());
             assert!(off < 0.15 * BASE, "{what}: {off} off the axis at {p}");
         }
-        let Place::Point(at) = bark.place else {
-            panic!("{what}: {}", bark.place)
+        let StemLocation::Point(at) = bark.location else {
+            panic!("{what}: {}", bark.location)
         };
         let radius = at.truncate().distance(tree.axis(at.z, 0.0).truncate());
         let expected = tree.radius(at.z);
@@ -134,7 +134,7 @@ fn a_crown_alone_is_no_stem() {
         cloud.points.retain(|p| {
             p.z > 3.0 && p.truncate().distance(tree.axis(p.z, 0.0).truncate()) > 1.3 * BASE
         });
-        let found = made(&cloud, "0.5", &ScanOptions::default());
+        let found = reconstruct(&cloud, "0.5", &ScanOptions::default());
         assert!(
             matches!(found, Err(ScanError::NoStem { .. })),
             "seed {seed}: {:?}",

@@ -1,0 +1,58 @@
+//! Voxels of a section.
+
+use super::model::Anatomy;
+use greenstick_geometry::{Cancelled, Context};
+
+/// The code of the tissue of voxels that are not wood; wood has [`crate::tissue::Zone::code`].
+pub const NO_TISSUE: u8 = 255;
+
+/// The voxels of one section, row by row, each row along the section's x, the first row at its lowest y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VoxelSlice {
+    /// Ring, counted from 1 at the pith; 0 where there is no wood.
+    pub rings: Vec<u16>,
+    /// Code of the tissue; [`NO_TISSUE`] where there is no wood.
+    pub tissues: Vec<u8>,
+    /// Colour, sRGB; black where there is no wood.
+    pub colours: Vec<[u8; 3]>,
+    /// Number of voxels that are wood.
+    pub wood_voxels: usize,
+    /// Part of the section's girth that was bridged across holes of the mesh, 0 to 1.
+    pub bridged: f64,
+}
+
+impl Anatomy<'_> {
+    /// The voxels of the section at a length, m. A plane that misses the stem has none of wood.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn voxel_slice(&self, length: f64, context: &Context) -> Result<VoxelSlice, Cancelled> {
+        context.check()?;
+        let grid = &self.sections().grid;
+        let voxels = grid.count * grid.count;
+        let Some(section) = self.sections().section(length) else {
+            return Ok(VoxelSlice {
+                rings: vec![0; voxels],
+                tissues: vec![NO_TISSUE; voxels],
+                colours: vec![[0; 3]; voxels],
+                wood_voxels: 0,
+                bridged: 0.0,
+            });
+        };
+        let raster = self.rasterize(&section, grid, context)?;
+        let tissue = |pass: u16| match pass {
+            0 => NO_TISSUE,
+            pass => raster.legend.of(pass).tissue.code(),
+        };
+        let passes = || raster.passes.iter().copied();
+        Ok(VoxelSlice {
+            rings: passes().map(|pass| raster.legend.of(pass).ring).collect(),
+            tissues: passes().map(tissue).collect(),
+            colours: passes()
+                .map(|pass| raster.palette[usize::from(pass)])
+                .collect(),
+            wood_voxels: raster.wood.count(),
+            bridged: section.outline.bridged,
+        })
+    }
+}

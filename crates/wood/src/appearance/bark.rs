@@ -1,0 +1,219 @@
+//! The appearance of bark: ridges between furrows of three orders, flakes and lenticels.
+
+use super::mix::{mix, mix_scalar, visible_detail};
+use super::surface::WoodSurface;
+use crate::colour::linear_from_srgb as srgb;
+use crate::noise::{gradient_3d, smoothstep};
+use glam::DVec3;
+
+/// A point on the outside of the bark.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BarkPoint {
+    /// Angle about the pith, rad.
+    pub angle: f64,
+    /// Length along the stem, m.
+    pub along: f64,
+    /// Distance from the pith, m.
+    pub radius: f64,
+}
+
+/// How bark looks. Colours are linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BarkAppearance {
+    /// The ridges, weathered.
+    pub ridge_color: [f64; 3],
+    /// The bottom of the furrows.
+    pub furrow_color: [f64; 3],
+    /// Distance between furrows, m.
+    pub furrow_width: f64,
+    /// Depth of the furrows, m; small for young, smooth bark.
+    pub furrow_depth: f64,
+    /// How many lenticels (pale cross stripes) show, 0 to 1.
+    pub lenticels: f64,
+    /// Seed of everything irregular.
+    pub seed: u64,
+}
+
+impl Default for BarkAppearance {
+    fn default() -> Self {
+        BarkAppearance::young(0.03)
+    }
+}
+
+impl BarkAppearance {
+    /// Bark of a branch or a young stem of the given radius (m): fine cracks and lenticels.
+    pub fn young(radius: f64) -> Self {
+        BarkAppearance {
+            ridge_color: srgb([132, 112, 92]),
+            furrow_color: srgb([84, 62, 47]),
+            furrow_width: (radius * 0.14).clamp(8e-4, 0.015),
+            furrow_depth: (radius * 0.02).clamp(1e-4, 2e-3),
+            lenticels: 0.5,
+            seed: 0,
+        }
+    }
+
+    /// Bark of an old stem of the given radius (m): deep furrows between long ridges.
+    pub fn furrowed(radius: f64) -> Self {
+        BarkAppearance {
+            ridge_color: srgb([118, 104, 90]),
+            furrow_color: srgb([56, 40, 30]),
+            furrow_width: (radius * 0.25).clamp(3e-3, 0.06),
+            furrow_depth: (radius * 0.06).clamp(5e-4, 0.02),
+            lenticels: 0.0,
+            seed: 0,
+        }
+    }
+}
+
+/// Purpose in the hash.
+const PURPOSE: u64 = 0xba7c;
+
+/// A figure of one size: furrows of one order, or flakes.
+struct FigureSize {
+    /// In furrow widths.
+    size: f64,
+    /// Length over size.
+    stretch: f64,
+    /// Share of the depth or of the brightness.
+    share: f64,
+}
+
+const fn figure(size: f64, stretch: f64, share: f64) -> FigureSize {
+    FigureSize {
+        size,
+        stretch,
+        share,
+    }
+}
+
+/// Furrows of three orders.
+const FURROWS: [FigureSize; 3] = [
+    figure(1.0, 6.0, 1.0),
+    figure(0.45, 3.5, 0.55),
+    figure(0.17, 2.2, 0.35),
+];
+/// Flakes, scales and dust between them.
+const FLAKES: [FigureSize; 4] = [
+    figure(1.7, 2.0, 0.18),
+    figure(0.5, 1.6, 0.22),
+    figure(0.16, 1.3, 0.26),
+    figure(0.055, 1.0, 0.24),
+];
+/// Half width of a furrow as a value of the noise whose sign changes in it, how much it varies along the furrow, and its
+/// least factor.
+const FURROW_EDGE: f64 = 0.17;
+const FURROW_EDGE_VARIATION: f64 = 1.1;
+const MIN_FURROW_EDGE: f64 = 0.12;
+/// Mean openness of furrows too fine to be seen.
+const MEAN_OPENNESS: f64 = 0.78;
+/// Linear colours of lichen and dust, and of lenticels.
+const LICHEN: DVec3 = DVec3::new(0.24, 0.24, 0.19);
+const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
+
+/// Furrows at a point.
+struct Furrows {
+    /// How little it lies in one, 0 to 1.
+    ridge: f64,
+    /// Relief, m.
+    height: f64,
+    slope: DVec3,
+}
+
+impl BarkAppearance {
+    /// Returns what bark looks like at a point; detail finer than `footprint` (m) is averaged. The slope is along x and y
+    /// of the section and along the stem, as for wood.
+    pub fn surface_at(&self, at: &BarkPoint, footprint: f64) -> WoodSurface {
+        let (sine, cosine) = libm::sincos(at.angle);
+        let place = DVec3::new(cosine * at.radius, sine * at.radius, at.along);
+        let seed = self.seed ^ PURPOSE;
+        let width = self.furrow_width;
+        let Furrows {
+            ridge,
+            mut height,
+            mut slope,
+        } = self.furrows(place, footprint);
+        let mut shade = 0.0;
+        for (i, flakes) in FLAKES.iter().enumerate() {
+            let size = flakes.size * width;
+            let visible = visible_detail(size, footprint);
+            if visible == 0.0 {
+                break;
+            }
+            let scale = DVec3::new(1.0, 1.0, 1.0 / flakes.stretch) / size;
+            let (v, g) = gradient_3d(seed ^ ((i as u64 + 2) << 8), place * scale, 0);
+            shade += v * flakes.share * visible;
+            let relief = 0.16 * size.min(self.furrow_depth * 4.0) * visible;
+            height += v * relief;
+            slope += g * scale * relief;
+        }
+        // Patches of lichen and dust: slow changes towards a greenish grey.
+        let (patch, _) = gradient_3d(
+            seed ^ 3,
+            place * DVec3::new(1.0, 1.0, 0.6) / (4.0 * width),
+            0,
+        );
+        let weathered = mix(
+            DVec3::from_array(self.ridge_color),
+            LICHEN,
+            (0.30 + 0.5 * patch).clamp(0.0, 0.6),
+        );
+        let furrow_color = DVec3::from_array(self.furrow_color);
+        let mut color = mix(furrow_color, weathered, ridge) * (1.0 + 1.3 * shade).max(0.15);
+        if self.lenticels > 0.0 {
+            let size = DVec3::new(1.0, 1.0, 6.0) / (0.5 * width);
+            let (v, _) = gradient_3d(seed ^ 4, place * size, 0);
+            let visible = visible_detail(0.1 * width, footprint);
+            let spot = smoothstep(0.45, 0.62, v) * self.lenticels * visible;
+            color = mix(color, LENTICEL, spot);
+            height += 0.3 * self.furrow_depth * spot;
+        }
+        WoodSurface {
+            color: color.clamp(DVec3::splat(0.004), DVec3::ONE).to_array(),
+            roughness: 0.95,
+            height,
+            slope,
+        }
+    }
+
+    fn furrows(&self, place: DVec3, footprint: f64) -> Furrows {
+        let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
+        for (i, order) in FURROWS.iter().enumerate() {
+            let size = order.size * self.furrow_width;
+            let visible = visible_detail(size, footprint);
+            // Furrows wander: the place is shifted sideways by slower noise before they are cut.
+            let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
+            let slow = DVec3::new(0.9, 0.9, 0.35) / size;
+            let (shift, shift_slope) = gradient_3d(seed ^ 1, place * slow, 0);
+            let shifted = place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
+            let scale = DVec3::new(1.0, 1.0, 1.0 / order.stretch) / size;
+            let (v, g) = gradient_3d(seed, shifted * scale, 0);
+            let g = g * scale;
+            let g = g + shift_slope * slow * (0.5 * size * (g.x - g.y));
+            // A furrow runs where the noise changes sign; how wide it opens changes along it.
+            let along = DVec3::new(0.7, 0.7, 0.3) / size;
+            let (opening, opening_slope) = gradient_3d(seed ^ 2, place * along, 0);
+            let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
+            let edge = FURROW_EDGE * widened.max(MIN_FURROW_EDGE);
+            let x = (v.abs() / edge).min(1.0);
+            let open = mix_scalar(MEAN_OPENNESS, x * x * (3.0 - 2.0 * x), visible);
+            ridge *= 1.0 - order.share * (1.0 - open);
+            let depth = self.furrow_depth * order.share;
+            height += depth * (open - 1.0);
+            if x < 1.0 {
+                let narrowing = if widened > MIN_FURROW_EDGE {
+                    FURROW_EDGE * FURROW_EDGE_VARIATION
+                } else {
+                    0.0
+                };
+                let x_slope = (g * v.signum() - opening_slope * along * (narrowing * x)) / edge;
+                slope += x_slope * (6.0 * x * (1.0 - x) * depth * visible);
+            }
+        }
+        Furrows {
+            ridge,
+            height,
+            slope,
+        }
+    }
+}

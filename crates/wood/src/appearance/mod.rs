@@ -1,0 +1,17 @@
+//! The appearance of wood and bark as pure functions of the address: colour, roughness and micro relief, evaluated both at
+//! the pixels of pictures and for baked textures. A figure in the wood (a ring, a vessel, a ray) is a body in space, so
+//! it runs on from one face of a splinter to the next.
+//!
+//! Shapes follow Hoadley, *Identifying Wood* (1990): rings with a dark outer edge, vessels and rays as lines or dots
+//! according to how they are cut. Colours are those of air-dry wood under daylight. Detail finer than a given footprint is
+//! averaged away.
+
+mod bark;
+mod figures;
+mod mix;
+mod surface;
+mod wood;
+
+pub use bark::{BarkAppearance, BarkPoint};
+pub use surface::WoodSurface;
+pub use wood::{WoodAppearance, WoodPoint};

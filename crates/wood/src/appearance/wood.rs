@@ -1,0 +1,483 @@
+//! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
+
+use super::mix::{mix, mix_scalar, visible_detail};
+use super::surface::WoodSurface;
+use crate::colour::linear_from_srgb as srgb;
+use crate::noise::{gradient_3d, smoothstep};
+use crate::rings::{IrregularRings, RingSource, StemAddress, TissueEdges, periodic_cells};
+use glam::DVec3;
+
+/// A point in the wood, and how the surface cuts the grain there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WoodPoint {
+    /// Where it is.
+    pub address: StemAddress,
+    /// |normal · grain|: 0 on side grain, 1 on end grain.
+    pub end_grain: f64,
+}
+
+/// How the wood of a stem looks. Colours are linear.
+///
+/// ```
+/// use glam::DVec2;
+/// use greenstick_wood::appearance::{WoodAppearance, WoodPoint};
+/// use greenstick_wood::rings::StemAddress;
+///
+/// let oak = WoodAppearance::ring_porous();
+/// let across = DVec2::new(0.015, 0.0); // m from the pith
+/// let address = StemAddress { rho: across.length() / oak.radius, angle: 0.0, across, along: 0.2 };
+/// let end_grain = oak.surface_at(&WoodPoint { address, end_grain: 1.0 }, 1e-4);
+/// let side_grain = oak.surface_at(&WoodPoint { address, end_grain: 0.0 }, 1e-4);
+/// assert!(end_grain.color[0] < side_grain.color[0]);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct WoodAppearance {
+    /// Number of annual rings between pith and phloem.
+    pub rings: f64,
+    /// Radius of the section with its bark, m.
+    pub radius: f64,
+    /// Ring coordinate at the edge of the pith.
+    pub pith: f64,
+    /// Ring coordinate at the edge of the heartwood; 0 for none.
+    pub heartwood: f64,
+    /// Ring coordinate where wood ends and the inner bark (phloem) begins.
+    pub phloem: f64,
+    /// Ring coordinate where the inner bark ends and the outer bark (cork) begins.
+    pub cork: f64,
+    /// Earlywood of the sapwood.
+    pub sapwood_color: [f64; 3],
+    /// Latewood of the sapwood.
+    pub latewood_color: [f64; 3],
+    /// Earlywood of the heartwood.
+    pub heartwood_color: [f64; 3],
+    /// The pith.
+    pub pith_color: [f64; 3],
+    /// The inner bark.
+    pub phloem_color: [f64; 3],
+    /// The outer bark where it is cut or torn.
+    pub cork_color: [f64; 3],
+    /// How much latewood is darker, 0 (not at all) to 1.
+    pub latewood_contrast: f64,
+    /// Part of a ring's width over which its latewood darkens, 0 to 1.
+    pub latewood_width: f64,
+    /// Whether wide vessels stand in the first wood of each ring (oak, ash, elm).
+    pub ring_porous: bool,
+    /// Diameter of the vessels, m; 0 for softwoods, which have none.
+    pub vessel_diameter: f64,
+    /// How much rays stand out, 0 to 1.
+    pub ray_contrast: f64,
+    /// Height of the rays along the grain, m.
+    pub ray_height: f64,
+    /// Seed of everything irregular.
+    pub seed: u64,
+    /// Length along the grain (m) after which the appearance repeats, for tiling textures; `None` for wood as it grows.
+    pub period: Option<f64>,
+}
+
+/// How much darker end grain is: its open cells swallow light.
+const END_GRAIN_DARKENING: f64 = 0.30;
+/// Relief between the soft earlywood and the hard latewood, m.
+const RING_RELIEF: f64 = 40e-6;
+/// In the hash: what the specks of pith and bark are drawn for.
+const SPECK: u64 = 0x4b;
+
+impl Default for WoodAppearance {
+    fn default() -> Self {
+        WoodAppearance::softwood()
+    }
+}
+
+impl WoodAppearance {
+    /// Pine or spruce: pale, with strong latewood lines.
+    pub fn softwood() -> Self {
+        WoodAppearance {
+            rings: 14.0,
+            radius: 0.03,
+            pith: 0.03,
+            heartwood: 0.38,
+            phloem: 0.93,
+            cork: 0.965,
+            sapwood_color: srgb([224, 194, 150]),
+            latewood_color: srgb([168, 118, 70]),
+            heartwood_color: srgb([196, 147, 98]),
+            pith_color: srgb([112, 74, 44]),
+            phloem_color: srgb([128, 88, 58]),
+            cork_color: srgb([80, 60, 46]),
+            latewood_contrast: 0.95,
+            latewood_width: 0.6,
+            ring_porous: false,
+            vessel_diameter: 0.0,
+            ray_contrast: 0.25,
+            ray_height: 0.4e-3,
+            seed: 0,
+            period: None,
+        }
+    }
+
+    /// Beech, maple or birch: even, with thin ring lines, fine vessels and clear rays.
+    pub fn hardwood() -> Self {
+        WoodAppearance {
+            rings: 18.0,
+            heartwood: 0.3,
+            sapwood_color: srgb([218, 186, 144]),
+            latewood_color: srgb([176, 132, 90]),
+            heartwood_color: srgb([188, 144, 102]),
+            latewood_contrast: 0.85,
+            latewood_width: 0.35,
+            vessel_diameter: 0.08e-3,
+            ray_contrast: 0.6,
+            ray_height: 2.5e-3,
+            ..WoodAppearance::softwood()
+        }
+    }
+
+    /// Oak or ash: wide vessels in the first wood of every ring.
+    pub fn ring_porous() -> Self {
+        WoodAppearance {
+            rings: 14.0,
+            heartwood: 0.62,
+            sapwood_color: srgb([214, 184, 140]),
+            latewood_color: srgb([178, 136, 90]),
+            heartwood_color: srgb([168, 124, 80]),
+            latewood_contrast: 0.6,
+            latewood_width: 0.7,
+            ring_porous: true,
+            vessel_diameter: 0.22e-3,
+            ray_contrast: 0.8,
+            ray_height: 12e-3,
+            ..WoodAppearance::softwood()
+        }
+    }
+
+    /// The tissues' edges.
+    pub fn tissue_edges(&self) -> TissueEdges {
+        TissueEdges {
+            pith: self.pith,
+            heartwood: self.heartwood,
+            phloem: self.phloem,
+            cork: self.cork,
+        }
+    }
+
+    /// The rings that this wood shows where no others are given.
+    pub fn irregular_rings(&self) -> IrregularRings {
+        IrregularRings {
+            count: self.rings,
+            latewood: self.latewood_width,
+            radius: self.radius,
+            tissue: self.tissue_edges(),
+            seed: self.seed,
+            period: self.period,
+        }
+    }
+
+    /// Returns what the wood (or the bark, where the ring coordinate lies beyond it) looks like at a point; detail finer
+    /// than `footprint` (m) is averaged.
+    pub fn surface_at(&self, at: &WoodPoint, footprint: f64) -> WoodSurface {
+        self.surface_with_rings(&self.irregular_rings(), at, footprint)
+    }
+
+    /// [`WoodAppearance::surface_at`] with the rings of a source.
+    pub fn surface_with_rings(
+        &self,
+        rings: &dyn RingSource,
+        at: &WoodPoint,
+        footprint: f64,
+    ) -> WoodSurface {
+        let address = &at.address;
+        let place = DVec3::new(address.across.x, address.across.y, address.along);
+        let end = at.end_grain.clamp(0.0, 1.0);
+        let streaks = self.streaks(place, footprint);
+        let latewood = self.latewood(rings, address, footprint);
+        let vessel = self.vessel(place, latewood.first_earlywood, footprint);
+        let ray = self.ray_contrast * self.ray(address, footprint);
+
+        let sapwood = DVec3::from_array(self.sapwood_color);
+        let mut color = mix(
+            sapwood,
+            DVec3::from_array(self.heartwood_color),
+            self.heartwood_share(address, place),
+        );
+        let late = latewood.darkness;
+        let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
+        color *= mix(DVec3::ONE, darker, late);
+        color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
+        color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
+        // Rays shine pale across the end and as brown flecks along it.
+        color *= mix(
+            DVec3::new(0.80, 0.74, 0.68),
+            DVec3::new(1.22, 1.24, 1.26),
+            end,
+        ) * ray
+            + (1.0 - ray);
+        // Blue falls most in the dark gaps between fibres: light that gets out of there went through more wood.
+        color *= (DVec3::ONE + DVec3::new(1.0, 1.18, 1.45) * streaks.shade).max(DVec3::splat(0.1));
+
+        let height = streaks.height + (RING_RELIEF * late - 0.5 * self.vessel_diameter * vessel);
+        let outward = address.across.normalize_or_zero();
+        let ring_slope = DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * latewood.slope);
+        let roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streaks.shade.abs();
+        let mut surface = TissueBlend {
+            color,
+            roughness,
+            end,
+            shade: streaks.shade,
+        };
+        self.blend_tissues(&mut surface, address, place, footprint);
+        WoodSurface {
+            color: surface
+                .color
+                .clamp(DVec3::splat(0.004), DVec3::ONE)
+                .to_array(),
+            roughness: surface.roughness.clamp(0.3, 1.0),
+            height,
+            slope: streaks.slope + ring_slope,
+        }
+    }
+
+    /// Blends pith and barks over the wood near and beyond their edges.
+    fn blend_tissues(
+        &self,
+        surface: &mut TissueBlend,
+        address: &StemAddress,
+        place: DVec3,
+        footprint: f64,
+    ) {
+        let rho = address.rho;
+        let soft = (footprint / self.radius).max(0.004);
+        let margin = 0.01 + (self.cork - self.phloem).clamp(0.0, 0.1);
+        let near_bark = rho > self.phloem - soft - margin;
+        let near_pith = rho <= self.pith * 1.15 + soft + 0.01;
+        if !near_bark && !near_pith {
+            return;
+        }
+        let (long, period) = periodic_cells(8e-3, self.period);
+        let scale = DVec3::new(900.0, 900.0, 1.0 / long);
+        let ragged = gradient_3d(self.seed ^ SPECK, place * scale, period).0;
+        let speck = ragged * visible_detail(1.1e-3, footprint);
+        // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats into the
+        // inner bark in places.
+        let in_pith = 1.0
+            - smoothstep(
+                self.pith * 0.7 - soft,
+                self.pith * 1.15 + soft,
+                rho + 0.008 * ragged,
+            );
+        surface.blend(self.pith_color, 0.22 * speck, in_pith);
+        let uneven = self.uneven_bark(place);
+        for (edge, color, grain) in [
+            (self.phloem, self.phloem_color, 0.20),
+            (self.cork, self.cork_color, 0.42),
+        ] {
+            let wavy = rho + (0.008 * ragged + uneven);
+            let inside = smoothstep(edge - soft, edge + soft, wavy);
+            surface.blend(color, grain * speck, inside);
+        }
+    }
+
+    /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
+    fn uneven_bark(&self, place: DVec3) -> f64 {
+        let thick = (self.cork - self.phloem).clamp(0.0, 0.1);
+        let mut shift = 0.0;
+        for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
+            let size = size * self.radius.max(1e-6);
+            let (long, period) = periodic_cells(4.0 * size, self.period);
+            let scale = DVec3::new(1.0 / size, 1.0 / size, 1.0 / long);
+            shift += share * gradient_3d(self.seed ^ SPECK ^ (n << 8), place * scale, period).0;
+        }
+        thick * shift
+    }
+}
+
+/// Colour and roughness that tissues are blended into.
+struct TissueBlend {
+    color: DVec3,
+    roughness: f64,
+    /// |normal · grain|.
+    end: f64,
+    /// Change of brightness by streaks.
+    shade: f64,
+}
+
+impl TissueBlend {
+    /// Blends a tissue in, whose brightness is changed by `speck`, by the part `inside` of the footprint that it takes.
+    fn blend(&mut self, color: [f64; 3], speck: f64, inside: f64) {
+        const TISSUE_ROUGHNESS: f64 = 0.94;
+        if inside > 0.0 {
+            let shade = (1.0 + speck + 0.5 * self.shade) * (1.0 - 0.15 * self.end);
+            self.color = mix(self.color, DVec3::from_array(color) * shade, inside);
+            self.roughness = mix_scalar(self.roughness, TISSUE_ROUGHNESS, inside);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::{BarkAppearance, BarkPoint};
+    use glam::DVec2;
+
+    fn at(x: f64, y: f64, along: f64, end_grain: f64) -> WoodPoint {
+        let across = DVec2::new(x, y);
+        WoodPoint {
+            address: StemAddress {
+                rho: across.length() / 0.03,
+                angle: y.atan2(x),
+                across,
+                along,
+            },
+            end_grain,
+        }
+    }
+
+    fn brightness(color: [f64; 3]) -> f64 {
+        color[0] * 0.2126 + color[1] * 0.7152 + color[2] * 0.0722
+    }
+
+    /// Mean brightness over a grid in the section between two ring coordinates.
+    fn mean(look: &WoodAppearance, from: f64, to: f64, end: f64) -> f64 {
+        let (mut sum, mut number) = (0.0, 0.0);
+        for i in -60..60 {
+            for j in -60..60 {
+                let p = at(f64::from(i) * 5.03e-4, f64::from(j) * 5.03e-4, 0.0, end);
+                if (from..to).contains(&p.address.rho) {
+                    sum += brightness(look.surface_at(&p, 1e-4).color);
+                    number += 1.0;
+                }
+            }
+        }
+        sum / number
+    }
+
+    #[test]
+    fn zones_are_ordered_by_brightness_as_in_real_wood() {
+        for look in [
+            WoodAppearance::softwood(),
+            WoodAppearance::hardwood(),
+            WoodAppearance::ring_porous(),
+        ] {
+            let sapwood = mean(&look, look.heartwood + 0.12, look.phloem - 0.02, 0.0);
+            let heartwood = mean(&look, look.pith + 0.05, look.heartwood - 0.12, 0.0);
+            let phloem = mean(&look, look.phloem + 0.012, look.cork - 0.006, 0.0);
+            let cork = mean(&look, look.cork + 0.012, 1.0, 0.0);
+            let end = mean(&look, look.heartwood + 0.12, look.phloem - 0.02, 1.0);
+            assert!(
+                sapwood > heartwood * 1.15,
+                "sapwood {sapwood}, heartwood {heartwood}"
+            );
+            assert!(
+                heartwood > phloem && phloem > cork,
+                "{heartwood} {phloem} {cork}"
+            );
+            assert!(end < sapwood * 0.9, "end grain {end}, side grain {sapwood}");
+        }
+    }
+
+    #[test]
+    fn a_coarse_footprint_gives_the_mean_of_the_detail() {
+        let look = WoodAppearance {
+            heartwood: 0.0,
+            ..WoodAppearance::softwood()
+        };
+        let (mut fine, mut coarse) = (0.0, 0.0);
+        for i in 0..200 {
+            for j in 0..60 {
+                let p = at(
+                    0.003 + f64::from(i) * 1.1e-4,
+                    f64::from(j) * 1.1e-4,
+                    0.0,
+                    0.0,
+                );
+                fine += brightness(look.surface_at(&p, 1e-6).color);
+                coarse += brightness(look.surface_at(&p, 2.5e-3).color);
+            }
+        }
+        assert!(
+            (fine / coarse - 1.0).abs() < 0.06,
+            "fine {fine}, coarse {coarse}"
+        );
+    }
+
+    #[test]
+    fn streaks_run_along_the_grain() {
+        let look = WoodAppearance::softwood();
+        let (mut across, mut along) = (0.0, 0.0);
+        for i in 0..500 {
+            let s = f64::from(i) * 3.7e-3;
+            let color = |dx: f64, ds: f64| {
+                brightness(
+                    look.surface_at(&at(0.02 + dx, 0.0, s + ds, 0.0), 1e-5)
+                        .color,
+                )
+            };
+            across += (color(5e-4, 0.0) - color(0.0, 0.0)).abs();
+            along += (color(0.0, 5e-4) - color(0.0, 0.0)).abs();
+        }
+        assert!(
+            across > 5.0 * along,
+            "changes across {across}, along {along}"
+        );
+    }
+
+    #[test]
+    fn slopes_are_those_of_the_relief() {
+        let look = BarkAppearance {
+            lenticels: 0.0,
+            ..BarkAppearance::furrowed(0.1)
+        };
+        let wood = WoodAppearance {
+            rings: 0.0,
+            ..WoodAppearance::softwood()
+        };
+        let step = 1e-9;
+        for i in 0..100 {
+            let (angle, along) = (f64::from(i) * 0.071, f64::from(i) * 0.0137);
+            let height = |a: f64| wood.surface_at(&at(0.01 + a, 0.003, along, 0.0), 1e-5);
+            let slope = (height(step).height - height(-step).height) / (2.0 * step);
+            assert!((slope - height(0.0).slope.x).abs() < 1e-3, "{slope}");
+            let height = |s: f64| {
+                let at = BarkPoint {
+                    angle,
+                    along: s,
+                    radius: 0.1,
+                };
+                look.surface_at(&at, 1e-5)
+            };
+            let slope = (height(along + 1e-7).height - height(along - 1e-7).height) / 2e-7;
+            assert!((slope - height(along).slope.z).abs() < 1e-2, "{slope}");
+        }
+    }
+
+    #[test]
+    fn the_appearance_repeats_after_its_period() {
+        for base in [
+            WoodAppearance::softwood(),
+            WoodAppearance::hardwood(),
+            WoodAppearance::ring_porous(),
+        ] {
+            let look = WoodAppearance {
+                period: Some(0.06),
+                ..base
+            };
+            for i in 0..300 {
+                let t = f64::from(i);
+                let p = at(
+                    (t * 0.37).sin() * 0.02,
+                    (t * 0.61).cos() * 0.02,
+                    t * 2.3e-4,
+                    0.0,
+                );
+                let mut q = p;
+                q.address.along += 0.06;
+                let (a, b) = (
+                    look.surface_at(&p, 1e-5).color,
+                    look.surface_at(&q, 1e-5).color,
+                );
+                assert!(
+                    (0..3).all(|c| (a[c] - b[c]).abs() < 1e-6),
+                    "{a:?} {b:?} at {i}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Colours: linear numbers and their sRGB encoding (IEC 61966-2-1), and pictures of them.
+
+use glam::DVec3;
+
+/// An 8-bit sRGB colour as linear numbers.
+pub(crate) fn linear_from_srgb(colour: [u8; 3]) -> [f64; 3] {
+    colour.map(|c| {
+        let v = f64::from(c) / 255.0;
+        if v <= 0.040_45 {
+            v / 12.92
+        } else {
+            libm::pow((v + 0.055) / 1.055, 2.4)
+        }
+    })
+}
+
+/// A linear number as 8-bit sRGB.
+pub(crate) fn srgb_from_linear(v: f64) -> u8 {
+    let v = v.clamp(0.0, 1.0);
+    let encoded = if v <= 0.003_130_8 {
+        12.92 * v
+    } else {
+        1.055 * libm::pow(v, 1.0 / 2.4) - 0.055
+    };
+    (encoded * 255.0 + 0.5) as u8
+}
+
+/// A linear colour as 8-bit sRGB.
+pub(crate) fn srgb_bytes(linear: DVec3) -> [u8; 3] {
+    linear.to_array().map(srgb_from_linear)
+}
+
+/// A picture of 8-bit sRGB colours.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RgbImage {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green and blue of each pixel, row by row from the top.
+    pub rgb: Vec<u8>,
+}

@@ -1,0 +1,16 @@
+//! Annual rings of one section, from its outline alone (Forests 2023 §3.3): those of the ring field or of an erosion, their
+//! curves, a comparison with rings that were annotated by hand, and a picture.
+
+mod compare;
+mod curves;
+mod eroded;
+mod error;
+mod outline;
+mod paint;
+mod rings;
+
+pub use compare::{AnnotatedRing, RingComparison};
+pub use curves::RingCurve;
+pub use error::SectionRingError;
+pub use outline::SectionOutline;
+pub use rings::{SectionRingMethod, SectionRings};

@@ -1,0 +1,63 @@
+//! The outline of a section, in any unit of length.
+
+use super::super::field::RingField;
+use super::super::pith::estimate_pith;
+use super::super::series::RingError;
+use glam::DVec2;
+
+/// The outline of a section, in any unit of length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionOutline {
+    /// Its points; the last is joined to the first.
+    pub points: Vec<DVec2>,
+    /// The pith, where it is known.
+    pub pith: Option<DVec2>,
+    /// Whether y points up rather than down.
+    pub y_up: bool,
+}
+
+/// Least and greatest coordinates of an outline.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Extent {
+    pub fn centre(&self) -> DVec2 {
+        (self.low + self.high) * 0.5
+    }
+
+    /// The longer side of the rectangle about the outline.
+    pub fn side(&self) -> f64 {
+        (self.high - self.low).max_element()
+    }
+}
+
+impl SectionOutline {
+    pub(super) fn extent(&self) -> Extent {
+        let none = Extent {
+            low: DVec2::INFINITY,
+            high: DVec2::NEG_INFINITY,
+        };
+        self.points.iter().fold(none, |extent, &p| Extent {
+            low: extent.low.min(p),
+            high: extent.high.max(p),
+        })
+    }
+
+    /// The ring field about the pith, which is estimated where it is not known.
+    pub(super) fn field(&self) -> Result<RingField, RingError> {
+        if let Some(pith) = self.pith {
+            return RingField::from_outline(&self.points, pith);
+        }
+        // The first attempt tells what is wrong with the outline before a pith is looked for in it.
+        let first = self.points.first().copied().unwrap_or_default();
+        match RingField::from_outline(&self.points, first) {
+            Err(RingError::Pith { .. }) | Ok(_) => {
+                RingField::from_outline(&self.points, estimate_pith(&self.points))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
