@@ -1,7 +1,7 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{picture_options, size, targets, use_threads};
+use crate::break_wood::{Targets, picture_options, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
@@ -11,7 +11,7 @@ use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
@@ -59,32 +59,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     read.report(0.0)?;
     let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
     targets.check(&inputs)?;
-    let mut mesh = None;
-    let mut scan = None;
-    if let (None, Some(at)) = (&options.input, &options.at)
-        && setting.stem.kind != StemChoice::Input
-    {
-        return Err(Failure::request(format!(
-            "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
-        ))
-        .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
-    }
-    if let Some(path) = &options.input {
-        let at = match &options.at {
-            Some(at) => values::place(at, unit.unwrap_or_default()),
-            None => values::place(&setting.stem.at, LengthUnit::Metre),
-        };
-        let at = at.map_err(Failure::request)?;
-        let loaded = scan::load(path, at, unit, &options.scan, &read)?;
-        setting.stem.at = written_out(&loaded.place);
-        scan = loaded.scan;
-        let mut scene = loaded.scene;
-        if let Some(pieces) = &targets.pieces {
-            files::carry_images(&mut scene, path, pieces);
-        }
-        setting.stem.kind = StemChoice::Input;
-        mesh = Some(scene);
-    }
+    let (mesh, scan) = read_mesh(options, &mut setting, &targets, &read)?;
     let meshes = SceneMeshes {
         input: mesh,
         bodies: read_body_meshes(&setting, &beside)?,
@@ -130,6 +105,38 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         print(&told(&full, options.telling.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
+fn read_mesh(
+    options: &BreakOptions,
+    setting: &mut Setting,
+    targets: &Targets,
+    context: &Context,
+) -> Result<(Option<Scene>, Option<ScannedReport>), Failure> {
+    let unit = options.unit.map(LengthUnit::from);
+    let Some(path) = &options.input else {
+        return match &options.at {
+            Some(at) if setting.stem.kind != StemChoice::Input => Err(Failure::request(format!(
+                "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
+            ))
+            .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4")),
+            _ => Ok((None, None)),
+        };
+    };
+    let at = match &options.at {
+        Some(at) => values::place(at, unit.unwrap_or_default()),
+        None => values::place(&setting.stem.at, LengthUnit::Metre),
+    };
+    let at = at.map_err(Failure::request)?;
+    let loaded = scan::load(path, at, unit, &options.scan, context)?;
+    setting.stem.at = written_out(&loaded.place);
+    setting.stem.kind = StemChoice::Input;
+    let mut scene = loaded.scene;
+    if let Some(pieces) = &targets.pieces {
+        files::carry_images(&mut scene, path, pieces);
+    }
+    Ok((Some(scene), loaded.scan))
 }
 
 /// The fraction of a simulated break that the simulation takes; the rest is opening the run.

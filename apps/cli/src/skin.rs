@@ -261,6 +261,17 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
         shown.push((path.display().to_string(), bytes));
         return Ok((Some(made.report), None, shown, Engines::default()));
     }
+    write_film(made, shown, plan, (path, usd), [&write, &extras])
+}
+
+/// Writes a film, and all that the plan has beside it. `shown` lists what was written of it before.
+fn write_film(
+    mut made: SkinnedFilm,
+    mut shown: Vec<(String, usize)>,
+    plan: &FilmPlan,
+    (path, usd): (&Path, Option<UsdFormat>),
+    [write, extras]: [&Context; 2],
+) -> Result<Made, Failure> {
     write.report(0.0)?;
     let name = path
         .file_name()
@@ -271,9 +282,9 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     let (written, beside) = batch
         .stream(path, |file| -> Result<_, FilmError> {
             Ok(match usd {
-                Some(format) => write_usd(format, film, motion, &name, file, &write)?,
+                Some(format) => write_usd(format, film, motion, &name, file, write)?,
                 None => (
-                    write_glb(film, motion, &name, &plan.glb, file, &write)?,
+                    write_glb(film, motion, &name, &plan.glb, file, write)?,
                     Vec::new(),
                 ),
             })
@@ -289,7 +300,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    let engines = engines::write(&mut made, plan, path, &mut batch, &extras)?;
+    let engines = engines::write(&mut made, plan, path, &mut batch, extras)?;
     batch.finish()?;
     Ok((Some(made.report), Some(written), files, engines))
 }

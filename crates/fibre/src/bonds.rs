@@ -156,7 +156,7 @@ impl Bonds {
 
 impl Incidence {
     /// Returns the numbers of the bonds whose vertex x is `vertex`.
-    pub fn of_vertex(&self, vertex: usize) -> std::ops::Range<usize> {
+    pub(crate) fn of_vertex(&self, vertex: usize) -> std::ops::Range<usize> {
         self.vertex_offsets[vertex] as usize..self.vertex_offsets[vertex + 1] as usize
     }
 

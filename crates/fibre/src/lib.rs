@@ -67,10 +67,10 @@ pub use loads::{Clamp, Keyframe, Loads, Moment, Motion, PointForce, Pose, Ramp, 
 pub use placement::{
     Arrangement, EdgeLengths, PlacedRods, PlacementError, PlacementOptions, RodCount, WoodMaterial,
 };
-pub use rod_bundle::{MAX_VERTICES, Rod, RodBundle, RodMaterial};
+pub use rod_bundle::{Rod, RodBundle, RodMaterial};
 pub use scene::{Scene, SceneError};
 pub use simd::SimdLevel;
-pub use solvers::{AdvanceReport, Explicit, Grip, Implicit, Interactive, QuasiStatic, Solver};
+pub use solvers::{AdvanceReport, Explicit, Implicit, Interactive, QuasiStatic, Solver};
 pub use state::State;
 pub use vectors::Vectors;
 pub use world::{StabilityLimit, World};

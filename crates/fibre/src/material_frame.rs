@@ -10,7 +10,7 @@ use glam::DVec3;
 /// Transports `v` from an edge along `from` to one along `to` (unit vectors) without turning it about them.
 ///
 /// Exactly opposite directions leave `v` unchanged.
-pub fn parallel_transport(v: DVec3, from: DVec3, to: DVec3) -> DVec3 {
+pub(crate) fn parallel_transport(v: DVec3, from: DVec3, to: DVec3) -> DVec3 {
     let cosine = from.dot(to);
     if cosine <= -1.0 + 1e-12 {
         return v;

@@ -140,7 +140,7 @@ pub struct RodBundle {
 }
 
 /// The largest number of vertices, and of bonds: indices have 32 bits, and gather instructions read them as signed.
-pub const MAX_VERTICES: usize = i32::MAX as usize - 16;
+pub(crate) const MAX_VERTICES: usize = i32::MAX as usize - 16;
 
 /// Greatest angle between edges of a rod without twist, rad. Straight rods in any orientation are this straight after
 /// rounding.
@@ -280,7 +280,7 @@ impl RodBundle {
     }
 
     /// Returns l = |ē₋| + |ē₊| at a vertex, m. At a rod's ends it is the length of the only edge.
-    pub fn both_lengths(&self, vertex: usize) -> f64 {
+    pub(crate) fn both_lengths(&self, vertex: usize) -> f64 {
         let length = |edge: usize| {
             if self.is_edge(edge) {
                 self.rest_length[edge]

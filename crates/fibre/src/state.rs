@@ -104,7 +104,7 @@ impl State {
 
     /// Returns the first material director of an edge; the second is tangent × first. Without twist it is the director at
     /// rest, transported from the edge at rest to the edge now.
-    pub fn material_director(&self, bundle: &RodBundle, edge: usize) -> DVec3 {
+    pub(crate) fn material_director(&self, bundle: &RodBundle, edge: usize) -> DVec3 {
         if bundle.twisting {
             return material_frame::rotate_director(
                 self.director.get(edge),
@@ -146,7 +146,7 @@ impl State {
     }
 
     /// Returns the kinetic energy of the vertices and of the edges' spin, J.
-    pub fn kinetic_energy(&self, bundle: &RodBundle) -> f64 {
+    pub(crate) fn kinetic_energy(&self, bundle: &RodBundle) -> f64 {
         (0..bundle.vertices()).fold(0.0, |sum, i| {
             let moving = bundle.mass[i] * self.velocity.get(i).length_squared();
             sum + 0.5 * (moving + bundle.inertia[i] * self.spin[i] * self.spin[i])

@@ -65,7 +65,7 @@ impl Vectors {
     }
 
     /// Sets all vectors to zero and keeps their number.
-    pub fn fill_zero(&mut self) {
+    pub(crate) fn fill_zero(&mut self) {
         self.x.fill(0.0);
         self.y.fill(0.0);
         self.z.fill(0.0);

@@ -116,6 +116,14 @@ fn piece<'a>(film: &'a SkinnedFilm, name: &str) -> (usize, &'a Mesh) {
     (at, &film.film.pieces[at].mesh)
 }
 
+/// Returns how far a point is from the nearest joint of the rods, where joint `j` is at `position(j)`, m.
+fn rod_distance(film: &SkinnedFilm, position: impl Fn(usize) -> DVec3, p: DVec3) -> f64 {
+    let joints = film.film.joints.iter().enumerate();
+    let rods = joints.filter(|(_, joint)| joint.name.starts_with("vertex"));
+    rods.map(|(j, _)| position(j).distance(p))
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[test]
 fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let mut run = run();
@@ -182,15 +190,10 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let far = before[0].distance(after[0]);
     assert!(far > RADIUS, "the leaf moved by {far} m only");
     // As near to the rods as it was, but for how they bend below it.
-    let joint = |poses: &dyn Fn(usize) -> DVec3, p: DVec3| {
-        let all =
-            (0..film.film.joints.len()).filter(|&j| film.film.joints[j].name.starts_with("vertex"));
-        all.map(|j| poses(j).distance(p))
-            .fold(f64::INFINITY, f64::min)
-    };
+    let at_rest = |j: usize| film.film.joints[j].rest.translation;
     let near = [
-        joint(&|j| film.film.joints[j].rest.translation, before[0]),
-        joint(&|j| poses[j].translation, after[0]),
+        rod_distance(&film, at_rest, before[0]),
+        rod_distance(&film, |j| poses[j].translation, after[0]),
     ];
     assert!((near[0] - near[1]).abs() < 0.5 * RADIUS, "{near:?}");
 

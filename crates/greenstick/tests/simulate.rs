@@ -1,7 +1,7 @@
 //! Simulations in folders and in memory: what is stopped, or killed, and resumed ends in the same bytes; what is refused;
 //! and what the tables say.
 
-use greenstick::fibre::scene::Scene;
+use greenstick::fibre::scene::{Scene, SolverChoice};
 use greenstick::files::run::{Origin, RunFolder};
 use greenstick::geometry::{CancelToken, Context};
 use greenstick::simulate::{
@@ -9,6 +9,8 @@ use greenstick::simulate::{
 };
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 const SCENE: &str = "duration = 0.012\nframes_per_second = 250.0\nrows_per_second = 1000.0\n\
 [stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
@@ -324,4 +326,56 @@ fn what_was_before_a_step_that_fails_while_it_breaks_is_kept_and_can_be_resumed(
     let short = TemporaryFolder::new("short");
     short.simulate(&of(checkpoint, false)).unwrap();
     assert!(torn.bytes() == short.bytes());
+}
+
+/// Runs a scene on a thread of its own and cancels it after `wait`. Returns whether that was before its end.
+fn cancel_from_outside(request: &SimulateRequest, store: &mut MemoryRun, wait: Duration) -> bool {
+    let token = CancelToken::default();
+    let context = Context::silent(token.clone());
+    let result = thread::scope(|scope| {
+        let worker = scope.spawn(|| simulate(request, store, &context));
+        thread::sleep(wait);
+        token.cancel();
+        worker.join().unwrap()
+    });
+    match result {
+        Err(SimulateError::Cancelled(_)) => true,
+        other => {
+            other.unwrap();
+            false
+        }
+    }
+}
+
+#[test]
+fn a_run_that_another_thread_cancels_anywhere_is_resumed_to_the_same_records() {
+    for solver in [SolverChoice::Explicit, SolverChoice::QuasiStatic] {
+        let mut asked = request(TORN, false);
+        (asked.scene.solver, asked.scene.step) = (solver, None);
+        asked.scene.duration = 0.1;
+        if solver == SolverChoice::Explicit {
+            asked.scene.duration = 0.02;
+        }
+        let mut whole = MemoryRun::new();
+        simulate(&asked, &mut whole, &Context::quiet()).unwrap();
+        let mut parts = MemoryRun::new();
+        let mut wait = Duration::from_millis(30);
+        let mut cancelled = 0;
+        while cancel_from_outside(&asked, &mut parts, wait) {
+            cancelled += 1;
+            wait *= 2;
+            // Cancelled before there was a checkpoint, it begins anew.
+            asked.resume = parts.checkpoint().unwrap().is_some();
+        }
+        assert!(cancelled > 0);
+        assert_eq!(whole.energies().unwrap(), parts.energies().unwrap());
+        assert_eq!(whole.events().unwrap(), parts.events().unwrap());
+        assert_eq!(whole.forces().unwrap(), parts.forces().unwrap());
+        let frames = whole.frames().unwrap();
+        assert_eq!(frames, parts.frames().unwrap());
+        for number in 0..frames.count() {
+            assert_eq!(whole.frame(number).unwrap(), parts.frame(number).unwrap());
+        }
+        assert!(whole.checkpoint().unwrap() == parts.checkpoint().unwrap());
+    }
 }

@@ -7,6 +7,7 @@ mod error;
 pub mod fray;
 pub mod hang;
 pub mod prepared;
+pub mod remainder;
 pub mod rods;
 pub mod texture;
 

@@ -158,7 +158,7 @@ impl MovingBody {
     }
 
     /// Whether its motion is prescribed, other than rest.
-    pub fn is_driven(&self) -> bool {
+    pub(crate) fn is_driven(&self) -> bool {
         matches!(&self.body.motion, BodyMotion::Prescribed(m) if *m != Motion::Fixed)
     }
 
@@ -176,12 +176,12 @@ impl MovingBody {
     }
 
     /// Returns the velocity of the body at a point, m/s.
-    pub fn velocity_at(&self, p: DVec3) -> DVec3 {
+    pub(crate) fn velocity_at(&self, p: DVec3) -> DVec3 {
         self.state.velocity + self.state.angular_velocity.cross(p - self.state.centre)
     }
 
     /// Returns the inverse of the inertia along the world's axes.
-    pub fn inverse_inertia(&self) -> DMat3 {
+    pub(crate) fn inverse_inertia(&self) -> DMat3 {
         match self.inertia {
             Some(i) => {
                 let rotation = DMat3::from_quat(self.state.rotation);
@@ -193,7 +193,7 @@ impl MovingBody {
 
     /// Returns the inverse of the effective mass at `p` along `n` (unit): the change of velocity along `n` by a unit impulse,
     /// 1/kg.
-    pub fn inverse_effective_mass(&self, p: DVec3, n: DVec3) -> f64 {
+    pub(crate) fn inverse_effective_mass(&self, p: DVec3, n: DVec3) -> f64 {
         match self.inertia {
             Some(i) => {
                 let arm = (p - self.state.centre).cross(n);
@@ -204,7 +204,7 @@ impl MovingBody {
     }
 
     /// Applies an impulse (N s) at a point.
-    pub fn apply_impulse(&mut self, p: DVec3, impulse: DVec3) {
+    pub(crate) fn apply_impulse(&mut self, p: DVec3, impulse: DVec3) {
         if let Some(i) = self.inertia {
             self.state.velocity += impulse / i.mass;
             self.state.angular_momentum += (p - self.state.centre).cross(impulse);
@@ -213,7 +213,7 @@ impl MovingBody {
     }
 
     /// Updates the velocity for a step that ends at `time` (s), from the prescribed motion or from gravity.
-    pub fn update_velocity(&mut self, time: f64, step: f64, gravity: DVec3) {
+    pub(crate) fn update_velocity(&mut self, time: f64, step: f64, gravity: DVec3) {
         match &self.body.motion {
             BodyMotion::Prescribed(Motion::Fixed) => {}
             BodyMotion::Prescribed(motion) => {
@@ -228,7 +228,7 @@ impl MovingBody {
     }
 
     /// Updates the position for a step that ends at `time` (s).
-    pub fn update_position(&mut self, time: f64, step: f64) {
+    pub(crate) fn update_position(&mut self, time: f64, step: f64) {
         match &self.body.motion {
             BodyMotion::Prescribed(Motion::Fixed) => {}
             BodyMotion::Prescribed(motion) => {
@@ -250,7 +250,7 @@ impl MovingBody {
     }
 
     /// Returns the kinetic energy of a free body, J.
-    pub fn kinetic_energy(&self) -> f64 {
+    pub(crate) fn kinetic_energy(&self) -> f64 {
         self.inertia.map_or(0.0, |i| {
             0.5 * (i.mass * self.state.velocity.length_squared()
                 + self.state.angular_velocity.dot(self.state.angular_momentum))

@@ -319,7 +319,7 @@ impl Solid {
     }
 
     /// Returns the closest points of this shape and another, each at its pose, where they are closer than `distance` (m).
-    pub fn closest_points(
+    pub(crate) fn closest_points(
         &self,
         pose: &ParryPose,
         other: &Solid,

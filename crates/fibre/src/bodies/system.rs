@@ -152,7 +152,7 @@ impl Bodies {
     }
 
     /// Takes what contacts have given each body since this was last called, or since the start.
-    pub fn take_impulses(&mut self) -> Vec<BodyImpulse> {
+    pub(crate) fn take_impulses(&mut self) -> Vec<BodyImpulse> {
         let none = vec![BodyImpulse::default(); self.bodies.len()];
         std::mem::replace(&mut self.given, none)
     }

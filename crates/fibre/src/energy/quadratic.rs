@@ -36,12 +36,12 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 
 impl Jet {
     /// Returns the gradient with respect to a of a function of p alone.
-    pub fn gradient_of_p(&self, a: DVec3) -> DVec3 {
+    pub(crate) fn gradient_of_p(&self, a: DVec3) -> DVec3 {
         a * (2.0 * self.p)
     }
 
     /// Returns the second derivatives with respect to a twice, to a (rows) and b (columns), and to b twice.
-    pub fn hessians(&self, a: DVec3, b: DVec3) -> [DMat3; 3] {
+    pub(crate) fn hessians(&self, a: DVec3, b: DVec3) -> [DMat3; 3] {
         // Derivatives of f_p, f_q and f_r with respect to a and b.
         let by_a = [
             a * (2.0 * self.pp) + b * self.pr,

@@ -174,7 +174,7 @@ impl ForceEvaluator {
     }
 
     /// Derives everything anew where the bundle has changed. Returns whether it had.
-    pub fn refresh(&mut self, bundle: &RodBundle) -> bool {
+    pub(crate) fn refresh(&mut self, bundle: &RodBundle) -> bool {
         let changed = self.generation != bundle.generation
             || self.masses.len() != bundle.vertices().div_ceil(WIDTH);
         if changed {

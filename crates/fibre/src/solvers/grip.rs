@@ -7,7 +7,7 @@ use glam::DVec3;
 /// A grip on the mean displacement of some vertices: a stiff spring that distributes its force over them and lets them turn,
 /// as the supports of a beam do in beam theory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grip {
+pub(crate) struct Grip {
     /// Vertices, by their numbers in the unbroken bundle.
     pub vertices: Vec<u32>,
     /// Their weights. Both halves of a broken vertex share its weight.

@@ -24,7 +24,7 @@ use greenstick_geometry::Context;
 /// γ = 1 − √½: both stages have the same matrix, and the method is L-stable.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// The step where none is given, s.
-pub const DEFAULT_STEP: f64 = 1.0 / 240.0;
+pub(crate) const DEFAULT_STEP: f64 = 1.0 / 240.0;
 /// A step that does not converge is halved at most this often.
 const MAX_HALVINGS: u32 = 8;
 

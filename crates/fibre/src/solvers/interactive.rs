@@ -31,7 +31,7 @@ use crate::world::World;
 use greenstick_geometry::Context;
 
 /// The step where none is given, s.
-pub const DEFAULT_STEP: f64 = 1.0 / 30.0;
+pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
 /// Number of times that a step is repeated after breaks.
 const BREAK_ROUNDS: usize = 1;
 /// Elements break together with the most overstressed one from this fraction of its demand.

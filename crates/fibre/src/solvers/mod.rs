@@ -26,8 +26,10 @@ mod stability;
 mod stepwise;
 
 pub use explicit::{BLOW_UP_RATIO, Explicit};
-pub use grip::Grip;
-pub use implicit::{DEFAULT_STEP as IMPLICIT_STEP, Implicit};
-pub use interactive::{DEFAULT_STEP as INTERACTIVE_STEP, Interactive, InteractiveEffort};
+pub(crate) use grip::Grip;
+pub(crate) use implicit::DEFAULT_STEP as IMPLICIT_STEP;
+pub use implicit::Implicit;
+pub(crate) use interactive::DEFAULT_STEP as INTERACTIVE_STEP;
+pub use interactive::{Interactive, InteractiveEffort};
 pub use quasi_static::{QuasiStatic, QuasiStaticEffort};
 pub use solver::{AdvanceReport, Solver};

@@ -80,20 +80,20 @@ impl QuasiStatic {
 
     /// Returns the same solver with grips.
     #[must_use]
-    pub fn with_grips(mut self, grips: Vec<Grip>) -> Self {
+    pub(crate) fn with_grips(mut self, grips: Vec<Grip>) -> Self {
         self.grips = grips;
         self
     }
 
     /// Returns the forces of the grips on the world as it is, N.
-    pub fn grip_forces(&mut self, world: &World) -> Vec<f64> {
+    pub(crate) fn grip_forces(&mut self, world: &World) -> Vec<f64> {
         self.newton.prepare(&world.bundle, &self.grips);
         self.newton
             .grip_forces(&world.bundle, &world.state, world.state.time)
     }
 
     /// Returns the mean displacements of what the grips hold, m.
-    pub fn grip_displacements(&mut self, world: &World) -> Vec<f64> {
+    pub(crate) fn grip_displacements(&mut self, world: &World) -> Vec<f64> {
         self.newton.prepare(&world.bundle, &self.grips);
         self.newton.grip_displacements(&world.bundle, &world.state)
     }
@@ -209,7 +209,7 @@ impl QuasiStatic {
     ///
     /// # Errors
     /// [`SolverError`]. World and contacts are then as they were.
-    pub fn next_equilibrium(
+    pub(crate) fn next_equilibrium(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,

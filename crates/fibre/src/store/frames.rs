@@ -193,66 +193,34 @@ pub fn write_header(to: &mut dyn Write) -> io::Result<()> {
     to.write_all(&[0; 4])
 }
 
-/// Reads frames in order. An incomplete record at the end, as a killed run leaves it, ends the frames without an error.
-pub struct FrameReader<R> {
-    from: R,
-    number: usize,
-}
-
-impl<R: Read> FrameReader<R> {
-    /// Reads the header of a frame store.
-    ///
-    /// # Errors
-    /// [`StoreError`] for bytes that are no frame store, or one of a newer version.
-    pub fn new(mut from: R) -> Result<Self, StoreError> {
-        header(&mut from)?;
-        Ok(FrameReader { from, number: 0 })
+/// Reads frame `number` where its record begins. Returns `None` at the end, and for an incomplete record, as a killed run
+/// leaves it.
+pub(super) fn read_frame(from: &mut impl Read, number: usize) -> Result<Option<Frame>, StoreError> {
+    let mut length = [0; 8];
+    if fill(from, &mut length)? < 8 {
+        return Ok(None);
     }
-
-    /// Continues at the record of frame `number`.
-    pub(super) fn at(from: R, number: usize) -> Self {
-        FrameReader { from, number }
+    let damaged = |problem: String| StoreError::Damaged {
+        what: "frame store",
+        problem,
+    };
+    let length = u64::from_le_bytes(length);
+    if length > MAX_RECORD_LENGTH {
+        return Err(damaged(format!("frame {number} claims {length} bytes")));
     }
-
-    fn read(&mut self) -> Result<Option<Frame>, StoreError> {
-        let mut length = [0; 8];
-        if fill(&mut self.from, &mut length)? < 8 {
-            return Ok(None);
-        }
-        let damaged = |problem: String| StoreError::Damaged {
-            what: "frame store",
-            problem,
-        };
-        let number = self.number;
-        let length = u64::from_le_bytes(length);
-        if length > MAX_RECORD_LENGTH {
-            return Err(damaged(format!("frame {number} claims {length} bytes")));
-        }
-        // Takes no more memory than there are bytes.
-        let mut content = Vec::new();
-        let got = (&mut self.from)
-            .take(length + 8)
-            .read_to_end(&mut content)?;
-        if (got as u64) < length + 8 {
-            return Ok(None);
-        }
-        let sum = content.split_off(length as usize);
-        if sum != checksum(&content).to_le_bytes() {
-            return Err(damaged(format!("the checksum of frame {number} is wrong")));
-        }
-        self.number += 1;
-        Frame::parse(&content)
-            .map(Some)
-            .ok_or_else(|| damaged(format!("frame {number} contradicts itself")))
+    // Takes no more memory than there are bytes.
+    let mut content = Vec::new();
+    let got = from.take(length + 8).read_to_end(&mut content)?;
+    if (got as u64) < length + 8 {
+        return Ok(None);
     }
-}
-
-impl<R: Read> Iterator for FrameReader<R> {
-    type Item = Result<Frame, StoreError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.read().transpose()
+    let sum = content.split_off(length as usize);
+    if sum != checksum(&content).to_le_bytes() {
+        return Err(damaged(format!("the checksum of frame {number} is wrong")));
     }
+    Frame::parse(&content)
+        .map(Some)
+        .ok_or_else(|| damaged(format!("frame {number} contradicts itself")))
 }
 
 /// Reads the header of a frame store. Returns its length.

@@ -1,7 +1,7 @@
 //! Random access to the frames of a store.
 
 use super::error::StoreError;
-use super::frames::{Frame, FrameReader, fill, header};
+use super::frames::{Frame, fill, header, read_frame};
 use std::io::{Read, Seek, SeekFrom};
 
 /// Where a frame's record begins, and its time.
@@ -81,6 +81,6 @@ impl<R: Read + Seek> IndexedFrames<R> {
             return Ok(None);
         };
         self.from.seek(SeekFrom::Start(record.offset))?;
-        FrameReader::at(&mut self.from, number).next().transpose()
+        read_frame(&mut self.from, number)
     }
 }

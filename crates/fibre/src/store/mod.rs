@@ -31,7 +31,7 @@ pub use checkpoint::{Checkpoint, Progress, RecordLengths};
 pub use checksum::checksum;
 pub use error::{RunError, StoreError};
 pub use forces::{FORCE_HEADER, ForceRow};
-pub use frames::{BodyPose, Frame, FrameReader, write_header};
+pub use frames::{BodyPose, Frame, write_header};
 pub use index::IndexedFrames;
 pub use memory::MemoryRun;
 pub use parse::{parse_energies, parse_events, parse_forces};

@@ -27,20 +27,47 @@ pub enum FilmError {
     },
     /// The wood of the scene cannot be grown again.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
+    Simulate(SimulateError),
     /// The frames do not fit the wood, or an option is out of range.
     #[error(transparent)]
     Skin(#[from] RodSkinError),
     /// The textures cannot be made.
     #[error(transparent)]
-    Work(#[from] crate::Error),
+    Work(crate::Error),
     /// The film cannot be written.
     #[error(transparent)]
-    Write(#[from] greenstick_formats::film::FilmError),
+    Write(greenstick_formats::film::FilmError),
     /// The file cannot be written.
     #[error(transparent)]
     File(#[from] crate::files::FileError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SimulateError> for FilmError {
+    fn from(error: SimulateError) -> Self {
+        match error {
+            SimulateError::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Simulate(other),
+        }
+    }
+}
+
+impl From<crate::Error> for FilmError {
+    fn from(error: crate::Error) -> Self {
+        match error {
+            crate::Error::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Work(other),
+        }
+    }
+}
+
+impl From<greenstick_formats::film::FilmError> for FilmError {
+    fn from(error: greenstick_formats::film::FilmError) -> Self {
+        match error {
+            greenstick_formats::film::FilmError::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Write(other),
+        }
+    }
 }

@@ -3,12 +3,9 @@
 //! [`Run::open`] takes a run that was recorded; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
-mod beyond;
-mod carry;
-mod clip;
+mod carried;
 mod collision;
 mod error;
-mod follow;
 mod level;
 mod materials;
 mod motion;
@@ -19,8 +16,7 @@ mod rest;
 mod rigid;
 mod series;
 
-use carry::Rest;
-pub use carry::{CarriedPiece, RestReport};
+pub use carried::{CarriedPiece, RestReport};
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
@@ -44,9 +40,9 @@ use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
+use greenstick_skin::remainder::{CarriedParts, pose_followers};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
-    rod_skin_over_time,
+    Materials, Parting, RodSkin, RodSkinOptions, Wood, frame_poses, rod_skin, rod_skin_over_time,
 };
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::species::Species;
@@ -115,7 +111,7 @@ pub struct Still {
 struct Begun {
     frame: Arc<Frame>,
     skin: RodSkin,
-    rest: Rest,
+    rest: CarriedParts,
     report: SkinReport,
     /// Materials.
     scene: Scene,
@@ -327,6 +323,11 @@ impl Run {
         Ok(self.source.frame(number)?)
     }
 
+    /// Returns the map from the stem's world to that of stills and films.
+    fn film_from_stem(&self) -> DAffine3 {
+        DAffine3::from_quat(upright()) * self.laid
+    }
+
     /// Its wood, unbroken.
     pub fn wood(&self) -> Wood<'_> {
         let wood = &self.grown.wood;
@@ -345,14 +346,14 @@ impl Run {
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
         let parting = Parting::of(&self.wood(), frame, &self.causes)?;
-        self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))
+        Ok(self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))?)
     }
 
     /// What is made of its wood with the materials that it has here.
-    fn with_materials(
+    fn with_materials<T, E>(
         &self,
-        make: impl FnOnce(&Wood, &Materials) -> Result<RodSkin, RodSkinError>,
-    ) -> Result<RodSkin, FilmError> {
+        make: impl FnOnce(&Wood, &Materials) -> Result<T, E>,
+    ) -> Result<T, E> {
         let proportions = BreakParameters::default().proportions();
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
@@ -362,7 +363,7 @@ impl Run {
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
         };
-        Ok(make(&self.wood(), &materials)?)
+        make(&self.wood(), &materials)
     }
 
     /// The skin of what is broken in frame `number`, and what goes with it.
@@ -378,7 +379,7 @@ impl Run {
         let frame = self.frame(number)?;
         let skin = self.skin(&frame, &options.skin)?;
         let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
-        let rest = self.rest_of(&skin, options, &mut report);
+        let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let scene = self.materials(options, &textures)?;
         Ok(Begun {
             frame,
@@ -407,11 +408,12 @@ impl Run {
             mut scene,
         } = self.begin(number, options, context)?;
         let up = upright();
-        let mut poses = carry::upright_poses(frame_poses(&skin.joints, &frame));
+        let poses = frame_poses(&skin.joints, &frame).into_iter();
+        let mut poses: Vec<Pose> = poses.map(|p| turned(p, up)).collect();
         let mut film = film_of(skin, &self.scene);
-        let followers = rest.join(&mut film, &self.laid, self.grown.stem.radius);
+        let followers = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
         poses.resize(film.joints.len(), Pose::IDENTITY);
-        carry::put(&followers, &mut poses);
+        pose_followers(&followers, &mut poses);
         scene.nodes = posed(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
@@ -480,59 +482,25 @@ impl Run {
         })?;
         let materials = self.materials(options, &textures)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
-        let rest = self.rest_of(&skin, options, &mut report);
+        let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let joints = skin.joints.clone();
         self.follow(&skin, range.clone(), &mut report, &pieces)?;
         let mut film = film_of(skin, &self.scene);
         film.materials = materials.materials;
         film.textures = materials.textures;
         film.images = materials.images;
-        let up = upright();
-        let mut moving = Vec::new();
-        if options.bodies {
-            for (mut node, number) in bodies(&first, &self.shapes, BODY_MATERIAL) {
-                node.transform = DAffine3::from_quat(up) * node.transform;
-                let Some(number) = number else {
-                    film.fixed.push(node);
-                    continue;
-                };
-                let body = first.bodies[number];
-                node.name = self
-                    .scene
-                    .body
-                    .get(number)
-                    .map_or(node.name, |b| b.name.clone());
-                film.bodies.push((node, film.joints.len() as u32));
-                film.joints.push(Joint {
-                    name: format!("body_{number}"),
-                    rest: turned(
-                        Pose {
-                            translation: body.centre,
-                            rotation: body.rotation,
-                        },
-                        up,
-                    ),
-                });
-                moving.push(number);
-            }
-        }
-        for (piece, told) in film.pieces.iter_mut().zip(&report.pieces) {
-            let gape = Extra::Number(told.gape_m);
-            piece.extras.insert("gape_m".into(), gape);
-            if let Some((time, from)) = &told.parted {
-                piece.extras.insert("parted_s".into(), Extra::Number(*time));
-                piece
-                    .extras
-                    .insert("parted_from".into(), Extra::Text(from.clone()));
-            }
-        }
-        let carried = rest.join(&mut film, &self.laid, self.grown.stem.radius);
+        let moving = match options.bodies {
+            true => self.add_bodies(&mut film, &first),
+            false => Vec::new(),
+        };
+        add_extras(&mut film, &report);
+        let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
         let motion = RunMotion::new(
             self.source.clone(),
             self.frames.times[range.clone()].to_vec(),
             range.start,
             (joints, moving, carried),
-            up,
+            upright(),
         );
         let mut made = SkinnedFilm {
             film,
@@ -540,8 +508,47 @@ impl Run {
             report,
             inner: INNER_MATERIAL,
         };
-        made.stiffen(rigid::TOLERANCE * self.spacing(), &rigid)?;
+        made.stiffen(rigid::TOLERANCE * self.wood().spacing(), &rigid)?;
         Ok(made)
+    }
+
+    /// Adds the bodies of the first frame to a film, each that moves with a joint of its own. Returns the numbers of those.
+    fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
+        let up = upright();
+        let mut moving = Vec::new();
+        for (mut node, number) in bodies(first, &self.shapes, BODY_MATERIAL) {
+            node.transform = DAffine3::from_quat(up) * node.transform;
+            let Some(number) = number else {
+                film.fixed.push(node);
+                continue;
+            };
+            let body = first.bodies[number];
+            let named = self.scene.body.get(number);
+            node.name = named.map_or(node.name, |b| b.name.clone());
+            film.bodies.push((node, film.joints.len() as u32));
+            let rest = Pose {
+                translation: body.centre,
+                rotation: body.rotation,
+            };
+            film.joints.push(Joint {
+                name: format!("body_{number}"),
+                rest: turned(rest, up),
+            });
+            moving.push(number);
+        }
+        moving
+    }
+}
+
+/// Adds what is reported of each piece to it.
+fn add_extras(film: &mut Film, report: &SkinReport) {
+    for (piece, reported) in film.pieces.iter_mut().zip(&report.pieces) {
+        let extras = &mut piece.extras;
+        extras.insert("gape_m".into(), Extra::Number(reported.gape_m));
+        if let Some((time, from)) = &reported.parted {
+            extras.insert("parted_s".into(), Extra::Number(*time));
+            extras.insert("parted_from".into(), Extra::Text(from.clone()));
+        }
     }
 }
 

@@ -1,11 +1,10 @@
 //! The poses of a run's joints over time, read frame by frame.
 
-use super::carry;
-use super::follow::Follower;
 use super::{FilmError, turned};
 use glam::DQuat;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};
+use greenstick_skin::remainder::{Follower, pose_followers};
 use greenstick_skin::rods::{Joints, frame_poses};
 use std::sync::Arc;
 
@@ -67,7 +66,7 @@ impl Motion for RunMotion {
         for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
             *to = turned(from, self.up);
         }
-        carry::put(&self.carried, poses);
+        pose_followers(&self.carried, poses);
         Ok(())
     }
 }

@@ -14,13 +14,13 @@ use greenstick_wood::stem::{StemError, StemLocationError};
 pub enum SimulateError {
     /// The scene is wrong, or does not fit the stem.
     #[error(transparent)]
-    Scene(#[from] SceneError),
+    Scene(SceneError),
     /// The location on the input is wrong.
     #[error("stem.at: {0}")]
     Place(#[from] StemLocationError),
     /// No stem was found.
     #[error(transparent)]
-    Stem(#[from] StemError),
+    Stem(StemError),
     /// The scene is of a mesh that was not given.
     #[error("the scene is of a mesh, and none was given; give one, or choose another stem.kind")]
     NoInput,
@@ -40,7 +40,7 @@ pub enum SimulateError {
     Strength(#[from] StrengthError),
     /// The stem cannot be filled with rods.
     #[error(transparent)]
-    Placement(#[from] PlacementError),
+    Placement(PlacementError),
     /// The motion cannot continue.
     #[error("{error}; the checkpoint at {checkpoint} s is kept")]
     Solver {
@@ -54,7 +54,7 @@ pub enum SimulateError {
     Run(#[from] RunError),
     /// The checkpoint has other bodies than the scene.
     #[error(transparent)]
-    Bodies(#[from] BodyError),
+    Bodies(BodyError),
     /// There is a run already.
     #[error("{run}: already holds a simulation; resume it, or choose another folder")]
     Taken {
@@ -79,3 +79,19 @@ pub enum SimulateError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+/// Converts errors, of which those of cancelling are the caller's stop.
+macro_rules! from_cancellable {
+    ($($error:ident => $variant:ident),*) => {
+        $(impl From<$error> for SimulateError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Cancelled(stop) => SimulateError::Cancelled(stop),
+                    other => SimulateError::$variant(other),
+                }
+            }
+        })*
+    };
+}
+
+from_cancellable!(SceneError => Scene, StemError => Stem, PlacementError => Placement, BodyError => Bodies);

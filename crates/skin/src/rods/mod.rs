@@ -72,6 +72,12 @@ impl Wood<'_> {
         rod_of
     }
 
+    /// Returns the mean distance between rods, m.
+    pub fn spacing(&self) -> f64 {
+        let area: f64 = self.cells.iter().map(|c| c.area).sum();
+        (area / self.cells.len().max(1) as f64).sqrt()
+    }
+
     /// The pairs of rods that are bonded.
     pub fn bonded(&self) -> Bonded {
         let rod_of = self.rods_of_vertices();

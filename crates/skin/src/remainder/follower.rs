@@ -1,27 +1,30 @@
-//! What is carried by rods: a rigid frame that follows several joints as well as one can.
+//! A rigid frame that follows several joints, by least squares.
 
 use glam::{DMat3, DQuat, DVec3};
 use greenstick_geometry::Pose;
 
-/// Most rounds of finding the turn: near it each of Newton's has twice the digits of the one before.
-const ROUNDS: usize = 30;
-/// How much the rods' own turn about themselves counts beside where they are and where they point: the turn of one rod is
-/// all there is where it is alone, among several their places tell it.
-const TWIST: f64 = 0.01;
+/// Largest number of Newton steps that find the rotation. Near it each doubles the number of correct digits.
+const MAX_NEWTON_STEPS: usize = 30;
+/// Weight of the rods' rotation about themselves beside that of their positions and directions. A single rod has nothing
+/// else that shows it; among several their positions do.
+const TWIST_WEIGHT: f64 = 0.01;
+/// A smaller rotation, rad, ends the Newton steps.
+const MIN_ROTATION: f64 = 1e-15;
 
-/// A frame that follows joints: the rigid movement nearest to theirs, by least squares of the places of their origins and
+/// A frame that follows joints: the rigid movement nearest to theirs, by least squares of the positions of their origins and
 /// of points on their tangents.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Follower {
+pub struct Follower {
     joints: Vec<u32>,
     rest: Vec<Pose>,
     centre: DVec3,
-    /// How far the points on the tangents are from the joints, m.
+    /// Distance of the points on the tangents from the joints, m.
     lever: f64,
 }
 
 impl Follower {
-    /// One that follows `joints` of a film whose joints rest at `rest`.
+    /// Returns a frame that follows `joints` of a film whose joints rest at `rest`. `lever` is the distance at which the
+    /// directions of joints count as positions, m.
     pub fn new(joints: Vec<u32>, rest: &[Pose], lever: f64) -> Self {
         let rest: Vec<Pose> = joints.iter().map(|&j| rest[j as usize]).collect();
         let mut follower = Follower {
@@ -30,11 +33,11 @@ impl Follower {
             centre: DVec3::ZERO,
             lever,
         };
-        follower.centre = follower.middle(follower.rest.iter());
+        follower.centre = follower.centroid(follower.rest.iter());
         follower
     }
 
-    /// The frame at rest.
+    /// Returns the frame at rest.
     pub fn at_rest(&self) -> Pose {
         Pose {
             translation: self.centre,
@@ -43,15 +46,15 @@ impl Follower {
     }
 
     fn points(&self, pose: &Pose) -> [(DVec3, f64); 3] {
-        let turned = |d: DVec3| pose.translation + pose.rotation * d * self.lever;
+        let on_axis = |d: DVec3| pose.translation + pose.rotation * d * self.lever;
         [
             (pose.translation, 1.0),
-            (turned(DVec3::Z), 1.0),
-            (turned(DVec3::X), TWIST),
+            (on_axis(DVec3::Z), 1.0),
+            (on_axis(DVec3::X), TWIST_WEIGHT),
         ]
     }
 
-    fn middle<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DVec3 {
+    fn centroid<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DVec3 {
         let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
         for (p, w) in poses.flat_map(|p| self.points(p)) {
             sum += p * w;
@@ -60,12 +63,12 @@ impl Follower {
         sum / f64::max(weight, f64::MIN_POSITIVE)
     }
 
-    /// The frame where the film's joints have these poses.
+    /// Returns the frame where the film's joints have these poses.
     pub fn pose(&self, poses: &[Pose]) -> Pose {
         let now = || self.joints.iter().map(|&j| &poses[j as usize]);
-        let centre = self.middle(now());
-        let mut rotation = self.guess(now());
-        for _ in 0..ROUNDS {
+        let centre = self.centroid(now());
+        let mut rotation = self.mean_rotation(now());
+        for _ in 0..MAX_NEWTON_STEPS {
             let (mut inertia, mut tangent) = (DMat3::ZERO, DMat3::ZERO);
             let mut moment = DVec3::ZERO;
             for (rest, pose) in self.rest.iter().zip(now()) {
@@ -83,7 +86,7 @@ impl Follower {
             if !turn.is_finite() || turn.dot(moment) <= 0.0 || turn.length() > 1.0 {
                 turn = inertia.inverse() * moment;
             }
-            if !turn.is_finite() || turn.length() < 1e-15 {
+            if !turn.is_finite() || turn.length() < MIN_ROTATION {
                 break;
             }
             let half = 0.5 * turn;
@@ -96,8 +99,8 @@ impl Follower {
         }
     }
 
-    /// The mean of the joints' own turns.
-    fn guess<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DQuat {
+    /// Returns the mean of the joints' own rotations.
+    fn mean_rotation<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> DQuat {
         let mut sum: Option<DQuat> = None;
         for (rest, pose) in self.rest.iter().zip(poses) {
             let turn = pose.rotation * rest.rotation.conjugate();
@@ -113,6 +116,14 @@ impl Follower {
         } else {
             DQuat::IDENTITY
         }
+    }
+}
+
+/// Sets the poses of followers, which are behind those of the joints that they follow.
+pub fn pose_followers(followers: &[Follower], poses: &mut [Pose]) {
+    let (joints, behind) = poses.split_at_mut(poses.len() - followers.len());
+    for (pose, follower) in behind.iter_mut().zip(followers) {
+        *pose = follower.pose(joints);
     }
 }
 
