@@ -5,7 +5,7 @@ use crate::break_wood::{Targets, picture_options, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::{scan, simulate, skin, values};
+use crate::{scan, simulate, values};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
@@ -75,7 +75,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         rest: true,
     };
     let last = run.frames() - 1;
-    let mut still = run.at_rest(last, &how, &skin).map_err(skin::failure)?;
+    let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
     part(&mut still, &run, options.part);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
@@ -163,7 +163,7 @@ fn simulate_in_memory(
         _ => Failure::request(error),
     })?;
     let opening = context.part(SIMULATED, 1.0);
-    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(skin::failure)?;
+    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
     Ok((report, run))
 }
 

@@ -2,10 +2,12 @@
 //! the user stopped it.
 
 use greenstick::files::FileError;
+use greenstick::film::FilmError;
 use greenstick::formats::FormatError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
+use greenstick::simulate::SimulateError;
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
@@ -162,6 +164,22 @@ impl From<greenstick::Error> for Failure {
                 "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
             ),
             _ => Failure::work(&error),
+        }
+    }
+}
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Cancelled(cancelled) => cancelled.into(),
+            FilmError::File(error) => error.into(),
+            FilmError::Write(_) => Failure::work(error),
+            FilmError::Work(error) => error.into(),
+            FilmError::Simulate(SimulateError::NoInput) => {
+                Failure::request("the run was of a mesh, and it is not known which")
+                    .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
+            }
+            _ => Failure::request(error),
         }
     }
 }

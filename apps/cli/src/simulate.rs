@@ -145,7 +145,7 @@ fn make_film(
 ) -> Result<(), Failure> {
     let [opening, filming] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
     opening.report(0.0)?;
-    let run = Run::open(Arc::new(run), meshes, &opening).map_err(skin::failure)?;
+    let run = Run::open(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
     let shot = picture_options(&options.shot);
     let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
     let telling = Telling {

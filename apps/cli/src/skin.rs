@@ -141,12 +141,12 @@ pub fn open(
     };
     let beside = origin.beside.clone();
     let run = RunFolder::new(folder, origin);
-    let scene = run.scene().map_err(|e| failure(e.into()))?;
+    let scene = run.scene().map_err(|e| Failure::from(FilmError::from(e)))?;
     let meshes = SceneMeshes {
         input,
         bodies: read_body_meshes(&scene, &beside)?,
     };
-    Run::open(Arc::new(run), &meshes, context).map_err(failure)
+    Run::open(Arc::new(run), &meshes, context).map_err(Failure::from)
 }
 
 /// The skin, the film's file, the files with their sizes in bytes, and what engines want.
@@ -179,7 +179,9 @@ fn still(
             "there are {count} frames, counted from 0 or from −1 backwards"
         ))
     })?;
-    let still = run.still(number, &plan.film, &skin).map_err(failure)?;
+    let still = run
+        .still(number, &plan.film, &skin)
+        .map_err(Failure::from)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
         let picture = run.picture(&still.scene, still.inner, &plan.shot, &picture)?;
@@ -215,7 +217,9 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     let [skin, shots, video, write, extras] = context.split(film_stages(plan));
     let (from, to) = plan.frames.unwrap_or((0, run.frames()));
     let Some(path) = &plan.output else {
-        let mut made = run.film(from..to, &plan.film, &skin).map_err(failure)?;
+        let mut made = run
+            .film(from..to, &plan.film, &skin)
+            .map_err(Failure::from)?;
         let files = frame_pictures(&run, &mut made, plan, &shots)?;
         return Ok((Some(made.report), None, files, Engines::default()));
     };
@@ -245,7 +249,9 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = run.film(from..to, &plan.film, &skin).map_err(failure)?;
+    let mut made = run
+        .film(from..to, &plan.film, &skin)
+        .map_err(Failure::from)?;
     let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
@@ -289,7 +295,7 @@ fn write_film(
                 ),
             })
         })
-        .map_err(failure)?;
+        .map_err(Failure::from)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside: Vec<Output> = beside.into_iter().map(|f| in_folder(folder, f)).collect();
     beside.iter().try_for_each(|output| batch.add(output))?;
@@ -369,7 +375,9 @@ fn series(
         bytes += file.bytes.len();
         Ok(files::write_all(&[in_folder(folder, file)])?)
     };
-    let count = run.series(range, &name, put, context).map_err(failure)?;
+    let count = run
+        .series(range, &name, put, context)
+        .map_err(Failure::from)?;
     let told = format!(
         "{} with the {} files that it lists",
         path.display(),
@@ -400,20 +408,6 @@ fn in_folder(folder: &Path, file: Encoded) -> Output {
 fn ending(path: &Path) -> String {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     ending.unwrap_or_default()
-}
-
-pub fn failure(error: FilmError) -> Failure {
-    match error {
-        FilmError::Cancelled(_) => Failure::stopped("stopped; nothing was written"),
-        FilmError::File(e) => e.into(),
-        FilmError::Write(_) => Failure::work(error),
-        FilmError::Work(e) => e.into(),
-        FilmError::Simulate(greenstick::simulate::SimulateError::NoInput) => {
-            Failure::request("the run was of a mesh, and it is not known which")
-                .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
-        }
-        _ => Failure::request(error),
-    }
 }
 
 fn words(

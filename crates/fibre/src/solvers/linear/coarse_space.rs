@@ -212,7 +212,8 @@ impl CoarseSpace {
         for spring in springs {
             pairs.add_contact(piece, weight, free, spring);
         }
-        self.sum_parts();
+        self.ready = false;
+        self.sum_parts(context)?;
         let matrix = &mut self.matrix;
         for row in 0..matrix.rows() {
             let more = REGULARISATION * matrix.diagonal(row);
@@ -222,18 +223,15 @@ impl CoarseSpace {
         self.ready = match self.matrix.factor(context) {
             Ok(()) => self.count > 0,
             Err(FactorError::NotPositive { .. }) => false,
-            Err(FactorError::Cancelled) => {
-                self.ready = false;
-                return Err(Cancelled);
-            }
+            Err(FactorError::Cancelled) => return Err(Cancelled),
         };
         Ok(())
     }
 
     /// Sums all parts into the matrix.
-    fn sum_parts(&mut self) {
+    fn sum_parts(&mut self, context: &Context) -> Result<(), Cancelled> {
         let matrix = &mut self.matrix;
-        matrix.clear();
+        matrix.clear(context)?;
         for (p, row) in self.rows.iter().enumerate() {
             for q in row.lowest as usize..=p {
                 let k = row.start as usize + q - row.lowest as usize;
@@ -250,6 +248,7 @@ impl CoarseSpace {
                 }
             }
         }
+        Ok(())
     }
 
     /// Returns the number of pieces that take part.

@@ -110,15 +110,15 @@ impl DirectSolver {
         for kind in [HessianKind::Exact, HessianKind::GaussNewton] {
             self.assemble(problem, kind, context)?;
             let mut right = residual.to_vec();
-            self.apply_prescribed(prescribed, held, &mut right);
+            self.apply_prescribed(prescribed, held, &mut right, context)?;
             if let Some(step) = self.solve_with_old_factor(problem, &right, context)? {
                 return Ok(step);
             }
             self.factorisations += 1;
-            let mut factor = self.matrix.clone();
+            let mut factor = self.matrix.copy(context)?;
             match factor.factor(context) {
                 Ok(()) => {
-                    factor.solve(&mut right);
+                    factor.solve_large(&mut right, context)?;
                     self.factor = Some(factor);
                     return Ok(right);
                 }
@@ -130,18 +130,25 @@ impl DirectSolver {
     }
 
     /// Removes held degrees of freedom from the matrix, and moves what their prescribed displacement causes to the right side.
-    fn apply_prescribed(&mut self, prescribed: &[f64], held: &[bool], right: &mut [f64]) {
+    fn apply_prescribed(
+        &mut self,
+        prescribed: &[f64],
+        held: &[bool],
+        right: &mut [f64],
+        context: &Context,
+    ) -> Result<(), Cancelled> {
         if prescribed.iter().any(|d| *d != 0.0) {
             let mut forces = vec![0.0; right.len()];
-            self.matrix.multiply(prescribed, &mut forces);
+            self.matrix.multiply(prescribed, &mut forces, context)?;
             right.iter_mut().zip(&forces).for_each(|(r, f)| *r -= f);
         }
-        self.matrix.remove_held(held);
+        self.matrix.remove_held(held, context)?;
         for f in 0..right.len() {
             if held[f] {
                 right[f] = prescribed[f];
             }
         }
+        Ok(())
     }
 
     fn solve_with_old_factor(
@@ -183,9 +190,9 @@ impl DirectSolver {
                 self.matrix.add(f, f, LOOSE_PART_STIFFNESS * largest);
             }
         }
-        let mut factor = self.matrix.clone();
+        let mut factor = self.matrix.copy(context)?;
         match factor.factor(context) {
-            Ok(()) => factor.solve(&mut right),
+            Ok(()) => factor.solve_large(&mut right, context)?,
             Err(FactorError::NotPositive { .. }) => {}
             Err(FactorError::Cancelled) => return Err(Cancelled),
         }
@@ -201,7 +208,7 @@ impl DirectSolver {
     ) -> Result<(), Cancelled> {
         let (bundle, state) = (problem.bundle, problem.state);
         let n = bundle.vertices();
-        self.matrix.clear();
+        self.matrix.clear(context)?;
         for start in (0..n).step_by(ELEMENTS_PER_CHECK) {
             context.check()?;
             for j in (start..n.min(start + ELEMENTS_PER_CHECK)).filter(|&j| bundle.is_edge(j)) {

@@ -20,6 +20,8 @@ const PIVOT_TOLERANCE: f64 = 1e-13;
 
 /// Multiplications of a factorisation between two checks for cancellation: some milliseconds.
 const FACTOR_WORK_PER_CHECK: usize = 1 << 23;
+/// Entries that other work goes through between two checks: some milliseconds.
+const ENTRIES_PER_CHECK: usize = 1 << 21;
 
 /// Why a matrix has no Cholesky factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,8 +80,46 @@ impl EnvelopeMatrix {
     }
 
     /// Sets all entries to zero.
-    pub fn clear(&mut self) {
-        self.values.fill(0.0);
+    ///
+    /// # Errors
+    /// [`Cancelled`]. Some entries are then as they were.
+    pub fn clear(&mut self, context: &Context) -> Result<(), Cancelled> {
+        for values in self.values.chunks_mut(ENTRIES_PER_CHECK) {
+            context.check()?;
+            values.fill(0.0);
+        }
+        Ok(())
+    }
+
+    /// Returns a copy.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn copy(&self, context: &Context) -> Result<Self, Cancelled> {
+        let mut values = Vec::with_capacity(self.values.len());
+        for part in self.values.chunks(ENTRIES_PER_CHECK) {
+            context.check()?;
+            values.extend_from_slice(part);
+        }
+        Ok(EnvelopeMatrix {
+            block: self.block,
+            first: self.first.clone(),
+            start: self.start.clone(),
+            values,
+        })
+    }
+
+    /// Returns the rows in ranges between which work checks for cancellation.
+    fn row_ranges(&self) -> Vec<Range<usize>> {
+        let (mut ranges, mut from) = (Vec::new(), 0);
+        while from < self.rows() {
+            let goal = self.start[from] + ENTRIES_PER_CHECK;
+            let to = self.start.partition_point(|&s| s <= goal) - 1;
+            let to = to.clamp(from + 1, self.rows());
+            ranges.push(from..to);
+            from = to;
+        }
+        ranges
     }
 
     fn first_of(&self, row: usize) -> usize {
@@ -110,24 +150,42 @@ impl EnvelopeMatrix {
     }
 
     /// Sets `out` to matrix × `x`.
-    pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        with_widest_registers(
-            #[inline(always)]
-            || {
-                out.fill(0.0);
-                for i in 0..self.rows() {
-                    let (f, row) = (self.first_of(i), self.row(i));
-                    let (last, below) = (row[row.len() - 1], &row[..row.len() - 1]);
-                    out[i] += dot(below, &x[f..i]) + last * x[i];
-                    axpy(&mut out[f..i], below, x[i]);
-                }
-            },
-        );
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn multiply(&self, x: &[f64], out: &mut [f64], context: &Context) -> Result<(), Cancelled> {
+        out.fill(0.0);
+        for rows in self.row_ranges() {
+            context.check()?;
+            with_widest_registers(
+                #[inline(always)]
+                || {
+                    for i in rows {
+                        let (f, row) = (self.first_of(i), self.row(i));
+                        let (last, below) = (row[row.len() - 1], &row[..row.len() - 1]);
+                        out[i] += dot(below, &x[f..i]) + last * x[i];
+                        axpy(&mut out[f..i], below, x[i]);
+                    }
+                },
+            );
+        }
+        Ok(())
     }
 
     /// Removes held rows and columns from the system: zero, with 1 on the diagonal.
-    pub fn remove_held(&mut self, held: &[bool]) {
-        for i in 0..self.rows() {
+    ///
+    /// # Errors
+    /// [`Cancelled`]. Some rows are then as they were.
+    pub fn remove_held(&mut self, held: &[bool], context: &Context) -> Result<(), Cancelled> {
+        for rows in self.row_ranges() {
+            context.check()?;
+            self.remove_held_of(rows, held);
+        }
+        Ok(())
+    }
+
+    fn remove_held_of(&mut self, rows: Range<usize>, held: &[bool]) {
+        for i in rows {
             let (f, range) = (self.first_of(i), self.start[i]..self.start[i + 1]);
             let row = &mut self.values[range];
             let last = row.len() - 1;
@@ -247,17 +305,47 @@ impl EnvelopeMatrix {
         Ok(())
     }
 
-    /// Solves with the factor that [`EnvelopeMatrix::factor`] made, in place.
+    /// Solves with the factor that [`EnvelopeMatrix::factor`] made, in place. This is for small matrices.
     pub fn solve(&self, x: &mut [f64]) {
+        self.solve_forwards(0..self.rows(), x);
+        self.solve_backwards(0..self.rows(), x);
+    }
+
+    /// The same for matrices of any size.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn solve_large(&self, x: &mut [f64], context: &Context) -> Result<(), Cancelled> {
+        let ranges = self.row_ranges();
+        for rows in &ranges {
+            context.check()?;
+            self.solve_forwards(rows.clone(), x);
+        }
+        for rows in ranges.iter().rev() {
+            context.check()?;
+            self.solve_backwards(rows.clone(), x);
+        }
+        Ok(())
+    }
+
+    fn solve_forwards(&self, rows: Range<usize>, x: &mut [f64]) {
         with_widest_registers(
             #[inline(always)]
             || {
-                for i in 0..self.rows() {
+                for i in rows {
                     let (f, row) = (self.first_of(i), self.row(i));
                     let last = row.len() - 1;
                     x[i] = (x[i] - dot(&row[..last], &x[f..i])) / row[last];
                 }
-                for i in (0..self.rows()).rev() {
+            },
+        );
+    }
+
+    fn solve_backwards(&self, rows: Range<usize>, x: &mut [f64]) {
+        with_widest_registers(
+            #[inline(always)]
+            || {
+                for i in rows.rev() {
                     let (f, row) = (self.first_of(i), self.row(i));
                     let last = row.len() - 1;
                     x[i] /= row[last];
@@ -357,7 +445,7 @@ pub(super) fn conjugate_gradients(
     let goal = tolerance * dot(b, b).sqrt();
     let mut r = b.to_vec();
     let mut z = r.clone();
-    factor.solve(&mut z);
+    factor.solve_large(&mut z, context)?;
     let mut p = z.clone();
     let mut q = vec![0.0; n];
     let mut rz = dot(&r, &z);
@@ -366,7 +454,7 @@ pub(super) fn conjugate_gradients(
         if dot(&r, &r).sqrt() <= goal {
             return Ok(true);
         }
-        a.multiply(&p, &mut q);
+        a.multiply(&p, &mut q, context)?;
         let curvature = dot(&p, &q);
         if curvature.is_nan() || curvature <= 0.0 {
             return Ok(false);
@@ -375,7 +463,7 @@ pub(super) fn conjugate_gradients(
         axpy(x, &p, alpha);
         axpy(&mut r, &q, -alpha);
         z.copy_from_slice(&r);
-        factor.solve(&mut z);
+        factor.solve_large(&mut z, context)?;
         let next = dot(&r, &z);
         let beta = next / rz;
         rz = next;
@@ -455,7 +543,7 @@ mod tests {
                 .map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum())
                 .collect();
             let mut product = vec![0.0; n];
-            a.multiply(&x, &mut product);
+            a.multiply(&x, &mut product, &Context::quiet()).unwrap();
             let mut l = a.clone();
             l.factor(&Context::quiet()).unwrap();
             let mut solved = b.clone();
