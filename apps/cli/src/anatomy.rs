@@ -1,7 +1,7 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
 use crate::arguments::AnatomyOptions;
-use crate::break_wood::{doubt_about_unit, size, use_threads};
+use crate::break_wood::{doubt_about_unit, size, stem_options, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
@@ -53,7 +53,7 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
         greenstick::anatomy::anatomy(&source.scene, &request, &work, |file| folder.add(file))?;
     report.notes.extend(doubt_about_unit(
         options.input.as_deref(),
-        options.unit,
+        options.unit.map(LengthUnit::from),
         report.length_m,
     ));
     write.report(0.0)?;
@@ -144,7 +144,7 @@ fn load(
     context: &Context,
 ) -> Result<Loaded, Failure> {
     match &options.input {
-        Some(path) => scan::load(path, location, unit, &options.scan, context),
+        Some(path) => scan::load(path, location, unit, &options.scan.set()?, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
             place: location,
@@ -157,7 +157,7 @@ fn load(
 fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest, Failure> {
     Ok(AnatomyRequest {
         location: values::place(&options.at, unit).map_err(Failure::request)?,
-        stem: options.stem.options(unit)?,
+        stem: stem_options(&options.stem, unit)?,
         species: options.species.clone(),
         resolution: options.resolution,
         ring_method: options.source.rings_by(options.rings.map(|_| "--rings"))?,

@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod bend_test;
+mod declared;
 mod fit;
 mod shared;
 mod simulate;
@@ -9,16 +10,19 @@ mod skin;
 
 pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
+pub use declared::{Declared, OptionSet};
 pub use fit::FitOptions;
-pub use shared::{KnownStem, MeshOf, RingSource, Telling};
+pub use shared::{MeshOf, RingSource, Telling};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 
-use crate::scan::ScanArguments;
 use crate::values;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, Parser, Subcommand, ValueEnum};
+use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
-use greenstick::wood::stem::StemKind;
+use greenstick::picture::PictureParameters;
+use greenstick::scanning::ScanParameters;
+use greenstick::wood::stem::StemOptions;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -91,6 +95,8 @@ pub enum Command {
     BendTest(Box<BendTestOptions>),
     /// List the parameters that --set and recipes take
     Parameters(ParametersOptions),
+    /// Print the JSON Schema of the files that hold parameters
+    Schema(SchemaOptions),
     /// List the presets
     Presets(PresetsOptions),
     /// List the species, or everything that is known of one
@@ -167,19 +173,12 @@ pub struct BreakOptions {
     /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off), or a point cloud (.ply, .xyz, .txt, .asc, .pts, .las or
     /// .laz) whose bark is made first; without it, a branch that comes with the program
     pub input: Option<PathBuf>,
-    /// Where to break it: a fraction, a length, or a point [default: 0.5, or the scene's own with --simulate]
-    #[arg(long, value_name = "PLACE", allow_hyphen_values = true)]
-    pub at: Option<String>,
     /// File for the pieces, in the format of its ending [default: broken.glb, without --picture]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// File for a picture of the break [default: broken.png, without --output]
     #[arg(long, value_name = "FILE.png")]
     pub picture: Option<PathBuf>,
-    /// Unit of length in the input, where its format has none; also of the output
-    #[arg(long)]
-    pub unit: Option<UnitWord>,
-
     /// Preset to start from; several may be given, later ones over earlier ones
     #[arg(long, value_name = "NAME", help_heading = "How it breaks")]
     pub preset: Vec<String>,
@@ -194,26 +193,7 @@ pub struct BreakOptions {
         help_heading = "How it breaks"
     )]
     pub set: Vec<String>,
-    /// Species, by common or scientific name
-    #[arg(long, value_name = "NAME", help_heading = "How it breaks")]
-    pub species: Option<String>,
-    /// Moisture content, percent of the oven-dry mass (12 is air-dry)
-    #[arg(
-        long,
-        value_name = "PERCENT",
-        allow_hyphen_values = true,
-        help_heading = "How it breaks"
-    )]
-    pub moisture: Option<String>,
-    /// Which of all the breaks with these parameters
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        help_heading = "How it breaks"
-    )]
-    pub seed: Option<String>,
-    /// Write the recipe that all of these give together
+    /// Write everything that decides the outcome; `--recipe` then makes the same again, byte for byte
     #[arg(long, value_name = "FILE.toml", help_heading = "How it breaks")]
     pub save_recipe: Option<PathBuf>,
 
@@ -223,49 +203,43 @@ pub struct BreakOptions {
     pub simulate: Option<String>,
 
     #[command(flatten)]
-    pub scan: ScanArguments,
-
-    #[command(flatten)]
-    pub stem: KnownStem,
-
-    /// Move the pieces apart by this length, such as 3cm
-    #[arg(long, value_name = "DISTANCE", default_value = "0", value_parser = values::distance,
-        allow_hyphen_values = true, help_heading = "What comes out")]
-    pub part: f64,
-    /// Let the upper piece hang on the bark of the compression side, turned by this angle
-    #[arg(long, value_name = "DEGREES", help_heading = "What comes out")]
-    pub hang: Option<String>,
-    /// Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 where no amount is given]
-    #[arg(long, value_name = "AMOUNT", num_args = 0..=1, default_value = "0", default_missing_value = "0.5",
-        value_parser = values::amount, hide_default_value = true, help_heading = "What comes out")]
-    pub fray: f64,
-    /// Width of the baked textures, pixels
-    #[arg(long, value_name = "PIXELS", default_value = "2048", value_parser = values::texture_size,
-        help_heading = "What comes out")]
-    pub texture_size: u32,
-    #[command(flatten)]
-    pub shot: Shot,
+    pub request: Declared<RequestFile>,
 
     #[command(flatten)]
     pub telling: Telling,
 }
 
-/// How a picture is taken.
-#[derive(Debug, Args)]
-pub struct Shot {
-    /// Size of the picture, pixels
-    #[arg(long, visible_alias = "size", value_name = "WIDTHxHEIGHT", default_value = "1200x900",
-        value_parser = values::size, help_heading = "Picture")]
-    pub picture_size: (u32, u32),
-    /// Camera rays for each pixel of the picture, 1 to 65536
-    #[arg(long, value_name = "NUMBER", default_value = "16", value_parser = clap::value_parser!(u32).range(1..=65_536),
-        help_heading = "Picture")]
-    pub samples: u32,
-    /// Direction from which the picture is taken, degrees; else chosen to suit
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = values::view, allow_hyphen_values = true,
-        help_heading = "Picture")]
-    pub view: Option<(f64, f64)>,
+impl OptionSet for RequestFile {
+    const WITHOUT: &'static [&'static str] = &["input"];
+    const SHORTCUTS: &'static [&'static str] = &["break.seed", "break.hang"];
+
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            // A mesh may follow it.
+            "fray" => option
+                .num_args(0..=1)
+                .default_missing_value("0.5")
+                .help("Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 where no amount is given]"),
+            "hang" => option.help_heading("What comes out"),
+            // Beside the input and the output.
+            "at" | "unit" => option.help_heading(None::<&str>),
+            "seed" | "species" | "moisture" => option.help_heading("How it breaks"),
+            _ => PictureParameters::adjust(option),
+        }
+    }
 }
+
+impl OptionSet for PictureParameters {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "picture_size" => option.visible_alias("size"),
+            _ => option,
+        }
+    }
+}
+
+impl OptionSet for StemOptions {}
+impl OptionSet for ScanParameters {}
 
 #[derive(Debug, Args)]
 pub struct CheckOptions {
@@ -298,7 +272,7 @@ pub struct PictureOptions {
     #[arg(long)]
     pub unit: Option<UnitWord>,
     #[command(flatten)]
-    pub shot: Shot,
+    pub picture_parameters: Declared<PictureParameters>,
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -320,6 +294,12 @@ pub struct ParametersOptions {
     /// Print a JSON schema of recipes, for editors
     #[arg(long, conflicts_with = "key")]
     pub schema: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaOptions {
+    /// Only that of these files: break
+    pub name: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -364,34 +344,5 @@ impl From<UnitWord> for LengthUnit {
             UnitWord::Cm => LengthUnit::Centimetre,
             UnitWord::M => LengthUnit::Metre,
         }
-    }
-}
-
-/// Kinds of stem.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum KindWord {
-    #[value(help = "a branch, trunk, log or pole")]
-    Round,
-    #[value(help = "a board or beam, sawn from a trunk")]
-    Board,
-}
-
-impl From<KindWord> for StemKind {
-    fn from(word: KindWord) -> Self {
-        match word {
-            KindWord::Round => StemKind::Round,
-            KindWord::Board => StemKind::Board,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_arguments_are_consistent() {
-        Arguments::command().debug_assert();
     }
 }

@@ -1,7 +1,7 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{Targets, picture_options, size, targets, use_threads};
+use crate::break_wood::{Asked, Targets, asked, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
@@ -13,12 +13,12 @@ use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
+use greenstick::schema::Field;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
 use greenstick::skin::rods::RodSkinOptions;
-use greenstick::wood::stem::StemLocation;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -38,13 +38,12 @@ struct FullReport<'a> {
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let unit = options.unit.map(LengthUnit::from);
+    let asked = asked(options)?;
+    let unit = asked.file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
-    if let Some(seed) = &options.seed {
-        setting.seed = seed.trim().parse().map_err(|_| {
-            Failure::request(format!("--seed: {seed:?} is no whole number from 0 on"))
-        })?;
+    if options.request.text("break.seed").is_some() {
+        setting.seed = asked.file.common.recipe.face.seed;
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
@@ -57,9 +56,9 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         ("write", 0.1),
     ]);
     read.report(0.0)?;
-    let inputs: Vec<PathBuf> = options.input.iter().cloned().collect();
+    let inputs: Vec<PathBuf> = asked.input.iter().cloned().collect();
     targets.check(&inputs)?;
-    let (mesh, scan) = read_mesh(options, &mut setting, &targets, &read)?;
+    let (mesh, scan) = read_mesh(options, &asked, &mut setting, &targets, &read)?;
     let meshes = SceneMeshes {
         input: mesh,
         bodies: read_body_meshes(&setting, &beside)?,
@@ -70,20 +69,20 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             seed: run.scene.seed,
             ..RodSkinOptions::default()
         },
-        texture_width: options.texture_size,
+        texture_width: asked.file.texture_width,
         bodies: false,
         rest: true,
     };
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
-    part(&mut still, &run, options.part);
+    part(&mut still, &run, asked.file.common.separation);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
         outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
-        let shot = picture_options(&options.shot);
+        let shot = asked.file.picture.options();
         let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
@@ -110,13 +109,14 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
 /// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
 fn read_mesh(
     options: &BreakOptions,
+    asked: &Asked,
     setting: &mut Setting,
     targets: &Targets,
     context: &Context,
 ) -> Result<(Option<Scene>, Option<ScannedReport>), Failure> {
-    let unit = options.unit.map(LengthUnit::from);
-    let Some(path) = &options.input else {
-        return match &options.at {
+    let at = options.request.text("at");
+    let Some(path) = &asked.input else {
+        return match at {
             Some(at) if setting.stem.kind != StemChoice::Input => Err(Failure::request(format!(
                 "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
             ))
@@ -124,13 +124,12 @@ fn read_mesh(
             _ => Ok((None, None)),
         };
     };
-    let at = match &options.at {
-        Some(at) => values::place(at, unit.unwrap_or_default()),
-        None => values::place(&setting.stem.at, LengthUnit::Metre),
+    let at = match at {
+        Some(_) => asked.file.common.place.clone(),
+        None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
     };
-    let at = at.map_err(Failure::request)?;
-    let loaded = scan::load(path, at, unit, &options.scan, context)?;
-    setting.stem.at = written_out(&loaded.place);
+    let loaded = scan::load(path, at, asked.file.unit, &asked.file.scan, context)?;
+    setting.stem.at = loaded.place.to_value().to_string();
     setting.stem.kind = StemChoice::Input;
     let mut scene = loaded.scene;
     if let Some(pieces) = &targets.pieces {
@@ -165,15 +164,6 @@ fn simulate_in_memory(
     let opening = context.part(SIMULATED, 1.0);
     let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
     Ok((report, run))
-}
-
-/// A place as scenes have it, with all of its digits.
-fn written_out(place: &StemLocation) -> String {
-    match place {
-        StemLocation::Fraction(x) => format!("{x}"),
-        StemLocation::Length(x) => format!("{x} m"),
-        StemLocation::Point(p) => format!("{}, {}, {}", p.x, p.y, p.z),
-    }
 }
 
 /// Moves what lies beyond the break apart from the lower piece, with all that it carries.

@@ -1,18 +1,17 @@
 //! `greenstick break`: from options to a request, and from what the library returns to files and a report.
 
-use crate::arguments::{BreakOptions, Shot, UnitWord};
-use crate::failure::{Failure, print};
+use crate::arguments::{BreakOptions, Declared};
+use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
-use greenstick::fracture::recipe::{Recipe, RecipeError};
 use greenstick::geometry::Context;
-use greenstick::picture::{PictureOptions, View};
-use greenstick::wood::stem::StemLocation;
-use greenstick::{Break, BreakReport, BreakRequest};
+use greenstick::schema::{Field, Parameters};
+use greenstick::wood::stem::{StemLocation, StemOptions};
+use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -20,8 +19,6 @@ use std::process::ExitCode;
 
 const OUTPUT: &str = "broken.glb";
 const PICTURE: &str = "broken.png";
-/// Where it is broken.
-const AT: &str = "0.5";
 
 /// Where everything goes.
 pub struct Targets {
@@ -35,14 +32,20 @@ pub struct Targets {
 struct FullReport<'a> {
     #[serde(flatten)]
     report: &'a BreakReport,
+    /// Stable hash of the request.
+    request_hash: String,
     outputs: &'a [Written],
     stages: &'a [StageTime],
 }
 
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
-    let unit = options.unit.map(LengthUnit::from);
     let targets = targets(options)?;
-    let mut request = request(options, unit.unwrap_or_default())?;
+    let Asked { file, input } = asked(options)?;
+    let unit = file.unit;
+    let recipe = match &targets.recipe {
+        Some(path) => Some(saved(&file, input.as_deref(), path)?),
+        None => None,
+    };
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
     let [read, work, encode, picture, write] = progress.split([
@@ -52,20 +55,17 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
         ("write", 0.1),
     ]);
-    let source = load(options, request.breaks[0].place, unit, &read)?;
+    let mut request = file.request();
+    let source = load(&file, input.as_deref(), request.breaks[0].place, &read)?;
     targets.check(&source.files)?;
-    request.breaks[0].place = source.place;
+    move_places(&mut request, &source);
     let mut scene = source.scene;
-    if let (Some(input), Some(pieces)) = (&options.input, &targets.pieces) {
+    if let (Some(input), Some(pieces)) = (&input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
     broken.report.scan = source.scan;
-    let doubt = doubt_about_unit(
-        options.input.as_deref(),
-        options.unit,
-        broken.report.place.stem_length_m,
-    );
+    let doubt = doubt_about_unit(input.as_deref(), unit, broken.report.place.stem_length_m);
     doubt.into_iter().for_each(|note| broken.note(note));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
@@ -77,17 +77,17 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         )?);
     }
     if let Some(path) = &targets.picture {
-        let how = picture_options(&options.shot);
+        let how = file.picture.options();
         let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
         });
     }
-    if let Some(path) = &targets.recipe {
+    if let (Some(path), Some(text)) = (&targets.recipe, recipe) {
         outputs.push(Output {
             path: path.clone(),
-            bytes: request.breaks[0].recipe.to_toml().into_bytes(),
+            bytes: text.into_bytes(),
         });
     }
     write.report(0.0)?;
@@ -96,15 +96,52 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     files::write_all(&outputs)?;
     let stages = progress.finish();
     if options.telling.reports() {
-        let written = written(&outputs);
-        print(&told(
-            &broken.report,
-            &written,
-            &stages,
-            options.telling.json,
-        )?)?;
+        let full = FullReport {
+            report: &broken.report,
+            request_hash: file.hash(),
+            outputs: &written(&outputs),
+            stages: &stages,
+        };
+        print(&printed(&full, options.telling.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The places of the breaks on the stem that was made of a scan; the first was found with it.
+fn move_places(request: &mut BreakRequest, source: &Loaded) {
+    request.breaks[0].place = source.place;
+    let origin = source.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
+    for one in &mut request.breaks[1..] {
+        if let StemLocation::Point(p) = &mut one.place {
+            (p.x, p.y, p.z) = (p.x - origin[0], p.y - origin[1], p.z - origin[2]);
+        }
+    }
+}
+
+/// The request as a recipe at `path` holds it, with the input's name from there.
+fn saved(file: &RequestFile, input: Option<&Path>, path: &Path) -> Result<String, Failure> {
+    let mut file = file.clone();
+    file.input = input.map(|input| from_folder_of(path, input)).transpose()?;
+    Ok(file.to_toml())
+}
+
+/// The name of `input` from the folder of `path`.
+fn from_folder_of(path: &Path, input: &Path) -> Result<String, Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let name = if folder == Path::new("") || input.is_absolute() {
+        input.to_owned()
+    } else {
+        match input.strip_prefix(folder) {
+            Ok(inside) => inside.to_owned(),
+            Err(_) => std::path::absolute(input).map_err(Failure::work)?,
+        }
+    };
+    name.to_str().map(str::to_owned).ok_or_else(|| {
+        Failure::request(format!(
+            "{}: the name is not Unicode, which a recipe cannot hold; expected another name",
+            input.display()
+        ))
+    })
 }
 
 /// With neither file named both are written under their usual names; with one named, only that.
@@ -159,15 +196,16 @@ impl Targets {
     }
 }
 
+/// The input of a request, or the branch that comes with the program.
 fn load(
-    options: &BreakOptions,
+    file: &RequestFile,
+    input: Option<&Path>,
     place: StemLocation,
-    unit: Option<LengthUnit>,
     context: &Context,
 ) -> Result<Loaded, Failure> {
     context.report(0.0)?;
-    match &options.input {
-        Some(path) => scan::load(path, place, unit, &options.scan, context),
+    match input {
+        Some(path) => scan::load(path, place, file.unit, &file.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
             place,
@@ -183,7 +221,7 @@ const LONGEST: f64 = 120.0;
 /// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
 pub fn doubt_about_unit(
     input: Option<&Path>,
-    unit: Option<UnitWord>,
+    unit: Option<LengthUnit>,
     length: f64,
 ) -> Option<String> {
     let format = input.and_then(InputFormat::of_path)?;
@@ -197,23 +235,16 @@ pub fn doubt_about_unit(
     })
 }
 
-fn request(options: &BreakOptions, unit: LengthUnit) -> Result<BreakRequest, Failure> {
-    let at = options.at.as_deref().unwrap_or(AT);
-    let place = values::place(at, unit).map_err(Failure::request)?;
-    Ok(BreakRequest {
-        stem: options.stem.options(unit)?,
-        texture_width: options.texture_size,
-        ..BreakRequest::single(Break {
-            place,
-            recipe: recipe(options)?,
-            separation: options.part,
-            fray: options.fray,
-            ..Break::default()
-        })
-    })
+/// What is asked of a break.
+pub struct Asked {
+    /// Everything that decides the outcome.
+    pub file: RequestFile,
+    /// The input, from where the program runs.
+    pub input: Option<PathBuf>,
 }
 
-fn recipe(options: &BreakOptions) -> Result<Recipe, Failure> {
+/// The request of all layers: presets, recipe, settings, options.
+pub fn asked(options: &BreakOptions) -> Result<Asked, Failure> {
     let text = options
         .recipe
         .as_ref()
@@ -225,41 +256,85 @@ fn recipe(options: &BreakOptions) -> Result<Recipe, Failure> {
         })
         .transpose()?;
     let presets: Vec<&str> = options.preset.iter().map(String::as_str).collect();
-    let own: Vec<String> = [
-        ("species", &options.species),
-        ("moisture", &options.moisture),
-        ("seed", &options.seed),
-        ("hang", &options.hang),
-    ]
-    .into_iter()
-    .filter_map(|(key, value)| value.as_ref().map(|v| format!("{key}={v}")))
-    .collect();
-    let settings: Vec<&str> = options.set.iter().chain(&own).map(String::as_str).collect();
-    Recipe::resolve(&presets, text.as_deref(), &settings).map_err(|error| {
+    let settings: Vec<&str> = options.set.iter().map(String::as_str).collect();
+    let resolved = RequestFile::resolve(&presets, text.as_deref(), &settings);
+    let mut file = resolved.map_err(|error| {
         let message = match (&error, &options.recipe) {
-            (RecipeError::At { .. }, Some(path)) => format!("{}: {error}", path.display()),
-            (RecipeError::Setting { setting, problem }, _) => {
-                let key = own.contains(setting).then(|| setting.split('=').next());
-                format!("--{}: {problem}", key.flatten().unwrap_or("set"))
-            }
+            (RequestFileError::At { .. }, Some(path)) => format!("{}: {error}", path.display()),
+            (RequestFileError::Setting { problem, .. }, _) => format!("--set: {problem}"),
             _ => error.to_string(),
         };
         Failure::request(message).hint(hint(&error))
-    })
+    })?;
+    apply_options(&mut file, &options.request)?;
+    file.complete()
+        .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
+    let folder = options.recipe.as_ref().and_then(|path| path.parent());
+    let input = match (&options.input, &file.input) {
+        (Some(given), _) => Some(given.clone()),
+        (None, Some(name)) => Some(folder.unwrap_or(Path::new("")).join(name)),
+        (None, None) => None,
+    };
+    Ok(Asked { file, input })
+}
+
+/// Puts options over a request: of every break, where there are several. Points are in the unit of the file.
+fn apply_options(file: &mut RequestFile, options: &Declared<RequestFile>) -> Result<(), Failure> {
+    if let Some(word) = options.text("unit") {
+        file.set_text("unit", word).map_err(Failure::request)?;
+    }
+    let unit = file.unit.unwrap_or_default();
+    if options.text("at").is_some() && !file.breaks.is_empty() {
+        return Err(Failure::request(format!(
+            "--at: the recipe says where its {} breaks are",
+            file.breaks.len()
+        ))
+        .hint("change their places in the recipe, under [[breaks]]"));
+    }
+    let rewrite = |key: &str, text: &str| match key {
+        "at" => values::place(text, unit).map(|p| Some(p.to_value().to_string())),
+        "pith" => values::pith(text, unit).map(|p| Some(p.to_value().to_string())),
+        _ => Ok(None),
+    };
+    options.apply(file, |key, text| {
+        rewrite(key, text).map_err(Failure::request)
+    })?;
+    for one in &mut file.breaks {
+        options.apply_known(one)?;
+    }
+    Ok(())
+}
+
+/// Options that are points in the unit of the file, in metres.
+fn in_metres(key: &str, text: &str, unit: LengthUnit) -> Result<Option<String>, Failure> {
+    match key {
+        "at" => values::place(text, unit).map(|p| Some(p.to_value().to_string())),
+        "pith" => values::pith(text, unit).map(|p| Some(p.to_value().to_string())),
+        _ => Ok(None),
+    }
+    .map_err(Failure::request)
+}
+
+/// What is known of a stem, from options with points in the unit of the file.
+pub fn stem_options(
+    options: &Declared<StemOptions>,
+    unit: LengthUnit,
+) -> Result<StemOptions, Failure> {
+    let mut stem = StemOptions::default();
+    options.apply(&mut stem, |key, text| in_metres(key, text, unit))?;
+    Ok(stem)
 }
 
 /// Where what is right can be looked up.
-fn hint(error: &RecipeError) -> &'static str {
+fn hint(error: &RequestFileError) -> &'static str {
     use greenstick::fracture::recipe::Problem;
-    let (RecipeError::At { problem, .. }
-    | RecipeError::Setting { problem, .. }
-    | RecipeError::Whole(problem)) = error;
-    match problem {
+    match error.problem() {
         Problem::Preset(_) => "`greenstick presets` lists them",
-        Problem::Species(_) => "`greenstick species` lists them",
         Problem::NotASetting => "such as --set high.height=2",
-        Problem::Moisture(_) => "12 is air-dry, 30 and more is green",
-        _ => "`greenstick parameters` lists keys, units and ranges",
+        problem => problem.parameter().map_or(
+            "`greenstick parameters` lists keys, units and ranges",
+            parameter_hint,
+        ),
     }
 }
 
@@ -274,39 +349,20 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
         .map_err(|e| Failure::work(format!("cannot start {threads} threads: {e}")))
 }
 
-/// A shot as the picture crate takes it.
-pub fn picture_options(shot: &Shot) -> PictureOptions {
-    let view = match shot.view {
-        Some((azimuth, elevation)) => View::Direction { azimuth, elevation },
-        None => View::Automatic,
-    };
-    PictureOptions {
-        width: shot.picture_size.0,
-        height: shot.picture_size.1,
-        samples: shot.samples,
-        view,
-        ..PictureOptions::default()
-    }
-}
-
-fn told(
-    report: &BreakReport,
-    outputs: &[Written],
-    stages: &[StageTime],
-    json: bool,
-) -> Result<String, Failure> {
+fn printed(full: &FullReport, json: bool) -> Result<String, Failure> {
     if json {
-        let full = FullReport {
-            report,
-            outputs,
-            stages,
-        };
-        let text = serde_json::to_string_pretty(&full)
+        let text = serde_json::to_string_pretty(full)
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         return Ok(text + "\n");
     }
+    let FullReport {
+        report,
+        outputs,
+        stages,
+        ..
+    } = full;
     let mut text = report.to_string();
-    for file in outputs {
+    for file in *outputs {
         let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
     }
     let total: f64 = stages.iter().map(|s| s.seconds).sum();

@@ -7,11 +7,11 @@ use greenstick::formats::FormatError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
+use greenstick::schema::{ParameterError, closest_names};
 use greenstick::simulate::SimulateError;
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
-use greenstick::wood::spelling::closest_names;
 use greenstick::wood::stem::{StemError, StemLocation};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -61,6 +61,17 @@ impl Failure {
         } else {
             self
         }
+    }
+
+    /// A parameter that is wrong, by the option that gave it.
+    pub fn parameter(option: &str, error: &ParameterError) -> Self {
+        let text = error.to_string();
+        let message = match (error, error.key()) {
+            (ParameterError::Format { problem, .. }, _) => format!("{option}: {problem}"),
+            (_, Some(key)) if text.starts_with(key) => format!("{option}{}", &text[key.len()..]),
+            _ => format!("{option}: {text}"),
+        };
+        Failure::request(message).hint(parameter_hint(error))
     }
 
     /// Names the file that it is about.
@@ -213,6 +224,20 @@ impl From<PictureError> for Failure {
             }
             _ => Failure::work(error),
         }
+    }
+}
+
+/// Where what is right can be looked up.
+pub fn parameter_hint(error: &ParameterError) -> &'static str {
+    match error {
+        ParameterError::Format { key, .. } if key.ends_with("species") => {
+            "`greenstick species` lists them"
+        }
+        ParameterError::OutOfRange { key, .. } if key.ends_with("moisture") => {
+            "12 is air-dry, 30 and more is green"
+        }
+        ParameterError::NotANumber { required: true, .. } => "such as 3cm, 12mm or 0.1m",
+        _ => "`greenstick parameters` lists keys, units and ranges",
     }
 }
 

@@ -1,7 +1,7 @@
 //! `greenstick check` and `greenstick picture`: for any mesh, broken or not.
 
 use crate::arguments::{CheckOptions, PictureOptions};
-use crate::break_wood::{check_png, picture_options, use_threads};
+use crate::break_wood::{check_png, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::Progress;
 use greenstick::files::{self, Output};
@@ -97,7 +97,7 @@ pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
     let source = files::load(&options.file, options.unit.map(Into::into))?;
     files::check_distinct(&[&options.output], &source.files)?;
     files::check_writable(&options.output)?;
-    let how = picture_options(&options.shot);
+    let how = options.picture_parameters.set()?.options();
     let picture = greenstick::picture_of_scene(&source.scene, &how, &work)?;
     write.report(0.0)?;
     let bytes = picture.png();

@@ -1,14 +1,15 @@
 //! `greenstick parameters` and `greenstick presets`: what there is, from the declarations.
 
-use crate::arguments::{ParametersOptions, PresetsOptions};
+use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
-use greenstick::fracture::parameters::{
-    BreakParameters, CrackSettings, Kind, ParameterInfo, Parameters, RadialCrack, TangentialCrack,
-    json_schema, reference_markdown,
-};
+use greenstick::RequestFile;
+use greenstick::fracture::parameters::{RadialCrack, TangentialCrack};
 use greenstick::fracture::presets::{PRESETS, Preset};
-use greenstick::fracture::recipe::Recipe;
-use greenstick::wood::spelling::{closest_names, did_you_mean};
+use greenstick::fracture::recipe::{Recipe, apply_preset};
+use greenstick::schema::{
+    ParameterInfo, Parameters, closest_names, did_you_mean, document_schema, markdown_tables,
+    object_schema,
+};
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -20,15 +21,20 @@ const WIDTH: usize = 100;
 #[derive(Serialize)]
 struct Section {
     table: &'static str,
+    #[serde(skip)]
+    title: &'static str,
     parameters: Vec<ParameterInfo>,
 }
 
 pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     let sections = sections(options.key.as_deref())?;
     let text = if options.markdown {
-        reference_markdown()
+        parameters_markdown(&sections)
     } else if options.schema {
-        json(&json_schema())?
+        json(&document_schema(
+            "Greenstick recipe",
+            &RequestFile::default(),
+        ))?
     } else if options.json {
         json(&sections)?
     } else {
@@ -38,23 +44,92 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Every kind of file that holds parameters: its name, and a set with its defaults.
+fn files() -> Vec<(&'static str, Box<dyn Parameters>)> {
+    vec![("break", Box::new(RequestFile::default()))]
+}
+
+pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
+    let all = files();
+    let text = match &options.name {
+        Some(name) => match all.iter().find(|(known, _)| known == name) {
+            Some((_, set)) => json(&document_schema(
+                &format!("Greenstick {name}"),
+                set.as_ref(),
+            ))?,
+            None => {
+                let names: Vec<&str> = all.iter().map(|f| f.0).collect();
+                return Err(Failure::request(format!("unknown schema \"{name}\""))
+                    .hint(format!("there are {}", names.join(", "))));
+            }
+        },
+        None => {
+            let definitions: serde_json::Map<_, _> = all
+                .iter()
+                .map(|(name, set)| ((*name).to_owned(), object_schema(set.as_ref())))
+                .collect();
+            json(&serde_json::json!({
+                "$schema": "https://json-schema.org/draft/2020-12/schema",
+                "title": "Greenstick",
+                "$defs": definitions,
+            }))?
+        }
+    };
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn parameters_markdown(sections: &[Section]) -> String {
+    let mut page = String::from(
+        "# Parameters\n\nA recipe may hold all of these. Those at the top that are options of `greenstick break` too have \
+         the same names there, with hyphens. `[[breaks]]` gives several breaks of one stem: each may have everything that \
+         says where and how it breaks, and starts from what stands at the top.\n",
+    );
+    for section in sections {
+        let _ = write!(page, "\n## {}\n", section.title);
+        page.push_str(&markdown_tables(&section.parameters, "###"));
+    }
+    page
+}
+
 /// All parameters, or those whose key is `key` or begins with it and a dot.
 fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
+    let of_table = |table: &str| -> Vec<ParameterInfo> {
+        let all = RequestFile::table().into_iter();
+        all.filter_map(|mut p| {
+            let (first, rest) = p.key.split_once('.').unwrap_or(("", &p.key));
+            let rest = rest.to_owned();
+            (first == table).then(|| {
+                p.key = rest;
+                p
+            })
+        })
+        .collect()
+    };
     let mut sections = vec![
         Section {
+            table: "",
+            title: "At the top",
+            parameters: of_table(""),
+        },
+        Section {
             table: "[break]",
-            parameters: BreakParameters::table(),
+            title: "`[break]`: the broken face",
+            parameters: of_table("break"),
         },
         Section {
             table: "[crack_groups]",
-            parameters: CrackSettings::table(),
+            title: "`[crack_groups]`: cracks drawn at random",
+            parameters: of_table("crack_groups"),
         },
         Section {
             table: "[[crack]] of kind \"radial\"",
+            title: "`[[crack]]` of `kind` \"radial\": single cracks along rays",
             parameters: RadialCrack::table(),
         },
         Section {
             table: "[[crack]] of kind \"tangential\"",
+            title: "`[[crack]]` of `kind` \"tangential\": single cracks along rings",
             parameters: TangentialCrack::table(),
         },
     ];
@@ -90,7 +165,10 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
 }
 
 fn words(section: &Section) -> String {
-    let mut text = format!("{}\n", section.table);
+    let mut text = match section.table {
+        "" => String::new(),
+        table => format!("{table}\n"),
+    };
     let mut group = "";
     for p in &section.parameters {
         if p.group != group {
@@ -111,18 +189,13 @@ fn words(section: &Section) -> String {
 }
 
 fn range(p: &ParameterInfo) -> String {
-    let unit = match p.unit() {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    };
-    match p.kind {
-        Kind::Number { min, max, auto, .. } => {
-            let auto = if auto { ", or auto" } else { "" };
-            format!("{min} to {max}{unit}{auto}")
-        }
-        Kind::Integer { min, max } => format!("whole, {min} to {max}"),
-        Kind::Choice { options } => options.join(", "),
+    let mut parts = vec![p.kind.range()];
+    if parts[0].is_empty() {
+        parts[0] = p.kind.placeholder();
     }
+    parts.extend(p.words.iter().map(|w| w.0.to_owned()));
+    parts.extend(p.auto.then(|| "auto".to_owned()));
+    parts.join(", or ")
 }
 
 /// The text in lines of at most `width` characters.
@@ -147,7 +220,7 @@ pub fn presets(options: &PresetsOptions) -> Result<ExitCode, Failure> {
     let text = match &options.name {
         Some(name) => {
             let mut recipe = Recipe::default();
-            recipe.apply_preset(name).map_err(|e| {
+            apply_preset(&mut recipe, name).map_err(|e| {
                 Failure::request(e).hint("`greenstick presets` without a name lists all of them")
             })?;
             if options.json {
@@ -179,7 +252,7 @@ fn presets_words() -> String {
 /// What a preset changes against the defaults.
 fn changes(preset: &Preset) -> Vec<String> {
     let (plain, mut recipe) = (Recipe::default(), Recipe::default());
-    if recipe.apply_preset(preset.name).is_err() {
+    if apply_preset(&mut recipe, preset.name).is_err() {
         return Vec::new();
     }
     let differences = |before: Vec<ParameterInfo>, after: Vec<ParameterInfo>, prefix: &str| {

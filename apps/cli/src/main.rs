@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         Command::Skin(options) => skin::run(options),
         Command::Fit(options) => fit::run(options),
         Command::Parameters(options) => list::parameters(options),
+        Command::Schema(options) => list::schema(options),
         Command::Presets(options) => list::presets(options),
         Command::Rings(options) => rings::run(options),
         Command::Species(options) => species::run(options),

@@ -1,7 +1,7 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
 use crate::arguments::{SimulateOptions, Telling};
-use crate::break_wood::{picture_options, use_threads};
+use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
@@ -146,7 +146,7 @@ fn make_film(
     let [opening, filming] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
     opening.report(0.0)?;
     let run = Run::open(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
-    let shot = picture_options(&options.shot);
+    let shot = options.picture_parameters.set()?.options();
     let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
     let telling = Telling {
         // One report in JSON is enough.
@@ -260,7 +260,7 @@ fn pictures(
         let scene = greenstick::rods_scene(&frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
-            ..picture_options(&options.shot)
+            ..options.picture_parameters.set()?.options()
         };
         let shown = context.item(done, count);
         let picture = greenstick::picture_of_scene(&scene, &how, &shown)?;

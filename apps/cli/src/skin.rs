@@ -68,7 +68,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         options.output.as_deref(),
         &read,
     )?;
-    let plan = FilmPlan::from_options(options, run.scene.seed);
+    let plan = FilmPlan::from_options(options, run.scene.seed)?;
     let made = match options.frame {
         Some(number) => still(run, number, options, &plan, &work)?,
         None => film(run, &plan, &work)?,

@@ -68,49 +68,7 @@ pub fn place(text: &str, unit: LengthUnit) -> Result<StemLocation, String> {
 
 /// `x,y,z` in the world, or `x,y` in the section, in the unit of the file.
 pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
-    let in_section = text.split(',').count() == 2;
-    let full = if in_section {
-        format!("{text},0")
-    } else {
-        text.to_owned()
-    };
-    match StemLocation::parse(&full, unit.metres()) {
-        Ok(StemLocation::Point(p)) if in_section => Ok(PithPosition::Section(p.truncate())),
-        Ok(StemLocation::Point(p)) => Ok(PithPosition::World(p)),
-        _ => Err(format!(
-            "--pith: \"{text}\" is no point; expected x,y,z in the world or x,y in the section, from its middle"
-        )),
-    }
-}
-
-/// Azimuth and elevation, degrees to radians.
-pub fn view(text: &str) -> Result<(f64, f64), String> {
-    let wrong = || {
-        "expected AZIMUTH,ELEVATION in degrees, the second from -90 to 90, such as 30,15".to_owned()
-    };
-    let (azimuth, elevation) = text.split_once(',').ok_or_else(wrong)?;
-    let number = |t: &str| t.trim().parse::<f64>().map_err(|_| wrong());
-    let (azimuth, elevation) = (number(azimuth)?, number(elevation)?);
-    if azimuth.is_finite() && elevation.abs() <= 90.0 {
-        Ok((azimuth.to_radians(), elevation.to_radians()))
-    } else {
-        Err(wrong())
-    }
-}
-
-/// `1200x900`.
-pub fn size(text: &str) -> Result<(u32, u32), String> {
-    let most = greenstick::picture::MAXIMUM_SIDE;
-    let wrong =
-        || format!("expected WIDTHxHEIGHT in pixels, each from 1 to {most}, such as 1200x900");
-    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
-    let side = |t: &str| t.trim().parse::<u32>().map_err(|_| wrong());
-    let (width, height) = (side(width)?, side(height)?);
-    if (1..=most).contains(&width) && (1..=most).contains(&height) {
-        Ok((width, height))
-    } else {
-        Err(wrong())
-    }
+    PithPosition::parse(text, unit.metres()).map_err(|e| format!("--pith: {e}"))
 }
 
 /// Width of the baked textures, pixels: even, 8 to 16384.
@@ -162,11 +120,6 @@ mod tests {
         for wrong in ["3", "-3cm", "NaNm", "infm", "cm", "3km", ""] {
             assert!(distance(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(size("640x480"), Ok((640, 480)));
-        assert!(size("0x5").is_err() && size("99999x5").is_err() && size("5").is_err());
-        assert!(view("0,91").is_err() && view("NaN,0").is_err());
-        let (azimuth, elevation) = view("180, -45").unwrap();
-        assert!((azimuth + 4.0 * elevation).abs() < 1e-15);
         let section = pith("1,-2", LengthUnit::Millimetre).unwrap();
         assert!(matches!(section, PithPosition::Section(p) if (p.y + 0.002).abs() < 1e-12));
         assert!(pith("1cm", LengthUnit::Metre).is_err());

@@ -89,16 +89,22 @@ impl Format {
     }
 }
 
-/// What one unit of length in a file stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LengthUnit {
-    /// 0.001 m.
-    Millimetre,
-    /// 0.01 m.
-    Centimetre,
-    /// 1 m.
-    #[default]
-    Metre,
+greenstick_schema::choices! {
+    /// A unit of length in files that do not say it.
+    pub enum LengthUnit {
+        /// Millimetres.
+        Millimetre = "mm",
+        /// Centimetres.
+        Centimetre = "cm",
+        /// Metres.
+        Metre = "m",
+    }
+}
+
+impl Default for LengthUnit {
+    fn default() -> Self {
+        LengthUnit::Metre
+    }
 }
 
 impl LengthUnit {
@@ -123,11 +129,7 @@ impl LengthUnit {
 
 impl std::fmt::Display for LengthUnit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            LengthUnit::Millimetre => "mm",
-            LengthUnit::Centimetre => "cm",
-            LengthUnit::Metre => "m",
-        })
+        f.write_str(self.word())
     }
 }
 

@@ -7,7 +7,7 @@ pub use crate::field::{HeightField, HeightFieldError};
 use crate::layout::{Bundles, wrap};
 pub use crate::limit::Wedge;
 use crate::limit::place;
-use crate::parameters::{BreakParameters, Sector, Surface as Kind, ZoneParameters};
+use crate::parameters::{BreakParameters, Sector, SurfaceStyle as Kind, ZoneParameters};
 use crate::surface::{Layout, Surface};
 use crate::torn::{Level, Torn};
 use glam::DVec2;

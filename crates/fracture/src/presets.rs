@@ -4,10 +4,8 @@
 //! A preset is a list of settings that are read like those of a person, so that a preset out of
 //! range cannot exist.
 
-use crate::parameters::{
-    BreakParameters, Crack, CrackParameters, ParameterError, Parameters, Value,
-};
-use greenstick_wood::spelling::{closest_names, did_you_mean};
+use crate::parameters::{BreakParameters, Crack, CrackKind, CrackParameters};
+use greenstick_schema::{ParameterError, Parameters, Value, closest_names, did_you_mean};
 use serde::Serialize;
 
 /// A named set of parameters.
@@ -34,7 +32,7 @@ enum Settings {
     ),
 }
 
-type SingleCrack = (&'static str, &'static [(&'static str, f64)]);
+type SingleCrack = (CrackKind, &'static [(&'static str, f64)]);
 
 /// A name that is no preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -286,7 +284,7 @@ pub const PRESETS: &[Preset] = &[
             &[("end", "sawn"), ("distortion", "0.03")],
             &[
                 (
-                    "radial",
+                    CrackKind::Radial,
                     &[
                         ("angle", 80.0),
                         ("begin", 0.0),
@@ -295,7 +293,7 @@ pub const PRESETS: &[Preset] = &[
                     ],
                 ),
                 (
-                    "radial",
+                    CrackKind::Radial,
                     &[
                         ("angle", 205.0),
                         ("begin", 0.05),
@@ -304,7 +302,7 @@ pub const PRESETS: &[Preset] = &[
                     ],
                 ),
                 (
-                    "radial",
+                    CrackKind::Radial,
                     &[
                         ("angle", 320.0),
                         ("begin", 0.1),
@@ -313,7 +311,7 @@ pub const PRESETS: &[Preset] = &[
                     ],
                 ),
                 (
-                    "tangential",
+                    CrackKind::Tangential,
                     &[
                         ("ring", 0.55),
                         ("begin", 225.0),
@@ -419,7 +417,7 @@ impl Preset {
                     .iter()
                     .try_for_each(|(key, text)| new.settings.set_text(key, text))?;
                 for (kind, settings) in single {
-                    let mut crack = Crack::of_kind(kind)?;
+                    let mut crack = Crack::new(*kind);
                     for (key, value) in *settings {
                         crack.set(key, &Value::Number(*value))?;
                     }
@@ -466,7 +464,7 @@ fn figure(column: usize, seed: u64) -> Result<BreakParameters, ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Surface;
+    use crate::parameters::SurfaceStyle;
 
     fn applied(name: &str) -> (BreakParameters, CrackParameters) {
         let (mut face, mut cracks) = Default::default();
@@ -514,7 +512,7 @@ mod tests {
             (spines.sapwood.perlin_frequency, spines.ductile.thorn_length),
             (5000.0, 0.0)
         );
-        assert_eq!((spines.rings, spines.surface), (100, Surface::Smooth));
+        assert_eq!((spines.rings, spines.surface), (100, SurfaceStyle::Smooth));
         let notch = applied("fig19").0;
         assert_eq!((notch.low.height, notch.inclination), (-4.0, 45.0));
     }

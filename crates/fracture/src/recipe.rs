@@ -23,18 +23,18 @@
 //! Layers, later over earlier: defaults, presets, recipe, settings (`key=value`). Cracks in a
 //! recipe replace those of a preset.
 
-mod read;
-
-use crate::parameters::{
-    BreakParameters, CrackParameters, ParameterError, ParameterInfo, Parameters, Value,
-};
+use crate::parameters::{BreakParameters, CrackParameters};
 use crate::presets::{Preset, UnknownPreset};
+use greenstick_schema::{
+    DocumentError, Format, ParameterError, Parameters, Unit, closest_names, number, parameters,
+    read_table, text, write_toml,
+};
 use greenstick_wood::moisture::{
     AIR_DRY_PERCENT, FIBRE_SATURATION_PERCENT, MoistureError, WETTEST_PERCENT, drying,
 };
 use greenstick_wood::species::{Species, UnknownSpecies};
-use greenstick_wood::spelling::did_you_mean;
 use serde::{Deserialize, Serialize};
+use toml::de::{DeTable, DeValue};
 
 /// Total tangential shrinkage, green to oven-dry, where the species is unknown: near the mean of
 /// Table 4-3 of the Wood Handbook.
@@ -42,45 +42,46 @@ pub const TYPICAL_TANGENTIAL_SHRINKAGE: f64 = 0.08;
 /// Total radial shrinkage, likewise.
 pub const TYPICAL_RADIAL_SHRINKAGE: f64 = 0.045;
 
+/// Words that stand for moisture contents: green wood holds more water than its cell walls take up.
+pub const MOISTURE_WORDS: &[(&str, f64)] = &[("green", FIBRE_SATURATION_PERCENT)];
+
+/// A common or scientific name of a species.
+pub const SPECIES_NAME: Format = Format {
+    name: "NAME",
+    check: |name| Species::find(name).map(|_| ()).map_err(|e| e.to_string()),
+};
+
+/// What the keys of the broken face begin with.
+const BREAK: &str = "break.";
+/// Key of the presets in a file.
+const PRESET: &str = "preset";
+
 /// What is wrong with a part of a recipe.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// Not TOML.
-    #[error("not valid TOML: {0}")]
-    Syntax(String),
-    /// A parameter.
+    /// A parameter, or the syntax of a file.
+    #[error(transparent)]
+    File(#[from] greenstick_schema::Problem),
+    /// A parameter of a setting, or what the layers give together.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A preset's name.
     #[error(transparent)]
     Preset(#[from] UnknownPreset),
-    /// A species' name.
-    #[error(transparent)]
-    Species(#[from] UnknownSpecies),
-    /// A moisture content.
-    #[error(transparent)]
-    Moisture(#[from] MoistureError),
-    /// A key at the top of the file, or a table, that is not known.
-    #[error("unknown entry \"{key}\"{}", did_you_mean(nearest))]
-    UnknownEntry {
-        /// The key found.
-        key: String,
-        /// Keys that are near it.
-        nearest: Vec<String>,
-    },
-    /// A value of the wrong kind.
-    #[error("{key} is {found}, but it must be {expected}")]
-    Type {
-        /// The key.
-        key: String,
-        /// The kind found.
-        found: &'static str,
-        /// The kind that would be right.
-        expected: &'static str,
-    },
     /// A setting without "=".
     #[error("a setting is written key=value")]
     NotASetting,
+}
+
+impl Problem {
+    /// The parameter that is wrong, where it is one.
+    pub fn parameter(&self) -> Option<&ParameterError> {
+        match self {
+            Problem::File(greenstick_schema::Problem::Parameter(error))
+            | Problem::Parameter(error) => Some(error),
+            _ => None,
+        }
+    }
 }
 
 /// What is wrong, and where.
@@ -109,21 +110,64 @@ pub enum RecipeError {
     Whole(#[from] Problem),
 }
 
-/// Everything that a break is made from.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Recipe {
-    /// Presets that were applied, in order. The parameters hold what they gave.
-    pub presets: Vec<String>,
-    /// Name of the species, as in its table.
-    pub species: Option<String>,
-    /// Moisture content, percent of the oven-dry mass.
-    pub moisture: Option<f64>,
-    /// The broken face.
-    #[serde(rename = "break")]
-    pub face: BreakParameters,
-    /// Drying cracks.
-    pub cracks: CrackParameters,
+impl From<DocumentError> for RecipeError {
+    fn from(error: DocumentError) -> Self {
+        RecipeError::At {
+            line: error.line,
+            column: error.column,
+            problem: error.problem.into(),
+        }
+    }
+}
+
+impl From<ParameterError> for RecipeError {
+    fn from(error: ParameterError) -> Self {
+        RecipeError::Whole(error.into())
+    }
+}
+
+impl RecipeError {
+    /// What is wrong.
+    pub fn problem(&self) -> &Problem {
+        match self {
+            RecipeError::At { problem, .. }
+            | RecipeError::Setting { problem, .. }
+            | RecipeError::Whole(problem) => problem,
+        }
+    }
+}
+
+parameters! {
+    /// The wood that breaks and how it breaks.
+    pub struct Recipe {
+        "wood", "heights" {
+            /// Species, by common or scientific name. It decides the height of the broken face and the shrinkage that
+            /// cracks open by.
+            species: Option<String> = None, text(SPECIES_NAME).auto();
+            /// Moisture content, percent of the oven-dry mass: 12 is air-dry, 30 and more is green.
+            moisture: Option<f64> = None,
+                number(Unit::Percent, 0.0, WETTEST_PERCENT).above().auto().words(MOISTURE_WORDS);
+        }
+    }
+    include {
+        /// Drying cracks.
+        cracks: CrackParameters = CrackParameters::default();
+    }
+    tables {
+        /// The broken face.
+        face as "break": BreakParameters = BreakParameters::default();
+    }
+}
+
+/// Why there is no shrinkage for cracks to open by.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ShrinkageError {
+    /// A name that is no species.
+    #[error(transparent)]
+    Species(#[from] UnknownSpecies),
+    /// A moisture content out of range.
+    #[error(transparent)]
+    Moisture(#[from] MoistureError),
 }
 
 /// Shrinkages that cracks open by, as fractions.
@@ -135,6 +179,104 @@ pub struct CrackShrinkage {
     pub radial: f64,
     /// Where the values come from, for a report.
     pub basis: String,
+}
+
+/// A set of parameters that holds a recipe, or is one: what presets and settings are put over.
+pub trait HasRecipe: Parameters {
+    /// The recipe.
+    fn recipe_mut(&mut self) -> &mut Recipe;
+}
+
+impl HasRecipe for Recipe {
+    fn recipe_mut(&mut self) -> &mut Recipe {
+        self
+    }
+}
+
+/// Puts a preset over what it is about, as [`Preset::apply`].
+///
+/// # Errors
+/// A name that is no preset.
+pub fn apply_preset(target: &mut impl HasRecipe, name: &str) -> Result<(), Problem> {
+    let preset = Preset::find(name)?;
+    let recipe = target.recipe_mut();
+    preset.apply(&mut recipe.face, &mut recipe.cracks)?;
+    Ok(())
+}
+
+/// Puts a TOML text over a set of parameters; `with_presets` says whether the presets it names are applied first.
+///
+/// # Errors
+/// The first thing that is wrong, with its line. The set may then be changed in part.
+pub fn apply_toml(
+    target: &mut impl HasRecipe,
+    text: &str,
+    with_presets: bool,
+) -> Result<(), RecipeError> {
+    let document = DeTable::parse(text).map_err(|e| greenstick_schema::syntax_error(text, &e))?;
+    let table = document.get_ref();
+    if let Some(value) = table.get(PRESET) {
+        let names: Vec<_> = match value.get_ref() {
+            DeValue::Array(list) => list.iter().collect(),
+            _ => vec![value],
+        };
+        for name in names {
+            let at = |problem: Problem| {
+                let (line, column) = greenstick_schema::line_and_column(text, name.span().start);
+                RecipeError::At {
+                    line,
+                    column,
+                    problem,
+                }
+            };
+            let Some(word) = name.get_ref().as_str() else {
+                return Err(at(Problem::Parameter(ParameterError::Kind {
+                    key: PRESET.to_owned(),
+                    found: "no name in quotes".to_owned(),
+                    expected: "a name in quotes, or a list of names".to_owned(),
+                })));
+            };
+            let preset = Preset::find(word).map_err(|e| at(e.into()))?;
+            if with_presets {
+                apply_preset(target, preset.name).map_err(at)?;
+            }
+        }
+    }
+    read_table(target, table, text, &[PRESET])?;
+    Ok(())
+}
+
+/// Puts one setting, `key=value`. Keys are those of files, tables and keys with a dot between them; those of the table
+/// `break` may stand alone.
+///
+/// # Errors
+/// What is wrong with the setting.
+pub fn apply_setting(target: &mut impl HasRecipe, setting: &str) -> Result<(), RecipeError> {
+    let wrong = |problem| RecipeError::Setting {
+        setting: setting.to_owned(),
+        problem,
+    };
+    let (key, text) = setting
+        .split_once('=')
+        .ok_or_else(|| wrong(Problem::NotASetting))?;
+    let (key, text) = (key.trim(), text.trim());
+    let short = |p: &str| p.strip_prefix(BREAK).unwrap_or(p).to_owned();
+    let keys: Vec<String> = target.list().iter().map(|p| p.key.clone()).collect();
+    if keys.iter().any(|k| k == key) && !key.starts_with(BREAK) {
+        return target.set_text(key, text).map_err(|e| wrong(e.into()));
+    }
+    let face = &mut target.recipe_mut().face;
+    let done = face.set_text(&short(key), text).map_err(|e| match e {
+        ParameterError::UnknownKey { .. } => {
+            let all: Vec<String> = keys.iter().map(|k| short(k)).collect();
+            ParameterError::UnknownKey {
+                key: key.to_owned(),
+                nearest: closest_names(&short(key), all.iter().map(String::as_str)),
+            }
+        }
+        other => other,
+    });
+    done.map_err(|e| wrong(e.into()))
 }
 
 impl Recipe {
@@ -150,15 +292,15 @@ impl Recipe {
     ) -> Result<Recipe, RecipeError> {
         let mut recipe = Recipe::default();
         for name in presets {
-            recipe.apply_preset(name)?;
+            apply_preset(&mut recipe, name)?;
         }
         if let Some(text) = text {
-            recipe.apply_text(text, presets.is_empty())?;
+            apply_toml(&mut recipe, text, presets.is_empty())?;
         }
         for setting in settings {
-            recipe.apply_setting(setting)?;
+            apply_setting(&mut recipe, setting)?;
         }
-        recipe.check()?;
+        recipe.complete()?;
         Ok(recipe)
     }
 
@@ -166,100 +308,27 @@ impl Recipe {
     ///
     /// # Errors
     /// As [`Recipe::resolve`].
+    ///
+    /// ```
+    /// use greenstick_fracture::recipe::Recipe;
+    ///
+    /// let recipe = Recipe::from_toml("preset = \"twist\"\n[break]\nslab_height = 1.5\n")?;
+    /// assert_eq!(recipe.face.slab_height, 1.5);
+    /// assert!(recipe.face.spiral_angle != 0.0);
+    /// # Ok::<(), greenstick_fracture::recipe::RecipeError>(())
+    /// ```
     pub fn from_toml(text: &str) -> Result<Recipe, RecipeError> {
         Recipe::resolve(&[], Some(text), &[])
     }
 
-    /// Puts a preset over what it is about, as [`Preset::apply`].
-    ///
-    /// # Errors
-    /// A name that is no preset.
-    pub fn apply_preset(&mut self, name: &str) -> Result<(), Problem> {
-        let preset = Preset::find(name)?;
-        preset.apply(&mut self.face, &mut self.cracks)?;
-        self.presets.push(preset.name.to_owned());
-        Ok(())
-    }
-
-    /// Puts a TOML text over the recipe; `with_presets` says whether the presets it names are
-    /// applied first.
-    ///
-    /// # Errors
-    /// The first thing that is wrong, with its line.
-    pub fn apply_text(&mut self, text: &str, with_presets: bool) -> Result<(), RecipeError> {
-        read::apply(self, text, with_presets)
-    }
-
-    /// Puts one setting, `key=value`. Keys are those of `[break]`, with or without `break.` before
-    /// them, those of `crack_groups.`, `species` and `moisture`.
-    ///
-    /// # Errors
-    /// What is wrong with the setting.
-    pub fn apply_setting(&mut self, setting: &str) -> Result<(), RecipeError> {
-        let wrong = |problem| RecipeError::Setting {
-            setting: setting.to_owned(),
-            problem,
-        };
-        let (key, text) = setting
-            .split_once('=')
-            .ok_or_else(|| wrong(Problem::NotASetting))?;
-        let (key, text) = (key.trim(), text.trim());
-        let done = match key {
-            "species" => self.set_species(text),
-            "moisture" => text
-                .trim_end_matches('%')
-                .trim()
-                .parse()
-                .map_err(|_| {
-                    Problem::Parameter(ParameterError::NotANumber {
-                        key: key.to_owned(),
-                        found: text.to_owned(),
-                        units: "%".to_owned(),
-                    })
-                })
-                .and_then(|m| self.set_moisture(m)),
-            _ => match key.strip_prefix("crack_groups.") {
-                Some(key) => self
-                    .cracks
-                    .settings
-                    .set_text(key, text)
-                    .map_err(Problem::from),
-                None => {
-                    let key = key.strip_prefix("break.").unwrap_or(key);
-                    self.face.set_text(key, text).map_err(Problem::from)
-                }
-            },
-        };
-        done.map_err(wrong)
-    }
-
-    /// Sets the species by any of its names.
-    ///
-    /// # Errors
-    /// A name that is no species.
-    pub fn set_species(&mut self, name: &str) -> Result<(), Problem> {
-        self.species = Some(Species::find(name)?.name.clone());
-        Ok(())
-    }
-
-    /// Sets the moisture content, percent.
-    ///
-    /// # Errors
-    /// Not above 0 and at most 200.
-    pub fn set_moisture(&mut self, percent: f64) -> Result<(), Problem> {
-        self.moisture = Some(valid_moisture(percent)?);
-        Ok(())
-    }
-
-    /// Checks everything, as is needed after fields were written directly.
+    /// Checks everything, and brings the species to the name that its table has.
     ///
     /// # Errors
     /// The first thing that is wrong.
-    pub fn check(&self) -> Result<(), Problem> {
-        self.face.check()?;
-        self.cracks.check()?;
-        self.species()?;
-        self.moisture.map(valid_moisture).transpose()?;
+    pub fn complete(&mut self) -> Result<(), ParameterError> {
+        self.check()?;
+        let species = self.species().ok().flatten();
+        self.species = species.map(|s| s.name.clone());
         Ok(())
     }
 
@@ -276,7 +345,7 @@ impl Recipe {
     ///
     /// # Errors
     /// A name that is no species, or a moisture content out of range.
-    pub fn crack_shrinkage(&self) -> Result<CrackShrinkage, Problem> {
+    pub fn crack_shrinkage(&self) -> Result<CrackShrinkage, ShrinkageError> {
         let moisture = self.moisture.unwrap_or(AIR_DRY_PERCENT);
         let part = drying(moisture, FIBRE_SATURATION_PERCENT)?;
         let species = self.species()?;
@@ -294,54 +363,10 @@ impl Recipe {
         })
     }
 
-    /// The recipe as TOML with every parameter, so that it means the same whatever defaults and
-    /// presets become. Presets are a comment in it.
+    /// The recipe as TOML with every parameter, so that it means the same whatever defaults and presets become.
     pub fn to_toml(&self) -> String {
-        let mut text = String::new();
-        if !self.presets.is_empty() {
-            text.push_str(&format!("# from presets: {}\n", self.presets.join(", ")));
-        }
-        if let Some(species) = &self.species {
-            text.push_str(&format!("species = {}\n", quoted(species)));
-        }
-        if let Some(moisture) = self.moisture {
-            text.push_str(&format!("moisture = {moisture:?}\n"));
-        }
-        text.push_str("\n[break]\n");
-        write_all(&self.face.list(), &mut text);
-        text.push_str("\n[crack_groups]\n");
-        write_all(&self.cracks.settings.list(), &mut text);
-        for crack in &self.cracks.cracks {
-            text.push_str(&format!("\n[[crack]]\nkind = {}\n", quoted(crack.kind())));
-            write_all(&crack.list(), &mut text);
-        }
-        text
+        write_toml(self)
     }
-}
-
-fn valid_moisture(percent: f64) -> Result<f64, MoistureError> {
-    if percent > 0.0 && percent <= WETTEST_PERCENT {
-        Ok(percent)
-    } else {
-        Err(MoistureError::OutOfRange(percent))
-    }
-}
-
-fn write_all(list: &[ParameterInfo], text: &mut String) {
-    for p in list {
-        let value = match &p.value {
-            // {:?} writes a point or an exponent and every digit that is needed to read the same
-            // number again.
-            Value::Number(x) => format!("{x:?}"),
-            Value::Integer(n) => n.to_string(),
-            Value::Text(t) => quoted(t),
-        };
-        text.push_str(&format!("{} = {value}\n", p.key));
-    }
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@
 
 use glam::DAffine3;
 use greenstick::formats::{self, Format};
-use greenstick::fracture::parameters::{BreakParameters, Kind, ParameterInfo, Parameters, Value};
 use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::Recipe;
+use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Mesh, Node, Scene};
+use greenstick::schema::{Kind, ParameterInfo, Parameters, Value};
 use greenstick::wood::primitive;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage};
 use std::hint::black_box;
@@ -55,7 +56,8 @@ fn time(runs: usize, mut run: impl FnMut(usize)) -> Times {
     }
 }
 
-fn scene(mesh: Mesh) -> Scene {
+fn scene(mut mesh: Mesh) -> Scene {
+    mesh.materials.clear();
     Scene {
         nodes: vec![Node::new("stem", DAffine3::IDENTITY, mesh)],
         ..Scene::default()
@@ -72,7 +74,7 @@ fn request(n: u32, style: &str) -> BreakRequest {
         &*format!("surface={style}"),
         "inclination=5",
     ] {
-        recipe.apply_setting(setting).expect("a parameter");
+        apply_setting(&mut recipe, setting).expect("a parameter");
     }
     BreakRequest {
         texture_width: 256,
@@ -83,7 +85,7 @@ fn request(n: u32, style: &str) -> BreakRequest {
     }
 }
 
-fn face(request: &mut BreakRequest) -> &mut BreakParameters {
+fn face(request: &mut BreakRequest) -> &mut greenstick::fracture::parameters::BreakParameters {
     &mut request.breaks[0].recipe.face
 }
 
@@ -163,9 +165,14 @@ fn changed(info: &ParameterInfo) -> Value {
         (Kind::Integer { max, .. }, Value::Integer(n)) if n < max => Value::Integer(n + 1),
         (Kind::Integer { .. }, Value::Integer(n)) => Value::Integer(n - 1),
         (Kind::Choice { options }, Value::Text(word)) => {
-            let other = options.iter().find(|o| *o != word);
-            Value::Text((*other.unwrap_or(&"")).to_owned())
+            let other = options.iter().find(|o| o.word != word);
+            Value::Text(other.map_or("", |o| o.word).to_owned())
         }
+        (Kind::Text { .. }, Value::Text(place)) if info.key == "at" && place == "0.5" => {
+            Value::Text("0.501".to_owned())
+        }
+        (Kind::Text { .. }, _) => Value::Text("Oak, white".to_owned()),
+        (Kind::Number { max, .. }, _) => Value::Number(max / 2.0),
         (_, value) => value.clone(),
     }
 }
@@ -187,9 +194,9 @@ fn parameters(branch: &BreakSession) {
     println!();
     type Change = Box<dyn Fn(&mut BreakRequest)>;
     let mut changes: Vec<(String, Change)> = Vec::new();
-    for info in BreakParameters::table() {
+    for info in Break::table() {
         let (key, value) = (info.key.clone(), changed(&info));
-        let set = move |r: &mut BreakRequest| face(r).set(&key, &value).expect("in range");
+        let set = move |r: &mut BreakRequest| r.breaks[0].set(&key, &value).expect("in range");
         changes.push((info.key, Box::new(set)));
     }
     let preset = |name: &'static str| -> Change {
@@ -206,15 +213,6 @@ fn parameters(branch: &BreakSession) {
     for name in ["fig17", "fig20", "twist", "green-stick"] {
         changes.push((format!("preset {name}"), preset(name)));
     }
-    changes.push((
-        "species".into(),
-        Box::new(|r| r.breaks[0].recipe.species = Some("Oak, white".into())),
-    ));
-    changes.push((
-        "separation".into(),
-        Box::new(|r| r.breaks[0].separation = 0.01),
-    ));
-    changes.push(("fray".into(), Box::new(|r| r.breaks[0].fray = 0.5)));
     for (name, change) in &changes {
         let mut stage = None;
         let mut columns = String::new();

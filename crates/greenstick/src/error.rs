@@ -22,7 +22,7 @@ pub enum Error {
     },
     /// The recipe asks for something that is not known.
     #[error(transparent)]
-    Recipe(#[from] greenstick_fracture::recipe::Problem),
+    Recipe(#[from] greenstick_fracture::recipe::ShrinkageError),
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] greenstick_wood::species::UnknownSpecies),

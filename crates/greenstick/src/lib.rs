@@ -57,11 +57,12 @@ pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
 pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
+pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;
 pub use greenstick_wood as wood;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
-pub use request::{Break, BreakRequest, BreakStage};
+pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
 pub use rods::rods_scene;
 pub use session::{BreakSession, Broken, Looks, break_scene};
 

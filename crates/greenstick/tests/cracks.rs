@@ -3,10 +3,11 @@
 mod support;
 
 use greenstick::fracture::cracks::{CrackPlan, plan};
-use greenstick::fracture::parameters::{BreakParameters, CrackParameters, Parameters};
+use greenstick::fracture::parameters::{BreakParameters, CrackParameters};
 use greenstick::fracture::presets::Preset;
 use greenstick::geometry::repair::{resolve_self_intersections, snap_to_f32};
 use greenstick::geometry::{Context, Mesh};
+use greenstick::schema::Parameters;
 use greenstick::session::StemStage;
 use greenstick::skin::BreakError;
 use greenstick::skin::cracks::{crack_end, crack_faces};
@@ -269,14 +270,14 @@ fn a_radial_crack_takes_out_the_volume_of_its_formula() {
     for group in ["large.count", "medium.count", "small.count"] {
         cracks.settings.set_text(group, "0").unwrap();
     }
-    let mut crack = greenstick::fracture::parameters::Crack::of_kind("radial").unwrap();
+    let mut crack = greenstick::fracture::parameters::Crack::default();
     for (key, value) in [
         ("angle", "0"),
         ("begin", "0.2"),
         ("end", "0.9"),
         ("range", "60"),
     ] {
-        use greenstick::fracture::parameters::Value;
+        use greenstick::schema::Value;
         crack
             .set(key, &Value::Number(value.parse().unwrap()))
             .unwrap();

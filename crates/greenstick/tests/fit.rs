@@ -6,7 +6,7 @@ use greenstick::fibre::placement::{
     EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
 };
 use greenstick::fit::{Fit, FitError, Ground, fit_parting};
-use greenstick::fracture::parameters::Surface;
+use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
 use greenstick::skin::rods::{Parting, RodBreak, Wood};
@@ -194,7 +194,7 @@ fn a_slanted_smooth_break_is_inclined_and_nothing_else() {
     assert!(turned(face.inclination_direction, 70.0) < 4.0, "{report}");
     assert_eq!(
         (face.surface, report.layers, report.thorns),
-        (Surface::Smooth, 1, [0, 0])
+        (SurfaceStyle::Smooth, 1, [0, 0])
     );
     assert_eq!((face.ductile.angle, face.compression_shelf), (360.0, 0.0));
     assert!(
@@ -219,7 +219,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let (fit, heights) = fitted(&grown, how);
     let fit = fit.unwrap();
     let report = &fit.report;
-    assert_eq!(fit.recipe.face.surface, Surface::Fibrous, "{report}");
+    assert_eq!(fit.recipe.face.surface, SurfaceStyle::Fibrous, "{report}");
     assert!(report.broken < report.rods && report.area < 1.0, "{report}");
     let ductile = fit.recipe.face.ductile.sector();
     assert!(turned(ductile.direction, 300.0) <= 10.0, "{report}");

@@ -3,10 +3,11 @@
 
 mod support;
 
-use greenstick::fracture::parameters::{BreakParameters, Kind, Parameters, Value};
+use greenstick::fracture::parameters::BreakParameters;
 use greenstick::geometry::intersect::{Contact, contact_tree, self_contacts};
 use greenstick::geometry::repair::snap_to_f32;
 use greenstick::geometry::{Aabb, CheckOptions, Context, Mesh, Scene};
+use greenstick::schema::{Kind, Parameters, Value};
 use greenstick::wood::{noise, primitive};
 use greenstick::{BreakSession, built_in_branch};
 use rayon::prelude::*;
@@ -33,14 +34,18 @@ fn random_parameters(set: usize) -> BreakParameters {
                 Value::Number(min * (max / min).powf(u))
             }
             Kind::Number { min, max, .. } => Value::Number(min + (max - min) * u),
-            Kind::Integer { min, max } if max <= 1000 && min > 0 => {
+            Kind::Integer { min, max, .. } if max <= 1000 && min > 0 => {
                 let (min, max) = (min as f64, max as f64);
-                Value::Integer((min * (max / min).powf(u)).round() as u64)
+                Value::Integer((min * (max / min).powf(u)).round() as i128)
             }
-            Kind::Integer { min, max } => Value::Integer(min + ((max - min) as f64 * u) as u64),
+            Kind::Integer { min, max, .. } => {
+                Value::Integer(min + ((max - min) as f64 * u) as i128)
+            }
             Kind::Choice { options } => {
-                Value::Text(options[(u * options.len() as f64) as usize % options.len()].to_owned())
+                let choice = options[(u * options.len() as f64) as usize % options.len()];
+                Value::Text(choice.word.to_owned())
             }
+            _ => panic!("{} is of no kind that a face has", info.key),
         };
         p.set(&info.key, &value)
             .unwrap_or_else(|e| panic!("{}: {e}", info.key));

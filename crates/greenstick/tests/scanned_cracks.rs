@@ -4,11 +4,10 @@ mod support;
 
 use glam::{DVec2, DVec3};
 use greenstick::fracture::cracks::{Way, plan};
-use greenstick::fracture::parameters::{
-    BreakParameters, Crack, CrackParameters, Parameters, Value,
-};
+use greenstick::fracture::parameters::{BreakParameters, Crack, CrackKind, CrackParameters};
 use greenstick::geometry::{Context, Mesh, PointCloud};
 use greenstick::scanning::{ScanRequest, scan_to_scene};
+use greenstick::schema::{Parameters, Value};
 use greenstick::skin::cracks::crack_faces;
 use greenstick::skin::prepared::PreparedStem;
 use greenstick::wood::{noise, stem};
@@ -47,8 +46,8 @@ fn scanned() -> (BreakSession, stem::StemLocation) {
     (BreakSession::new(made.scene), made.location)
 }
 
-fn crack(kind: &str, values: &[(&str, f64)]) -> Crack {
-    let mut crack = Crack::of_kind(kind).unwrap();
+fn crack(kind: CrackKind, values: &[(&str, f64)]) -> Crack {
+    let mut crack = Crack::new(kind);
     for (key, value) in values {
         crack.set(key, &Value::Number(*value)).unwrap();
     }
@@ -99,7 +98,10 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
         ("depth", 1.5),
         ("range", 20.0),
     ];
-    cracks.cracks = vec![crack("tangential", &tangential), crack("radial", &radial)];
+    cracks.cracks = vec![
+        crack(CrackKind::Tangential, &tangential),
+        crack(CrackKind::Radial, &radial),
+    ];
     assert_eq!(cracks.follow_rings(RINGS), 1);
     assert_eq!(cracks.follow_rings(RINGS), 0);
     let plan = plan(&cracks, (0.06, 0.03), 1);

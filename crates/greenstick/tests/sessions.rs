@@ -4,6 +4,7 @@ mod support;
 
 use greenstick::fracture::heights::{HeightField, HeightSource};
 use greenstick::fracture::presets::Preset;
+use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Scene};
 use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, Broken, built_in_branch};
@@ -20,7 +21,7 @@ fn request(settings: &[&str]) -> BreakRequest {
 
 fn change(request: &mut BreakRequest, settings: &[&str]) {
     for setting in settings {
-        request.breaks[0].recipe.apply_setting(setting).unwrap();
+        apply_setting(&mut request.breaks[0], setting).unwrap();
     }
 }
 
@@ -224,10 +225,7 @@ fn a_stem_breaks_at_several_places_into_pieces_in_order() {
     assert_eq!(broken.scene.materials.len(), 4);
     // A change of the lowest break leaves the others as they are.
     let mut changed = request.clone();
-    changed.breaks[2]
-        .recipe
-        .apply_setting("slab_height=0.5")
-        .unwrap();
+    apply_setting(&mut changed.breaks[2], "slab_height=0.5").unwrap();
     let kept = session.broken(&changed, &Context::quiet()).unwrap();
     assert_eq!(session.started_at(), Some(BreakStage::Heights));
     let fresh = BreakSession::new(built_in_branch()).broken(&changed, &Context::quiet());

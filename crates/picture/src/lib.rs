@@ -9,6 +9,7 @@ mod bvh;
 mod camera;
 mod chart;
 mod light;
+mod parameters;
 mod picture;
 mod render;
 mod sampling;
@@ -18,6 +19,7 @@ mod smooth;
 
 pub use camera::{View, horizontal};
 pub use chart::{Chart, Line};
+pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
 pub use render::{PictureOptions, render};
 pub use shader::{Appearance, Hit, PlainShader, Shader};

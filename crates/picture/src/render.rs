@@ -36,10 +36,17 @@ pub struct PictureOptions {
 
 impl Default for PictureOptions {
     fn default() -> Self {
+        crate::PictureParameters::default().options()
+    }
+}
+
+impl PictureOptions {
+    /// A picture of everything; its size and what else [`crate::PictureParameters`] say is still to be set.
+    pub(crate) fn everything() -> Self {
         PictureOptions {
-            width: 1200,
-            height: 900,
-            samples: 16,
+            width: 0,
+            height: 0,
+            samples: 0,
             view: View::Automatic,
             zoom: None,
             shown: Vec::new(),

@@ -100,6 +100,18 @@ pub enum Scale {
     Logarithmic,
 }
 
+/// The name of a file.
+pub const FILE_NAME: Format = Format {
+    name: "FILE",
+    check: |name| {
+        if name.trim().is_empty() {
+            Err("the name is empty".to_owned())
+        } else {
+            Ok(())
+        }
+    },
+};
+
 /// What is declared of a parameter beside its key, type, default and documentation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Declaration {

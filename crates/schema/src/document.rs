@@ -1,7 +1,7 @@
 //! Parameters as TOML: reading a file with the line of whatever is wrong, and writing one.
 
 use crate::value::AUTO;
-use crate::{Kind, ParameterError, ParameterInfo, Parameters, Value, nearest};
+use crate::{Kind, ParameterError, ParameterInfo, Parameters, Value, closest_names};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -48,14 +48,11 @@ type Located = (Range<usize>, Problem);
 /// # Errors
 /// The first thing that is wrong, with its line. The set may then be changed in part.
 pub fn read_toml(target: &mut dyn Parameters, text: &str) -> Result<(), DocumentError> {
-    let document = DeTable::parse(text).map_err(|e| {
-        let problem = Problem::Syntax(e.message().replace('\n', ", "));
-        at(text, (e.span().unwrap_or(0..0), problem))
-    })?;
-    read_table(target, document.get_ref(), text)
+    let document = DeTable::parse(text).map_err(|e| syntax_error(text, &e))?;
+    read_table(target, document.get_ref(), text, &[])
 }
 
-/// Puts a parsed table of `text` over a set of parameters.
+/// Puts a parsed table of `text` over a set of parameters. `read_before` are keys that the caller has read itself.
 ///
 /// # Errors
 /// As [`read_toml`].
@@ -63,33 +60,49 @@ pub fn read_table(
     target: &mut dyn Parameters,
     table: &DeTable,
     text: &str,
+    read_before: &[&str],
 ) -> Result<(), DocumentError> {
-    Reader::new(target)
+    Reader::new(target, read_before)
         .read(target, "", (0..0, table))
         .map_err(|located| at(text, located))
 }
 
+/// What TOML's parser finds wrong with `text`.
+pub fn syntax_error(text: &str, error: &toml::de::Error) -> DocumentError {
+    let problem = Problem::Syntax(error.message().replace('\n', ", "));
+    at(text, (error.span().unwrap_or(0..0), problem))
+}
+
+/// The line of a byte of `text`, and its column in characters, both from 1.
+pub fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
+    let before = text.get(..byte).unwrap_or(text);
+    let last = before.rsplit('\n').next().unwrap_or_default();
+    (before.matches('\n').count() + 1, last.chars().count() + 1)
+}
+
 /// Where in `text` something is wrong.
 fn at(text: &str, (span, problem): Located) -> DocumentError {
-    let before = text.get(..span.start).unwrap_or(text);
-    let last = before.rsplit('\n').next().unwrap_or_default();
+    let (line, column) = line_and_column(text, span.start);
     DocumentError {
-        line: before.matches('\n').count() + 1,
-        column: last.chars().count() + 1,
+        line,
+        column,
         problem,
     }
 }
 
 /// Reads a table of parameters and those inside.
-struct Reader {
+struct Reader<'a> {
+    /// Keys that were read before.
+    read_before: &'a [&'a str],
     /// Every parameter by its key.
     known: BTreeMap<String, ParameterInfo>,
 }
 
-impl Reader {
-    fn new(target: &dyn Parameters) -> Self {
+impl<'a> Reader<'a> {
+    fn new(target: &dyn Parameters, read_before: &'a [&'a str]) -> Self {
         let list = target.list().into_iter();
         Reader {
+            read_before,
             known: list.map(|p| (p.key.clone(), p)).collect(),
         }
     }
@@ -101,8 +114,15 @@ impl Reader {
         prefix: &str,
         (span, table): (Range<usize>, &DeTable),
     ) -> Result<(), Located> {
-        for (name, value) in table {
+        // Lists last: their entries may start from what the rest says.
+        let (lists, rest): (Vec<_>, Vec<_>) = table
+            .iter()
+            .partition(|(_, value)| is_list_of_tables(value.get_ref()));
+        for (name, value) in rest.into_iter().chain(lists) {
             let key = format!("{prefix}{}", name.get_ref());
+            if self.read_before.contains(&key.as_str()) {
+                continue;
+            }
             match value.get_ref() {
                 DeValue::Table(nested) if self.has_table(&key) => {
                     self.read(target, &format!("{key}."), (value.span(), nested))?;
@@ -162,12 +182,31 @@ impl Reader {
         let keys = self.known.keys().map(String::as_str);
         let tables = target.tables();
         let names = tables.iter().map(|t| t.0);
-        let all = keys.chain(names).chain(lists.iter().map(|l| l.key));
+        let all = keys
+            .chain(names)
+            .chain(lists.iter().map(|l| l.key))
+            .chain(self.read_before.iter().copied());
+        // Most often what is unknown here stands in a table.
+        let nested = format!("{key}.");
+        let is_in_table = |p: &&String| {
+            let rest = p.split_once('.').map_or("", |p| p.1);
+            rest == key || rest.starts_with(&nested)
+        };
+        let in_table = self.known.keys().find(is_in_table);
+        let in_table = in_table.and_then(|p| p.split_once('.'));
+        let mut nearest = closest_names(key, all);
+        if let Some((table, _)) = in_table {
+            nearest.insert(0, format!("[{table}] {key}"));
+        }
         ParameterError::UnknownKey {
             key: key.to_owned(),
-            nearest: nearest(key, all),
+            nearest,
         }
     }
+}
+
+fn is_list_of_tables(value: &DeValue) -> bool {
+    matches!(value, DeValue::Array(list) if list.iter().any(|entry| entry.get_ref().is_table()))
 }
 
 /// The table of parameters that a prefix leads to.
@@ -222,7 +261,7 @@ fn read_entry(
 ) -> Result<(), Located> {
     if let Some(tag) = target.tag() {
         match table.get(tag) {
-            Some(value) => Reader::new(target).put(target, tag, value)?,
+            Some(value) => Reader::new(target, &[]).put(target, tag, value)?,
             None => {
                 let options = target.list().into_iter().find(|p| p.key == tag);
                 let expected = options.map_or(String::new(), |p| p.kind.range());
@@ -235,7 +274,7 @@ fn read_entry(
             }
         }
     }
-    Reader::new(target).read(target, "", (span, table))
+    Reader::new(target, &[]).read(target, "", (span, table))
 }
 
 /// A value that is no table.

@@ -1,12 +1,12 @@
 //! What is wrong with a parameter.
 
-use crate::nearest::suggestion;
+use crate::spelling::did_you_mean;
 
 /// What is wrong with a parameter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParameterError {
     /// No parameter of this name.
-    #[error("unknown parameter \"{key}\"{}", suggestion(nearest))]
+    #[error("unknown parameter \"{key}\"{}", did_you_mean(nearest))]
     UnknownKey {
         /// The key found.
         key: String,
@@ -103,6 +103,21 @@ pub enum ParameterError {
 }
 
 impl ParameterError {
+    /// The key of the parameter, where it is a single one.
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            ParameterError::UnknownKey { key, .. }
+            | ParameterError::OutOfRange { key, .. }
+            | ParameterError::Whole { key, .. }
+            | ParameterError::NotANumber { key, .. }
+            | ParameterError::WrongUnit { key, .. }
+            | ParameterError::Choice { key, .. }
+            | ParameterError::Kind { key, .. }
+            | ParameterError::Format { key, .. } => Some(key),
+            ParameterError::Order { .. } | ParameterError::Conflict(_) => None,
+        }
+    }
+
     /// The same of a parameter in a table or an entry of a list.
     pub fn within(mut self, place: &str) -> Self {
         match &mut self {

@@ -37,25 +37,30 @@ mod declare;
 mod document;
 mod error;
 mod field;
+mod hash;
 mod info;
 mod json_schema;
-mod nearest;
 mod parameters;
 mod reference;
+mod spelling;
 mod unit;
 mod value;
 
 pub use declaration::{
-    Choice, Declaration, Format, Kind, Scale, choice, count, flag, length, list, number, text,
+    Choice, Declaration, FILE_NAME, Format, Kind, Scale, choice, count, flag, length, list, number,
+    text,
 };
-pub use document::{DocumentError, Problem, read_table, read_toml, write_toml};
+pub use document::{
+    DocumentError, Problem, line_and_column, read_table, read_toml, syntax_error, write_toml,
+};
 pub use error::ParameterError;
 pub use field::Field;
+pub use hash::content_hash;
 pub use info::{ListInfo, ParameterInfo};
 pub use json_schema::{document_schema, object_schema};
-pub use nearest::{nearest, normalise, suggestion};
 pub use parameters::Parameters;
 pub use reference::markdown_tables;
+pub use spelling::{MAX_SUGGESTIONS, MIN_SIMILARITY, closest_names, did_you_mean, normalise};
 pub use unit::{LengthError, Unit, parse_length};
 pub use value::Value;
 

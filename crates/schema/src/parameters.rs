@@ -1,6 +1,6 @@
 //! Sets of declared parameters.
 
-use crate::{ListInfo, ParameterError, ParameterInfo, Value, nearest};
+use crate::{ListInfo, ParameterError, ParameterInfo, Value, closest_names};
 
 /// A set of declared parameters, with tables of them inside and lists of such tables.
 pub trait Parameters {
@@ -89,7 +89,7 @@ pub trait Parameters {
         let table = self.list();
         let unknown = || ParameterError::UnknownKey {
             key: key.to_owned(),
-            nearest: nearest(key, table.iter().map(|p| p.key.as_str())),
+            nearest: closest_names(key, table.iter().map(|p| p.key.as_str())),
         };
         let info = table.iter().find(|p| p.key == key).ok_or_else(unknown)?;
         let read = info.read(value)?;

@@ -23,18 +23,7 @@ pub enum Value {
 /// The word for [`Value::Auto`].
 pub(crate) const AUTO: &str = "auto";
 
-impl Value {
-    /// What kind of value it is, for messages.
-    pub(crate) fn kind(&self) -> &'static str {
-        match self {
-            Value::Auto => "\"auto\"",
-            Value::Flag(_) => "true or false",
-            Value::Integer(_) | Value::Number(_) => "a number",
-            Value::Text(_) => "a word",
-            Value::List(_) => "a list",
-        }
-    }
-}
+impl Value {}
 
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

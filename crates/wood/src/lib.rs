@@ -13,6 +13,6 @@ pub mod raster;
 pub mod rings;
 pub mod scan;
 pub mod species;
-pub mod spelling;
+
 pub mod stem;
 pub mod tissue;

@@ -1,11 +1,12 @@
 //! Options of `greenstick anatomy`.
 
-use super::{KnownStem, RingSource, Telling, UnitWord};
-use crate::scan::ScanArguments;
+use super::{Declared, RingSource, Telling, UnitWord};
 use crate::values;
 use clap::{Args, ValueEnum};
 use greenstick::anatomy::{AnatomyOutput, RingColouring};
+use greenstick::scanning::ScanParameters;
 use greenstick::wood::anatomy::SectorDivision;
+use greenstick::wood::stem::StemOptions;
 use std::path::PathBuf;
 
 const ANATOMY_EXAMPLES: &str = "\
@@ -48,7 +49,7 @@ pub struct AnatomyOptions {
     #[arg(long, value_name = "PARTS", value_delimiter = ',', default_values_t = PartWord::ALL, hide_default_value = true)]
     pub only: Vec<PartWord>,
     #[command(flatten)]
-    pub scan: ScanArguments,
+    pub scan: Declared<ScanParameters>,
 
     /// Voxels along each side of a segment, which is slightly longer than the stem is wide: 32 to 512
     #[arg(long, value_name = "NUMBER", default_value = "128", help_heading = "How finely",
@@ -79,7 +80,7 @@ pub struct AnatomyOptions {
     #[arg(long, value_name = "NAME", help_heading = "What it is")]
     pub species: Option<String>,
     #[command(flatten)]
-    pub stem: KnownStem,
+    pub stem: Declared<StemOptions>,
     /// Colours of rings
     #[arg(
         long,

@@ -1,13 +1,11 @@
 //! Options that several commands share.
 
-use super::{KindWord, UnitWord};
+use super::UnitWord;
 use crate::failure::Failure;
 use crate::values;
 use clap::{Args, ValueEnum};
 use greenstick::anatomy::RingMethod;
-use greenstick::formats::LengthUnit;
 use greenstick::wood::rings::{Erosion, ErosionSchedule, KernelSchedule};
-use greenstick::wood::stem::StemOptions;
 use std::path::PathBuf;
 
 /// How work is told, and with how many threads it is done.
@@ -40,33 +38,6 @@ pub struct MeshOf {
     /// Unit of length in the mesh, where its format has none; also of a mesh that is written
     #[arg(long)]
     pub unit: Option<UnitWord>,
-}
-
-/// What is known of a stem.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "What it is")]
-pub struct KnownStem {
-    /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; else it is estimated
-    #[arg(long, value_name = "POINT", allow_hyphen_values = true)]
-    pub pith: Option<String>,
-    /// What the stem is; else judged by its section
-    #[arg(long)]
-    pub kind: Option<KindWord>,
-}
-
-impl KnownStem {
-    /// The library's options, points in the unit of the file.
-    pub fn options(&self, unit: LengthUnit) -> Result<StemOptions, Failure> {
-        let pith = self
-            .pith
-            .as_ref()
-            .map(|text| values::pith(text, unit).map_err(Failure::request))
-            .transpose()?;
-        Ok(StemOptions {
-            pith,
-            kind: self.kind.map(Into::into),
-        })
-    }
 }
 
 /// Where rings come from.

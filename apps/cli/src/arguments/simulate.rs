@@ -1,7 +1,8 @@
 //! Options of `greenstick simulate`.
 
-use super::{MeshOf, Shot, Telling};
+use super::{Declared, MeshOf, Telling};
 use clap::Args;
+use greenstick::picture::PictureParameters;
 use std::path::PathBuf;
 
 const SIMULATE_EXAMPLES: &str = "\
@@ -70,7 +71,7 @@ pub struct SimulateOptions {
     #[arg(long, help_heading = "Picture")]
     pub no_pictures: bool,
     #[command(flatten)]
-    pub shot: Shot,
+    pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
     pub telling: Telling,

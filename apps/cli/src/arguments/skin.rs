@@ -1,8 +1,9 @@
 //! Options of `greenstick skin`.
 
-use super::{MeshOf, Shot, Telling};
+use super::{Declared, MeshOf, Telling};
 use crate::values;
 use clap::Args;
+use greenstick::picture::PictureParameters;
 use std::path::PathBuf;
 
 const SKIN_EXAMPLES: &str = "\
@@ -135,7 +136,7 @@ pub struct SkinOptions {
     )]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
-    pub shot: Shot,
+    pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
     pub telling: Telling,

@@ -2,7 +2,7 @@
 //! simulation.
 
 use crate::arguments::SkinOptions;
-use crate::break_wood::picture_options;
+use crate::failure::Failure;
 use greenstick::film::FilmOptions;
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
@@ -67,8 +67,8 @@ impl FilmPlan {
     }
 
     /// Returns the plan that options ask for, with the wood of this seed.
-    pub fn from_options(options: &SkinOptions, seed: u64) -> Self {
-        FilmPlan {
+    pub fn from_options(options: &SkinOptions, seed: u64) -> Result<Self, Failure> {
+        Ok(FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
             film: FilmOptions {
@@ -90,8 +90,8 @@ impl FilmPlan {
             },
             engines: EnginePlan::from_options(options),
             pictures: options.pictures.clone(),
-            shot: picture_options(&options.shot),
-        }
+            shot: options.picture_parameters.set()?.options(),
+        })
     }
 }
 
@@ -122,9 +122,9 @@ mod tests {
         let Command::Skin(options) = Arguments::try_parse_from(words).unwrap().command else {
             panic!("another command");
         };
-        let shot = picture_options(&options.shot);
+        let shot = options.picture_parameters.set().unwrap().options();
         let plan = FilmPlan::whole_film("film.glb".into(), 7, shot);
-        let of_options = FilmPlan::from_options(&options, 7);
+        let of_options = FilmPlan::from_options(&options, 7).unwrap();
         assert_eq!(format!("{plan:?}"), format!("{of_options:?}"));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::keys::Scene;
-use greenstick_wood::spelling::closest_names;
+use greenstick_schema::closest_names;
 
 /// A scene that comes with the crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

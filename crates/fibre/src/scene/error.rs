@@ -3,7 +3,7 @@
 use crate::bodies::BodyError;
 use crate::error::LoadError;
 use greenstick_geometry::Cancelled;
-use greenstick_wood::spelling::did_you_mean;
+use greenstick_schema::did_you_mean;
 
 /// Why a scene cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

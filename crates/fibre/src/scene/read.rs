@@ -4,7 +4,7 @@ use super::arc;
 use super::declare::{Declared, KeyInfo};
 use super::error::SceneError;
 use super::keys::{MotionChoice, Scene, SolverChoice};
-use greenstick_wood::spelling::closest_names;
+use greenstick_schema::closest_names;
 use toml::de::{DeTable, DeValue};
 
 fn line(text: &str, at: usize) -> usize {

@@ -5,9 +5,11 @@
 //! range σ, so σ is a range of wood that gives way to the crack: in degrees for a radial crack, as
 //! a part of the radius for a tangential one.
 
-use super::Unit::{Degree, Fraction, Radius};
-use super::declare::{auto, choice, choices, count, number, parameters, parameters_hold};
-use super::{ParameterError, ParameterInfo, Parameters, Value};
+use greenstick_schema::Unit::{Degree, Fraction, Radius};
+use greenstick_schema::{
+    Field, ParameterError, ParameterInfo, Parameters, Scale, Value, choice, choices, count, number,
+    parameters,
+};
 use serde::{Deserialize, Serialize};
 
 choices! {
@@ -35,49 +37,46 @@ fn ordered(pairs: &[(&str, f64, &str, f64)]) -> Result<(), ParameterError> {
 parameters! {
     /// A crack along a ray (section 4.1).
     pub struct RadialCrack {
-        "radial crack" {
+        "radial crack", "cut" {
             /// Direction of the crack about the pith.
-            angle: f64 = 0.0, "S_crack", number(Degree, 0.0, 360.0);
+            angle: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("S_crack");
             /// Ring coordinate at which it begins.
-            begin: f64 = 0.1, "R_begin", number(Fraction, 0.0, 1.0);
+            begin: f64 = 0.1, number(Fraction, 0.0, 1.0).symbol("R_begin");
             /// Ring coordinate at which it ends; at 1 it opens through the bark.
-            end: f64 = 0.9, "R_end", number(Fraction, 0.0, 1.0);
+            end: f64 = 0.9, number(Fraction, 0.0, 1.0).symbol("R_end");
             /// Depth along the grain from the end face.
-            depth: f64 = 1.0, "D_crack", number(Radius, 0.01, 40.0);
+            depth: f64 = 1.0, number(Radius, 0.01, 40.0).symbol("D_crack");
             /// Angle to either side of the crack in which the wood gives way.
-            range: f64 = 20.0, "σ_crack", number(Degree, 0.1, 180.0);
+            range: f64 = 20.0, number(Degree, 0.1, 180.0).symbol("σ_crack");
             /// Shrinkage along the rings; "auto" takes the species' at its moisture.
-            shrinkage: Option<f64> = None, "ε_tangential", auto(Fraction, 0.0, 0.5);
+            shrinkage: Option<f64> = None, number(Fraction, 0.0, 0.5).auto().symbol("ε_tangential");
         }
     }
-    groups {}
+    check |c| ordered(&[(
+        "begin", c.begin, "end", c.end
+    )]);
 }
-parameters_hold!(RadialCrack, |c| ordered(&[(
-    "begin", c.begin, "end", c.end
-)]));
 
 parameters! {
     /// A crack along a ring (section 4.2).
     pub struct TangentialCrack {
-        "tangential crack" {
+        "tangential crack", "cut" {
             /// Ring coordinate of the crack, which runs along the nearest boundary of two rings.
-            ring: f64 = 0.6, "R_crack", number(Fraction, 0.0, 1.0);
+            ring: f64 = 0.6, number(Fraction, 0.0, 1.0).symbol("R_crack");
             /// Angle at which it begins.
-            begin: f64 = 0.0, "S_begin", number(Degree, 0.0, 360.0);
+            begin: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("S_begin");
             /// Angle at which it ends, counted on from the beginning; below it the crack runs on
             /// past 360°.
-            end: f64 = 90.0, "S_end", number(Degree, 0.0, 360.0);
+            end: f64 = 90.0, number(Degree, 0.0, 360.0).symbol("S_end");
             /// Depth along the grain from the end face.
-            depth: f64 = 1.0, "D_crack", number(Radius, 0.01, 40.0);
+            depth: f64 = 1.0, number(Radius, 0.01, 40.0).symbol("D_crack");
             /// Part of the radius to either side of the crack in which the wood gives way.
-            range: f64 = 0.15, "σ_crack", number(Fraction, 0.001, 1.0);
+            range: f64 = 0.15, number(Fraction, 0.001, 1.0).symbol("σ_crack");
             /// Shrinkage across the rings; "auto" takes the species' at its moisture.
-            shrinkage: Option<f64> = None, "ε_radial", auto(Fraction, 0.0, 0.5);
+            shrinkage: Option<f64> = None, number(Fraction, 0.0, 0.5).auto().symbol("ε_radial");
         }
     }
-    groups {}
 }
-parameters_hold!(TangentialCrack);
 
 /// One crack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,62 +88,106 @@ pub enum Crack {
     Tangential(TangentialCrack),
 }
 
+choices! {
+    /// Kinds of crack.
+    pub enum CrackKind {
+        /// Along a ray, from the pith outwards.
+        Radial = "radial",
+        /// Along a ring.
+        Tangential = "tangential",
+    }
+}
+
+/// Key of a crack's kind.
+const KIND: &str = "kind";
+
+impl Default for Crack {
+    fn default() -> Self {
+        Crack::new(CrackKind::Radial)
+    }
+}
+
 impl Crack {
-    /// The words for the kinds.
-    pub const KINDS: &'static [&'static str] = &["radial", "tangential"];
-
     /// A crack of a kind with its defaults.
-    ///
-    /// # Errors
-    /// A word that is no kind.
-    pub fn of_kind(word: &str) -> Result<Crack, ParameterError> {
-        match word {
-            "radial" => Ok(Crack::Radial(RadialCrack::default())),
-            "tangential" => Ok(Crack::Tangential(TangentialCrack::default())),
-            _ => Err(ParameterError::Choice {
-                key: "kind".to_owned(),
-                found: word.to_owned(),
-                options: Crack::KINDS.join(", "),
-            }),
+    pub fn new(kind: CrackKind) -> Crack {
+        match kind {
+            CrackKind::Radial => Crack::Radial(RadialCrack::default()),
+            CrackKind::Tangential => Crack::Tangential(TangentialCrack::default()),
         }
     }
 
-    /// The word for its kind.
-    pub fn kind(&self) -> &'static str {
+    /// Its kind.
+    pub fn kind(&self) -> CrackKind {
         match self {
-            Crack::Radial(_) => "radial",
-            Crack::Tangential(_) => "tangential",
+            Crack::Radial(_) => CrackKind::Radial,
+            Crack::Tangential(_) => CrackKind::Tangential,
         }
     }
 
-    /// Every parameter with its present value.
-    pub fn list(&self) -> Vec<ParameterInfo> {
+    fn parameters(&self) -> &dyn Parameters {
         match self {
-            Crack::Radial(c) => c.list(),
-            Crack::Tangential(c) => c.list(),
+            Crack::Radial(c) => c,
+            Crack::Tangential(c) => c,
         }
     }
 
-    /// Sets one parameter.
-    ///
-    /// # Errors
-    /// As [`Parameters::set`].
-    pub fn set(&mut self, key: &str, value: &Value) -> Result<(), ParameterError> {
+    fn parameters_mut(&mut self) -> &mut dyn Parameters {
         match self {
-            Crack::Radial(c) => c.set(key, value),
-            Crack::Tangential(c) => c.set(key, value),
+            Crack::Radial(c) => c,
+            Crack::Tangential(c) => c,
+        }
+    }
+}
+
+impl Parameters for Crack {
+    fn describe(&self, prefix: &str, list: &mut Vec<ParameterInfo>) {
+        let value = self.kind().to_value();
+        list.push(ParameterInfo {
+            key: greenstick_schema::macro_support::join(prefix, KIND),
+            symbol: String::new(),
+            group: "crack".to_owned(),
+            doc: "Whether the crack runs along a ray or along a ring.".to_owned(),
+            kind: choice(CrackKind::CHOICES).kind,
+            auto: false,
+            words: &[],
+            scale: Scale::Linear,
+            stage: "cut",
+            default: value.clone(),
+            value,
+        });
+        self.parameters().describe(prefix, list);
+    }
+
+    fn assign(&mut self, key: &str, value: &Value) -> bool {
+        if key != KIND {
+            return self.parameters_mut().assign(key, value);
+        }
+        match CrackKind::from_value(value) {
+            Some(kind) if kind == self.kind() => true,
+            Some(kind) => {
+                *self = Crack::new(kind);
+                true
+            }
+            None => false,
         }
     }
 
-    /// Checks ranges and order.
-    ///
-    /// # Errors
-    /// As [`Parameters::check`].
-    pub fn check(&self) -> Result<(), ParameterError> {
-        match self {
-            Crack::Radial(c) => c.check(),
-            Crack::Tangential(c) => c.check(),
-        }
+    fn consistent(&self) -> Result<(), ParameterError> {
+        self.parameters().consistent()
+    }
+
+    fn tag(&self) -> Option<&'static str> {
+        Some(KIND)
+    }
+
+    fn variants(&self) -> Vec<Box<dyn Parameters>> {
+        [CrackKind::Radial, CrackKind::Tangential]
+            .map(|kind| Box::new(Crack::new(kind)) as Box<dyn Parameters>)
+            .into()
+    }
+
+    fn defaults(&self) -> Box<dyn Parameters> {
+        Box::new(Crack::new(self.kind()))
     }
 }
 
@@ -152,56 +195,55 @@ parameters! {
     /// Radial cracks of one size, drawn from what was measured of them on a section (section 5,
     /// Fig. 21).
     pub struct CrackGroup {
-        "" {
+        "", "cut" {
             /// How many cracks.
-            count: u32 = 0, "", count(0, 500);
+            count: u32 = 0, count(0, 500);
             /// Direction of the first one.
-            direction: f64 = 0.0, "", number(Degree, 0.0, 360.0);
+            direction: f64 = 0.0, number(Degree, 0.0, 360.0);
             /// Mean angle from one crack to the next.
-            spacing: f64 = 60.0, "", number(Degree, 0.0, 360.0);
+            spacing: f64 = 60.0, number(Degree, 0.0, 360.0);
             /// Part of the spacing by which an angle may be off.
-            jitter: f64 = 0.3, "", number(Fraction, 0.0, 1.0);
+            jitter: f64 = 0.3, number(Fraction, 0.0, 1.0);
             /// Least ring coordinate at which one begins.
-            begin_min: f64 = 0.1, "R_begin", number(Fraction, 0.0, 1.0);
+            begin_min: f64 = 0.1, number(Fraction, 0.0, 1.0).symbol("R_begin");
             /// Greatest ring coordinate at which one begins.
-            begin_max: f64 = 0.4, "", number(Fraction, 0.0, 1.0);
+            begin_max: f64 = 0.4, number(Fraction, 0.0, 1.0);
             /// Least length along the radius; an end beyond the outside opens through the bark.
-            length_min: f64 = 0.3, "", number(Fraction, 0.0, 1.0);
+            length_min: f64 = 0.3, number(Fraction, 0.0, 1.0);
             /// Greatest length along the radius.
-            length_max: f64 = 0.6, "", number(Fraction, 0.0, 1.0);
+            length_max: f64 = 0.6, number(Fraction, 0.0, 1.0);
             /// Least depth along the grain.
-            depth_min: f64 = 0.5, "", number(Radius, 0.01, 40.0);
+            depth_min: f64 = 0.5, number(Radius, 0.01, 40.0);
             /// Greatest depth along the grain.
-            depth_max: f64 = 1.0, "", number(Radius, 0.01, 40.0);
+            depth_max: f64 = 1.0, number(Radius, 0.01, 40.0);
             /// Least angle to either side in which the wood gives way.
-            range_min: f64 = 10.0, "σ_crack", number(Degree, 0.1, 180.0);
+            range_min: f64 = 10.0, number(Degree, 0.1, 180.0).symbol("σ_crack");
             /// Greatest angle to either side in which the wood gives way.
-            range_max: f64 = 20.0, "", number(Degree, 0.1, 180.0);
+            range_max: f64 = 20.0, number(Degree, 0.1, 180.0);
             /// Shrinkage along the rings; "auto" takes the species' at its moisture.
-            shrinkage: Option<f64> = None, "ε_tangential", auto(Fraction, 0.0, 0.5);
+            shrinkage: Option<f64> = None, number(Fraction, 0.0, 0.5).auto().symbol("ε_tangential");
         }
     }
-    groups {}
+    check |g| ordered(&[
+        ("begin_min", g.begin_min, "begin_max", g.begin_max),
+        ("length_min", g.length_min, "length_max", g.length_max),
+        ("depth_min", g.depth_min, "depth_max", g.depth_max),
+        ("range_min", g.range_min, "range_max", g.range_max),
+    ]);
 }
-parameters_hold!(CrackGroup, |g| ordered(&[
-    ("begin_min", g.begin_min, "begin_max", g.begin_max),
-    ("length_min", g.length_min, "length_max", g.length_max),
-    ("depth_min", g.depth_min, "depth_max", g.depth_max),
-    ("range_min", g.range_min, "range_max", g.range_max),
-]));
 
 parameters! {
     /// What holds for all cracks, and the three groups of them.
     pub struct CrackSettings {
-        "cracks" {
+        "cracks", "cut" {
             /// Which end carries the cracks: "break" or "sawn".
-            end: CrackEnd = CrackEnd::Break, "", choice(CrackEnd::WORDS);
+            end: CrackEnd = CrackEnd::Break, choice(CrackEnd::CHOICES);
             /// Random displacement of the cracks' course, radial and tangential (section 4.1, Fig.
             /// 12(b)).
-            distortion: f64 = 0.02, "", number(Radius, 0.0, 0.5);
+            distortion: f64 = 0.02, number(Radius, 0.0, 0.5);
         }
     }
-    groups {
+    tables {
         /// Large cracks.
         large: CrackGroup = CrackGroup::default();
         /// Cracks of middle size.
@@ -210,38 +252,18 @@ parameters! {
         small: CrackGroup = CrackGroup::default();
     }
 }
-parameters_hold!(CrackSettings, |s| {
-    for (name, group) in [
-        ("large", &s.large),
-        ("medium", &s.medium),
-        ("small", &s.small),
-    ] {
-        group.consistent().map_err(|e| match e {
-            ParameterError::Order {
-                lower,
-                low,
-                upper,
-                high,
-            } => ParameterError::Order {
-                lower: format!("{name}.{lower}"),
-                low,
-                upper: format!("{name}.{upper}"),
-                high,
-            },
-            other => other,
-        })?;
-    }
-    Ok(())
-});
 
-/// All cracks of a piece.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CrackParameters {
-    /// What holds for all, and the groups.
-    pub settings: CrackSettings,
-    /// Cracks that are placed one by one.
-    pub cracks: Vec<Crack>,
+parameters! {
+    /// All cracks of a piece.
+    pub struct CrackParameters {}
+    tables {
+        /// Cracks drawn at random in groups, and what holds for all cracks.
+        settings as "crack_groups": CrackSettings = CrackSettings::default();
+    }
+    lists {
+        /// Cracks that are placed one by one.
+        cracks as "crack": Crack;
+    }
 }
 
 impl CrackParameters {
@@ -265,15 +287,6 @@ impl CrackParameters {
         }
         moved
     }
-
-    /// Checks every range and order.
-    ///
-    /// # Errors
-    /// The first that does not hold.
-    pub fn check(&self) -> Result<(), ParameterError> {
-        self.settings.check()?;
-        self.cracks.iter().try_for_each(Crack::check)
-    }
 }
 
 #[cfg(test)]
@@ -282,7 +295,7 @@ mod tests {
 
     #[test]
     fn cracks_that_end_before_they_begin_are_refused() {
-        let mut crack = Crack::of_kind("radial").unwrap();
+        let mut crack = Crack::new(CrackKind::Radial);
         crack.set("begin", &Value::Number(0.95)).unwrap();
         let message = crack.check().unwrap_err().to_string();
         assert_eq!(
@@ -298,12 +311,9 @@ mod tests {
                 .to_string()
                 .starts_with("medium.depth_min is 2")
         );
-        assert!(
-            Crack::of_kind("spiral")
-                .unwrap_err()
-                .to_string()
-                .contains("radial, tangential")
-        );
+        let mut crack = Crack::default();
+        let message = crack.set_text("kind", "spiral").unwrap_err().to_string();
+        assert!(message.contains("radial, tangential"), "{message}");
     }
 
     #[test]

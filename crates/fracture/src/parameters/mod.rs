@@ -5,26 +5,21 @@
 //! section's first axis.
 
 mod cracks;
-pub(crate) mod declare;
-mod reference;
-mod value;
 mod zone;
 
 pub use cracks::{
-    Crack, CrackEnd, CrackGroup, CrackParameters, CrackSettings, RadialCrack, TangentialCrack,
+    Crack, CrackEnd, CrackGroup, CrackKind, CrackParameters, CrackSettings, RadialCrack,
+    TangentialCrack,
 };
-pub use declare::{Kind, ParameterInfo, Parameters, Unit, Value};
-pub use reference::{json_schema, reference_markdown};
-pub use value::ParameterError;
 pub use zone::{BrittleZone, DuctileZone, HighLayer, LowLayer, Sector, ZoneParameters};
 
 use Unit::{Centimetre, Degree, DegreePerRadius, Fraction, Radius};
-use declare::{choice, choices, count, number, parameters, parameters_hold};
+use greenstick_schema::{ParameterError, Unit, choice, choices, count, number, parameters};
 use greenstick_wood::tissue::{Proportions, Zone};
 
 choices! {
     /// What a broken face is made of.
-    pub enum Surface {
+    pub enum SurfaceStyle {
         /// A height field with thorns on it, as published.
         Smooth = "smooth",
         /// Fibre bundles with walls along the grain.
@@ -35,79 +30,79 @@ choices! {
 parameters! {
     /// Everything that decides how a broken face looks.
     pub struct BreakParameters {
-        "branch" {
+        "branch", "heights" {
             /// The diameter that noise is laid out for, in cm as in Table 2. The stem's own size
             /// comes from its mesh: with 1 here the pattern on any stem is that of a branch of 1
             /// cm; with 0 it is laid out in true metres on the stem as it is. A branch made from
             /// nothing has this diameter.
-            diameter: f64 = 1.0, "D", number(Centimetre, 0.0, 500.0);
+            diameter: f64 = 1.0, number(Centimetre, 0.0, 500.0).symbol("D");
             /// Concentric circles on the section.
-            rings: u32 = 40, "N_ring", count(3, 400);
+            rings: u32 = 40, count(3, 400).symbol("N_ring").stage("layout");
             /// Sectors of the section.
-            sectors: u32 = 90, "N_sec", count(10, 1000);
+            sectors: u32 = 90, count(10, 1000).symbol("N_sec").stage("layout");
             /// Inclination of the broken face against the section.
-            inclination: f64 = 0.0, "φ", number(Degree, 0.0, 90.0);
+            inclination: f64 = 0.0, number(Degree, 0.0, 90.0).symbol("φ");
             /// Direction in which the inclined face rises.
-            inclination_direction: f64 = 0.0, "", number(Degree, 0.0, 360.0);
+            inclination_direction: f64 = 0.0, number(Degree, 0.0, 360.0);
             /// Which random break of all those with these parameters.
-            seed: u64 = 1, "", count(0, i64::MAX as u64);
+            seed: u64 = 1, count(0, i64::MAX as i128).stage("layout");
         }
-        "tissue" {
+        "tissue", "heights" {
             /// Part of the radius that is pith.
-            pith_proportion: f64 = 0.05, "ν_pith", number(Fraction, 0.0, 1.0);
+            pith_proportion: f64 = 0.05, number(Fraction, 0.0, 1.0).symbol("ν_pith");
             /// Part of the radius that is heartwood.
-            heartwood_proportion: f64 = 0.4, "ν_heartwood", number(Fraction, 0.0, 1.0);
+            heartwood_proportion: f64 = 0.4, number(Fraction, 0.0, 1.0).symbol("ν_heartwood");
             /// Part of the radius that is phloem. What is left is sapwood, and the outermost ring
             /// is bark.
-            phloem_proportion: f64 = 0.05, "ν_phloem", number(Fraction, 0.0, 1.0);
+            phloem_proportion: f64 = 0.05, number(Fraction, 0.0, 1.0).symbol("ν_phloem");
         }
-        "face" {
+        "face", "heights" {
             /// What the face is made of: "smooth" is the height field of the paper, "fibrous" has
             /// bundles with walls along the grain.
-            surface: Surface = Surface::Fibrous, "", choice(Surface::WORDS);
+            surface: SurfaceStyle = SurfaceStyle::Fibrous, choice(SurfaceStyle::CHOICES).stage("layout");
             /// Part of a thorn's height that is a slender prism; the rest is an irregular pyramid
             /// (section 3.5).
-            thorn_shaft: f64 = 0.65, "", number(Fraction, 0.5, 0.8);
+            thorn_shaft: f64 = 0.65, number(Fraction, 0.5, 0.8);
         }
-        "fibrous face" {
+        "fibrous face", "heights" {
             /// Width of a sliver, a group of fibre bundles that ended together, along the ring over
             /// its thickness across it, at most: splinters are flat.
-            bundle_aspect: f64 = 4.0, "", number(Unit::One, 1.0, 20.0);
+            bundle_aspect: f64 = 4.0, number(Unit::One, 1.0, 20.0);
             /// Slabs, the coarsest pieces: bounded by rings and rays.
-            slab_count: u32 = 7, "", count(1, 100);
+            slab_count: u32 = 7, count(1, 100);
             /// Slivers, the pieces that slabs split into: groups of fibre bundles.
-            sliver_count: u32 = 90, "", count(1, 2000);
+            sliver_count: u32 = 90, count(1, 2000);
             /// Height by which slabs differ.
-            slab_height: f64 = 0.8, "", number(Radius, 0.0, 20.0);
+            slab_height: f64 = 0.8, number(Radius, 0.0, 20.0);
             /// Height by which the slivers of a slab differ.
-            sliver_height: f64 = 0.6, "", number(Radius, 0.0, 20.0);
+            sliver_height: f64 = 0.6, number(Radius, 0.0, 20.0);
             /// Height of the fur of fine fibres on the tips.
-            fibre_height: f64 = 0.08, "", number(Radius, 0.0, 5.0);
+            fibre_height: f64 = 0.08, number(Radius, 0.0, 5.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
-            step_height: f64 = 0.15, "", number(Radius, 0.0, 20.0);
+            step_height: f64 = 0.15, number(Radius, 0.0, 20.0);
             /// Depth of the split along the grain between the tension and the compression side.
-            split: f64 = 0.0, "", number(Radius, 0.0, 40.0);
+            split: f64 = 0.0, number(Radius, 0.0, 40.0);
             /// Part of the section, from the compression side, that broke as a blunt shelf.
-            compression_shelf: f64 = 0.25, "", number(Fraction, 0.0, 1.0);
+            compression_shelf: f64 = 0.25, number(Fraction, 0.0, 1.0);
             /// Height of the crumpled steps on that shelf.
-            compression_height: f64 = 0.05, "", number(Radius, 0.0, 5.0);
+            compression_height: f64 = 0.05, number(Radius, 0.0, 5.0);
             /// Height at which the bark broke, against the wood under it: above zero it stands
             /// over, below it is torn back.
-            bark_offset: f64 = 0.1, "", number(Radius, -20.0, 20.0);
+            bark_offset: f64 = 0.1, number(Radius, -20.0, 20.0);
             /// Height by which the strips of bark differ: some stand over the wood as flaps, some
             /// are peeled back from it.
-            bark_height: f64 = 0.3, "", number(Radius, 0.0, 20.0);
+            bark_height: f64 = 0.3, number(Radius, 0.0, 20.0);
             /// Strips that the bark tears into around the stem, along its furrows.
-            bark_strips: u32 = 13, "", count(1, 200);
+            bark_strips: u32 = 13, count(1, 200);
             /// Angle by which the upper piece turns about the bark of the compression side and
             /// hangs on it. The face keeps within the wedge that this opens.
-            hang: f64 = 0.0, "", number(Degree, 0.0, 120.0);
+            hang: f64 = 0.0, number(Degree, 0.0, 120.0).stage("heights");
             /// Turn of the splinters about the axis, for breaks by twisting.
-            spiral_angle: f64 = 0.0, "", number(DegreePerRadius, -30.0, 30.0);
+            spiral_angle: f64 = 0.0, number(DegreePerRadius, -30.0, 30.0).stage("stem");
         }
     }
-    groups {
+    tables {
         /// The pith.
         pith: ZoneParameters = ZoneParameters::of(Zone::Pith);
         /// The heartwood.
@@ -127,25 +122,22 @@ parameters! {
         /// The brittle fracture zone.
         brittle: BrittleZone = BrittleZone::default();
     }
-}
-
-parameters_hold!(BreakParameters, |p| {
-    let Proportions {
-        pith,
-        heartwood,
-        phloem,
-    } = p.proportions();
-    // Proportions such as 0.1 + 0.2 + 0.7 round to a little more than 1.
-    if pith + heartwood + phloem <= 1.0 + 1e-12 {
-        Ok(())
-    } else {
-        Err(ParameterError::Proportions {
+    check |p| {
+        let Proportions {
             pith,
             heartwood,
             phloem,
-        })
-    }
-});
+        } = p.proportions();
+        // Proportions such as 0.1 + 0.2 + 0.7 round to a little more than 1.
+        if pith + heartwood + phloem <= 1.0 + 1e-12 {
+            Ok(())
+        } else {
+            Err(ParameterError::Conflict(format!(
+                "pith {pith}, heartwood {heartwood} and phloem {phloem} are together more than 1, the whole radius"
+            )))
+        }
+    };
+}
 
 impl BreakParameters {
     /// The parameters of a tissue.
@@ -182,6 +174,7 @@ impl BreakParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick_schema::{Kind, Parameters, Value};
 
     #[test]
     fn a_misspelt_key_suggests_the_right_one() {
@@ -229,14 +222,15 @@ mod tests {
                     vec![Value::Number(min - 1e-6), Value::Number(max + 1e-6)],
                     vec![Value::Number(min), Value::Number(max)],
                 ),
-                Kind::Integer { min, max } => (
+                Kind::Integer { min, max, .. } => (
                     vec![Value::Integer(max + 1), Value::Number(min as f64 + 0.5)],
                     vec![Value::Integer(min), Value::Integer(max)],
                 ),
                 Kind::Choice { options } => (
                     vec![Value::Text("?".into()), Value::Integer(1)],
-                    options.iter().map(|o| Value::Text((*o).into())).collect(),
+                    options.iter().map(|o| Value::Text(o.word.into())).collect(),
                 ),
+                _ => panic!("{} is of no kind that a broken face has", info.key),
             };
             for value in beyond {
                 assert!(
@@ -320,7 +314,7 @@ mod tests {
             heartwood_proportion: 0.95,
             ..BreakParameters::default()
         };
-        assert!(matches!(p.check(), Err(ParameterError::Proportions { .. })));
+        assert!(matches!(p.check(), Err(ParameterError::Conflict(_))));
         p.heartwood_proportion = 0.9;
         p.check().unwrap();
     }

@@ -1,36 +1,34 @@
 //! Parameters that stand more than once: those of a tissue, of the layers, and of the ductile and
 //! brittle zones.
 
-use super::Unit::{Degree, Fraction, PerMetre, Radius};
-use super::declare::{count, number, parameters, parameters_hold};
+use greenstick_schema::Unit::{Degree, Fraction, PerMetre, Radius};
+use greenstick_schema::{count, number, parameters};
 use greenstick_wood::tissue::Zone;
 
 parameters! {
     /// Roughness and thorns of one tissue (Yang 2019, sections 3.2 and 3.5).
     pub struct ZoneParameters {
-        "" {
+        "", "heights" {
             /// Height that Perlin noise adds at most (Eq. 1).
-            perlin_amplitude: f64 = 0.05, "λ", number(Radius, 0.0, 5.0);
+            perlin_amplitude: f64 = 0.05, number(Radius, 0.0, 5.0).symbol("λ");
             /// Perlin noise cells per metre of the noise diameter.
-            perlin_frequency: f64 = 460.0, "β", number(PerMetre, 1.0, 10000.0);
+            perlin_frequency: f64 = 460.0, number(PerMetre, 1.0, 10000.0).symbol("β");
             /// Perlin noises added up, each of twice the frequency and half the height of the one
             /// before. The paper uses 2 to 3.
-            perlin_octaves: u32 = 2, "", count(1, 4);
+            perlin_octaves: u32 = 2, count(1, 4);
             /// Height that white noise, one value per cell, adds at most.
-            white_noise_amplitude: f64 = 0.01, "", number(Radius, 0.0, 5.0);
+            white_noise_amplitude: f64 = 0.01, number(Radius, 0.0, 5.0);
             /// White noises added up, each of half the height of the one before. The paper uses 3
             /// to 4.
-            white_noise_octaves: u32 = 3, "", count(1, 4);
+            white_noise_octaves: u32 = 3, count(1, 4);
             /// Height of the longest thorn (Eq. 8).
-            thorn_length: f64 = 0.0, "L", number(Radius, 0.0, 40.0);
+            thorn_length: f64 = 0.0, number(Radius, 0.0, 40.0).symbol("L");
             /// Probability that a cell carries a thorn (Eq. 8, where the sign is the wrong way
             /// round in print).
-            thorn_probability: f64 = 0.0, "P", number(Fraction, 0.0, 1.0);
+            thorn_probability: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("P");
         }
     }
-    groups {}
 }
-parameters_hold!(ZoneParameters);
 
 impl ZoneParameters {
     /// The defaults of a tissue. Pith is soft and smooth; phloem and bark tear finer and rougher
@@ -55,73 +53,65 @@ impl ZoneParameters {
 parameters! {
     /// A fan of the section that stands higher than the rest (section 3.3).
     pub struct HighLayer {
-        "" {
+        "", "heights" {
             /// Height over the middle layer.
-            height: f64 = 0.0, "h", number(Radius, 0.0, 20.0);
+            height: f64 = 0.0, number(Radius, 0.0, 20.0).symbol("h");
             /// Direction of the fan's middle.
-            direction: f64 = 0.0, "α", number(Degree, 0.0, 360.0);
+            direction: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("α");
             /// Angle the fan takes.
-            angle: f64 = 0.0, "θ", number(Degree, 0.0, 360.0);
+            angle: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("θ");
             /// Part of the rings the fan takes, from the outside.
-            rings: f64 = 0.0, "μ", number(Fraction, 0.0, 1.0);
+            rings: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("μ");
         }
     }
-    groups {}
 }
-parameters_hold!(HighLayer);
 
 parameters! {
     /// A fan of the section that stands lower than the rest (section 3.3).
     pub struct LowLayer {
-        "" {
+        "", "heights" {
             /// Height against the middle layer, below zero.
-            height: f64 = 0.0, "h", number(Radius, -20.0, 0.0);
+            height: f64 = 0.0, number(Radius, -20.0, 0.0).symbol("h");
             /// Direction of the fan's middle.
-            direction: f64 = 180.0, "α", number(Degree, 0.0, 360.0);
+            direction: f64 = 180.0, number(Degree, 0.0, 360.0).symbol("α");
             /// Angle the fan takes.
-            angle: f64 = 0.0, "θ", number(Degree, 0.0, 360.0);
+            angle: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("θ");
             /// Part of the rings the fan takes, from the outside.
-            rings: f64 = 0.0, "μ", number(Fraction, 0.0, 1.0);
+            rings: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("μ");
         }
     }
-    groups {}
 }
-parameters_hold!(LowLayer);
 
 parameters! {
     /// The ductile fracture zone, on the tension side (section 3.4).
     pub struct DuctileZone {
-        "" {
+        "", "heights" {
             /// Height of the longest thorn in the zone.
-            thorn_length: f64 = 0.0, "L_D", number(Radius, 0.0, 40.0);
+            thorn_length: f64 = 0.0, number(Radius, 0.0, 40.0).symbol("L_D");
             /// Probability that a cell of the zone carries a thorn.
-            thorn_probability: f64 = 0.0, "P_D", number(Fraction, 0.0, 1.0);
+            thorn_probability: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("P_D");
             /// Direction of the zone's middle: the side that was in tension. The compression side
             /// is opposite.
-            direction: f64 = 0.0, "α", number(Degree, 0.0, 360.0);
+            direction: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("α");
             /// Angle the zone takes.
-            angle: f64 = 150.0, "θ", number(Degree, 0.0, 360.0);
+            angle: f64 = 150.0, number(Degree, 0.0, 360.0).symbol("θ");
             /// Part of the rings the zone takes, from the outside.
-            rings: f64 = 0.6, "μ", number(Fraction, 0.0, 1.0);
+            rings: f64 = 0.6, number(Fraction, 0.0, 1.0).symbol("μ");
         }
     }
-    groups {}
 }
-parameters_hold!(DuctileZone);
 
 parameters! {
     /// The brittle fracture zone: all of the section that is not ductile (sections 3.4 and 3.5).
     pub struct BrittleZone {
-        "" {
+        "", "heights" {
             /// Height of the longest thorn in the zone.
-            thorn_length: f64 = 0.0, "L", number(Radius, 0.0, 40.0);
+            thorn_length: f64 = 0.0, number(Radius, 0.0, 40.0).symbol("L");
             /// Probability that a cell of the zone carries a thorn.
-            thorn_probability: f64 = 0.0, "P", number(Fraction, 0.0, 1.0);
+            thorn_probability: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("P");
         }
     }
-    groups {}
 }
-parameters_hold!(BrittleZone);
 
 /// A fan of the section: the test of Eqs. 2 to 7, which wraps around 360° here (as printed, a fan
 /// about 0° loses half).

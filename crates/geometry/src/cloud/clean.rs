@@ -21,13 +21,20 @@ pub struct CleanOptions {
     pub spacing: Option<f64>,
 }
 
+impl CleanOptions {
+    /// Standard deviations beyond which a point is an outlier by default.
+    pub const OUTLIER_DEVIATIONS: f64 = 3.0;
+    /// Median spacings within which a point has others by default.
+    pub const ISOLATED_SPACINGS: f64 = 8.0;
+}
+
 impl Default for CleanOptions {
     fn default() -> Self {
         CleanOptions {
             not_finite: true,
             duplicates: true,
-            outliers: Some(3.0),
-            isolated: Some(8.0),
+            outliers: Some(Self::OUTLIER_DEVIATIONS),
+            isolated: Some(Self::ISOLATED_SPACINGS),
             spacing: None,
         }
     }

@@ -17,9 +17,10 @@ pub use sheet::{FittedValue, Untold};
 use crate::film::{FilmError, Run};
 use crate::{Break, BreakRequest, BreakSession, Error};
 use glam::DVec3;
-use greenstick_fracture::parameters::{BreakParameters, Parameters, Surface, Value};
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Cancelled, Context, Scene};
+use greenstick_schema::{Parameters, Value};
 use greenstick_skin::rods::{Parting, Wood};
 use greenstick_wood::stem::{self, Stem, StemOptions};
 use places::{Broke, Place, addressed, chosen, edge, spread};
@@ -210,7 +211,7 @@ fn matched(
     relief_range: &mut dyn FnMut(&BreakParameters) -> Result<f64, Error>,
     wanted: f64,
 ) -> Result<f64, Error> {
-    let fibrous = shape.sheet.face.surface == Surface::Fibrous;
+    let fibrous = shape.sheet.face.surface == SurfaceStyle::Fibrous;
     let scaled: Vec<FittedValue> = shape
         .sheet
         .values

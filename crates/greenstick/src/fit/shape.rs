@@ -5,7 +5,7 @@ use super::fans::{self, Held};
 use super::places::{Place, quantile, spread};
 use super::sheet::Sheet;
 use glam::{DMat2, DVec2};
-use greenstick_fracture::parameters::{Sector, Surface};
+use greenstick_fracture::parameters::{Sector, SurfaceStyle};
 use greenstick_wood::tissue::Zone;
 
 /// Fewer breaks tell nothing about a part of the section.
@@ -313,9 +313,9 @@ impl Shape {
         }
         let fibrous = coarse || steps > FIBROUS;
         self.sheet.face.surface = if fibrous {
-            Surface::Fibrous
+            SurfaceStyle::Fibrous
         } else {
-            Surface::Smooth
+            SurfaceStyle::Smooth
         };
         let all: Vec<(f64, f64)> = plain
             .iter()

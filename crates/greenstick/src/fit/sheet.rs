@@ -1,6 +1,7 @@
 //! Parameters as they are fitted, each with what it comes from.
 
-use greenstick_fracture::parameters::{BreakParameters, Parameters, Value};
+use greenstick_fracture::parameters::BreakParameters;
+use greenstick_schema::{Parameters, Value};
 use serde::Serialize;
 
 /// A parameter that a run told.

@@ -1,9 +1,11 @@
 //! From a point cloud, or a mesh that is to be treated as one, to a scene with the bark of a stem, and a report.
 
 pub(crate) mod error;
+mod parameters;
 mod report;
 
 pub use error::ScanningError;
+pub use parameters::ScanParameters;
 pub use report::ScannedReport;
 
 use crate::Error;

@@ -12,7 +12,7 @@ use crate::request::{Break, BreakStage};
 use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{self, HeightCache, HeightSource};
-use greenstick_fracture::parameters::{BreakParameters, CrackParameters, Surface};
+use greenstick_fracture::parameters::{BreakParameters, CrackParameters, SurfaceStyle};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::broken::{
@@ -285,7 +285,7 @@ impl Chain {
         let key = FoundKey {
             scene: input.id,
             place: asked.place,
-            options: *input.stem,
+            options: input.stem.clone(),
             above: input.above,
         };
         let found = self.found.get(key, ids, |_| {
@@ -485,7 +485,7 @@ const TYPICAL_SLENDERNESS: f64 = 2.87;
 /// Whether a break asks for spiral grain and the stem can have it: a fibrous face of a round stem.
 pub(super) fn is_spiral(stem: &PreparedStem, p: &BreakParameters) -> bool {
     let round = stem.found.stem.kind != StemKind::Board;
-    p.spiral_angle != 0.0 && p.surface == Surface::Fibrous && round
+    p.spiral_angle != 0.0 && p.surface == SurfaceStyle::Fibrous && round
 }
 
 fn layout(

@@ -82,7 +82,7 @@ impl BreakOrder {
         let mut meshes = None;
         let mut known = Vec::new();
         for (number, asked) in request.breaks.iter().enumerate() {
-            let key = (asked.place, request.stem);
+            let key = (asked.place, request.stem.clone());
             let found = match self.known.iter().find(|k| k.0 == key) {
                 Some(known) => known.1.clone(),
                 None => {

@@ -5,7 +5,7 @@ use super::{Input, PiecesOfBreak};
 use crate::report::{
     BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
 };
-use greenstick_fracture::parameters::Surface;
+use greenstick_fracture::parameters::SurfaceStyle;
 use greenstick_geometry::Scene;
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::stem::StemKind;
@@ -51,8 +51,8 @@ fn face_report(one: &PiecesOfBreak) -> FaceReport {
     let heights = &one.stages.heights.heights;
     FaceReport {
         surface: match one.made.recipe.face.surface {
-            Surface::Smooth => "smooth".into(),
-            Surface::Fibrous => "fibrous".into(),
+            SurfaceStyle::Smooth => "smooth".into(),
+            SurfaceStyle::Fibrous => "fibrous".into(),
         },
         bundles: one.stages.layout.bundles.bundles.len(),
         thorns: heights.thorns.len(),

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::report::SpeciesReport;
 use greenstick_fracture::cracks::{CrackPlan, plan};
 use greenstick_fracture::heights::Heights;
-use greenstick_fracture::parameters::{BreakParameters, CrackEnd, Surface};
+use greenstick_fracture::parameters::{BreakParameters, CrackEnd, SurfaceStyle};
 use greenstick_fracture::recipe::{CrackShrinkage, Recipe};
 use greenstick_geometry::Mesh;
 use greenstick_skin::broken::{BrokenFace, FaceLayout, InnerWood};
@@ -142,6 +142,6 @@ pub(super) fn inner_wood<'a>(
         proportions: p.proportions(),
         material: stage.inner_material,
         square: stem.square,
-        smooth: p.surface == Surface::Smooth,
+        smooth: p.surface == SurfaceStyle::Smooth,
     }
 }

@@ -14,7 +14,7 @@ use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
 use greenstick_fracture::heights::Setting;
 use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
-use greenstick_fracture::parameters::{BreakParameters, Surface as Style};
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::Surface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::StemKind;

@@ -15,10 +15,15 @@ pub struct ScanOptions {
     pub closed: bool,
 }
 
+impl ScanOptions {
+    /// Share of the girth that must have been seen by default.
+    pub const MIN_COVERAGE: f64 = 0.3;
+}
+
 impl Default for ScanOptions {
     fn default() -> Self {
         ScanOptions {
-            min_coverage: 0.3,
+            min_coverage: Self::MIN_COVERAGE,
             bark_only: false,
             closed: true,
         }

@@ -3,7 +3,7 @@
 use super::names::{ALIASES, UnknownSpecies, common_names};
 use super::record::Species;
 use super::table;
-use crate::spelling::{MAX_SUGGESTIONS, MIN_SIMILARITY, normalise};
+use greenstick_schema::{MAX_SUGGESTIONS, MIN_SIMILARITY, normalise};
 use std::sync::LazyLock;
 
 static ALL: LazyLock<Vec<Species>> = LazyLock::new(table::read);

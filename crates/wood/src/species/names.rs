@@ -1,6 +1,6 @@
 //! The names of a species: aliases, the ways to write a common name, and the error for a name that is none.
 
-use crate::spelling::{did_you_mean, normalise};
+use greenstick_schema::{did_you_mean, normalise};
 
 /// Other names that people use: (alias, name in the table).
 ///

@@ -7,6 +7,7 @@ use super::choose::{Choice, Course, main_stem, station_at, stem_at_point};
 use super::error::StemError;
 use super::free::{Blocked, MARGIN_RADII, Obstruction, free_ranges, obstructions, reaches_end};
 use super::model::{CrossSection, Stem, StemKind};
+use super::options::{PithPosition, StemOptions};
 use super::parts::Parts;
 use super::section::section;
 use super::surface::Surface;
@@ -18,24 +19,6 @@ use crate::rings::{RingField, estimate_pith};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Cancelled, Context, Mesh};
 use std::f64::consts::PI;
-
-/// Where the pith is, for stems whose pith is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PithPosition {
-    /// A point in the world, m; taken along the grain to the section of the break.
-    World(DVec3),
-    /// In the section of the break, m, from the axis along the frame's x and y.
-    Section(DVec2),
-}
-
-/// What is known of a stem beforehand.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct StemOptions {
-    /// The pith; estimated where absent.
-    pub pith: Option<PithPosition>,
-    /// Log or board; judged by the section where absent.
-    pub kind: Option<StemKind>,
-}
 
 /// A stem in meshes.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,7 @@
 //! A location on a stem, as people write it.
 
 use glam::DVec3;
+use greenstick_schema::{LengthError, parse_length, text_field};
 use std::fmt;
 use std::str::FromStr;
 
@@ -57,37 +58,30 @@ impl StemLocation {
             }
             let mut point = [0.0; 3];
             for (value, part) in point.iter_mut().zip(&parts) {
-                let (number, scale) = quantity(part).map_err(error)?;
-                *value = number * scale.unwrap_or(unit);
+                *value = metres(part, unit).map_err(|e| error(e.to_string()))?;
             }
             return Ok(StemLocation::Point(DVec3::from_array(point)));
         }
-        match quantity(text.trim()).map_err(error)? {
-            (number, Some(scale)) if number >= 0.0 => Ok(StemLocation::Length(number * scale)),
-            (_, Some(_)) => Err(error("the length is negative".to_owned())),
-            (number, None) if (0.0..=1.0).contains(&number) => Ok(StemLocation::Fraction(number)),
-            (number, None) => Err(error(format!(
+        if text.trim_end().ends_with('%') {
+            return Err(error(
+                "percentages are not supported; write a fraction".to_owned(),
+            ));
+        }
+        match parse_length(text).map_err(|e| error(e.to_string()))? {
+            (length, true) if length >= 0.0 => Ok(StemLocation::Length(length)),
+            (_, true) => Err(error("the length is negative".to_owned())),
+            (number, false) if (0.0..=1.0).contains(&number) => Ok(StemLocation::Fraction(number)),
+            (number, false) => Err(error(format!(
                 "{number} without a unit is a fraction and must lie between 0 and 1"
             ))),
         }
     }
 }
 
-/// Splits a text into a finite number and the metres in its unit, where it has one.
-fn quantity(text: &str) -> Result<(f64, Option<f64>), String> {
-    const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("cm", 1e-2), ("%", 0.0), ("m", 1.0)];
-    let unit = UNITS.iter().find(|(name, _)| text.ends_with(name));
-    let (digits, scale) = match unit {
-        Some(("%", _)) => return Err("percentages are not supported; write a fraction".to_owned()),
-        Some((name, scale)) => (text[..text.len() - name.len()].trim_end(), Some(*scale)),
-        None => (text, None),
-    };
-    match digits.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok((number, scale)),
-        Ok(_) => Err(format!("{digits:?} is not a finite number")),
-        Err(_) if digits.is_empty() => Err("a number is missing".to_owned()),
-        Err(_) => Err(format!("{digits:?} is not a number")),
-    }
+/// A finite number of metres; without a unit of its own it is in units of `unit` metres.
+pub(super) fn metres(text: &str, unit: f64) -> Result<f64, LengthError> {
+    let (length, has_unit) = parse_length(text)?;
+    Ok(if has_unit { length } else { length * unit })
 }
 
 impl FromStr for StemLocation {
@@ -97,6 +91,16 @@ impl FromStr for StemLocation {
     fn from_str(text: &str) -> Result<Self, StemLocationError> {
         StemLocation::parse(text, 1.0)
     }
+}
+
+text_field! {
+    StemLocation, "PLACE", |location| match location {
+        StemLocation::Fraction(x) => x.to_string(),
+        StemLocation::Length(x) => format!("{x} m"),
+        StemLocation::Point(p) => format!("{},{},{}", p.x, p.y, p.z),
+    };
+    /// A location on a stem, points in metres.
+    pub const LOCATION
 }
 
 impl fmt::Display for StemLocation {
@@ -113,6 +117,7 @@ impl fmt::Display for StemLocation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick_schema::Field;
 
     #[test]
     fn locations_are_parsed() {
@@ -125,13 +130,20 @@ mod tests {
             StemLocation::parse("125,2000,-500", 1e-3),
             "0.125,2,-0.5".parse()
         );
+        for exact in [
+            StemLocation::Fraction(0.1 + 0.2),
+            StemLocation::Length(1.0 / 3.0),
+            StemLocation::Point(point / 3.0),
+        ] {
+            assert_eq!(StemLocation::from_value(&exact.to_value()), Some(exact));
+        }
         for text in ["0.4000", "0.1200m", "0.1000,2.3000,-0.4000"] {
             assert_eq!(text.parse::<StemLocation>().unwrap().to_string(), text);
         }
         for (text, part) in [
             ("1.2", "between 0 and 1"),
-            ("", "missing"),
-            ("cm", "missing"),
+            ("", "not a number"),
+            ("cm", "not a number"),
             ("a", "not a number"),
             ("1,2", "2 coordinates"),
             ("NaN", "finite"),

@@ -4,13 +4,15 @@ use super::GrainSpace;
 use crate::rings::RingField;
 use glam::DVec2;
 
-/// Whether a stem is a log or was sawn from one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StemKind {
-    /// A trunk, branch or pole: rings about a pith inside the section.
-    Round,
-    /// A board or beam: straight grain along its longest axis, rings are arcs about a pith that may lie outside.
-    Board,
+greenstick_schema::choices! {
+    /// Whether a stem is a log or was sawn from one.
+    pub enum StemKind {
+        /// A trunk, branch, log or pole: rings about a pith inside the section.
+        Round = "round",
+        /// A board or beam, sawn from a trunk: straight grain along its longest axis, rings are arcs about a pith that may
+        /// lie outside.
+        Board = "board",
+    }
 }
 
 /// A section across the axis.

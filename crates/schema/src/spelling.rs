@@ -1,9 +1,9 @@
 //! Suggestions for misspelt names.
 
 /// Least similarity of a suggestion to what was typed: 1 is the same, 0 has nothing in common.
-pub(crate) const MIN_SIMILARITY: f64 = 0.55;
+pub const MIN_SIMILARITY: f64 = 0.55;
 /// Most names that are suggested.
-pub(crate) const MAX_SUGGESTIONS: usize = 3;
+pub const MAX_SUGGESTIONS: usize = 3;
 /// Weight of the similarity to one word of a name, relative to that to the whole name.
 const WORD_WEIGHT: f64 = 0.9;
 
@@ -11,7 +11,7 @@ const WORD_WEIGHT: f64 = 0.9;
 /// ignored). Equally close names keep the candidates' order.
 ///
 /// ```
-/// use greenstick_wood::spelling::{closest_names, did_you_mean};
+/// use greenstick_schema::{closest_names, did_you_mean};
 ///
 /// let names = closest_names("brsh", ["brash", "shear", "twist"]);
 /// assert_eq!(did_you_mean(&names), "; did you mean \"brash\"?");
@@ -52,7 +52,7 @@ pub fn did_you_mean(names: &[String]) -> String {
 }
 
 /// Lower case, with every run of spaces, hyphens and underscores as one space.
-pub(crate) fn normalise(name: &str) -> String {
+pub fn normalise(name: &str) -> String {
     let lower = name.to_lowercase();
     lower
         .split(|c: char| c.is_whitespace() || c == '-' || c == '_')

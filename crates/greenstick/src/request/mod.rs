@@ -1,33 +1,45 @@
 //! What is to be broken, where and how.
 
-use greenstick_fracture::heights::HeightSource;
-use greenstick_fracture::recipe::Recipe;
-use greenstick_wood::stem::{StemLocation, StemOptions};
+mod file;
 
-/// A break of a stem.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Break {
-    /// Where.
-    pub place: StemLocation,
-    /// How: species, moisture, parameters of the face and of cracks.
-    pub recipe: Recipe,
-    /// Where the heights of the face come from.
-    pub heights: HeightSource,
-    /// How far what lies beyond the break is moved away, m.
-    pub separation: f64,
-    /// How much thorns are bent and splinters come loose, 0 (not at all) to 1.
-    pub fray: f64,
+pub use file::{RequestFile, RequestFileError};
+
+use greenstick_fracture::heights::HeightSource;
+use greenstick_fracture::recipe::{HasRecipe, Recipe};
+use greenstick_schema::{Unit, length, number, parameters, text};
+use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
+
+/// Longest distance by which pieces are moved apart, m.
+const MAX_SEPARATION: f64 = 1000.0;
+
+parameters! {
+    /// A break of a stem.
+    pub struct Break {
+        "Where", "stem" {
+            /// Where to break it: a fraction of the stem's length from its base, 0 to 1, a length from its base, or a point
+            /// in the world, which picks the limb that is nearest.
+            place as "at": StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
+        }
+        "What comes out", "finish" {
+            /// Move the pieces apart by this length.
+            separation as "part": f64 = 0.0, length(0.0, MAX_SEPARATION);
+            /// Bend thorns and tear some loose: 0 not at all, 1 badly.
+            fray: f64 = 0.0, number(Unit::One, 0.0, 1.0);
+        }
+    }
+    other {
+        /// Where the heights of the face come from.
+        heights: HeightSource = HeightSource::default();
+    }
+    include {
+        /// How it breaks: species, moisture, parameters of the face and of cracks.
+        recipe: Recipe = Recipe::default();
+    }
 }
 
-impl Default for Break {
-    fn default() -> Self {
-        Break {
-            place: StemLocation::Fraction(0.5),
-            recipe: Recipe::default(),
-            heights: HeightSource::default(),
-            separation: 0.0,
-            fray: 0.0,
-        }
+impl HasRecipe for Break {
+    fn recipe_mut(&mut self) -> &mut Recipe {
+        &mut self.recipe
     }
 }
 
@@ -44,11 +56,7 @@ pub struct BreakRequest {
 
 impl Default for BreakRequest {
     fn default() -> Self {
-        BreakRequest {
-            stem: StemOptions::default(),
-            breaks: vec![Break::default()],
-            texture_width: 2048,
-        }
+        RequestFile::default().request()
     }
 }
 

@@ -1,0 +1,183 @@
+//! Options that the library's declarations make: one for each parameter of a set.
+
+use crate::failure::Failure;
+use clap::builder::PossibleValue;
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
+use greenstick::schema::{Kind, ParameterError, ParameterInfo, Parameters, Value};
+use std::marker::PhantomData;
+
+/// A set of parameters whose keys are options: `texture_size` is `--texture-size`.
+pub trait OptionSet: Parameters + Default {
+    /// Keys at the top that have no option.
+    const WITHOUT: &'static [&'static str] = &[];
+    /// Keys in tables that have one, named by their last part.
+    const SHORTCUTS: &'static [&'static str] = &[];
+
+    /// An option with what its declaration does not say.
+    fn adjust(option: Arg) -> Arg {
+        option
+    }
+}
+
+/// The options of a set that were given, as they were typed.
+#[derive(Debug, Clone)]
+pub struct Declared<T> {
+    given: Vec<(ParameterInfo, String)>,
+    set: PhantomData<T>,
+}
+
+/// The parameters of a set that have options.
+fn options<T: OptionSet>() -> impl Iterator<Item = ParameterInfo> {
+    T::table().into_iter().filter(|p| {
+        let key = p.key.as_str();
+        let at_the_top = !key.contains('.') && !T::WITHOUT.contains(&key);
+        at_the_top || T::SHORTCUTS.contains(&key)
+    })
+}
+
+/// The name of a parameter's option in clap.
+fn id(p: &ParameterInfo) -> &str {
+    p.key.rsplit('.').next().unwrap_or(&p.key)
+}
+
+/// The option as it is typed.
+fn flag(p: &ParameterInfo) -> String {
+    format!("--{}", id(p).replace('_', "-"))
+}
+
+/// What `--help` says of a parameter.
+fn help(p: &ParameterInfo) -> String {
+    let mut text = p.doc.trim_end_matches('.').to_owned();
+    text += &range(p);
+    match &p.default {
+        Value::Auto | Value::Flag(_) => {}
+        value if value.to_string().is_empty() => {}
+        value => text += &format!(" [default: {}]", p.show(value)),
+    }
+    text
+}
+
+/// The range of a number with few digits, in brackets.
+fn range(p: &ParameterInfo) -> String {
+    const WIDE: f64 = 1e9;
+    let (Some(min), Some(max)) = (p.min(), p.max()) else {
+        return String::new();
+    };
+    let unit = match p.unit() {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    match p.kind {
+        _ if max >= WIDE => String::new(),
+        Kind::Number { above: true, .. } => format!(" (above {min}, up to {max}{unit})"),
+        _ => format!(" ({min} to {max}{unit})"),
+    }
+}
+
+fn option<T: OptionSet>(p: &ParameterInfo) -> Arg {
+    let arg = Arg::new(id(p).to_owned())
+        .long(id(p).replace('_', "-"))
+        .help(help(p))
+        .help_heading(p.group.clone());
+    T::adjust(match p.kind {
+        Kind::Flag if p.default == Value::Flag(false) => arg.action(ArgAction::SetTrue),
+        Kind::Choice { options } => {
+            let word = |o: &greenstick::schema::Choice| {
+                PossibleValue::new(o.word).help(o.doc.trim_end_matches('.'))
+            };
+            let auto = p
+                .auto
+                .then(|| PossibleValue::new("auto").help("judged by the program"));
+            arg.value_name("WORD")
+                .value_parser(options.iter().map(word).chain(auto).collect::<Vec<_>>())
+        }
+        _ => arg
+            .value_name(p.kind.placeholder())
+            .allow_hyphen_values(true),
+    })
+}
+
+impl<T: OptionSet> Args for Declared<T> {
+    fn augment_args(command: Command) -> Command {
+        command.args(options::<T>().map(|p| option::<T>(&p)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<T: OptionSet> FromArgMatches for Declared<T> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let mut given = Vec::new();
+        for p in options::<T>() {
+            let name = id(&p);
+            if matches.value_source(name) != Some(ValueSource::CommandLine) {
+                continue;
+            }
+            let text = match p.kind {
+                Kind::Flag if p.default == Value::Flag(false) => matches.get_flag(name).to_string(),
+                _ => match matches.get_one::<String>(name) {
+                    Some(text) => text.clone(),
+                    None => return Err(Error::raw(ErrorKind::InvalidValue, name)),
+                },
+            };
+            given.push((p, text));
+        }
+        Ok(Declared {
+            given,
+            set: PhantomData,
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl<T: OptionSet> Declared<T> {
+    /// The text given for a key.
+    pub fn text(&self, key: &str) -> Option<&str> {
+        let given = self.given.iter().find(|(p, _)| p.key == key);
+        given.map(|(_, text)| text.as_str())
+    }
+
+    /// Puts the options over a set that has their keys. `rewrite` may write a text anew, given its key.
+    pub fn apply(
+        &self,
+        target: &mut dyn Parameters,
+        rewrite: impl Fn(&str, &str) -> Result<Option<String>, Failure>,
+    ) -> Result<(), Failure> {
+        for (p, text) in &self.given {
+            let text = match rewrite(&p.key, text)? {
+                Some(new) => new,
+                None => text.clone(),
+            };
+            target
+                .set_text(&p.key, &text)
+                .map_err(|error| Failure::parameter(&flag(p), &error))?;
+        }
+        Ok(())
+    }
+
+    /// Puts those options over a set that have keys there.
+    pub fn apply_known(&self, target: &mut dyn Parameters) -> Result<(), Failure> {
+        for (p, text) in &self.given {
+            match target.set_text(&p.key, text) {
+                Err(ParameterError::UnknownKey { .. }) | Ok(()) => {}
+                Err(error) => return Err(Failure::parameter(&flag(p), &error)),
+            }
+        }
+        Ok(())
+    }
+
+    /// The set with the options over its defaults.
+    pub fn set(&self) -> Result<T, Failure> {
+        let mut set = T::default();
+        self.apply(&mut set, |_, _| Ok(None))?;
+        Ok(set)
+    }
+}

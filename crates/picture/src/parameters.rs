@@ -1,0 +1,143 @@
+//! What is asked of a picture.
+
+use crate::{MAXIMUM_SAMPLES, MAXIMUM_SIDE, PictureOptions, View};
+use greenstick_schema::{count, parameters, text, text_field};
+use std::str::FromStr;
+
+/// Width and height of a picture, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PictureSize {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// A text that is no size of a picture.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{0}\" is no size; expected WIDTHxHEIGHT in pixels, each from 1 to {MAXIMUM_SIDE}, such as 1200x900"
+)]
+pub struct PictureSizeError(String);
+
+impl FromStr for PictureSize {
+    type Err = PictureSizeError;
+
+    fn from_str(text: &str) -> Result<Self, PictureSizeError> {
+        let side = |t: &str| {
+            t.trim()
+                .parse()
+                .ok()
+                .filter(|n| (1..=MAXIMUM_SIDE).contains(n))
+        };
+        let sides = text.split_once(['x', '×']).and_then(|(width, height)| {
+            Some(PictureSize {
+                width: side(width)?,
+                height: side(height)?,
+            })
+        });
+        sides.ok_or_else(|| PictureSizeError(text.to_owned()))
+    }
+}
+
+text_field! {
+    PictureSize, "WIDTHxHEIGHT", |size| format!("{}x{}", size.width, size.height);
+    /// A size in pixels.
+    pub const SIZE
+}
+
+/// A direction that a picture is taken from, degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewDirection {
+    /// Angle about the upward direction.
+    pub azimuth: f64,
+    /// Angle above the horizon, −90 to 90.
+    pub elevation: f64,
+}
+
+/// A text that is no direction.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{0}\" is no direction; expected AZIMUTH,ELEVATION in degrees, the second from -90 to 90, such as 30,15"
+)]
+pub struct ViewDirectionError(String);
+
+impl FromStr for ViewDirection {
+    type Err = ViewDirectionError;
+
+    fn from_str(text: &str) -> Result<Self, ViewDirectionError> {
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+        let direction = text.split_once(',').and_then(|(azimuth, elevation)| {
+            Some(ViewDirection {
+                azimuth: number(azimuth)?,
+                elevation: number(elevation).filter(|x| x.abs() <= 90.0)?,
+            })
+        });
+        direction.ok_or_else(|| ViewDirectionError(text.to_owned()))
+    }
+}
+
+text_field! {
+    ViewDirection, "AZIMUTH,ELEVATION", |view| format!("{},{}", view.azimuth, view.elevation);
+    /// A direction, in degrees.
+    pub const VIEW
+}
+
+parameters! {
+    /// What is asked of a picture.
+    pub struct PictureParameters {
+        "Picture", "picture" {
+            /// Size of the picture, pixels.
+            size as "picture_size": PictureSize = PictureSize { width: 1200, height: 900 }, text(SIZE);
+            /// Camera rays for each pixel of the picture; from 4 on rounded up to a multiple of 4.
+            samples: u32 = 16, count(1, MAXIMUM_SAMPLES as i128).logarithmic();
+            /// Direction from which the picture is taken, degrees; "auto" chooses one that suits.
+            view: Option<ViewDirection> = None, text(VIEW).auto();
+        }
+    }
+}
+
+impl PictureParameters {
+    /// The options of a picture of everything in a scene.
+    pub fn options(&self) -> PictureOptions {
+        PictureOptions {
+            width: self.size.width,
+            height: self.size.height,
+            samples: self.samples,
+            view: self.view.map_or(View::Automatic, |view| View::Direction {
+                azimuth: view.azimuth.to_radians(),
+                elevation: view.elevation.to_radians(),
+            }),
+            ..PictureOptions::everything()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick_schema::Parameters;
+
+    #[test]
+    fn sizes_and_directions_are_read_and_refused() {
+        let mut p = PictureParameters::default();
+        p.set_text("picture_size", "640x480").unwrap();
+        p.set_text("view", "180, -45").unwrap();
+        let options = p.options();
+        assert_eq!((options.width, options.height), (640, 480));
+        let View::Direction { azimuth, elevation } = options.view else {
+            panic!("no direction");
+        };
+        assert!((azimuth + 4.0 * elevation).abs() < 1e-15);
+        for (key, wrong) in [
+            ("picture_size", "0x5"),
+            ("picture_size", "99999x5"),
+            ("picture_size", "5"),
+        ] {
+            assert!(p.set_text(key, wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["0,91", "NaN,0", "30"] {
+            assert!(p.set_text("view", wrong).is_err(), "{wrong}");
+        }
+    }
+}
