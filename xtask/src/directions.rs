@@ -1,43 +1,43 @@
 //! Which package may depend on which: data flows one way through the crates.
 
-use serde_json::Value;
-use std::path::PathBuf;
+use crate::workspace::{Fault, Package};
 
-/// A package of the workspace.
-pub struct Package {
-    pub name: String,
-    /// Folder of its manifest.
-    pub folder: PathBuf,
-    /// Names of the packages it depends on, those outside the workspace included.
-    pub dependencies: Vec<String>,
-    /// Root file of its library, where it has one.
-    pub library: Option<PathBuf>,
-}
-
-impl Package {
-    /// Whether it lies in `apps/`.
-    fn is_app(&self) -> bool {
-        self.folder.parent().is_some_and(|p| p.ends_with("apps"))
-    }
-}
-
-/// What each library crate may use. A crate that is not listed is a fault, so that none is forgotten.
-const ALLOWED: [(&str, &[&str]); 8] = [
+/// What each library crate may use. A library crate that is not listed is a fault, so that none is forgotten.
+const ALLOWED: [(&str, &[&str]); 9] = [
+    ("greenstick-schema", &[]),
     ("greenstick-geometry", &[]),
-    ("greenstick-formats", &["greenstick-geometry"]),
-    ("greenstick-picture", &["greenstick-geometry"]),
-    ("greenstick-wood", &["greenstick-geometry"]),
+    (
+        "greenstick-formats",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
+    (
+        "greenstick-picture",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
+    (
+        "greenstick-wood",
+        &["greenstick-schema", "greenstick-geometry"],
+    ),
     (
         "greenstick-fracture",
-        &["greenstick-geometry", "greenstick-wood"],
+        &[
+            "greenstick-schema",
+            "greenstick-geometry",
+            "greenstick-wood",
+        ],
     ),
     (
         "greenstick-fibre",
-        &["greenstick-geometry", "greenstick-wood"],
+        &[
+            "greenstick-schema",
+            "greenstick-geometry",
+            "greenstick-wood",
+        ],
     ),
     (
         "greenstick-skin",
         &[
+            "greenstick-schema",
             "greenstick-geometry",
             "greenstick-wood",
             "greenstick-fracture",
@@ -47,6 +47,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     (
         "greenstick",
         &[
+            "greenstick-schema",
             "greenstick-geometry",
             "greenstick-formats",
             "greenstick-picture",
@@ -58,52 +59,12 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     ),
 ];
 
-/// What programs (`apps/*`) and tools may use: the façade, which hands on the rest.
+/// What programs (`apps/*`) and tools may use: the façade, which re-exports the rest.
 const FACADE: &[&str] = &["greenstick"];
 
-/// Packages from the output of `cargo metadata`.
-pub fn packages(metadata: &Value) -> Result<Vec<Package>, String> {
-    let text = |v: &Value, key: &str| {
-        v[key]
-            .as_str()
-            .map(str::to_owned)
-            .ok_or_else(|| format!("cargo metadata has a package without `{key}`"))
-    };
-    let list = metadata["packages"]
-        .as_array()
-        .ok_or("cargo metadata has no `packages`")?;
-    list.iter()
-        .map(|package| {
-            let manifest = PathBuf::from(text(package, "manifest_path")?);
-            let dependencies = package["dependencies"]
-                .as_array()
-                .map_or(&[][..], Vec::as_slice);
-            let targets = package["targets"].as_array().map_or(&[][..], Vec::as_slice);
-            let is_library = |t: &&Value| {
-                t["kind"]
-                    .as_array()
-                    .is_some_and(|k| k.iter().any(|k| k == "lib"))
-            };
-            Ok(Package {
-                name: text(package, "name")?,
-                folder: manifest.parent().map(PathBuf::from).unwrap_or_default(),
-                dependencies: dependencies
-                    .iter()
-                    .map(|d| text(d, "name"))
-                    .collect::<Result<_, _>>()?,
-                library: targets
-                    .iter()
-                    .find(is_library)
-                    .and_then(|t| t["src_path"].as_str())
-                    .map(PathBuf::from),
-            })
-        })
-        .collect()
-}
-
-/// Every dependency between packages of the workspace that runs against the order of the house. Dependencies for
+/// Finds every dependency between packages of the workspace that runs against the order of crates. Dependencies for
 /// tests and builds count like any other.
-pub fn crossings(packages: &[Package]) -> Vec<String> {
+pub fn faults(packages: &[Package]) -> Vec<Fault> {
     let mut faults = Vec::new();
     for package in packages {
         let allowed = match ALLOWED.iter().find(|(name, _)| *name == package.name) {
@@ -111,10 +72,10 @@ pub fn crossings(packages: &[Package]) -> Vec<String> {
             None if package.is_app() => FACADE,
             None if package.name == "xtask" => FACADE,
             None => {
-                faults.push(format!(
+                faults.push(Fault::from(format!(
                     "{} has no place in the order of crates; give it one in xtask/src/directions.rs",
                     package.name
-                ));
+                )));
                 continue;
             }
         };
@@ -126,10 +87,10 @@ pub fn crossings(packages: &[Package]) -> Vec<String> {
                 } else {
                     allowed.join(", ")
                 };
-                faults.push(format!(
+                faults.push(Fault::from(format!(
                     "{} depends on {dependency}; of the workspace it may use {may}",
                     package.name
-                ));
+                )));
             }
         }
     }
@@ -139,6 +100,8 @@ pub fn crossings(packages: &[Package]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspace::packages;
+    use serde_json::Value;
 
     fn workspace(dependencies: &[(&str, &[&str])]) -> Vec<Package> {
         let metadata: Vec<Value> = dependencies
@@ -162,6 +125,10 @@ mod tests {
         packages(&serde_json::json!({ "packages": metadata })).unwrap()
     }
 
+    fn messages(packages: &[Package]) -> Vec<String> {
+        faults(packages).into_iter().map(|f| f.message).collect()
+    }
+
     #[test]
     fn the_order_of_the_house_passes() {
         let house = workspace(&[
@@ -179,11 +146,11 @@ mod tests {
             ("greenstick", &["greenstick-skin"]),
             ("apps/greenstick-cli", &["greenstick", "serde_json"]),
         ]);
-        assert_eq!(crossings(&house), Vec::<String>::new());
+        assert_eq!(messages(&house), Vec::<String>::new());
     }
 
     #[test]
-    fn every_crossing_is_told() {
+    fn every_crossing_is_reported() {
         let house = workspace(&[
             ("greenstick-geometry", &["greenstick-wood"]),
             ("greenstick-wood", &[]),
@@ -193,7 +160,7 @@ mod tests {
             ("greenstick-attic", &[]),
             ("apps/greenstick-cli", &["greenstick-wood"]),
         ]);
-        let faults = crossings(&house);
+        let faults = messages(&house);
         assert_eq!(faults.len(), 6, "{faults:?}");
         assert_eq!(
             faults[0],

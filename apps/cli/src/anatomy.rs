@@ -1,18 +1,17 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
-use crate::arguments::AnatomyOptions;
-use crate::break_wood::{doubt_about_unit, size, stem_options, use_threads};
-use crate::failure::{Failure, print};
+use crate::arguments::{AnatomyOptions, Declared};
+use crate::break_wood::{doubt_about_unit, in_metres, size, use_threads};
+use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
-use crate::values;
-use greenstick::anatomy::{ANATOMY_FILE, AnatomyReport, AnatomyRequest, SegmentReport};
+use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyReport, SegmentReport};
 use greenstick::files::{self, Batch, FileError, Output};
-use greenstick::formats::{Encoded, LengthUnit};
+use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
-use greenstick::wood::stem::StemLocation;
+use greenstick::schema::Parameters;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -41,19 +40,22 @@ struct PrintedReport<'a> {
 }
 
 pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
-    let unit = options.unit.map(LengthUnit::from);
-    let mut request = request(options, unit.unwrap_or_default())?;
+    let mut file = AnatomyFile::default();
+    apply_options(&mut file, &options.request)?;
+    file.check()
+        .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
+    let unit = file.unit;
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
     let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
-    let source = load(options, request.location, unit, &read)?;
-    request.location = source.place;
+    let source = load(options, &file, &read)?;
+    file.request.location = source.place;
     let mut folder = OutputFolder::new(&options.output, source.files)?;
     let mut report =
-        greenstick::anatomy::anatomy(&source.scene, &request, &work, |file| folder.add(file))?;
+        greenstick::anatomy::anatomy(&source.scene, &file.request, &work, |file| folder.add(file))?;
     report.notes.extend(doubt_about_unit(
         options.input.as_deref(),
-        options.unit.map(LengthUnit::from),
+        unit,
         report.length_m,
     ));
     write.report(0.0)?;
@@ -139,37 +141,28 @@ impl Drop for OutputFolder {
 /// The scene of an input, a cloud's as the bark of its stem, or the branch that comes with the program.
 fn load(
     options: &AnatomyOptions,
-    location: StemLocation,
-    unit: Option<LengthUnit>,
+    file: &AnatomyFile,
     context: &Context,
 ) -> Result<Loaded, Failure> {
+    let place = file.request.location;
     match &options.input {
-        Some(path) => scan::load(path, location, unit, &options.scan.set()?, context),
+        Some(path) => scan::load(path, place, file.unit, &file.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
-            place: location,
+            place,
             scan: None,
             files: Vec::new(),
         }),
     }
 }
 
-fn request(options: &AnatomyOptions, unit: LengthUnit) -> Result<AnatomyRequest, Failure> {
-    Ok(AnatomyRequest {
-        location: values::place(&options.at, unit).map_err(Failure::request)?,
-        stem: stem_options(&options.stem, unit)?,
-        species: options.species.clone(),
-        resolution: options.resolution,
-        ring_method: options.source.rings_by(options.rings.map(|_| "--rings"))?,
-        ring_count: options.rings,
-        sectors: options.sectors,
-        layers: options.layers,
-        division: options.bundles.into(),
-        sections: options.sections,
-        surface_ring: options.surface_ring,
-        colouring: options.colours.into(),
-        outputs: options.only.iter().map(|&word| word.into()).collect(),
-    })
+/// Puts options over what is wanted. Points are in the unit of the file.
+fn apply_options(file: &mut AnatomyFile, options: &Declared<AnatomyFile>) -> Result<(), Failure> {
+    if let Some(word) = options.text("unit") {
+        file.set_text("unit", word).map_err(Failure::request)?;
+    }
+    let unit = file.unit.unwrap_or_default();
+    options.apply(file, |key, text| in_metres(key, text, unit))
 }
 
 /// The report as it is printed.

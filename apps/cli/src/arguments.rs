@@ -12,7 +12,7 @@ pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
 pub use declared::{Declared, OptionSet};
 pub use fit::FitOptions;
-pub use shared::{MeshOf, RingSource, Telling};
+pub use shared::{MeshOf, Telling};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 
@@ -22,7 +22,7 @@ use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureParameters;
 use greenstick::scanning::ScanParameters;
-use greenstick::wood::stem::StemOptions;
+use greenstick::wood::anatomy::RingParameters;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -161,7 +161,7 @@ pub struct RingsOptions {
     #[arg(long, value_name = "N", default_value_t = 900, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub picture_size: u32,
     #[command(flatten)]
-    pub source: RingSource,
+    pub source: Declared<RingParameters>,
     /// Pixels along each side of the picture that is eroded, 32 to 512 [default: 512]
     #[arg(long, value_name = "NUMBER", value_parser = values::resolution, help_heading = "Where rings come from")]
     pub resolution: Option<usize>,
@@ -224,7 +224,8 @@ impl OptionSet for RequestFile {
             // Beside the input and the output.
             "at" | "unit" => option.help_heading(None::<&str>),
             "seed" | "species" | "moisture" => option.help_heading("How it breaks"),
-            _ => PictureParameters::adjust(option),
+            "picture_size" => PictureParameters::adjust(option),
+            _ => ScanParameters::adjust(option),
         }
     }
 }
@@ -238,8 +239,24 @@ impl OptionSet for PictureParameters {
     }
 }
 
-impl OptionSet for StemOptions {}
-impl OptionSet for ScanParameters {}
+impl OptionSet for RingParameters {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "schedule" => option.conflicts_with("kernels"),
+            _ => option,
+        }
+    }
+}
+
+impl OptionSet for ScanParameters {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "outliers" => option.conflicts_with("no_outliers"),
+            "isolated" => option.conflicts_with("no_isolated"),
+            _ => option,
+        }
+    }
+}
 
 #[derive(Debug, Args)]
 pub struct CheckOptions {
@@ -298,7 +315,7 @@ pub struct ParametersOptions {
 
 #[derive(Debug, Args)]
 pub struct SchemaOptions {
-    /// Only that of these files: break
+    /// Only one of them: break, anatomy, rings
     pub name: Option<String>,
 }
 

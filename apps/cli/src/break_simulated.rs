@@ -125,7 +125,7 @@ fn read_mesh(
         };
     };
     let at = match at {
-        Some(_) => asked.file.common.place.clone(),
+        Some(_) => asked.file.common.place,
         None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
     };
     let loaded = scan::load(path, at, asked.file.unit, &asked.file.scan, context)?;

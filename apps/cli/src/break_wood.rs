@@ -10,7 +10,7 @@ use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::geometry::Context;
 use greenstick::schema::{Field, Parameters};
-use greenstick::wood::stem::{StemLocation, StemOptions};
+use greenstick::wood::stem::StemLocation;
 use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
 use serde::Serialize;
 use std::fmt::Write;
@@ -154,7 +154,7 @@ pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
         recipe: options.save_recipe.clone(),
     };
     if let Some(path) = &targets.pieces
-        && Format::of_path(path).is_none()
+        && Format::from_path(path).is_none()
     {
         let (path, expected) = (path.clone(), files::mesh_endings());
         return Err(files::FileError::UnknownEnding { path, expected }.into());
@@ -224,7 +224,7 @@ pub fn doubt_about_unit(
     unit: Option<LengthUnit>,
     length: f64,
 ) -> Option<String> {
-    let format = input.and_then(InputFormat::of_path)?;
+    let format = input.and_then(InputFormat::from_path)?;
     let doubtful = unit.is_none() && !format.is_in_metres() && length > LONGEST;
     doubtful.then(|| {
         format!(
@@ -306,23 +306,13 @@ fn apply_options(file: &mut RequestFile, options: &Declared<RequestFile>) -> Res
 }
 
 /// Options that are points in the unit of the file, in metres.
-fn in_metres(key: &str, text: &str, unit: LengthUnit) -> Result<Option<String>, Failure> {
+pub fn in_metres(key: &str, text: &str, unit: LengthUnit) -> Result<Option<String>, Failure> {
     match key {
         "at" => values::place(text, unit).map(|p| Some(p.to_value().to_string())),
         "pith" => values::pith(text, unit).map(|p| Some(p.to_value().to_string())),
         _ => Ok(None),
     }
     .map_err(Failure::request)
-}
-
-/// What is known of a stem, from options with points in the unit of the file.
-pub fn stem_options(
-    options: &Declared<StemOptions>,
-    unit: LengthUnit,
-) -> Result<StemOptions, Failure> {
-    let mut stem = StemOptions::default();
-    options.apply(&mut stem, |key, text| in_metres(key, text, unit))?;
-    Ok(stem)
 }
 
 /// Where what is right can be looked up.

@@ -4,11 +4,12 @@
 use greenstick::files::FileError;
 use greenstick::film::FilmError;
 use greenstick::formats::FormatError;
+use greenstick::fracture::cracks::CrackError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
-use greenstick::simulate::SimulateError;
+use greenstick::simulate::{RunError, SimulateError};
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
@@ -174,6 +175,8 @@ impl From<greenstick::Error> for Failure {
             Error::Cut { .. } => Failure::work(&error).hint(
                 "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
             ),
+            Error::Crack(CrackError::TooShort { .. }) => Failure::work(&error)
+                .hint("a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself"),
             _ => Failure::work(&error),
         }
     }
@@ -190,6 +193,11 @@ impl From<FilmError> for Failure {
                 Failure::request("the run was of a mesh, and it is not known which")
                     .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
             }
+            FilmError::Run(RunError::NoRun { .. }) => {
+                Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
+            }
+            FilmError::NoFrames { .. } => Failure::request(error)
+                .hint("the command that simulated it, with --resume, goes on with the run"),
             _ => Failure::request(error),
         }
     }

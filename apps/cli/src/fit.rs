@@ -75,6 +75,13 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
                 file.path, report.at, file.path
             );
         }
+        if written.is_empty() {
+            let _ = writeln!(
+                text,
+                "next     -o FILE.toml writes a recipe for greenstick break ... --at {} --recipe FILE.toml",
+                report.at
+            );
+        }
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -89,7 +96,7 @@ fn failure(error: FitError) -> Failure {
     match error {
         FitError::Run(error) => error.into(),
         FitError::Cancelled(cancelled) => cancelled.into(),
-        FitError::Place { .. } => Failure::work(error),
+        FitError::Location { .. } => Failure::work(error),
         FitError::NoBreak { .. } => Failure::request(error),
     }
 }

@@ -3,6 +3,7 @@
 use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
 use greenstick::RequestFile;
+use greenstick::anatomy::AnatomyFile;
 use greenstick::fracture::parameters::{RadialCrack, TangentialCrack};
 use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::{Recipe, apply_preset};
@@ -10,6 +11,7 @@ use greenstick::schema::{
     ParameterInfo, Parameters, closest_names, did_you_mean, document_schema, markdown_tables,
     object_schema,
 };
+use greenstick::wood::anatomy::RingParameters;
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -46,7 +48,11 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
 
 /// Every kind of file that holds parameters: its name, and a set with its defaults.
 fn files() -> Vec<(&'static str, Box<dyn Parameters>)> {
-    vec![("break", Box::new(RequestFile::default()))]
+    vec![
+        ("break", Box::new(RequestFile::default())),
+        ("anatomy", Box::new(AnatomyFile::default())),
+        ("rings", Box::new(RingParameters::default())),
+    ]
 }
 
 pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {

@@ -7,6 +7,7 @@ use greenstick::anatomy::RingMethod;
 use greenstick::files::{self, Output};
 use greenstick::geometry::Context;
 use greenstick::rings::{RingComparison, RingsError, RingsFile, SectionFile};
+use greenstick::schema::Parameters;
 use greenstick::wood::rings::{RingSeries, SectionRingMethod};
 use std::fmt::Write;
 use std::path::Path;
@@ -79,7 +80,15 @@ fn method(options: &RingsOptions) -> Result<SectionRingMethod, Failure> {
         ("--widths", options.widths.is_some()),
     ];
     let counted = counted.into_iter().find(|c| c.1).map(|c| c.0);
-    match options.source.rings_by(counted)? {
+    let source = options.source.set()?;
+    source.check().map_err(Failure::request)?;
+    let method = source.method();
+    if let (RingMethod::Erosion(_), Some(option)) = (&method, counted) {
+        return Err(Failure::request(format!(
+            "{option}: an erosion makes its own number of rings, by its kernels and the --resolution; leave it out"
+        )));
+    }
+    match method {
         RingMethod::Field if options.resolution.is_some() => Err(Failure::request(
             "--resolution is of an erosion; say --rings-by erosion with it",
         )),

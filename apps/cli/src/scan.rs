@@ -7,7 +7,6 @@ use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::stem::StemLocation;
 use std::path::{Path, PathBuf};
-use std::sync::Once;
 
 /// The part of loading a cloud that reading its file takes.
 const READ: f64 = 0.3;
@@ -33,7 +32,6 @@ pub fn load(
     context: &Context,
 ) -> Result<Loaded, Failure> {
     context.report(0.0)?;
-    keep_decompressor_quiet();
     let (content, files) = files::load_content(path, unit)?;
     let cloud = match content {
         Content::Mesh(scene) if !parameters.as_scan => {
@@ -56,19 +54,4 @@ pub fn load(
         scan: Some(scanned.report),
         files,
     })
-}
-
-/// Keeps panics of the LAZ decompressor off the screen: the reader catches them and says that the file is damaged.
-fn keep_decompressor_quiet() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |panic| {
-            let theirs =
-                |place: &std::panic::Location| place.file().replace('\\', "/").contains("/laz-");
-            if !panic.location().is_some_and(theirs) {
-                usual(panic);
-            }
-        }));
-    });
 }

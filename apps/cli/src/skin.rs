@@ -196,7 +196,7 @@ fn still(
             .mesh
             .unit
             .map_or(LengthUnit::Metre, LengthUnit::from);
-        outputs.extend(match UsdFormat::of_path(path) {
+        outputs.extend(match UsdFormat::from_path(path) {
             Some(format) => encode_usd(format, &still.scene, path)?,
             None => files::encode(&still.scene, path, unit)?,
         });
@@ -224,7 +224,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
         return Ok((Some(made.report), None, files, Engines::default()));
     };
     let ending = ending(path);
-    let usd = UsdFormat::of_path(path).filter(|&f| f != UsdFormat::Usda);
+    let usd = UsdFormat::from_path(path).filter(|&f| f != UsdFormat::Usda);
     if usd.is_none() && ending != "glb" && ending != "pvd" && !is_video(&ending) {
         return Err(Failure::request(format!(
             "{}: a film is written as .glb, .usdc, .usdz, .mp4, .webm or, for ParaView, .pvd",

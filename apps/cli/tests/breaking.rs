@@ -5,7 +5,8 @@ mod support;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use support::{Folder, shared};
+use support::Folder;
+use support::data::data;
 
 fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
@@ -174,11 +175,8 @@ fn units_scale_and_parts_move() {
 
 #[test]
 fn scanned_and_modelled_wood_breaks() {
-    for (name, at) in [
-        ("scans/pole.ply", "0.4"),
-        ("scans/homecart_cutting_board.gltf", "0.5"),
-    ] {
-        let Some(path) = shared(name) else { continue };
+    for (name, at) in [("pole.ply", "0.4"), ("homecart_cutting_board.gltf", "0.5")] {
+        let path = data(name);
         let folder = Folder::new();
         let run = folder.quick(&[
             path.to_str().unwrap(),

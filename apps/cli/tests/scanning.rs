@@ -4,6 +4,7 @@ mod support;
 
 use std::fmt::Write;
 use support::Folder;
+use support::data::data;
 
 /// XYZ of a cylinder of 5 cm radius, 0.6 m long, at the coordinates of a survey, its turns from 0 to `seen`.
 fn cylinder(seen: f64) -> String {
@@ -85,9 +86,14 @@ fn half_a_cloud_is_refused_where_more_is_asked_for() {
 #[test]
 fn a_board_as_a_scan_is_squared_timber() {
     let folder = Folder::new();
-    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/");
-    let board = format!("{data}homecart_cutting_board.gltf");
-    let run = folder.quick(&[&board, "--as-scan", "-o", "b.glb", "--json"]);
+    let board = data("homecart_cutting_board.gltf");
+    let run = folder.quick(&[
+        board.to_str().unwrap(),
+        "--as-scan",
+        "-o",
+        "b.glb",
+        "--json",
+    ]);
     assert_eq!(run.code, 0, "{}", run.err);
     let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
     // 681.6 mm wide and 25.4 mm thick between the file's own bounds.

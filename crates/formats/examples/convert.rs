@@ -14,10 +14,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let unit: Option<LengthUnit> = rest.first().map(|u| u.parse()).transpose()?;
     let (input, output) = (Path::new(input), Path::new(output));
     let format_of = |path: &Path| {
-        Format::of_path(path).ok_or_else(|| {
-            let endings = Format::ALL.map(Format::ending).join(", ");
+        Format::from_path(path).ok_or_else(|| {
+            let extensions = Format::ALL.map(Format::extension).join(", ");
             format!(
-                "{}: unknown ending; expected one of {endings}",
+                "{}: unknown extension; expected one of {extensions}",
                 path.display()
             )
         })
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = read(format_of(input)?, &bytes, &name_of(input), unit, &resolve)?;
     let reading = start.elapsed();
     let start = Instant::now();
-    let files = match UsdFormat::of_path(output) {
+    let files = match UsdFormat::from_path(output) {
         Some(format) => usd::write(format, &scene, &name_of(output))?,
         None => write(
             format_of(output)?,

@@ -9,7 +9,7 @@ use glam::DVec3;
 use greenstick_formats::Encoded;
 use greenstick_formats::film::{GlbOptions, write_glb, write_usd};
 use greenstick_formats::usd::{self, UsdFormat};
-use greenstick_formats::vtk::{self, Field, Polylines};
+use greenstick_formats::vtk::{self, Field, Polylines, TimedFile};
 use greenstick_geometry::{Context, Film, Motion, Pose, Values};
 use std::error::Error;
 use std::fs::File;
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..GlbOptions::default()
         };
         let mut out = BufWriter::new(File::create(folder.join(name))?);
-        let mut motion = Bend::of(&film, frames);
+        let mut motion = Bend::new(&film, frames);
         let start = Instant::now();
         let context = Context::quiet();
         let report = write_glb(&film, &mut motion, name, &options, &mut out, &context)?;
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("film.usdz", UsdFormat::Usdz),
     ] {
         let mut out = BufWriter::new(File::create(folder.join(name))?);
-        let mut motion = Bend::of(&film, frames);
+        let mut motion = Bend::new(&film, frames);
         let start = Instant::now();
         let context = Context::quiet();
         let (report, files) = write_usd(format, &film, &mut motion, name, &mut out, &context)?;
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     still.textures.truncate(1);
     still.materials[0].normal_texture = None;
     for name in ["still.usda", "still.usdc", "still.usdz"] {
-        let format = UsdFormat::of_path(Path::new(name)).ok_or("an ending of USD")?;
+        let format = UsdFormat::from_path(Path::new(name)).ok_or("an ending of USD")?;
         save(folder, usd::write(format, &still, name)?)?;
     }
     Ok(())
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The joints of the stick as a rod, with bonds from each to the ground.
 fn series(folder: &Path, film: &Film, frames: usize) -> Result<(), Box<dyn Error>> {
-    let mut motion = Bend::of(film, frames);
+    let mut motion = Bend::new(film, frames);
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
     let mut files = Vec::new();
     for frame in 0..frames {
@@ -87,7 +87,7 @@ fn series(folder: &Path, film: &Film, frames: usize) -> Result<(), Box<dyn Error
             ],
             line_data: &[Field::scalar("rod", Values::U32(vec![7]))],
         };
-        let rods = vtk::lines(&rods, &name)?;
+        let rods = vtk::write_lines(&rods, &name)?;
         let ground = rod.iter().map(|p| DVec3::new(p.x, -1.0, p.z));
         let ends: Vec<DVec3> = rod.iter().copied().chain(ground).collect();
         let corners: Vec<u32> = (0..count).flat_map(|k| [k, k + count]).collect();
@@ -100,9 +100,12 @@ fn series(folder: &Path, film: &Film, frames: usize) -> Result<(), Box<dyn Error
             point_data: &[],
             line_data: &[Field::scalar("broken", Values::U8(vec![0; count as usize]))],
         };
-        let bonds = vtk::lines(&bonds, &name)?;
+        let bonds = vtk::write_lines(&bonds, &name)?;
         let time = motion.time(frame);
-        files.extend([(time, rods.name.clone()), (time, bonds.name.clone())]);
+        for file in [&rods, &bonds] {
+            let file = file.name.clone();
+            files.push(TimedFile { time, file });
+        }
         save(folder, vec![rods, bonds])?;
     }
     std::fs::write(folder.join("film.pvd"), vtk::collection(&files))?;

@@ -1,10 +1,10 @@
-//! What can go wrong with a mesh file: every message says where, what was found and what would be right.
+//! Errors of reading and writing files. Every message says where, what was found, and what would be right.
 
 /// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
-    /// No bytes at all.
+    /// The file is empty.
     #[error("{file}: the file is empty; expected a {format} file with at least one triangle")]
     Empty {
         /// Name of the file.
@@ -12,7 +12,7 @@ pub enum FormatError {
         /// Name of the format.
         format: &'static str,
     },
-    /// The content is something else than the name promises.
+    /// The content does not have the format.
     #[error("{file}: not a {format} file: {found}; expected {right}")]
     NotThisFormat {
         /// Name of the file.
@@ -24,7 +24,7 @@ pub enum FormatError {
         /// What would be right.
         right: String,
     },
-    /// One element breaks the rules of the format.
+    /// An element violates the format.
     #[error("{file}: {place}: {found}; expected {right}")]
     Malformed {
         /// Name of the file.
@@ -36,9 +36,9 @@ pub enum FormatError {
         /// What would be right.
         right: String,
     },
-    /// The data end before the element does.
+    /// The data end within an element.
     #[error(
-        "{file}: {place}: the data end too early, {found}; expected {right} (was the file cut off?)"
+        "{file}: {place}: the data end too early, {found}; expected {right} (is the file truncated?)"
     )]
     Truncated {
         /// Name of the file.
@@ -50,90 +50,90 @@ pub enum FormatError {
         /// What would be right.
         right: String,
     },
-    /// A count that the file cannot hold; refused before anything is allocated.
+    /// A count exceeds what the file can hold. No memory is allocated for it.
     #[error(
-        "{file}: {element} claims {claimed} entries, but there is room for {possible} at most in the {available} bytes there are; \
+        "{file}: {element} claims {claimed} entries, but the {available} bytes there are hold at most {possible}; \
          expected a count that matches the data"
     )]
     CountTooLarge {
         /// Name of the file.
         file: String,
-        /// The element that claims.
+        /// The element.
         element: String,
-        /// How many entries it claims.
+        /// Number of entries that it claims.
         claimed: u64,
-        /// How many there could be.
+        /// Largest possible number.
         possible: u64,
-        /// Bytes that are left for them.
+        /// Bytes available.
         available: u64,
     },
-    /// A coordinate that is no finite number.
+    /// A coordinate is not finite.
     #[error(
         "{file}: {element}: vertex {vertex} has the coordinate {value}; expected finite numbers"
     )]
     NotFinite {
         /// Name of the file.
         file: String,
-        /// The element that holds the vertex.
+        /// The element that contains the vertex.
         element: String,
         /// Number of the vertex in that element, from 0.
         vertex: usize,
-        /// The coordinate found.
+        /// The coordinate.
         value: f64,
     },
-    /// A face that names a vertex which does not exist.
+    /// A face refers to a vertex that does not exist.
     #[error(
-        "{file}: {element}: face {face} names vertex {index}; expected a number in a list of {count}"
+        "{file}: {element}: face {face} refers to vertex {index}; expected an index into a list of {count}"
     )]
     IndexOutOfRange {
         /// Name of the file.
         file: String,
-        /// The element that holds the face, with the rule of numbering where there could be doubt.
+        /// The element that contains the face, and how vertices are counted.
         element: String,
         /// Number of the face in that element, from 0.
         face: usize,
-        /// The number found, as it stands in the file.
+        /// The index in the file.
         index: i64,
-        /// How many entries the list has.
+        /// Number of entries of the list.
         count: usize,
     },
-    /// Points without faces.
-    #[error("{file}: holds {points} points and no faces; expected a mesh with faces")]
+    /// The file has points, but no faces.
+    #[error("{file}: contains {points} points and no faces; expected a mesh with faces")]
     PointCloud {
         /// Name of the file.
         file: String,
         /// Number of points.
         points: usize,
     },
-    /// Nothing that could be broken.
-    #[error("{file}: holds no triangles; expected a mesh with faces")]
+    /// The file has no triangles.
+    #[error("{file}: contains no triangles; expected a mesh with faces")]
     NoTriangles {
         /// Name of the file.
         file: String,
     },
-    /// Something the format allows and this reader does not know.
-    #[error("{file}: uses {feature}, which is not read; {right}")]
+    /// A feature of the format that is not supported.
+    #[error("{file}: uses {feature}, which is not supported; {right}")]
     Unsupported {
         /// Name of the file.
         file: String,
-        /// What is used.
+        /// The feature.
         feature: String,
         /// What to do instead.
         right: String,
     },
-    /// A file that the main file needs could not be fetched.
+    /// A companion file cannot be read.
     #[error(
         "{file}: refers to {companion}, which cannot be read ({source}); expected that file beside {file}"
     )]
     Companion {
         /// Name of the file.
         file: String,
-        /// The reference as it stands in the file.
+        /// The reference in the file.
         companion: String,
-        /// Why it could not be fetched.
+        /// Why.
         source: std::io::Error,
     },
-    /// The scene does not fit the format.
+    /// The scene is invalid, or the format cannot represent it.
     #[error("{file}: cannot be written: {found}; expected {right}")]
     Unwritable {
         /// Name of the file.
@@ -145,7 +145,7 @@ pub enum FormatError {
     },
 }
 
-/// Builds errors that name one file.
+/// A file for messages: creates errors with its name.
 #[derive(Clone, Copy)]
 pub(crate) struct InFile<'a>(pub &'a str);
 
@@ -194,15 +194,15 @@ impl InFile<'_> {
         }
     }
 
-    /// Refuses `claimed` entries of at least `least_size` bytes each where `available` bytes cannot hold them.
+    /// Refuses `claimed` entries of at least `entry_size` bytes each if `available` bytes cannot hold them.
     pub fn check_count(
         self,
         element: &str,
         claimed: usize,
-        least_size: usize,
+        entry_size: usize,
         available: usize,
     ) -> Result<(), FormatError> {
-        let possible = available / least_size.max(1);
+        let possible = available / entry_size.max(1);
         if claimed <= possible {
             return Ok(());
         }

@@ -1,15 +1,17 @@
-//! OFF, text: `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations.
+//! OFF as text: `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations.
 
-use crate::assemble::{clean_attributes, in_world, narrow};
+use crate::attribute::clean_attributes;
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
-use crate::polygon::Triangulator;
-use crate::text::{lines, number, push_integer, push_number, shown, tokens};
-use crate::{Encoded, LengthUnit};
+use crate::polygon::{FaceStatistics, Triangulator};
+use crate::position::{in_world, to_f32};
+use crate::text::{lines, number, push_integer, push_number, quote, tokens};
+use crate::unit::LengthUnit;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, Mesh, Node, Scene};
 use std::sync::Arc;
 
-/// What the header says a vertex has besides its position.
+/// The data of vertices besides positions, as the header declares them.
 #[derive(Clone, Copy, Default)]
 struct Columns {
     texture: bool,
@@ -17,6 +19,7 @@ struct Columns {
     normal: bool,
 }
 
+/// Parses the first word of a file.
 fn header(token: &[u8]) -> Option<Columns> {
     let mut rest = token.strip_suffix(b"OFF")?;
     let mut columns = Columns::default();
@@ -41,6 +44,7 @@ pub(crate) fn is_off(text: &[u8]) -> bool {
         .is_some_and(|word| header(word).is_some())
 }
 
+/// A line without its comment.
 fn content(line: &[u8]) -> &[u8] {
     line.split(|&b| b == b'#')
         .next()
@@ -60,7 +64,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
         return Err(FormatError::NotThisFormat {
             file: name.to_owned(),
             format: "OFF",
-            found: format!("it begins with {}", shown(first)),
+            found: format!("it starts with {}", quote(first)),
             right: "OFF, COFF, NOFF or STOFF as the first word".to_owned(),
         });
     };
@@ -83,13 +87,13 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
             .ok_or_else(|| {
                 file.malformed(
                     format_args!("line {at}"),
-                    counts.first().map_or("nothing".to_owned(), |t| shown(t)),
+                    counts.first().map_or("nothing".to_owned(), |t| quote(t)),
                     "the numbers of vertices, faces and edges",
                 )
             })
     };
     let (vertices, faces) = (count(0)?, count(1)?);
-    // The shortest vertex is `0 0 0` and the shortest face `0`, each with a line end.
+    // The shortest vertex is `0 0 0` and the shortest face `0`, each with a line ending.
     file.check_count("vertices", vertices, 6, bytes.len() + 1)?;
     file.check_count("faces", faces, 2, bytes.len() + 1)?;
     if faces == 0 && vertices > 0 {
@@ -115,6 +119,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     })
 }
 
+/// Reads the vertices.
 fn read_vertices<'a>(
     rows: &mut impl Iterator<Item = (usize, &'a [u8])>,
     count: usize,
@@ -136,18 +141,18 @@ fn read_vertices<'a>(
             )
         })?;
         values.clear();
-        let mut whole_numbers = true;
+        let mut are_integers = true;
         for token in tokens(line) {
             let value = number(token).ok_or_else(|| {
                 file.malformed(
                     format_args!("line {at}, vertex {vertex}"),
-                    shown(token),
+                    quote(token),
                     "a number",
                 )
             })?;
-            // Colours are 0 to 255 where they are whole numbers; positions come first and do not count.
+            // Colours that are integers range from 0 to 255. Positions and normals come first and do not count.
             if values.len() >= 3 + 3 * usize::from(columns.normal) {
-                whole_numbers &= token.iter().all(u8::is_ascii_digit);
+                are_integers &= token.iter().all(u8::is_ascii_digit);
             }
             values.push(value);
         }
@@ -159,8 +164,8 @@ fn read_vertices<'a>(
             }
             None => Err(file.malformed(
                 format_args!("line {at}, vertex {vertex}"),
-                shown(line),
-                "a position and what the header promises",
+                quote(line),
+                "a position and the data that the header declares",
             )),
         };
         mesh.positions.push(DVec3::from_slice(take(3)?));
@@ -173,7 +178,7 @@ fn read_vertices<'a>(
                 .len()
                 .saturating_sub(3 + 3 * usize::from(columns.normal) + after);
             let color = take(n.clamp(3, 4))?;
-            let scale = if whole_numbers { 255.0 } else { 1.0 };
+            let scale = if are_integers { 255.0 } else { 1.0 };
             colors.extend((0..4).map(|k| color.get(k).map_or(1.0, |&v| (v / scale) as f32)));
         }
         if columns.texture {
@@ -195,6 +200,7 @@ fn read_vertices<'a>(
     Ok(mesh)
 }
 
+/// Reads the faces.
 fn read_faces<'a>(
     rows: &mut impl Iterator<Item = (usize, &'a [u8])>,
     count: usize,
@@ -205,7 +211,8 @@ fn read_faces<'a>(
     let vertices = mesh.positions.len();
     let mut triangulator = Triangulator::default();
     let (mut corners, mut points) = (Vec::new(), Vec::new());
-    let (mut polygons, mut thin, mut colored) = (0, 0, false);
+    let mut statistics = FaceStatistics::default();
+    let mut has_colours = false;
     for face in 0..count {
         let (at, line) = rows.next().ok_or_else(|| {
             file.truncated("faces", format!("after {face}"), format!("{count} of them"))
@@ -215,14 +222,14 @@ fn read_faces<'a>(
         let n: usize = words
             .next()
             .and_then(number)
-            .ok_or_else(|| file.malformed(place(), shown(line), "the number of corners"))?;
+            .ok_or_else(|| file.malformed(place(), quote(line), "the number of corners"))?;
         corners.clear();
         for _ in 0..n {
             let index: i64 = words.next().and_then(number).ok_or_else(|| {
                 file.malformed(
                     place(),
-                    shown(line),
-                    "the number of corners, then so many indices",
+                    quote(line),
+                    "the number of corners, followed by that many indices",
                 )
             })?;
             match usize::try_from(index) {
@@ -238,30 +245,22 @@ fn read_faces<'a>(
                 }
             }
         }
-        colored |= words.next().is_some();
-        polygons += usize::from(n > 3);
-        thin += usize::from(n < 3);
+        has_colours |= words.next().is_some();
+        statistics.count(n);
         points.clear();
         points.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
         let triangles = triangulator.triangulate(&points);
         mesh.triangles
             .extend(triangles.iter().map(|t| t.map(|k| corners[k as usize])));
     }
-    if polygons > 0 {
-        notes.push(format!("{polygons} polygons were triangulated."));
-    }
-    if thin > 0 {
-        notes.push(format!(
-            "{thin} faces with fewer than three corners were dropped."
-        ));
-    }
-    if colored {
+    statistics.add_notes(notes);
+    if has_colours {
         notes.push("Colours of faces were dropped.".to_owned());
     }
     Ok(())
 }
 
-/// Writes OFF, or COFF where every node has colours: all nodes in the world.
+/// Writes OFF, or COFF if every node has colours, with all nodes in world coordinates.
 pub(crate) fn write(
     scene: &Scene,
     name: &str,
@@ -286,7 +285,7 @@ pub(crate) fn write(
     for node in &scene.nodes {
         let mesh = in_world(node, unit);
         for (i, &p) in mesh.positions.iter().enumerate() {
-            for (axis, value) in narrow(p, file)?.into_iter().enumerate() {
+            for (axis, value) in to_f32(p, file)?.into_iter().enumerate() {
                 if axis > 0 {
                     out.push(b' ');
                 }
@@ -297,7 +296,7 @@ pub(crate) fn write(
                 for k in 0..4 {
                     let value = color.get(k).copied().unwrap_or(1.0);
                     out.push(b' ');
-                    // With the point, as whole numbers would be read as 0 to 255.
+                    // With a decimal point, because integers range from 0 to 255.
                     out.extend_from_slice(buffer.format(value).as_bytes());
                 }
             }

@@ -1,14 +1,15 @@
-//! Polygons to triangles: a fan where the polygon is convex, ears clipped in its plane where it is not.
+//! Triangulation of faces: a fan if the polygon is convex, ear clipping in its plane (Meisters 1975, Polygons Have Ears)
+//! otherwise.
 //!
-//! Every corner stays in use, those on a straight edge too: dropping one would tear the surface open where the
-//! neighbour uses it. Ear clipping after G. H. Meisters, "Polygons have ears", Amer. Math. Monthly 82 (1975).
+//! Every corner stays in use, even on a straight edge: without it, the surface would be open where its neighbour uses the
+//! corner.
 
 use glam::{DVec2, DVec3};
 
-/// Above this many corners ear clipping, cubic in the worst case, gives way to a fan.
-const MOST_CLIPPED_CORNERS: usize = 2048;
+/// Most corners for ear clipping, which takes cubic time in the worst case; larger polygons become a fan.
+const MAX_CLIPPED_CORNERS: usize = 2048;
 
-/// Work space that is kept from polygon to polygon.
+/// Working memory that is reused from polygon to polygon.
 #[derive(Default)]
 pub(crate) struct Triangulator {
     flat: Vec<DVec2>,
@@ -17,14 +18,14 @@ pub(crate) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Triangles of the polygon with corners at `points`, as numbers into `points`: `points.len() − 2` of them.
+    /// Triangulates the polygon with the corners `points`. Returns `points.len() − 2` triangles as indices into `points`.
     pub fn triangulate(&mut self, points: &[DVec3]) -> &[[u32; 3]] {
         self.triangles.clear();
         let n = points.len();
         if n < 3 {
             return &self.triangles;
         }
-        if n == 3 || n > MOST_CLIPPED_CORNERS || !self.flatten(points) || self.strictly_convex() {
+        if n == 3 || n > MAX_CLIPPED_CORNERS || !self.flatten(points) || self.strictly_convex() {
             self.triangles
                 .extend((1..n as u32 - 1).map(|i| [0, i, i + 1]));
         } else {
@@ -33,7 +34,7 @@ impl Triangulator {
         &self.triangles
     }
 
-    /// Projects onto the plane of the polygon's vector area; `false` where it has none.
+    /// Projects the polygon onto the plane perpendicular to its vector area. Returns false if that is zero.
     fn flatten(&mut self, points: &[DVec3]) -> bool {
         let origin = points[0];
         let area: DVec3 = points[1..]
@@ -54,10 +55,11 @@ impl Triangulator {
         self.flat.iter().all(|p| p.is_finite())
     }
 
+    /// Whether the polygon is convex without straight angles.
     fn strictly_convex(&self) -> bool {
         let p = &self.flat;
         let n = p.len();
-        // All turns to the left is not enough: a star polygon turns left all the way round twice.
+        // Left turns alone are not enough: a star polygon has only left turns, but winds around twice.
         let mut turns_of_x = 0;
         for i in 0..n {
             let (a, b, c) = (p[i], p[(i + 1) % n], p[(i + 2) % n]);
@@ -69,6 +71,7 @@ impl Triangulator {
         turns_of_x <= 2
     }
 
+    /// Clips ears until the polygon is used up.
     fn clip_ears(&mut self) {
         self.ring.clear();
         self.ring.extend(0..self.flat.len() as u32);
@@ -80,8 +83,8 @@ impl Triangulator {
                     .map(|k| (start + k) % n)
                     .find(|&i| self.is_ear(i, least_turn))
             };
-            // A flat ear is cut only where no ear with an area is left; a polygon that crosses itself has
-            // possibly no ear at all, and then any corner goes.
+            // An ear without area is clipped only if no ear with an area remains. A polygon that intersects itself may
+            // have no ear at all; then any corner is clipped.
             let i = find(Turn::Left)
                 .or_else(|| find(Turn::Straight))
                 .unwrap_or(start % n);
@@ -91,7 +94,7 @@ impl Triangulator {
                 self.ring[(i + 1) % n],
             ]);
             self.ring.remove(i);
-            // Going on behind the ear alternates the corners cut and so avoids a fan of slivers.
+            // Continuing behind the ear alternates the clipped corners, which avoids a fan of slivers.
             start = if i < self.ring.len() { i + 1 } else { 0 };
         }
         if let [a, b, c] = self.ring[..] {
@@ -99,6 +102,7 @@ impl Triangulator {
         }
     }
 
+    /// Whether corner `i` is an ear that turns at least as much as `least`.
     fn is_ear(&self, i: usize, least: Turn) -> bool {
         let n = self.ring.len();
         let at = |k: usize| self.flat[self.ring[k % n] as usize];
@@ -114,7 +118,7 @@ impl Triangulator {
             }
             let outside = |s: DVec2, t: DVec2| (t - s).perp_dot(p - s) < 0.0;
             if turn == 0.0 {
-                // Collinear: only a corner between a and c is in the way.
+                // Collinear: only a corner between a and c prevents it.
                 return (c - a).perp_dot(p - a) != 0.0 || (p - a).dot(p - c) > 0.0;
             }
             outside(a, b) || outside(b, c) || outside(c, a)
@@ -122,6 +126,35 @@ impl Triangulator {
     }
 }
 
+/// Counts faces that are not triangles, for the notes of a scene.
+#[derive(Default)]
+pub(crate) struct FaceStatistics {
+    polygons: usize,
+    degenerate: usize,
+}
+
+impl FaceStatistics {
+    /// Counts a face with a number of corners.
+    pub fn count(&mut self, corners: usize) {
+        self.polygons += usize::from(corners > 3);
+        self.degenerate += usize::from(corners < 3);
+    }
+
+    /// Adds notes on the faces.
+    pub fn add_notes(&self, notes: &mut Vec<String>) {
+        if self.polygons > 0 {
+            notes.push(format!("{} polygons were triangulated.", self.polygons));
+        }
+        if self.degenerate > 0 {
+            notes.push(format!(
+                "{} faces with fewer than three corners were dropped.",
+                self.degenerate
+            ));
+        }
+    }
+}
+
+/// The turn at a corner.
 #[derive(Clone, Copy, PartialEq)]
 enum Turn {
     Left,
@@ -142,8 +175,8 @@ mod tests {
             .collect()
     }
 
-    fn check(flat: &[(f64, f64)], area: f64) {
-        let points: Vec<DVec3> = flat.iter().map(|&(x, y)| DVec3::new(x, y, 0.0)).collect();
+    fn check(flat: &[[f64; 2]], area: f64) {
+        let points: Vec<DVec3> = flat.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect();
         let mut triangulator = Triangulator::default();
         let triangles = triangulator.triangulate(&points).to_vec();
         assert_eq!(triangles.len(), points.len() - 2);
@@ -155,39 +188,39 @@ mod tests {
 
     #[test]
     fn concave_polygons_are_covered_once() {
-        check(&[(0.0, 0.0), (2.0, 0.0), (0.5, 0.5), (0.0, 2.0)], 1.0);
+        check(&[[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]], 1.0);
         check(
             &[
-                (0.0, 0.0),
-                (3.0, 0.0),
-                (3.0, 3.0),
-                (2.0, 3.0),
-                (2.0, 1.0),
-                (1.0, 1.0),
-                (1.0, 3.0),
-                (0.0, 3.0),
+                [0.0, 0.0],
+                [3.0, 0.0],
+                [3.0, 3.0],
+                [2.0, 3.0],
+                [2.0, 1.0],
+                [1.0, 1.0],
+                [1.0, 3.0],
+                [0.0, 3.0],
             ],
             7.0,
         );
-        let comb: Vec<(f64, f64)> = (0..40)
-            .map(|i| (f64::from(i), if i % 2 == 0 { 1.0 } else { 5.0 }))
-            .chain([(39.0, 0.0), (0.0, 0.0)])
+        let comb: Vec<[f64; 2]> = (0..40)
+            .map(|i| [f64::from(i), if i % 2 == 0 { 1.0 } else { 5.0 }])
+            .chain([[39.0, 0.0], [0.0, 0.0]])
             .rev()
             .collect();
         check(&comb, 39.0 * 3.0);
     }
 
     #[test]
-    fn corners_on_a_straight_edge_stay_in_use() {
+    fn corners_on_straight_edges_stay_in_use() {
         check(
             &[
-                (0.0, 0.0),
-                (1.0, 0.0),
-                (2.0, 0.0),
-                (2.0, 2.0),
-                (1.0, 2.0),
-                (0.0, 2.0),
-                (0.0, 1.0),
+                [0.0, 0.0],
+                [1.0, 0.0],
+                [2.0, 0.0],
+                [2.0, 2.0],
+                [1.0, 2.0],
+                [0.0, 2.0],
+                [0.0, 1.0],
             ],
             4.0,
         );

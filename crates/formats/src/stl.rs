@@ -1,28 +1,33 @@
-//! STL, text and binary: bare triangles. Corners at bitwise equal positions become one vertex.
+//! STL as text and binary: triangles without connectivity. Corners at bitwise equal positions become one vertex.
 
-use crate::assemble::{in_world, narrow};
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
-use crate::text::{lines, number, shown, tokens};
-use crate::{Encoded, LengthUnit};
+use crate::position::{in_world, to_f32};
+use crate::text::{lines, number, quote, tokens};
+use crate::unit::LengthUnit;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Mesh, Node, Scene};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-const HEADER: usize = 84;
-const FACET: usize = 50;
+/// Size of the binary header with the number of facets.
+const HEADER_SIZE: usize = 84;
+/// Size of a binary facet.
+const FACET_SIZE: usize = 50;
 
-fn claimed(bytes: &[u8]) -> Option<usize> {
-    let count = bytes.get(80..HEADER)?;
+/// The number of facets in a binary header.
+fn facet_count(bytes: &[u8]) -> Option<usize> {
+    let count = bytes.get(80..HEADER_SIZE)?;
     Some(u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize)
 }
 
-/// Whether the length is exactly what the facet count at byte 80 asks for.
+/// Whether the length matches the number of facets in the header exactly.
 pub(crate) fn is_binary(bytes: &[u8]) -> bool {
-    claimed(bytes).is_some_and(|n| n.checked_mul(FACET) == bytes.len().checked_sub(HEADER))
+    facet_count(bytes)
+        .is_some_and(|n| n.checked_mul(FACET_SIZE) == bytes.len().checked_sub(HEADER_SIZE))
 }
 
-/// Whether this is STL text. Binary files may begin with `solid` too, so the next keyword has to be there.
+/// Whether this is STL text. Binary files may start with `solid`, too, so that a further keyword is required.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let head = start[..start.len().min(1000)].to_ascii_lowercase();
@@ -33,7 +38,7 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
     has(b"facet") || has(b"endsolid")
 }
 
-/// Joins equal corners.
+/// Merges equal corners.
 #[derive(Default)]
 struct Welder {
     mesh: Mesh,
@@ -41,8 +46,9 @@ struct Welder {
 }
 
 impl Welder {
-    fn corner(&mut self, p: [f32; 3]) -> u32 {
-        // Adding zero turns −0 into 0, so that the two are one point.
+    /// Returns the vertex at a position.
+    fn vertex(&mut self, p: [f32; 3]) -> u32 {
+        // Adding zero turns −0 into 0, so that both are one point.
         let key = p.map(|v| (v + 0.0).to_bits());
         let next = self.mesh.positions.len() as u32;
         *self.numbers.entry(key).or_insert_with(|| {
@@ -63,20 +69,21 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     }
 }
 
+/// Reads binary STL.
 fn read_binary(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     let file = InFile(name);
-    let Some(count) = claimed(bytes) else {
+    let Some(count) = facet_count(bytes) else {
         return Err(FormatError::NotThisFormat {
             file: name.to_owned(),
             format: "STL",
-            found: format!("{} bytes beginning with {}", bytes.len(), shown(bytes)),
+            found: format!("{} bytes beginning with {}", bytes.len(), quote(bytes)),
             right: "`solid` and facets, or a binary header of 84 bytes".to_owned(),
         });
     };
-    let body = &bytes[HEADER..];
-    file.check_count("facets", count, FACET, body.len())?;
+    let body = &bytes[HEADER_SIZE..];
+    file.check_count("facets", count, FACET_SIZE, body.len())?;
     let mut scene = Scene::default();
-    let extra = body.len() - count * FACET;
+    let extra = body.len() - count * FACET_SIZE;
     if extra > 0 {
         scene
             .notes
@@ -85,7 +92,7 @@ fn read_binary(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     let mut welder = Welder::default();
     welder.mesh.triangles.reserve(count);
     welder.numbers.reserve(count / 2);
-    for (face, facet) in body.chunks_exact(FACET).take(count).enumerate() {
+    for (face, facet) in body.chunks_exact(FACET_SIZE).take(count).enumerate() {
         let mut triangle = [0; 3];
         for (k, slot) in triangle.iter_mut().enumerate() {
             let p: [f32; 3] = std::array::from_fn(|axis| {
@@ -93,7 +100,7 @@ fn read_binary(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
                 f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]])
             });
             check_corner(file, &format_args!("facet {face}"), k, p)?;
-            *slot = welder.corner(p);
+            *slot = welder.vertex(p);
         }
         welder.mesh.triangles.push(triangle);
     }
@@ -101,6 +108,7 @@ fn read_binary(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     Ok(scene)
 }
 
+/// Refuses a corner that is not finite.
 fn check_corner(
     file: InFile,
     place: &dyn std::fmt::Display,
@@ -118,6 +126,7 @@ fn check_corner(
     }
 }
 
+/// A node with the triangles so far.
 fn node(name: String, welder: Welder) -> Node {
     Node {
         name,
@@ -127,6 +136,7 @@ fn node(name: String, welder: Welder) -> Node {
     }
 }
 
+/// Reads STL text.
 fn read_text(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     let file = InFile(name);
     let mut scene = Scene::default();
@@ -154,11 +164,11 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
                 for v in &mut p {
                     let token = words.next().unwrap_or_default();
                     *v = number(token).ok_or_else(|| {
-                        file.malformed(place, shown(line), "`vertex` and three numbers")
+                        file.malformed(place, quote(line), "`vertex` and three numbers")
                     })?;
                 }
                 check_corner(file, &place, corners.len(), p)?;
-                corners.push(welder.corner(p));
+                corners.push(welder.vertex(p));
             }
             b"endfacet" => {
                 let [a, b, c] = corners[..] else {
@@ -182,7 +192,7 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
             _ => {
                 return Err(file.malformed(
                     place,
-                    shown(line),
+                    quote(line),
                     "solid, facet, outer loop, vertex, endloop, endfacet or endsolid",
                 ));
             }
@@ -198,14 +208,14 @@ fn read_text(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
     if !welder.mesh.triangles.is_empty() {
         scene
             .notes
-            .push("The last solid is not closed by `endsolid`.".to_owned());
+            .push("The last solid does not end with `endsolid`.".to_owned());
         scene.nodes.push(node(solid, welder));
     }
     scene.nodes.retain(|n| !n.mesh.triangles.is_empty());
     Ok(scene)
 }
 
-/// Writes binary STL: all nodes in the world.
+/// Writes binary STL with all nodes in world coordinates.
 pub(crate) fn write(
     scene: &Scene,
     name: &str,
@@ -215,7 +225,7 @@ pub(crate) fn write(
     let count: usize = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
     let count32 = u32::try_from(count)
         .map_err(|_| file.unwritable(format!("{count} triangles"), "fewer than 2^32 in STL"))?;
-    let mut bytes = Vec::with_capacity(HEADER + FACET * count);
+    let mut bytes = Vec::with_capacity(HEADER_SIZE + FACET_SIZE * count);
     let mut header = [b' '; 80];
     let text = format!("binary STL by Greenstick, in {unit}");
     header[..text.len()].copy_from_slice(text.as_bytes());
@@ -226,7 +236,7 @@ pub(crate) fn write(
         let positions = mesh
             .positions
             .iter()
-            .map(|&p| narrow(p, file))
+            .map(|&p| to_f32(p, file))
             .collect::<Result<Vec<_>, _>>()?;
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.corners(t);

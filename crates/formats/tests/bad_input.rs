@@ -1,13 +1,13 @@
-//! Every kind of broken file, by its symptom: an error that says where and what, never a panic.
+//! Invalid files, by symptom: readers return an error that says what is wrong and where, and never panic.
 
 mod common;
 
 use common::{read_alone, two_cubes};
 use greenstick_formats::{Format, FormatError, LengthUnit, UnknownUnit, write};
 
-/// Reads, expects an error, and expects its message to hold all of `parts`.
+/// Asserts that reading fails with a message that contains all of `parts`.
 fn refused(format: Format, bytes: impl AsRef<[u8]>, parts: &[&str]) -> FormatError {
-    let error = read_alone(format, bytes.as_ref()).expect_err("read what is broken");
+    let error = read_alone(format, bytes.as_ref()).expect_err("the file was read");
     let text = error.to_string();
     assert!(text.starts_with("sample: "), "{text}");
     for part in parts {
@@ -26,7 +26,7 @@ fn ply(vertices: &str, faces: &str) -> String {
     )
 }
 
-/// A glTF of one triangle whose JSON is changed by `change`.
+/// A glTF file with one triangle, whose JSON is modified by `change`.
 fn gltf(change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
     let mut bytes = Vec::new();
     for v in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
@@ -58,7 +58,7 @@ fn binary_stl(claimed: u32, facets: &[[f32; 12]]) -> Vec<u8> {
 }
 
 #[test]
-fn the_samples_are_sound_before_they_are_broken() {
+fn the_unmodified_samples_are_valid() {
     assert_eq!(
         read_alone(Format::Gltf, &gltf(|_| ())).unwrap().nodes[0]
             .mesh
@@ -87,7 +87,7 @@ fn empty_files() {
 }
 
 #[test]
-fn something_else_altogether() {
+fn other_content() {
     let prose = "Dear Sir,\nplease find enclosed no mesh at all.\n";
     for format in Format::ALL {
         refused(
@@ -103,7 +103,7 @@ fn something_else_altogether() {
 }
 
 #[test]
-fn coordinates_that_are_no_numbers() {
+fn coordinates_that_are_not_finite() {
     refused(
         Format::Obj,
         "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3",
@@ -140,7 +140,7 @@ fn coordinates_that_are_no_numbers() {
 }
 
 #[test]
-fn faces_that_name_vertices_which_do_not_exist() {
+fn faces_with_vertices_that_do_not_exist() {
     refused(
         Format::Obj,
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4",
@@ -179,7 +179,7 @@ fn faces_that_name_vertices_which_do_not_exist() {
 }
 
 #[test]
-fn counts_of_a_thousand_million() {
+fn huge_counts() {
     let header = ply("0 0 0", "3 0 0 0").replace("vertex 1\n", "vertex 1000000000\n");
     let error = refused(Format::Ply, &header, &["vertex claims 1000000000"]);
     assert!(matches!(error, FormatError::CountTooLarge { .. }));
@@ -222,7 +222,7 @@ fn counts_of_a_thousand_million() {
 }
 
 #[test]
-fn files_that_end_too_early() {
+fn truncated_files() {
     refused(
         Format::Ply,
         "ply\nformat ascii 1.0\nelement vertex 3\n",
@@ -253,7 +253,7 @@ fn files_that_end_too_early() {
 }
 
 #[test]
-fn companions_that_are_missing() {
+fn missing_companions() {
     let bytes = gltf(|j| j["buffers"][0]["uri"] = "gone%20away.bin".into());
     refused(Format::Gltf, bytes, &["gone away.bin"]);
     let scene = read_alone(
@@ -265,7 +265,7 @@ fn companions_that_are_missing() {
 }
 
 #[test]
-fn nodes_in_a_circle() {
+fn cyclic_nodes() {
     let bytes =
         gltf(|j| j["nodes"] = serde_json::json!([{"children": [1]}, {"children": [0], "mesh": 0}]));
     refused(Format::Gltf, bytes, &["nodes[0]", "second time"]);
@@ -274,7 +274,7 @@ fn nodes_in_a_circle() {
 }
 
 #[test]
-fn a_mesh_placed_too_often_for_memory() {
+fn too_many_instances_of_a_mesh() {
     let placed = |times: usize| {
         gltf(|j| {
             j["nodes"] = vec![serde_json::json!({"mesh": 0}); times].into();
@@ -290,12 +290,12 @@ fn a_mesh_placed_too_often_for_memory() {
     refused(
         Format::Gltf,
         placed(200),
-        &["nodes", "instances counted each"],
+        &["nodes", "with every instance counted"],
     );
 }
 
 #[test]
-fn features_that_are_not_read() {
+fn unsupported_features() {
     let required = |name: &str| gltf(|j| j["extensionsRequired"] = serde_json::json!([name]));
     refused(
         Format::Gltf,
@@ -373,7 +373,7 @@ fn scenes_that_cannot_be_written() {
 }
 
 #[test]
-fn content_wins_over_the_name() {
+fn content_takes_precedence_over_the_name() {
     let glb = &write(Format::Glb, &two_cubes(), "x.glb", LengthUnit::Metre).unwrap()[0].bytes;
     let scene = read_alone(Format::Gltf, glb).unwrap();
     assert!(scene.notes[0].contains("holds GLB"), "{:?}", scene.notes);

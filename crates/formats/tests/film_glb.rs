@@ -1,11 +1,11 @@
-//! GLB films, read back by a small reader of their own and played with the formulas of the glTF specification.
+//! GLB films, read by an independent small reader and evaluated with the formulas of the glTF specification.
 
 mod common;
 
 use common::bundle::{Bend, film};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use greenstick_formats::film::{FilmError, FilmReport, GlbOptions, write_glb};
-use greenstick_geometry::{Context, Film, Mesh, Motion, Pose};
+use greenstick_geometry::{Context, Film, Mesh, Motion, Pose, RigidBody};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Seek, SeekFrom};
@@ -25,7 +25,7 @@ fn written(film: &Film, motion: &mut Bend, options: GlbOptions) -> (Vec<u8>, Fil
     (out.into_inner(), report)
 }
 
-/// A GLB taken apart.
+/// A parsed GLB.
 struct Glb {
     json: Value,
     binary: Vec<u8>,
@@ -85,7 +85,7 @@ impl Glb {
         found.unwrap_or_else(|| panic!("no node {name}"))
     }
 
-    /// Where each node is in the world at `time`: keys are exact, nothing between them is asked for.
+    /// The transform of each node to the world at `time`, which must be a key.
     fn world(&self, time: f64) -> Vec<DAffine3> {
         let vector = |v: &Value| -> Option<Vec<f64>> {
             Some(v.as_array()?.iter().map(|n| n.as_f64().unwrap()).collect())
@@ -120,7 +120,7 @@ impl Glb {
         let mut world: Vec<DAffine3> = parts.into_iter().map(local).collect();
         for (n, node) in nodes.iter().enumerate() {
             for child in node["children"].as_array().unwrap_or(&Vec::new()) {
-                // Parents are written after what they carry here, and stand still.
+                // In these files parents follow their children, and are not animated.
                 assert_eq!(world[n], DAffine3::IDENTITY);
                 world[index(child)] = world[n] * world[index(child)];
             }
@@ -128,7 +128,7 @@ impl Glb {
         world
     }
 
-    /// The places of a node's vertices at `time`, primitive by primitive.
+    /// The positions of the vertices of a node at `time`, by primitive.
     fn play(&self, node: usize, time: f64) -> Vec<Vec<DVec3>> {
         let world = self.world(time);
         let json = &self.list("nodes")[node];
@@ -176,7 +176,7 @@ fn index(value: &Value) -> usize {
     value.as_u64().unwrap() as usize
 }
 
-/// Places of vertices as a file has them: for each material in order of use those that its triangles need.
+/// Positions in the order of a file: for each material, in order of first use, those of its triangles.
 fn by_material(mesh: &Mesh, places: &[DVec3]) -> Vec<Vec<DVec3>> {
     let mut parts: Vec<(u32, Vec<u32>)> = Vec::new();
     for (t, triangle) in mesh.triangles.iter().enumerate() {
@@ -194,8 +194,8 @@ fn by_material(mesh: &Mesh, places: &[DVec3]) -> Vec<Vec<DVec3>> {
     parts.into_iter().map(|p| places(p.1)).collect()
 }
 
-/// Largest distance of what the file plays from the film, over all pieces and some frames.
-fn worst(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
+/// The largest difference between the file and the film, over all pieces and some frames.
+fn largest_error(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
     let mut places = Vec::new();
     let mut worst: f64 = 0.0;
@@ -209,7 +209,7 @@ fn worst(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
             let away = right.iter().zip(&played).map(|(a, b)| a.distance(*b));
             worst = away.fold(worst, f64::max);
         }
-        for (node, joint) in &film.bodies {
+        for RigidBody { node, joint } in &film.bodies {
             let joint = *joint as usize;
             let map = poses[joint].affine() * film.joints[joint].rest.inverse() * node.transform;
             let places: Vec<DVec3> = node
@@ -219,7 +219,7 @@ fn worst(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
                 .map(|p| map.transform_point3(*p))
                 .collect();
             let right = by_material(&node.mesh, &places).concat();
-            // The joint has no node of its own: nothing else follows it.
+            // The joint has no node of its own, because nothing else follows it.
             let played = glb.play(glb.node(&node.name), motion.time(frame)).concat();
             let away = right.iter().zip(&played).map(|(a, b)| a.distance(*b));
             worst = away.fold(worst, f64::max);
@@ -229,18 +229,18 @@ fn worst(film: &Film, motion: &mut Bend, glb: &Glb) -> f64 {
 }
 
 #[test]
-fn a_film_plays_as_it_was_made() {
+fn a_file_reproduces_the_film() {
     for influences in [2, 4, 7] {
         let film = film(30, 40, influences);
-        let mut motion = Bend::of(&film, 50);
+        let mut motion = Bend::new(&film, 50);
         let (bytes, report) = written(&film, &mut motion, GlbOptions::default());
         let glb = Glb::new(&bytes);
-        let worst = worst(&film, &mut motion, &glb);
-        // Half a unit in the last place of 1 m is 6e-8, some roundings add up.
+        let worst = largest_error(&film, &mut motion, &glb);
+        // Half a unit in the last place of 1 m is 6e-8; several rounding errors add up.
         assert!(worst < 5e-7, "{influences}: {worst}");
         assert_eq!((report.skinned, report.rigid, report.joints), (1, 2, 30));
         assert_eq!(report.reductions, []);
-        // The foot of the stick stands still in both parts, and the hammer does not turn.
+        // The first joint of the stick does not move, and the hammer does not rotate.
         assert_eq!((report.channels, report.constant), (64, 3));
         let sets = if influences > 4 { 2 } else { 1 };
         let attributes = &glb.list("meshes")[1]["primitives"][0]["attributes"];
@@ -250,9 +250,9 @@ fn a_film_plays_as_it_was_made() {
 }
 
 #[test]
-fn rotations_stay_on_one_side() {
+fn rotations_keep_their_sign() {
     let film = film(3, 4, 2);
-    let (bytes, _) = written(&film, &mut Bend::of(&film, 90), GlbOptions::default());
+    let (bytes, _) = written(&film, &mut Bend::new(&film, 90), GlbOptions::default());
     let glb = Glb::new(&bytes);
     let samplers = glb.list("animations")[0]["samplers"].as_array().unwrap();
     let mut steps = 0;
@@ -267,9 +267,9 @@ fn rotations_stay_on_one_side() {
 }
 
 #[test]
-fn the_error_that_is_stated_is_the_error_that_is_there() {
+fn the_reported_error_is_the_actual_error() {
     let film = film(30, 40, 8);
-    let exact = film.pieces[0].binding.of(100).count();
+    let exact = film.pieces[0].binding.influences(100).count();
     assert_eq!(exact, 8);
     let limits = [(Some(12), 8), (Some(5), 8), (Some(1), 8), (Some(30), 4)];
     let mut before = 0.0;
@@ -278,8 +278,8 @@ fn the_error_that_is_stated_is_the_error_that_is_there() {
             max_joints,
             max_influences,
         };
-        // Frames enough that the blocks by which joints are compared are but some of them.
-        let mut motion = Bend::of(&film, 40);
+        // More frames than those in which joints are compared.
+        let mut motion = Bend::new(&film, 40);
         let (bytes, report) = written(&film, &mut motion, options);
         let glb = Glb::new(&bytes);
         let [stick] = report.reductions.as_slice() else {
@@ -291,9 +291,9 @@ fn the_error_that_is_stated_is_the_error_that_is_there() {
                 .iter()
                 .all(|s| { s["joints"].as_array().unwrap().len() <= max_joints.unwrap() })
         );
-        // The bend grows, so that the last frame is the worst.
+        // The curvature grows, so that the last frame has the largest error.
         assert_eq!(stick.frame, 39);
-        let found = worst(&film, &mut motion, &glb);
+        let found = largest_error(&film, &mut motion, &glb);
         assert!((found - stick.error).abs() < 5e-7, "{found} {stick:?}");
         if max_influences == 8 {
             assert!(stick.error > before, "fewer joints cannot be more exact");
@@ -303,7 +303,7 @@ fn the_error_that_is_stated_is_the_error_that_is_there() {
 }
 
 #[test]
-fn joints_that_move_as_one_need_one() {
+fn joints_that_move_alike_are_merged() {
     /// Two groups of joints, each of which moves as a rigid body.
     struct Groups(Film);
     impl Motion for Groups {
@@ -337,16 +337,16 @@ fn joints_that_move_as_one_need_one() {
         let context = Context::quiet();
         let report = write_glb(&film, &mut motion, "x", &options, &mut out, &context).unwrap();
         assert_eq!(report.reductions[0].joints, [30, most]);
-        // Weights are rounded to 32 bits.
+        // Weights are rounded to single precision.
         assert_eq!(report.error() < 1e-6, exact, "{}", report.error());
     }
 }
 
 #[test]
-fn long_films_are_written_block_by_block() {
-    // More poses than a block holds.
+fn long_films_are_written_in_blocks() {
+    // More poses than fit into a block.
     let film = film(700, 20, 3);
-    let mut motion = Bend::of(&film, 1000);
+    let mut motion = Bend::new(&film, 1000);
     let (bytes, _) = written(&film, &mut motion, GlbOptions::default());
     let glb = Glb::new(&bytes);
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
@@ -359,13 +359,13 @@ fn long_films_are_written_block_by_block() {
 }
 
 #[test]
-fn a_film_may_begin_inside_a_file() {
+fn a_film_may_start_within_a_file() {
     let film = film(3, 4, 2);
-    let alone = written(&film, &mut Bend::of(&film, 9), GlbOptions::default()).0;
+    let alone = written(&film, &mut Bend::new(&film, 9), GlbOptions::default()).0;
     let mut out = Cursor::new(vec![7; 5]);
     out.seek(SeekFrom::End(0)).unwrap();
     let options = GlbOptions::default();
-    let mut motion = Bend::of(&film, 9);
+    let mut motion = Bend::new(&film, 9);
     write_glb(
         &film,
         &mut motion,
@@ -379,7 +379,7 @@ fn a_film_may_begin_inside_a_file() {
     assert_eq!(out.into_inner()[5..], alone);
 }
 
-/// A motion with something wrong about it.
+/// A motion with a fault.
 struct Broken {
     good: Bend,
     time: fn(usize) -> f64,
@@ -409,85 +409,95 @@ impl Motion for Broken {
 }
 
 #[test]
-fn broken_films_are_refused() {
+fn invalid_films_are_refused() {
     let good = film(3, 4, 2);
-    let steady: fn(usize) -> f64 = |f| f as f64;
-    let none: fn(usize, &mut [Pose]) = |_, _| {};
-    let nan: fn(usize, &mut [Pose]) = |f, p| {
+    let valid = Case {
+        message: "",
+        frames: 5,
+        time: |f| f as f64,
+        change: |_, _| {},
+        fails: false,
+        options: GlbOptions::default(),
+    };
+    let nan_in_frame_2: fn(usize, &mut [Pose]) = |f, p| {
         if f == 2 {
             p[1].translation.x = f64::NAN;
         }
     };
-    let far: fn(usize, &mut [Pose]) = |_, p| p[0].translation.y = 1e300;
-    let options = GlbOptions::default();
-    let no_joints = GlbOptions {
-        max_joints: Some(0),
-        ..options
+    let with_time = |message, time| Case {
+        message,
+        time,
+        ..valid
+    };
+    let with_poses = |message, change| Case {
+        message,
+        change,
+        ..valid
     };
     let cases = [
-        ("no frames", 0, steady, none, false, options),
-        (
-            "frame 1 is shown at 0 s",
-            5,
-            (|_| 0.0) as fn(usize) -> f64,
-            none,
-            false,
-            options,
-        ),
-        (
-            "frame 0 is shown at -1 s",
-            5,
-            |f| f as f64 - 1.0,
-            none,
-            false,
-            options,
-        ),
-        ("NaN s", 5, |_| f64::NAN, none, false, options),
-        ("in frame 2", 5, steady, nan, false, options),
-        ("joint 0 lies at", 5, steady, far, false, options),
-        (
-            "frame 3 are not to be had: the store ends",
-            5,
-            steady,
-            none,
-            true,
-            options,
-        ),
-        ("0 joints for a skin", 5, steady, none, false, no_joints),
+        Case {
+            message: "no frames",
+            frames: 0,
+            ..valid
+        },
+        with_time("frame 1 has the time 0 s", |_| 0.0),
+        with_time("frame 0 has the time -1 s", |f| f as f64 - 1.0),
+        with_time("NaN s", |_| f64::NAN),
+        with_poses("in frame 2", nan_in_frame_2),
+        with_poses("joint 0 has the pose", |_, p| p[0].translation.y = 1e300),
+        Case {
+            message: "frame 3 are not available: the store ends",
+            fails: true,
+            ..valid
+        },
+        Case {
+            message: "0 joints for a skin",
+            options: GlbOptions {
+                max_joints: Some(0),
+                ..GlbOptions::default()
+            },
+            ..valid
+        },
     ];
-    for (says, frames, time, change, fails, options) in cases {
+    for case in cases {
         let mut motion = Broken {
-            good: Bend::of(&good, frames),
-            time,
-            change,
-            fails,
+            good: Bend::new(&good, case.frames),
+            time: case.time,
+            change: case.change,
+            fails: case.fails,
         };
         let mut out = Cursor::new(Vec::new());
-        let error = write_glb(
-            &good,
-            &mut motion,
-            "x.glb",
-            &options,
-            &mut out,
-            &Context::quiet(),
-        )
-        .unwrap_err();
-        assert!(error.to_string().contains(says), "{says}: {error}");
-        assert_eq!(matches!(error, FilmError::Motion { .. }), fails);
+        let quiet = Context::quiet();
+        let error = write_glb(&good, &mut motion, "x.glb", &case.options, &mut out, &quiet);
+        let error = error.unwrap_err();
+        let message = case.message;
+        assert!(error.to_string().contains(message), "{message}: {error}");
+        assert_eq!(matches!(error, FilmError::Motion { .. }), case.fails);
     }
 }
 
+/// A fault of a film, and the message that it gives.
+#[derive(Clone, Copy)]
+struct Case {
+    message: &'static str,
+    frames: usize,
+    time: fn(usize) -> f64,
+    change: fn(usize, &mut [Pose]),
+    fails: bool,
+    options: GlbOptions,
+}
+
 #[test]
-fn films_without_motion_or_shape_are_what_they_can_be() {
+fn films_without_motion_or_shape_are_written() {
     let mut still = film(3, 4, 2);
     still.pieces.clear();
     still.bodies.clear();
-    let (bytes, report) = written(&still, &mut Bend::of(&still, 9), GlbOptions::default());
+    let (bytes, report) = written(&still, &mut Bend::new(&still, 9), GlbOptions::default());
     assert!(Glb::new(&bytes).json["animations"].is_null());
     assert_eq!((report.rigid, report.skinned, report.channels), (0, 0, 0));
     still.fixed.clear();
     let mut out = Cursor::new(Vec::new());
-    let mut motion = Bend::of(&still, 9);
+    let mut motion = Bend::new(&still, 9);
     let options = GlbOptions::default();
     let error = write_glb(
         &still,

@@ -1,4 +1,4 @@
-//! Small samples cut at every length and with bytes changed: readers may refuse them, never panic.
+//! Small samples, truncated at every length and with modified bytes: readers may refuse them, but never panic.
 
 mod common;
 
@@ -7,7 +7,7 @@ use greenstick_formats::{Encoded, Format, FormatError, LengthUnit, read, write};
 use greenstick_geometry::Scene;
 use std::io::{Error, ErrorKind};
 
-/// A stateless hash (SplitMix64), so that the changes are the same on every machine.
+/// A stateless hash (SplitMix64), so that the modifications are the same on every machine.
 fn hash(seed: u64) -> u64 {
     let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -15,7 +15,7 @@ fn hash(seed: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Reads a sample; the buffer of the glTF is nothing but zeros.
+/// Reads a sample; the buffer of the glTF file is all zeros.
 fn read_alone(format: Format, bytes: &[u8]) -> Result<Scene, FormatError> {
     let resolve = |name: &str| match name {
         "x.bin" => Ok(vec![0; 10_000]),
@@ -57,7 +57,7 @@ fn samples() -> Vec<(Format, Vec<u8>)> {
 }
 
 #[test]
-fn cut_anywhere() {
+fn samples_truncated_anywhere() {
     for (format, bytes) in samples() {
         read_alone(format, &bytes).unwrap();
         for length in 0..bytes.len() {
@@ -67,7 +67,7 @@ fn cut_anywhere() {
 }
 
 #[test]
-fn bytes_changed_at_random() {
+fn samples_with_random_modifications() {
     for (number, (format, bytes)) in samples().into_iter().enumerate() {
         for round in 0..3000 {
             let mut changed = bytes.clone();
@@ -90,15 +90,12 @@ fn bytes_changed_at_random() {
 }
 
 #[test]
-fn the_compressed_stump_damaged() {
-    let Some(path) = data("scans/stump.glb") else {
-        return;
-    };
-    let bytes = std::fs::read(path).unwrap();
+fn the_damaged_compressed_stump() {
+    let bytes = std::fs::read(data::data("stump.glb")).unwrap();
     for round in 0..60 {
         let mut changed = bytes.clone();
         for k in 0..20 {
-            // The meshopt streams begin at byte 658,048 of the buffer.
+            // The meshopt streams start at byte 658,048 of the buffer.
             let at = 660_000 + hash(round * 64 + k) as usize % (bytes.len() - 660_000);
             changed[at] = hash(round * 64 + k + 40) as u8;
         }

@@ -1,20 +1,21 @@
-//! Files that others have made.
+//! Files written by other software.
 
 mod common;
 
-use common::{distance, read_data, round_trip};
+use common::data::{data, outside_data};
+use common::{distance, read_file, round_trip};
 use greenstick_formats::{Format, LengthUnit};
-use greenstick_geometry::ImageSource;
+use greenstick_geometry::{ImageSource, Scene};
+use std::path::PathBuf;
 
 #[test]
-fn the_compressed_stump_is_its_decoded_twin() {
-    let (Some(glb), Some(obj)) = (read_data("scans/stump.glb"), read_data("scans/stump.obj"))
-    else {
-        return;
-    };
+#[ignore = "needs GREENSTICK_DATA"]
+fn the_compressed_stump_equals_its_decoded_copy() {
+    let glb = read_file(&data("stump.glb"));
+    let obj = read_file(&outside_data("scans/stump.obj"));
     assert_eq!(glb.nodes.len(), 1);
     assert_eq!(glb.nodes[0].mesh.triangles.len(), 38918);
-    // The OBJ has six decimals.
+    // The OBJ file has six decimals.
     assert!(distance(&glb, &obj) < 1e-6, "{}", distance(&glb, &obj));
     let (a, b) = (&glb.nodes[0].mesh, &obj.nodes[0].mesh);
     let corners = |m: &greenstick_geometry::Mesh| {
@@ -26,7 +27,7 @@ fn the_compressed_stump_is_its_decoded_twin() {
             .collect::<Vec<_>>()
     };
     let (u, v) = (corners(a), corners(b));
-    // That OBJ has the v of glTF as it is, not turned over, and five decimals.
+    // That OBJ file has the v coordinate of glTF, which is not flipped, with five decimals.
     for (p, q) in u.chunks_exact(2).zip(v.chunks_exact(2)) {
         assert!(
             (p[0] - q[0]).abs() < 6e-6 && (p[1] - (1.0 - q[1])).abs() < 6e-6,
@@ -47,76 +48,90 @@ fn the_compressed_stump_is_its_decoded_twin() {
     assert!(matches!(&glb.images[0].source, ImageSource::Bytes(b) if b.len() == 323_102));
 }
 
+/// A file, and its vertices and triangles according to its source, where that states them.
+type RealFile = (PathBuf, Option<(usize, usize)>);
+
 #[test]
-fn every_real_file_survives_every_format() {
-    // Name, vertices, triangles: of the sources' own descriptions where they give them.
-    for (path, vertices, triangles) in [
-        ("scans/pole.ply", 2399, 4794),
-        ("scans/stump.glb", 21356, 38918),
-        ("scans/homecart_cutting_board.gltf", 3496, 4600),
-        ("scans/trunk_section.ply", 14438, 28438),
-        ("trees/quaternius_DeadTree_1.gltf", 8036, 6169),
-        ("trees/kaykit_Tree_Bare_1_C_Color1.obj", 0, 0),
-        ("trees/kaykit_Tree_Bare_2_C_Color1.obj", 0, 0),
-    ] {
-        let Some(scene) = read_data(path) else {
-            continue;
-        };
-        let mesh = &scene.nodes[0].mesh;
-        if vertices > 0 {
-            assert_eq!(
-                (mesh.positions.len(), mesh.triangles.len()),
-                (vertices, triangles),
-                "{path}"
-            );
-        }
-        let (low, high) = mesh
-            .transformed(&scene.nodes[0].transform)
-            .bounds()
-            .unwrap();
-        // Positions are narrowed to 32 bits on the way out, those of OFF and OBJ in decimal.
-        let tolerance = 1e-6 * low.abs().max(high.abs()).max_element();
-        for format in Format::ALL {
-            let back = round_trip(format, &scene, LengthUnit::Millimetre);
-            let d = distance(&scene, &back);
-            assert!(d <= tolerance, "{path} as {format:?}: {d}");
-        }
-        println!(
-            "{path}: {} triangles, notes {:?}",
-            mesh.triangles.len(),
-            scene.notes
-        );
-    }
+fn files_of_the_repository_survive_every_format() {
+    assert_round_trips(&[
+        (data("pole.ply"), Some((2399, 4794))),
+        (data("stump.glb"), Some((21356, 38918))),
+        (data("homecart_cutting_board.gltf"), Some((3496, 4600))),
+        (data("quaternius_DeadTree_1.gltf"), Some((8036, 6169))),
+        (data("kaykit_Tree_Bare_1_C_Color1.obj"), None),
+    ]);
 }
 
 #[test]
-fn absent_textures_and_materials_are_kept_by_name() {
-    if let Some(board) = read_data("scans/homecart_cutting_board.gltf") {
-        let back = round_trip(Format::Gltf, &board, LengthUnit::Metre);
-        assert_eq!(back.images, board.images);
-        assert_eq!(back.textures, board.textures);
-        assert_eq!(back.materials, board.materials);
-    }
-    if let Some(tree) = read_data("trees/kaykit_Tree_Bare_1_C_Color1.obj") {
-        assert_eq!(tree.materials[0].name, "forest");
-        assert!(
-            tree.notes
-                .iter()
-                .any(|n| n.contains("Tree_Bare_1_C_Color1.mtl")),
-            "{:?}",
-            tree.notes
-        );
+#[ignore = "needs GREENSTICK_DATA"]
+fn other_files_survive_every_format() {
+    assert_round_trips(&[
+        (
+            outside_data("scans/trunk_section.ply"),
+            Some((14438, 28438)),
+        ),
+        (outside_data("trees/kaykit_Tree_Bare_2_C_Color1.obj"), None),
+    ]);
+}
+
+fn assert_round_trips(files: &[RealFile]) {
+    for (path, counts) in files {
+        let scene = read_file(path);
+        assert_round_trip(&path.display().to_string(), &scene, *counts);
     }
 }
 
+fn assert_round_trip(path: &str, scene: &Scene, counts: Option<(usize, usize)>) {
+    let mesh = &scene.nodes[0].mesh;
+    if let Some(counts) = counts {
+        let found = (mesh.positions.len(), mesh.triangles.len());
+        assert_eq!(found, counts, "{path}");
+    }
+    let (low, high) = mesh
+        .transformed(&scene.nodes[0].transform)
+        .bounds()
+        .unwrap();
+    // Positions are written in single precision, in OFF and OBJ as decimal numbers.
+    let tolerance = 1e-6 * low.abs().max(high.abs()).max_element();
+    for format in Format::ALL {
+        let back = round_trip(format, scene, LengthUnit::Millimetre);
+        let d = distance(scene, &back);
+        assert!(d <= tolerance, "{path} as {format:?}: {d}");
+    }
+    println!(
+        "{path}: {} triangles, notes {:?}",
+        mesh.triangles.len(),
+        scene.notes
+    );
+}
+
 #[test]
-fn a_cloud_of_points_is_refused_by_its_number() {
-    let Some(path) = common::data("scans/timber_beam_cloud.ply") else {
-        return;
-    };
+fn missing_textures_and_materials_are_kept_by_name() {
+    let board = read_file(&data("homecart_cutting_board.gltf"));
+    let back = round_trip(Format::Gltf, &board, LengthUnit::Metre);
+    assert_eq!(back.images, board.images);
+    assert_eq!(back.textures, board.textures);
+    assert_eq!(back.materials, board.materials);
+    let tree = read_file(&data("kaykit_Tree_Bare_1_C_Color1.obj"));
+    assert_eq!(tree.materials[0].name, "forest");
+    assert!(
+        tree.notes
+            .iter()
+            .any(|n| n.contains("Tree_Bare_1_C_Color1.mtl")),
+        "{:?}",
+        tree.notes
+    );
+}
+
+#[test]
+#[ignore = "needs GREENSTICK_DATA"]
+fn a_point_cloud_is_refused_with_the_number_of_points() {
+    let path = outside_data("scans/timber_beam_cloud.ply");
     let error = common::read_alone(Format::Ply, &std::fs::read(path).unwrap()).unwrap_err();
     assert!(
-        error.to_string().contains("holds 6832 points and no faces"),
+        error
+            .to_string()
+            .contains("contains 6832 points and no faces"),
         "{error}"
     );
 }

@@ -1,11 +1,12 @@
-//! Scenes through every format and back.
+//! Scenes written and read back in every format.
 
 mod common;
 
 use common::{distance, read_back, round_trip, two_cubes};
 use glam::{DAffine3, DMat3, DVec3};
 use greenstick_formats::{Format, LengthUnit, write};
-use greenstick_geometry::{Attribute, Scene};
+use greenstick_geometry::{Attribute, Node, Scene};
+use std::sync::Arc;
 
 fn volume(scene: &Scene) -> f64 {
     scene
@@ -42,7 +43,7 @@ fn gltf_keeps_everything() {
         for (a, b) in back.nodes.iter().zip(&scene.nodes) {
             assert_eq!((&a.name, a.parent), (&b.name, b.parent));
             assert!(a.transform.abs_diff_eq(b.transform, 1e-15));
-            // One primitive for each material: the vertices stay in order as the materials do.
+            // With one primitive for each material, vertices keep their order because materials do.
             assert_eq!(a.mesh, b.mesh);
         }
         let external = |scene: &Scene| scene.images[1].source.clone();
@@ -85,7 +86,7 @@ fn obj_keeps_materials_names_and_attributes() {
 }
 
 #[test]
-fn ply_keeps_nodes_materials_and_own_attributes() {
+fn ply_keeps_nodes_materials_and_custom_attributes() {
     let scene = two_cubes();
     let back = round_trip(Format::Ply, &scene, LengthUnit::Metre);
     assert_eq!(back.nodes.len(), 2);
@@ -115,7 +116,7 @@ fn off_keeps_colors() {
 #[test]
 fn the_same_scene_gives_the_same_bytes() {
     for format in Format::ALL {
-        let name = format!("x.{}", format.ending());
+        let name = format!("x.{}", format.extension());
         let once = write(format, &two_cubes(), &name, LengthUnit::Metre).unwrap();
         assert_eq!(
             once,
@@ -126,7 +127,7 @@ fn the_same_scene_gives_the_same_bytes() {
 }
 
 #[test]
-fn sheared_and_mirrored_nodes_keep_their_place() {
+fn sheared_and_mirrored_nodes_keep_their_positions() {
     let mut scene = two_cubes();
     let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.5, 1.0, 0.0), DVec3::Z);
     scene.nodes[0].transform = DAffine3::from_mat3_translation(shear, DVec3::Y);
@@ -139,7 +140,7 @@ fn sheared_and_mirrored_nodes_keep_their_place() {
 }
 
 #[test]
-fn parents_that_go_in_circles_are_written_as_roots() {
+fn cyclic_parents_are_written_as_roots() {
     let mut scene = two_cubes();
     scene.nodes[0].parent = Some(1);
     let files = write(Format::Glb, &scene, "x.glb", LengthUnit::Metre).unwrap();
@@ -148,7 +149,7 @@ fn parents_that_go_in_circles_are_written_as_roots() {
 }
 
 #[test]
-fn own_attributes_of_several_widths_are_written_as_numbers_and_come_back() {
+fn custom_attributes_of_several_widths_are_split_and_joined() {
     let mut scene = two_cubes();
     for node in &mut scene.nodes {
         let vertices = node.mesh.positions.len();
@@ -185,4 +186,36 @@ fn own_attributes_of_several_widths_are_written_as_numbers_and_come_back() {
     for (a, b) in back.nodes.iter().zip(&scene.nodes) {
         assert_eq!(a.mesh.attributes, b.mesh.attributes);
     }
+}
+
+#[test]
+fn gltf_keeps_instances() {
+    let two = two_cubes();
+    let shared = two.nodes[0].mesh.clone();
+    let place = |x: f64| DAffine3::from_translation(DVec3::X * x);
+    let sheared = DAffine3::from_mat3(DMat3::from_cols(
+        DVec3::X,
+        DVec3::new(0.5, 1.0, 0.0),
+        DVec3::Z,
+    ));
+    let scene = Scene {
+        nodes: vec![
+            Node::new("a", place(0.0), shared.clone()),
+            Node::new("b", place(2.0), shared.clone()),
+            // Its transform goes into the vertices, so that it cannot share them.
+            Node::new("sheared", sheared, shared),
+            Node::new("other", place(4.0), two.nodes[1].mesh.clone()),
+        ],
+        ..two
+    };
+    let name = "instances.glb";
+    let file = &write(Format::Glb, &scene, name, LengthUnit::Metre).unwrap()[0];
+    let json_length = u32::from_le_bytes(file.bytes[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value =
+        serde_json::from_slice(&file.bytes[20..20 + json_length]).unwrap();
+    assert_eq!(json["meshes"].as_array().unwrap().len(), 3);
+    let back = round_trip(Format::Glb, &scene, LengthUnit::Metre);
+    let same = |i: usize, j: usize| Arc::ptr_eq(&back.nodes[i].mesh, &back.nodes[j].mesh);
+    assert!(same(0, 1) && !same(0, 2) && !same(0, 3));
+    assert!(distance(&scene, &back) < 1e-6);
 }

@@ -1,4 +1,4 @@
-//! USD files, taken apart by a small reader that follows OpenUSD's `crateFile.cpp`; OpenUSD itself reads them in `.ci`.
+//! USD files, parsed by a small reader after OpenUSD's `crateFile.cpp`; OpenUSD itself reads them in `.ci`.
 
 mod common;
 
@@ -28,7 +28,7 @@ struct Layer {
     paths: Vec<String>,
 }
 
-/// Reads on from a place.
+/// Reads from a position on.
 struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -40,7 +40,7 @@ impl Reader<'_> {
         word(self.bytes, self.at - 8) as usize
     }
 
-    /// A block of LZ4 after its length.
+    /// An LZ4 block after its length.
     fn block(&mut self) -> Vec<u8> {
         let length = self.word();
         let packed = &self.bytes[self.at..self.at + length];
@@ -142,7 +142,7 @@ impl Layer {
         assert_eq!(reader.word(), count);
         let [numbers, parts, jumps] = [(); 3].map(|()| reader.integers(count));
         let mut paths = vec![String::new(); count];
-        // Paths to come, with what they are below.
+        // Paths to visit, with their parents.
         let mut waiting = vec![(0_usize, String::new())];
         while let Some((at, above)) = waiting.pop() {
             let part = &tokens[parts[at].unsigned_abs() as usize];
@@ -233,9 +233,9 @@ impl Layer {
 
 fn written(format: UsdFormat, film: &Film, frames: usize) -> (Vec<u8>, FilmReport) {
     let mut out = Cursor::new(Vec::new());
-    let mut motion = Bend::of(film, frames);
+    let mut motion = Bend::new(film, frames);
     let context = Context::quiet();
-    let name = format!("a film.{}", format.ending());
+    let name = format!("a film.{}", format.extension());
     let (report, files) = write_usd(format, film, &mut motion, &name, &mut out, &context).unwrap();
     assert_eq!(files.len(), usize::from(format == UsdFormat::Usdc));
     assert_eq!(report.bytes, out.get_ref().len() as u64);
@@ -243,7 +243,7 @@ fn written(format: UsdFormat, film: &Film, frames: usize) -> (Vec<u8>, FilmRepor
 }
 
 #[test]
-fn a_film_lies_where_it_was_made() {
+fn a_file_reproduces_the_film() {
     let film = film(20, 30, 5);
     let (bytes, report) = written(UsdFormat::Usdc, &film, 40);
     assert_eq!((report.skinned, report.rigid), (1, 2));
@@ -256,12 +256,12 @@ fn a_film_lies_where_it_was_made() {
     assert_eq!(codes, (0..40).map(f64::from).collect::<Vec<_>>());
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
     let (mut maps, mut places, mut directions) = (Vec::new(), Vec::new(), Vec::new());
-    let mut motion = Bend::of(&film, 40);
+    let mut motion = Bend::new(&film, 40);
     for frame in 0..40 {
         motion.poses(frame, &mut poses).unwrap();
         film.pose_piece(0, &poses, &mut places);
-        film.maps(&poses, &mut maps);
-        film.place_normals(0, &maps, &mut directions);
+        film.joint_maps(&poses, &mut maps);
+        film.deform_normals(0, &maps, &mut directions);
         for (right, value) in [(&places, points[frame]), (&directions, normals[frame])] {
             let found = layer.floats(value);
             assert_eq!(found.len(), right.len());
@@ -273,7 +273,7 @@ fn a_film_lies_where_it_was_made() {
         let high = found.iter().copied().reduce(DVec3::max).unwrap();
         assert_eq!(layer.floats(extents[frame]), [low, high]);
     }
-    // What moves as a whole: its points stand still, its place and turn do not.
+    // A rigid mesh: its points are constant, its translation and rotation vary.
     let rest = layer.floats(layer.field("/a_film/half.points", "default"));
     let (_, turns) = layer.samples("/a_film/half.xformOp:orient");
     let (_, moves) = layer.samples("/a_film/half.xformOp:translate");
@@ -289,13 +289,13 @@ fn a_film_lies_where_it_was_made() {
         .zip(&places)
         .map(|(p, q)| (turn * *p + shift).distance(*q));
     assert!(away.fold(0.0, f64::max) < 5e-7);
-    // The hammer does not turn.
+    // The hammer does not rotate.
     layer.field("/a_film/hammer.xformOp:orient", "default");
     assert_eq!(report.constant, 1);
 }
 
 #[test]
-fn what_is_bound_exists() {
+fn bound_materials_exist() {
     let (bytes, _) = written(UsdFormat::Usdc, &film(4, 5, 2), 3);
     let layer = Layer::new(&bytes);
     let mut targets = 0;
@@ -314,7 +314,7 @@ fn what_is_bound_exists() {
             targets += 1;
         }
     }
-    // Two subsets of four meshes, two surfaces, a texture with its place, colours of vertices.
+    // Two subsets of four meshes, two surfaces, a texture with its coordinates, vertex colours.
     assert_eq!(targets, 8 + 2 + 2 + 1);
     let bound = layer.field("/a_film/stick/material_1.material:binding", "targetPaths");
     let path = half_word(&layer.bytes, Layer::place(bound) + 9) as usize;
@@ -322,7 +322,7 @@ fn what_is_bound_exists() {
 }
 
 #[test]
-fn stretches_without_motion_lie_in_the_file_once() {
+fn constant_values_are_written_once() {
     let film = film(20, 200, 5);
     let size = |frames: usize| written(UsdFormat::Usdc, &film, frames).0.len();
     struct Still(Bend);
@@ -339,11 +339,11 @@ fn stretches_without_motion_lie_in_the_file_once() {
         }
     }
     let mut out = Cursor::new(Vec::new());
-    let mut motion = Still(Bend::of(&film, 2));
+    let mut motion = Still(Bend::new(&film, 2));
     let context = Context::quiet();
     write_usd(UsdFormat::Usdc, &film, &mut motion, "x", &mut out, &context).unwrap();
     let (two, hundred) = (size(2), out.get_ref().len());
-    // Eight bytes for each value that is told again, and the times.
+    // Eight bytes for each repeated value, and the times.
     assert!(hundred < two + 100 * 8 * 8, "{two} {hundred}");
     let bytes = out.into_inner();
     let (codes, values) = Layer::new(&bytes).samples("/x/stick.points");
@@ -351,7 +351,7 @@ fn stretches_without_motion_lie_in_the_file_once() {
     assert!(values[1..].iter().all(|v| *v == values[1]) && values[0] != values[1]);
 }
 
-/// Members of an archive: name, content. Where each lies and its checksum are looked at.
+/// The members of an archive: name and content. Asserts their alignment and checksums.
 fn members(bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
     let end = bytes.len() - 22;
     assert_eq!(&bytes[end..end + 4], b"PK\x05\x06");
@@ -386,7 +386,7 @@ fn members(bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn archives_hold_the_layer_and_its_textures() {
+fn archives_contain_the_layer_and_its_textures() {
     let film = film(4, 5, 2);
     let archive = members(&written(UsdFormat::Usdz, &film, 7).0);
     let names: Vec<&str> = archive.iter().map(|m| m.0.as_str()).collect();
@@ -401,17 +401,17 @@ fn archives_hold_the_layer_and_its_textures() {
 }
 
 #[test]
-fn stills_in_text_and_binary_say_the_same() {
+fn static_scenes_in_text_and_binary_are_equal() {
     let scene = two_cubes();
     let [text, binary] = [UsdFormat::Usda, UsdFormat::Usdc].map(|format| {
-        let name = format!("2 cubes.{}", format.ending());
+        let name = format!("2 cubes.{}", format.extension());
         let files = write(format, &scene, &name).unwrap();
         assert_eq!(files[1].name, "2_cubes_color.png");
         files.into_iter().next().unwrap().bytes
     });
     let text = String::from_utf8(text).unwrap();
     let layer = Layer::new(&binary);
-    // Every prim and property of one is in the other.
+    // Both have the same prims and properties.
     let mut above: Vec<String> = Vec::new();
     let mut seen = 0;
     let brackets = |l: &&str| !matches!(l.trim(), "" | "(" | ")" | "{" | "}");
@@ -447,23 +447,23 @@ fn stills_in_text_and_binary_say_the_same() {
         }
         seen += 1;
     }
-    // All but the layer itself.
+    // Everything but the layer itself.
     assert_eq!(seen, layer.specs.len() - 1);
     assert!(text.starts_with("#usda 1.0\n(\n    defaultPrim = \"_2_cubes\"\n"));
-    // The second cube's own corner lies at its place; matrices are for row vectors.
+    // The corner of the second cube is at its position; matrices are for row vectors.
     assert!(text.contains("(3, -1, 0.25, 1))"), "{text}");
     assert!(text.contains("texCoord2f[] primvars:st = [(0, 0.75), (1, 0.75), (1, 0.25)"));
     assert!(text.contains("asset inputs:file = @2_cubes_color.png@"));
 }
 
 #[test]
-fn the_same_gives_the_same_bytes_and_text_films_are_refused() {
+fn output_is_deterministic_and_text_films_are_refused() {
     let film = film(4, 5, 2);
     for format in [UsdFormat::Usdc, UsdFormat::Usdz] {
         assert_eq!(written(format, &film, 5), written(format, &film, 5));
     }
     let mut out = Cursor::new(Vec::new());
-    let mut motion = Bend::of(&film, 5);
+    let mut motion = Bend::new(&film, 5);
     let context = Context::quiet();
     let error = write_usd(
         UsdFormat::Usda,

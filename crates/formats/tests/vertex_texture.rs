@@ -1,16 +1,16 @@
-//! Vertex animation textures, read back as a shader would and compared with the film's own skinning.
+//! Vertex animation textures, read as by a shader and compared with the skinning of the film.
 
 mod common;
 
 use common::bundle::{Bend, film};
 use glam::DVec3;
-use greenstick_formats::film::{FilmError, LARGEST_TEXTURE, write_vertex_texture};
+use greenstick_formats::film::{FilmError, MAX_TEXTURE_SIZE, write_vertex_texture};
 use greenstick_formats::{Encoded, Format, LengthUnit};
 use greenstick_geometry::{Context, Motion, Pose};
 use serde_json::Value;
 use std::io::Cursor;
 
-/// A picture's size and its pixels as shares, row by row.
+/// The width and height of an image and its pixels as fractions, row by row.
 fn decoded(file: &Encoded) -> (usize, usize, Vec<DVec3>) {
     let decoder = png::Decoder::new(Cursor::new(&file.bytes));
     let mut reader = decoder.read_info().unwrap();
@@ -27,9 +27,9 @@ fn decoded(file: &Encoded) -> (usize, usize, Vec<DVec3>) {
 }
 
 #[test]
-fn a_shader_finds_every_vertex_where_skinning_puts_it() {
+fn a_shader_reproduces_the_skinned_vertices() {
     let film = film(9, 40, 4);
-    let mut motion = Bend::of(&film, 7);
+    let mut motion = Bend::new(&film, 7);
     // Narrower than a frame, so that frames have several rows.
     let (about, files) =
         write_vertex_texture(&film, &mut motion, "stick.png", 100, &Context::quiet()).unwrap();
@@ -71,7 +71,7 @@ fn a_shader_finds_every_vertex_where_skinning_puts_it() {
                 let column = (u * width as f64).floor() as usize;
                 let row = ((w + step) * height as f64).floor() as usize;
                 let found = low + (high - low) * texels[row * width + column];
-                // Which vertex of the film it is, its place at rest says; the nearest of all fits.
+                // The vertex of the film is that with the nearest position at rest.
                 let fits = rest.iter().zip(&expected).any(|(r, e)| {
                     r.distance(at_rest) < 1e-6
                         && (found - *e).abs().cmple(0.5 * quantum + 1e-12).all()
@@ -86,12 +86,12 @@ fn a_shader_finds_every_vertex_where_skinning_puts_it() {
 }
 
 #[test]
-fn textures_that_no_engine_reads_are_refused() {
+fn textures_that_are_too_large_are_refused() {
     let film = film(3, 40, 1);
-    let mut motion = Bend::of(&film, 50);
+    let mut motion = Bend::new(&film, 50);
     let made = write_vertex_texture(&film, &mut motion, "x.png", 1, &Context::quiet());
     let Err(FilmError::Format(error)) = made else {
-        panic!("{} rows were made", LARGEST_TEXTURE + 1);
+        panic!("{} rows were made", MAX_TEXTURE_SIZE + 1);
     };
     assert!(error.to_string().contains("16384"), "{error}");
 }

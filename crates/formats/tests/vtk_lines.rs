@@ -2,11 +2,11 @@
 
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
-use greenstick_formats::vtk::{Field, Polylines, collection, lines};
+use greenstick_formats::vtk::{Field, Polylines, TimedFile, collection, write_lines};
 use greenstick_geometry::Values;
 use std::io::Read;
 
-/// The numbers of the array of a name, unpacked.
+/// The decompressed values of an array.
 fn array(file: &[u8], name: &str) -> Vec<u8> {
     let text = String::from_utf8_lossy(file);
     let entry = text
@@ -38,7 +38,7 @@ fn lines_keep_their_points_and_fields() {
         point_data: &frames,
         line_data: &field,
     };
-    let file = lines(&rods, "rods.vtp").unwrap();
+    let file = write_lines(&rods, "rods.vtp").unwrap();
     let numbers = |name: &str| -> Vec<f64> {
         let bytes = array(&file.bytes, name);
         bytes
@@ -66,7 +66,7 @@ fn lines_keep_their_points_and_fields() {
 }
 
 #[test]
-fn broken_lines_are_refused() {
+fn invalid_lines_are_refused() {
     let points = [DVec3::ZERO, DVec3::X];
     let far = [DVec3::ZERO, DVec3::splat(f64::NAN)];
     let short = [Field::scalar("a", Values::U8(vec![1]))];
@@ -78,19 +78,19 @@ fn broken_lines_are_refused() {
         point_data: &[],
         line_data: &[],
     };
-    assert!(lines(&good, "x").is_ok());
+    assert!(write_lines(&good, "x").is_ok());
     let cases = [
         (
-            "takes points 2 to 2",
+            "has the points 2 to 2",
             Polylines {
                 ends: &[2, 2],
                 ..good
             },
         ),
-        ("takes points 0 to 3", Polylines { ends: &[3], ..good }),
+        ("has the points 0 to 3", Polylines { ends: &[3], ..good }),
         ("end at 1", Polylines { ends: &[1], ..good }),
         (
-            "through point 2",
+            "passes through point 2",
             Polylines {
                 corners: &[0, 2],
                 ..good
@@ -118,23 +118,26 @@ fn broken_lines_are_refused() {
             },
         ),
     ];
-    for (says, case) in cases {
-        let error = lines(&case, "x").unwrap_err().to_string();
-        assert!(error.contains(says), "{says}: {error}");
+    for (message, case) in cases {
+        let error = write_lines(&case, "x").unwrap_err().to_string();
+        assert!(error.contains(message), "{message}: {error}");
     }
-    // No lines at all are a series' frame in which all bonds are broken.
+    // A frame in which all bonds are broken has no lines.
     let none = Polylines {
         corners: &[],
         ends: &[],
         ..good
     };
-    assert!(lines(&none, "x").is_ok());
+    assert!(write_lines(&none, "x").is_ok());
 }
 
 #[test]
-fn files_of_one_time_are_parts() {
+fn files_with_the_same_time_are_parts() {
     let files = [(0.0, "r0.vtp"), (0.0, "b&0.vtp"), (0.5, "r1.vtp")];
-    let text = collection(&files.map(|(t, f)| (t, f.to_owned())));
+    let text = collection(&files.map(|(time, file)| TimedFile {
+        time,
+        file: file.to_owned(),
+    }));
     let entries: Vec<&str> = text
         .lines()
         .filter(|l| l.contains("<DataSet "))

@@ -45,6 +45,16 @@ impl HeightField {
     ///
     /// # Errors
     /// [`HeightFieldError`] where the numbers do not fit.
+    ///
+    /// # Examples
+    /// ```
+    /// use greenstick_fracture::heights::HeightField;
+    ///
+    /// // One ring of four sectors, 1 cm higher in the first.
+    /// let field = HeightField::new(1, 4, vec![0.01, 0.0, 0.0, 0.0])?;
+    /// assert_eq!(field.at(0.5, std::f64::consts::FRAC_PI_4), 0.01);
+    /// # Ok::<(), greenstick_fracture::heights::HeightFieldError>(())
+    /// ```
     pub fn new(
         rings: usize,
         sectors: usize,

@@ -95,7 +95,7 @@ pub enum RecipeError {
         /// Column in characters, from 1.
         column: usize,
         /// What is wrong.
-        problem: Problem,
+        problem: Box<Problem>,
     },
     /// In a setting.
     #[error("setting \"{setting}\": {problem}")]
@@ -103,11 +103,11 @@ pub enum RecipeError {
         /// The setting as given.
         setting: String,
         /// What is wrong.
-        problem: Problem,
+        problem: Box<Problem>,
     },
     /// In what the layers give together, or in a preset that was asked for outside the recipe.
     #[error(transparent)]
-    Whole(#[from] Problem),
+    Whole(Box<Problem>),
 }
 
 impl From<DocumentError> for RecipeError {
@@ -115,14 +115,20 @@ impl From<DocumentError> for RecipeError {
         RecipeError::At {
             line: error.line,
             column: error.column,
-            problem: error.problem.into(),
+            problem: Box::new(error.problem.into()),
         }
     }
 }
 
 impl From<ParameterError> for RecipeError {
     fn from(error: ParameterError) -> Self {
-        RecipeError::Whole(error.into())
+        Problem::from(error).into()
+    }
+}
+
+impl From<Problem> for RecipeError {
+    fn from(problem: Problem) -> Self {
+        RecipeError::Whole(Box::new(problem))
     }
 }
 
@@ -226,7 +232,7 @@ pub fn apply_toml(
                 RecipeError::At {
                     line,
                     column,
-                    problem,
+                    problem: Box::new(problem),
                 }
             };
             let Some(word) = name.get_ref().as_str() else {
@@ -254,7 +260,7 @@ pub fn apply_toml(
 pub fn apply_setting(target: &mut impl HasRecipe, setting: &str) -> Result<(), RecipeError> {
     let wrong = |problem| RecipeError::Setting {
         setting: setting.to_owned(),
-        problem,
+        problem: Box::new(problem),
     };
     let (key, text) = setting
         .split_once('=')

@@ -1,16 +1,16 @@
 //! Slabs and slivers: the coarse and the middle pieces of a torn face, parts of the section bounded by rings and rays.
 
-use crate::layout::Bundle;
+use crate::layout::FibreBundle;
 use glam::DVec2;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
 
-/// A part of a section: ring coordinates and angles (rad, counted from the turn of the parting).
+/// A region of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
+pub(crate) struct Region {
     /// Ring coordinates between which it lies.
     pub rho: (f64, f64),
-    /// Angles between which it lies, rad.
+    /// Angles between which it lies, rad, counted from where the partition begins.
     pub phi: (f64, f64),
 }
 
@@ -19,25 +19,25 @@ impl Region {
         (self.rho.1 * self.rho.1 - self.rho.0 * self.rho.0) * (self.phi.1 - self.phi.0)
     }
 
-    /// Width along the ring and thickness across it, in radii.
+    /// Returns the width along the ring and the thickness across it, in radii.
     pub fn size(&self) -> (f64, f64) {
         let width = (self.phi.1 - self.phi.0) * (self.rho.0 + self.rho.1) / 2.0;
         (width, self.rho.1 - self.rho.0)
     }
 }
 
-/// What a section spans.
+/// The extent of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
+pub(crate) struct SectionSpan {
     /// Ring coordinates.
     pub rho: (f64, f64),
     /// Angles, rad; `None` for all around.
     pub phi: Option<(f64, f64)>,
 }
 
-impl Span {
-    /// What the bundles of a layout span.
-    pub fn of(bundles: &[Bundle]) -> Span {
+impl SectionSpan {
+    /// Returns the extent of the bundles of a layout.
+    pub fn from_bundles(bundles: &[FibreBundle]) -> SectionSpan {
         let mut rho = (f64::INFINITY, 0.0f64);
         let mut phi = (f64::INFINITY, f64::NEG_INFINITY);
         for b in bundles {
@@ -50,20 +50,20 @@ impl Span {
         // A board shows less than half a turn of its rings.
         if phi.1 - phi.0 > 0.5 * TAU || phi.0 > phi.1 {
             let rho = (0.0, 1.0);
-            return Span { rho, phi: None };
+            return SectionSpan { rho, phi: None };
         }
-        Span {
+        SectionSpan {
             rho,
             phi: Some(phi),
         }
     }
 }
 
-/// A step on the way to the region of a place.
+/// A node of the tree that leads to the region at a point.
 #[derive(Debug, Clone, Copy)]
 enum Branch {
     Region(usize),
-    /// Below or from `at` on, in the ring coordinate or in the angle.
+    /// A split at `at`, in the ring coordinate or in the angle.
     Cut {
         ring: bool,
         at: f64,
@@ -72,19 +72,19 @@ enum Branch {
     },
 }
 
-/// A section parted by rings and rays.
+/// A section split by rings and rays.
 #[derive(Debug, Clone)]
-pub struct Parts {
+pub(crate) struct SectionPartition {
     regions: Vec<Region>,
     tree: Vec<Branch>,
     turn: f64,
     around: bool,
 }
 
-impl Parts {
-    /// Parts the section into `count` regions, each `aspect` times as wide along the ring as thick across it or less,
-    /// large ones first but of many sizes.
-    pub fn new(span: &Span, count: usize, aspect: f64, seed: u64) -> Self {
+impl SectionPartition {
+    /// Splits the section into `count` regions of many sizes, each at most `aspect` times as wide along the ring as it is thick
+    /// across it.
+    pub fn new(span: &SectionSpan, count: usize, aspect: f64, seed: u64) -> Self {
         let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
         let around = span.phi.is_none();
         let mut regions = vec![Region {
@@ -123,7 +123,7 @@ impl Parts {
             weights[largest] = regions[largest].area() * (0.35 + 1.3 * random(n, 1));
             weights.push(other.area() * (0.35 + 1.3 * random(n, 2)));
         }
-        Parts {
+        SectionPartition {
             regions,
             tree,
             turn: if around { TAU * random(0, 9) } else { 0.0 },
@@ -131,21 +131,21 @@ impl Parts {
         }
     }
 
-    /// An angle counted as those of the regions.
-    fn turned(&self, phi: f64) -> f64 {
+    /// Returns an angle as the regions count it.
+    fn region_angle(&self, phi: f64) -> f64 {
         if !self.around {
             return phi;
         }
         let place = (phi - self.turn) / TAU;
-        // The floor, without the call that it is on older machines.
+        // The floor, without the function call that it takes on older processors.
         let whole = place as i64;
         let whole = whole - i64::from(place < whole as f64);
         (place - whole as f64) * TAU
     }
 
-    /// Number of the region at a ring coordinate and angle (rad).
+    /// Returns the number of the region at a ring coordinate and an angle (rad).
     pub fn find(&self, rho: f64, phi: f64) -> usize {
-        let phi = self.turned(phi);
+        let phi = self.region_angle(phi);
         let mut branch = 0;
         loop {
             match self.tree[branch] {
@@ -166,12 +166,12 @@ impl Parts {
         }
     }
 
-    /// A region.
+    /// Returns a region.
     pub fn region(&self, number: usize) -> &Region {
         &self.regions[number]
     }
 
-    /// Ring coordinate and angle (rad) of a region's middle.
+    /// Returns the ring coordinate and the angle (rad) of a region's middle.
     pub fn middle(&self, number: usize) -> (f64, f64) {
         let r = &self.regions[number];
         (
@@ -180,11 +180,11 @@ impl Parts {
         )
     }
 
-    /// Where a place lies in a region: −1 to 1 along the ring, then −1 to 1 across it.
+    /// Returns the coordinates of a point in a region: −1 to 1 along the ring, then −1 to 1 across it.
     pub fn within(&self, number: usize, rho: f64, phi: f64) -> DVec2 {
         let r = &self.regions[number];
         let half = ((r.phi.1 - r.phi.0) / 2.0).max(1e-9);
-        let mut off = self.turned(phi) - (r.phi.0 + r.phi.1) / 2.0;
+        let mut off = self.region_angle(phi) - (r.phi.0 + r.phi.1) / 2.0;
         if self.around {
             // Both angles are within a turn.
             off -= match off / TAU {
@@ -199,35 +199,35 @@ impl Parts {
     }
 }
 
-/// What all bundles of a slab share.
+/// The shape of a slab, which all its bundles share.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slab {
+pub(crate) struct Slab {
     /// Height of its ridge, −1 to 1, mean about 0.
     pub height: f64,
     /// Slope across the section, per radius.
     pub slant: DVec2,
-    /// How much its slivers differ, about 1.
+    /// Factor on the lengths of its slivers, about 1.
     pub splinters: f64,
-    /// Where the ridge runs, −1 to 1 along the ring and across it.
+    /// Position of the ridge, −1 to 1 along the ring and across it.
     ridge: DVec2,
-    /// How far it falls from the ridge to its edges, as part of its height.
+    /// Drop from the ridge to the edges, as part of the height.
     fall: f64,
 }
 
 /// The slabs of a section.
 #[derive(Debug, Clone)]
-pub struct Slabs {
-    parts: Parts,
+pub(crate) struct Slabs {
+    parts: SectionPartition,
     slabs: Vec<Slab>,
 }
 
 const SEED: u64 = 0x51ab;
-/// Slabs are a little wider than thick.
+/// Width of slabs over their thickness, at most.
 const SLAB_ASPECT: f64 = 1.6;
 
 impl Slabs {
-    /// Parts the section into `count` slabs.
-    pub fn new(span: &Span, count: usize, seed: u64) -> Self {
+    /// Splits the section into `count` slabs.
+    pub fn new(span: &SectionSpan, count: usize, seed: u64) -> Self {
         let seed = seed ^ SEED << 20;
         let slab = |n: usize| {
             let unit = |what: i64| 2.0 * noise::unit(seed, n as i64, what, 0) - 1.0;
@@ -246,13 +246,13 @@ impl Slabs {
             }
         };
         Slabs {
-            parts: Parts::new(span, count, SLAB_ASPECT, seed),
+            parts: SectionPartition::new(span, count, SLAB_ASPECT, seed),
             slabs: (0..count.max(1)).map(slab).collect(),
         }
     }
 
-    /// The number of the slab at a ring coordinate and angle (rad), with its height there: it falls from its ridge, so that slabs
-    /// are no towers with square shoulders.
+    /// Returns the number of the slab at a ring coordinate and an angle (rad), and its height there. Slabs fall off from their
+    /// ridges, so that they are no towers with square shoulders.
     pub fn at(&self, rho: f64, phi: f64) -> (usize, f64) {
         let number = self.parts.find(rho, phi);
         let slab = &self.slabs[number];
@@ -265,7 +265,7 @@ impl Slabs {
         (number, slab.height * (1.0 - down))
     }
 
-    /// A slab.
+    /// Returns a slab.
     pub fn slab(&self, number: usize) -> &Slab {
         &self.slabs[number]
     }
@@ -276,18 +276,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn regions_fill_the_section_and_a_place_lies_in_the_one_that_is_found() {
+    fn regions_fill_the_section_and_a_point_lies_in_the_one_found() {
         for span in [
-            Span {
+            SectionSpan {
                 rho: (0.0, 1.0),
                 phi: None,
             },
-            Span {
+            SectionSpan {
                 rho: (0.8, 1.0),
                 phi: Some((1.1, 1.5)),
             },
         ] {
-            let parts = Parts::new(&span, 150, 4.0, 5);
+            let parts = SectionPartition::new(&span, 150, 4.0, 5);
             let whole = Region {
                 rho: span.rho,
                 phi: span.phi.unwrap_or((0.0, TAU)),
@@ -300,7 +300,7 @@ mod tests {
                 let (low, high) = span.phi.unwrap_or((-9.0, 9.0));
                 let phi = low + (high - low) * t;
                 let r = parts.region(parts.find(rho, phi));
-                let turned = parts.turned(phi);
+                let turned = parts.region_angle(phi);
                 assert!(r.rho.0 <= rho && rho <= r.rho.1, "{rho} in {r:?}");
                 assert!(r.phi.0 <= turned && turned <= r.phi.1, "{turned} in {r:?}");
                 let (ring, ray) = parts.middle(parts.find(rho, phi));

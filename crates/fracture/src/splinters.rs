@@ -5,8 +5,8 @@
 //! surfaces over the bundle is the splinter. Nothing is lost: pieces and splinters together are the stem.
 
 use crate::cut::{CapFace, Cut, Skin, Solid};
-use crate::layout::Bundles;
-use crate::surface::{Layout, NONE, Surface};
+use crate::layout::FibreBundles;
+use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_wood::noise;
 
@@ -19,10 +19,10 @@ mod purpose {
 /// How splinters are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SplinterOptions {
-    /// Most splinters.
-    pub count: usize,
-    /// Least length, m, on the mean of a splinter.
-    pub least: f64,
+    /// Greatest number of splinters.
+    pub max_count: usize,
+    /// Least mean length of a splinter, m.
+    pub min_length: f64,
     /// Seed.
     pub seed: u64,
 }
@@ -38,18 +38,18 @@ pub struct Splinter {
     pub length: f64,
 }
 
-/// What is left of a break surface when splinters are off.
+/// The faces of a break without its splinters.
 #[derive(Debug, Clone, Default)]
 pub struct Loosened {
     /// The face of the lower piece: the surface, lower where splinters stood.
-    pub lower: Surface,
+    pub lower: FractureSurface,
     /// The face of the upper piece: the surface, higher where splinters hung.
-    pub upper: Surface,
+    pub upper: FractureSurface,
     /// The splinters, by cell.
     pub splinters: Vec<Splinter>,
 }
 
-/// Part of the border's neighbours (by length) above which a bundle must stand for it to break off there.
+/// Part of its neighbours (by length of border) above which a bundle must stand to break off.
 const STANDS_OUT: f64 = 0.8;
 /// Irregularity of the break across a splinter, as part of its length.
 const RAGGED: f64 = 0.3;
@@ -62,10 +62,10 @@ struct Candidate {
     score: f64,
 }
 
-/// Chooses bundles among those that are `free` (wholly inside the stem, away from its skin) and takes them off.
+/// Chooses splinters among the bundles that are `free` (wholly inside the stem, away from its skin) and takes them off.
 pub fn loosen(
-    surface: &Surface,
-    bundles: &Bundles,
+    surface: &FractureSurface,
+    bundles: &FibreBundles,
     free: &dyn Fn(u32) -> bool,
     options: &SplinterOptions,
 ) -> Loosened {
@@ -81,38 +81,38 @@ pub fn loosen(
         }
     }
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut made = Loosened {
+    let mut loosened = Loosened {
         lower: surface.clone(),
         upper: surface.clone(),
         splinters: Vec::new(),
     };
     let mut taken = vec![false; facets.len()];
     for c in candidates {
-        if made.splinters.len() == options.count {
+        if loosened.splinters.len() == options.max_count {
             break;
         }
         let cell = c.splinter.cell as usize;
         if taken[cell] {
             continue;
         }
-        // Their neighbours stay, so that the places where splinters were can be told apart.
+        // Their neighbours stay, so that no two sockets merge.
         taken[cell] = true;
         for edge in borders(layout, &facets[cell]) {
             taken[layout.cells[edge.other.0 as usize] as usize] = true;
         }
         let face = if c.splinter.upper {
-            &mut made.upper
+            &mut loosened.upper
         } else {
-            &mut made.lower
+            &mut loosened.lower
         };
         break_off(face, &c, &facets[cell], options);
-        made.splinters.push(c.splinter);
+        loosened.splinters.push(c.splinter);
     }
-    made.splinters.sort_by_key(|s| s.cell);
-    made
+    loosened.splinters.sort_by_key(|s| s.cell);
+    loosened
 }
 
-fn facets_by_cell(layout: &Layout, cells: usize) -> Vec<Vec<u32>> {
+fn facets_by_cell(layout: &SectionLayout, cells: usize) -> Vec<Vec<u32>> {
     let mut facets = vec![Vec::new(); cells];
     for (f, &cell) in layout.cells.iter().enumerate() {
         if let Some(list) = facets.get_mut(cell as usize) {
@@ -129,8 +129,8 @@ struct Border {
     other: (u32, u8),
 }
 
-/// The border of a cell towards other cells, in the order of its facets.
-fn borders(layout: &Layout, facets: &[u32]) -> Vec<Border> {
+/// Returns the border of a cell towards other cells, in the order of its facets.
+fn borders(layout: &SectionLayout, facets: &[u32]) -> Vec<Border> {
     let mut list = Vec::new();
     for &f in facets {
         for k in 0..3u8 {
@@ -146,7 +146,7 @@ fn borders(layout: &Layout, facets: &[u32]) -> Vec<Border> {
 }
 
 fn candidate(
-    surface: &Surface,
+    surface: &FractureSurface,
     cell: u32,
     facets: &[u32],
     upper: bool,
@@ -162,7 +162,7 @@ fn candidate(
         let [a, b] = layout.edges[edge as usize].nodes;
         let length = layout.nodes[a as usize].distance(layout.nodes[b as usize]);
         let level = |(f, k): (u32, u8)| {
-            let [a, b] = surface.rail(f, k);
+            let [a, b] = surface.side_heights(f, k);
             sign * (a + b) / 2.0
         };
         neighbours.push((level(border.other), length));
@@ -183,7 +183,7 @@ fn candidate(
     } else {
         deepest > low
     };
-    if length.is_nan() || length < options.least || !within {
+    if length.is_nan() || length < options.min_length || !within {
         return None;
     }
     let random = noise::unit(
@@ -205,7 +205,7 @@ fn candidate(
 }
 
 /// Takes a splinter off the face of its piece.
-fn break_off(face: &mut Surface, c: &Candidate, facets: &[u32], options: &SplinterOptions) {
+fn break_off(face: &mut FractureSurface, c: &Candidate, facets: &[u32], options: &SplinterOptions) {
     let Splinter {
         cell,
         upper,
@@ -229,9 +229,17 @@ fn break_off(face: &mut Surface, c: &Candidate, facets: &[u32], options: &Splint
     }
 }
 
-/// The solid between two surfaces over a cell, as a cut whose only face it is, oriented outwards. Of `faces`, bottom and top, the top must be higher
-/// everywhere on the cell; both must have one height at each of its nodes.
-pub fn column(solid: &Solid, skin: &Skin, like: &Cut, faces: [&Surface; 2], cell: u32) -> Cut {
+/// Returns the solid between two surfaces over a cell, as a cut with no other face, oriented outwards.
+///
+/// `faces` are its bottom and its top. The top must be higher everywhere on the cell, and both must have one height at each of
+/// its nodes.
+pub fn splinter_solid(
+    solid: &Solid,
+    skin: &Skin,
+    like: &Cut,
+    faces: [&FractureSurface; 2],
+    cell: u32,
+) -> Cut {
     let layout = faces[1].layout.as_ref();
     let mut sides = like.sides.clone();
     (sides.below, sides.above) = (0, skin.order.len());
@@ -278,10 +286,10 @@ pub fn column(solid: &Solid, skin: &Skin, like: &Cut, faces: [&Surface; 2], cell
     made
 }
 
-/// The vertices of a column as they are made.
+/// The vertices of a splinter while they are made.
 struct Corners<'a> {
     /// Bottom and top.
-    faces: [&'a Surface; 2],
+    faces: [&'a FractureSurface; 2],
     /// Number of the first.
     first: u32,
     inside: Vec<DVec3>,
@@ -290,7 +298,7 @@ struct Corners<'a> {
 }
 
 impl Corners<'_> {
-    /// The vertex at corner `k` of facet `f`, at the bottom (0) or at the top (1).
+    /// Returns the vertex at corner `k` of facet `f`, at the bottom (0) or at the top (1).
     fn vertex(&mut self, f: u32, k: usize, which: usize) -> u32 {
         let layout = &self.faces[0].layout;
         let node = layout.facets[f as usize][k];

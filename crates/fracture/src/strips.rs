@@ -7,16 +7,17 @@ use greenstick_wood::noise;
 use std::f64::consts::TAU;
 
 const SEED: u64 = 0xba4c;
-/// Part of the strips that tear off over the wood, and that are peeled back from it.
-const FLAPS: f64 = 0.24;
-const PEELED: f64 = 0.26;
+/// Share of the strips that stand over the wood as flaps.
+const FLAP_SHARE: f64 = 0.24;
+/// Share of the strips that are peeled back from the wood.
+const PEELED_SHARE: f64 = 0.26;
 
 /// Strips around a stem.
 #[derive(Debug, Clone)]
 pub(crate) struct Strips {
     /// Angles (rad, ascending) at which they begin, then a turn after the first.
     walls: Vec<f64>,
-    /// Height of each against the wood, in bark heights.
+    /// Height of each over the wood, in bark heights.
     heights: Vec<f64>,
     seed: u64,
 }
@@ -31,13 +32,13 @@ impl Strips {
             .collect();
         walls.push(walls[0] + TAU);
         let height = |n: usize| {
-            let (kind, much) = (random(n, 1), random(n, 2));
-            if kind < FLAPS {
-                0.6 + 1.5 * much * much
-            } else if kind > 1.0 - PEELED {
-                -0.5 - 1.2 * much * much
+            let (kind, extent) = (random(n, 1), random(n, 2));
+            if kind < FLAP_SHARE {
+                0.6 + 1.5 * extent * extent
+            } else if kind > 1.0 - PEELED_SHARE {
+                -0.5 - 1.2 * extent * extent
             } else {
-                0.7 * (much - 0.5)
+                0.7 * (extent - 0.5)
             }
         };
         Strips {
@@ -47,12 +48,12 @@ impl Strips {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of strips.
     pub fn count(&self) -> usize {
         self.heights.len()
     }
 
-    /// Number of the strip at an angle (rad).
+    /// Returns the number of the strip at an angle (rad).
     pub fn find(&self, phi: f64) -> usize {
         let place = (phi - self.walls[0]) / TAU;
         let phi = self.walls[0] + (place - place.floor()) * TAU;
@@ -60,22 +61,22 @@ impl Strips {
         after.clamp(1, self.heights.len()) - 1
     }
 
-    /// Angle (rad) of a strip's middle.
+    /// Returns the angle (rad) of a strip's middle.
     pub fn middle(&self, strip: usize) -> f64 {
         (self.walls[strip] + self.walls[strip + 1]) / 2.0
     }
 
-    /// Height of the end of a strip at an angle, against the wood under its middle, in bark heights: torn to one side
-    /// or to a tongue, and ragged.
+    /// Returns the height of the end of a strip at an angle, over the wood under its middle, in bark heights. The end is torn
+    /// to one side or to a tongue, and ragged.
     pub fn edge(&self, strip: usize, phi: f64) -> f64 {
         let half = ((self.walls[strip + 1] - self.walls[strip]) / 2.0).max(1e-6);
         let off = phi - self.middle(strip);
         let v = ((off - TAU * (off / TAU).round()) / half).clamp(-1.0, 1.0);
         let random = |what: i64| noise::unit(self.seed, strip as i64, what, 1);
         let height = self.heights[strip];
-        // The longer it is the more it narrows, as strips do that run out.
+        // Longer strips narrow more.
         let torn = (0.25 + 0.5 * height.abs()) * (0.5 + random(3));
-        let shape = outline(random(4), v);
+        let shape = torn_outline(random(4), v);
         let (sin, cos) = libm::sincos(phi);
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| DVec2::new(cos, sin) * scale;
@@ -86,9 +87,9 @@ impl Strips {
     }
 }
 
-/// Outline of a torn end over its width (`v` from −1 to 1), 0 to 1: torn to one side, to a point or to two prongs, as
-/// `kind` (0 to 1) says.
-pub(crate) fn outline(kind: f64, v: f64) -> f64 {
+/// Returns the outline of a torn end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects an end torn to one
+/// side, to a point or to two prongs.
+pub(crate) fn torn_outline(kind: f64, v: f64) -> f64 {
     let (choice, rest) = (kind * 4.0, kind * 4.0 - (kind * 4.0).floor());
     if choice < 1.2 {
         (1.0 + v) / 2.0

@@ -6,26 +6,26 @@
 
 use glam::DVec2;
 
-/// "No facet": beyond the border of the triangulation.
+/// The number of no facet, used beyond the border of the triangulation.
 pub const NONE: u32 = u32::MAX;
 
 /// A height field in grain space, discontinuous at facet edges.
 #[derive(Debug, Clone, Default)]
-pub struct Surface {
-    /// Where the facets and cells lie; shared by all surfaces over the same section.
-    pub layout: std::sync::Arc<Layout>,
+pub struct FractureSurface {
+    /// The facets and cells, which all surfaces over the same section share.
+    pub layout: std::sync::Arc<SectionLayout>,
     /// Length along the axis (m) at each corner of each facet.
     pub heights: Vec<[f64; 3]>,
 }
 
 /// A planar triangulation whose facets belong to cells (fibre bundles).
 #[derive(Debug, Clone, Default)]
-pub struct Layout {
+pub struct SectionLayout {
     /// Nodes, grain (x, y) in m.
     pub nodes: Vec<DVec2>,
     /// Facets, three nodes each, counter-clockwise.
     pub facets: Vec<[u32; 3]>,
-    /// Cell of each facet, an index that the maker of the layout gives a meaning.
+    /// Cell of each facet; whoever makes the layout decides what it stands for.
     pub cells: Vec<u32>,
     /// Edge of each facet's side k (from its corner k to the next).
     pub sides: Vec<[u32; 3]>,
@@ -33,7 +33,7 @@ pub struct Layout {
     pub edges: Vec<Edge>,
 }
 
-/// An edge of a [`Layout`].
+/// An edge of a [`SectionLayout`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     /// Its nodes, the smaller number first.
@@ -43,12 +43,22 @@ pub struct Edge {
     pub facets: [(u32, u8); 2],
 }
 
-impl Layout {
-    /// The layout of `facets` over `nodes`. Facets must be counter-clockwise and share whole edges.
+impl SectionLayout {
+    /// Returns the layout of `facets` over `nodes`. Facets must be counter-clockwise and share whole edges.
+    ///
+    /// ```
+    /// use glam::DVec2;
+    /// use greenstick_fracture::surface::SectionLayout;
+    ///
+    /// let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    /// let nodes = square.map(|(x, y)| DVec2::new(x, y)).to_vec();
+    /// let layout = SectionLayout::new(nodes, vec![[0, 1, 2], [0, 2, 3]], vec![0, 0]);
+    /// assert_eq!(layout.edges.len(), 5);
+    /// ```
     pub fn new(nodes: Vec<DVec2>, facets: Vec<[u32; 3]>, cells: Vec<u32>) -> Self {
         let mut edges: Vec<Edge> = Vec::with_capacity(facets.len() * 3 / 2 + nodes.len() + 8);
         let mut sides = Vec::with_capacity(facets.len());
-        // For each node its latest edge to a node of a larger number, and for each edge the one before it there.
+        // The latest edge from each node to a node of a larger number, and for each edge the one before it there.
         let mut latest = vec![NONE; nodes.len()];
         let mut before: Vec<u32> = Vec::with_capacity(edges.capacity());
         for (f, facet) in facets.iter().enumerate() {
@@ -74,7 +84,7 @@ impl Layout {
             }
             sides.push(side);
         }
-        Layout {
+        SectionLayout {
             nodes,
             facets,
             cells,
@@ -84,14 +94,14 @@ impl Layout {
     }
 }
 
-impl Surface {
-    /// Lowest and highest length along the axis (m).
+impl FractureSurface {
+    /// Returns the lowest and the highest length along the axis, m.
     pub fn range(&self) -> (f64, f64) {
         range(self.heights.iter())
     }
 
-    /// Height of `facet` at the ends of its side `side`, in the order of the edge's nodes.
-    pub fn rail(&self, facet: u32, side: u8) -> [f64; 2] {
+    /// Returns the heights of `facet` at the ends of its side `side`, in the order of the edge's nodes.
+    pub fn side_heights(&self, facet: u32, side: u8) -> [f64; 2] {
         let (f, k) = (facet as usize, usize::from(side));
         let [a, b] = [self.heights[f][k], self.heights[f][(k + 1) % 3]];
         let nodes = &self.layout.facets[f];
@@ -103,7 +113,7 @@ impl Surface {
     }
 }
 
-/// Lowest and highest of the heights of some facets.
+/// Returns the lowest and the highest of the heights of some facets.
 pub(crate) fn range<'a>(heights: impl Iterator<Item = &'a [f64; 3]>) -> (f64, f64) {
     // Three of each, so that no comparison waits for the one before.
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);

@@ -1,6 +1,6 @@
 //! Courses and openings of planned cracks against the formulas.
 
-use greenstick_fracture::cracks::{CrackPlan, depth, opening, plan};
+use greenstick_fracture::cracks::{CrackPlan, plan, relative_depth, relative_opening};
 use greenstick_fracture::parameters::{Crack, CrackKind, CrackParameters};
 use greenstick_schema::{Parameters, Value};
 
@@ -17,19 +17,25 @@ fn single(kind: CrackKind, settings: &[(&str, f64)]) -> CrackPlan {
 
 #[test]
 fn cracks_are_widest_in_the_middle_and_closed_at_their_ends() {
-    assert_eq!([0.0, 0.5, 1.0].map(|t| opening(t, false)), [0.0, 1.0, 0.0]);
-    assert_eq!([0.0, 0.5, 1.0].map(|t| opening(t, true)), [0.0, 0.5, 1.0]);
-    assert_eq!([depth(0.0), depth(1.0)], [0.0, 1.0]);
+    assert_eq!(
+        [0.0, 0.5, 1.0].map(|t| relative_opening(t, false)),
+        [0.0, 1.0, 0.0]
+    );
+    assert_eq!(
+        [0.0, 0.5, 1.0].map(|t| relative_opening(t, true)),
+        [0.0, 0.5, 1.0]
+    );
+    assert_eq!([relative_depth(0.0), relative_depth(1.0)], [0.0, 1.0]);
     let plan = single(
         CrackKind::Radial,
         &[("begin", 0.2), ("end", 0.8), ("range", 60.0)],
     );
     let crack = &plan.cracks[0];
-    assert!(!crack.open);
+    assert!(!crack.open_at_bark);
     // Strain 0.06 at the flanks falling to 0 at 60° on both sides, at half the radius.
     let expected = 0.06 * std::f64::consts::FRAC_PI_3 * 0.5;
     assert!((crack.width(0.5, 0.5) - expected).abs() < 1e-15);
-    assert!(single(CrackKind::Radial, &[("end", 1.0)]).cracks[0].open);
+    assert!(single(CrackKind::Radial, &[("end", 1.0)]).cracks[0].open_at_bark);
 }
 
 #[test]

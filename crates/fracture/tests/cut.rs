@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{
     Cut, CutWorkspace, Ground, Host, Side, Skin, Solid, cut, cut_again,
 };
-use greenstick_fracture::surface::{Layout, Surface};
+use greenstick_fracture::surface::{FractureSurface, SectionLayout};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ fn tube(around: usize, along: usize, rough: f64) -> (Vec<[u32; 3]>, Vec<DVec3>) 
 }
 
 /// Bricks of rings and sectors with random corner heights: cells of four-sided fans.
-fn bricks(rings: usize, sectors: usize, rough: f64, smooth: bool, seed: u64) -> Surface {
+fn bricks(rings: usize, sectors: usize, rough: f64, smooth: bool, seed: u64) -> FractureSurface {
     let (mut nodes, mut facets, mut cells) = (vec![DVec2::ZERO], Vec::new(), Vec::new());
     for r in 0..rings {
         for j in 0..2 * sectors {
@@ -88,8 +88,8 @@ fn bricks(rings: usize, sectors: usize, rough: f64, smooth: bool, seed: u64) -> 
             })
         })
         .collect();
-    Surface {
-        layout: Arc::new(Layout::new(nodes, facets, cells)),
+    FractureSurface {
+        layout: Arc::new(SectionLayout::new(nodes, facets, cells)),
         heights,
     }
 }
@@ -202,7 +202,7 @@ fn a_cut_does_not_depend_on_those_made_before_on_the_same_ground() {
         let surface = bricks(5, 14, 1.5, smooth, 3);
         let ground = Ground::new(&skin, &surface.layout);
         let made = |heights: Vec<[f64; 3]>, workspace: &mut CutWorkspace| {
-            let surface = Surface {
+            let surface = FractureSurface {
                 layout: surface.layout.clone(),
                 heights,
             };

@@ -1,6 +1,6 @@
-//! Pictures of one bit a pixel: sections of solids, a row in whole 64-bit words.
+//! Bitmaps with one bit per pixel, such as sections of solids. Rows are whole 64-bit words.
 
-/// A picture of `width` × `height` bits. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); the bits beyond
+/// A bitmap of `width` × `height` pixels. Bit `x % 64` of word `x / 64` of row `y` is pixel (x, y); the bits beyond
 /// `width` in a row's last word are always 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Bitmap {
@@ -10,7 +10,7 @@ pub struct Bitmap {
 }
 
 impl Bitmap {
-    /// A picture of zeros.
+    /// Creates a bitmap of zeros.
     pub fn new(width: usize, height: usize) -> Self {
         Bitmap {
             width,
@@ -19,28 +19,28 @@ impl Bitmap {
         }
     }
 
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Words in a row.
+    /// Number of words in a row.
     pub fn stride(&self) -> usize {
         self.width.div_ceil(64)
     }
 
-    /// Pixel (x, y), which must lie in the picture.
+    /// Pixel (x, y), which must lie in the bitmap.
     pub fn get(&self, x: usize, y: usize) -> bool {
         debug_assert!(x < self.width);
         self.words[y * self.stride() + x / 64] >> (x % 64) & 1 == 1
     }
 
-    /// Sets pixel (x, y), which must lie in the picture.
+    /// Sets pixel (x, y), which must lie in the bitmap.
     pub fn set(&mut self, x: usize, y: usize, value: bool) {
         debug_assert!(x < self.width);
         let stride = self.stride();
@@ -60,48 +60,48 @@ impl Bitmap {
         &mut self.words[y * stride..][..stride]
     }
 
-    /// Number of pixels that are set.
+    /// Number of set pixels.
     pub fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 
-    /// The borders of what is set, along the pixels' edges: closed walks through pixel corners, each a step from the one
-    /// before, set pixels on their left where y points up. Pixel (x, y) has the corners (x, y) to (x + 1, y + 1). Pixels
-    /// that share no more than a corner are apart.
+    /// Traces the borders of the set pixels along pixel edges: closed paths through pixel corners with set pixels on their
+    /// left where y points up. Pixel (x, y) has the corners (x, y) to (x + 1, y + 1). Pixels that share only a corner are
+    /// not connected.
     pub fn borders(&self) -> Vec<Vec<[usize; 2]>> {
         let at = |x: i64, y: i64| {
             let inside = x >= 0 && y >= 0 && x < self.width as i64 && y < self.height as i64;
             inside && self.get(x as usize, y as usize)
         };
-        // Whether the border leaves corner (x, y) along +x, +y, −x, −y: the pixel on the left is set, that on the right not.
-        let leaves = |x: i64, y: i64, way: usize| {
+        // Whether a border leaves corner (x, y) along +x, +y, −x, −y: the pixel on the left is set, that on the right not.
+        let leaves = |x: i64, y: i64, direction: usize| {
             let around = [at(x, y), at(x - 1, y), at(x - 1, y - 1), at(x, y - 1)];
-            around[way] && !around[(way + 3) % 4]
+            around[direction] && !around[(direction + 3) % 4]
         };
         const STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
-        // Every walk has a step along +x.
-        let mut walked = Bitmap::new(self.width, self.height + 1);
+        // Every border has a step along +x.
+        let mut visited = Bitmap::new(self.width, self.height + 1);
         let mut borders = Vec::new();
         for y in 0..self.height as i64 {
             for x in 0..self.width as i64 {
-                if !leaves(x, y, 0) || walked.get(x as usize, y as usize) {
+                if !leaves(x, y, 0) || visited.get(x as usize, y as usize) {
                     continue;
                 }
                 let mut border = Vec::new();
-                let (mut p, mut way) = ((x, y), 0);
+                let (mut p, mut direction) = ((x, y), 0);
                 loop {
                     border.push([p.0 as usize, p.1 as usize]);
-                    if way == 0 {
-                        walked.set(p.0 as usize, p.1 as usize, true);
+                    if direction == 0 {
+                        visited.set(p.0 as usize, p.1 as usize, true);
                     }
-                    p = (p.0 + STEPS[way].0, p.1 + STEPS[way].1);
-                    // To the left first, which stays with the pixel.
-                    way = [1, 0, 3]
-                        .map(|turn| (way + turn) % 4)
+                    p = (p.0 + STEPS[direction].0, p.1 + STEPS[direction].1);
+                    // Left first, which keeps to the same pixel.
+                    direction = [1, 0, 3]
+                        .map(|turn| (direction + turn) % 4)
                         .into_iter()
-                        .find(|w| leaves(p.0, p.1, *w))
-                        .unwrap_or(way);
-                    if p == (x, y) && way == 0 {
+                        .find(|d| leaves(p.0, p.1, *d))
+                        .unwrap_or(direction);
+                    if p == (x, y) && direction == 0 {
                         break;
                     }
                 }
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pixels_are_kept_apart_across_words() {
+    fn pixels_are_independent_across_words() {
         let mut map = Bitmap::new(130, 3);
         let set = [(0, 0), (63, 1), (64, 1), (129, 2)];
         for (x, y) in set {
@@ -133,8 +133,8 @@ mod tests {
     }
 
     #[test]
-    fn borders_hold_the_pixels_and_their_holes() {
-        // Pixels by a simple generator, so that they touch at corners, too.
+    fn borders_enclose_the_pixels_and_their_holes() {
+        // Pseudo-random pixels, some of which touch only at corners.
         let mut map = Bitmap::new(70, 40);
         let mut state = 1u32;
         for y in 0..40 {
@@ -154,7 +154,7 @@ mod tests {
             }
             length += border.len();
         }
-        // The area within is the number of pixels, and every edge between a pixel and none is walked once.
+        // The enclosed area is the number of pixels, and every edge between a set and an unset pixel occurs once.
         assert_eq!(twice, 2 * map.count() as i64);
         let get = |x: usize, y: usize| x < 70 && y < 40 && map.get(x, y);
         let mut edges = 0;

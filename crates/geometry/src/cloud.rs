@@ -1,35 +1,39 @@
-//! Point clouds: what a scanner gives, their cleaning and their normals.
+//! Point clouds: their cleaning, their normals, and the reconstruction of surfaces from them.
 
+mod batches;
 mod clean;
-mod eigen;
-mod neighbours;
+mod distances;
+mod kd_tree;
+mod lattice;
 mod normals;
 mod poisson;
+mod report;
 mod sample;
 mod tetrahedra;
 
-pub use clean::{CleanError, CleanOptions, CleanReport, CleanStep, clean, spacing};
-pub use eigen::eigen;
-pub use neighbours::Neighbours;
-pub use normals::{normals, orient_along_tree, orient_from};
-pub use poisson::{MOST_NODES, PoissonError, poisson};
+pub use clean::clean;
+pub use distances::spacing;
+pub use kd_tree::KdTree;
+pub use normals::{normals, orient_along_tree, orient_from, try_normals};
+pub use poisson::{MAX_NODES, PoissonError, poisson};
+pub use report::{CleanError, CleanOptions, CleanReport, CleanStep};
 pub use sample::sample_meshes;
 
 use glam::DVec3;
 
-/// Points with what was measured at each. Every list but `points` is either empty or as long as `points`.
+/// Points with the data measured at each. Every list but `points` is either empty or as long as `points`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PointCloud {
     /// Positions, m.
     pub points: Vec<DVec3>,
-    /// Unit normals out of the wood.
+    /// Unit normals, pointing outwards.
     pub normals: Vec<DVec3>,
     /// Red, green, blue, 0 to 255.
     pub colours: Vec<[u8; 3]>,
 }
 
 impl PointCloud {
-    /// The points numbered in `keep`, in that order, with what belongs to them.
+    /// Returns the points with the numbers in `keep`, in that order, with their data.
     pub fn select(&self, keep: &[u32]) -> Self {
         fn pick<T: Copy>(from: &[T], keep: &[u32]) -> Vec<T> {
             if from.is_empty() {

@@ -1,7 +1,6 @@
-//! Meshes with named attributes, scenes of them, and the checks that say whether a mesh is sound.
+//! Meshes with named attributes, scenes of them, and checks of their soundness; point clouds, tables and films.
 //!
-//! Positions are `f64`; everything that only rides along (normals, texture coordinates, colours) is `f32`,
-//! as it comes from and goes to a file.
+//! Positions are `f64`; other attributes (normals, texture coordinates, colours) are `f32`, as in files.
 #![deny(missing_docs)]
 
 pub mod bitmap;
@@ -11,6 +10,7 @@ pub mod cloud;
 pub mod components;
 pub mod context;
 pub mod convex;
+mod eigen;
 pub mod film;
 pub mod intersect;
 pub mod material;
@@ -19,6 +19,7 @@ pub mod repair;
 pub mod scene;
 pub mod simplify;
 pub mod table;
+mod triangle;
 pub mod triangulate;
 pub mod unions;
 
@@ -29,10 +30,14 @@ pub use cloud::PointCloud;
 pub use components::{Adjacency, Shells};
 pub use context::{CancelToken, Cancelled, Context, Progress, Stage};
 pub use convex::{ConvexOptions, ConvexParts, convex_parts};
-pub use film::{Binding, Earlier, Extra, Film, Joint, Motion, Pose, Skinned};
+pub use eigen::symmetric_eigen;
+pub use film::{
+    Binding, EarlierBindings, Extra, Film, Joint, Motion, Pose, RigidBody, SkinnedMesh,
+};
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
 pub use scene::{Node, Scene};
 pub use simplify::{Simplified, simplify};
 pub use table::{Column, Table, Values};
+pub use triangle::closest_point_on_triangle;
 pub use unions::Unions;

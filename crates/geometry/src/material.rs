@@ -1,11 +1,11 @@
-//! Surface materials in the metallic–roughness model of glTF 2.0 (§3.9), kept as they were read.
+//! Surface materials in the metallic–roughness model of glTF 2.0 (§3.9), as read from a file.
 
-/// An image: bytes carried along, or a reference to a file that may be absent.
+/// An image: its encoded bytes, or a reference to a file that may be absent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// Name, may be empty.
     pub name: String,
-    /// Media type such as `image/png`, may be empty where only a path is known.
+    /// Media type such as `image/png`; may be empty if only a path is known.
     pub mime_type: String,
     /// Where the pixels are.
     pub source: ImageSource,
@@ -14,16 +14,16 @@ pub struct Image {
 /// Where an image's pixels are.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ImageSource {
-    /// A path or URI, written out again as it was read whether or not the file exists.
+    /// A path or URI. Writers write it as it was read, whether or not the file exists.
     Reference(String),
-    /// The encoded file itself.
+    /// The encoded file.
     Bytes(Vec<u8>),
 }
 
-/// A texture: an image with a sampler.
+/// An image with a sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// Index into [`crate::Scene::images`]. `None` where only an extension names one.
+    /// Index into [`crate::Scene::images`]; `None` if only an extension names an image.
     pub image: Option<usize>,
     /// Texture extensions that name further images (`EXT_texture_webp`, `KHR_texture_basisu`): (extension, image).
     pub alternatives: Vec<(String, usize)>,
@@ -31,12 +31,12 @@ pub struct Texture {
     pub sampler: [Option<u32>; 4],
 }
 
-/// Use of a texture by a material.
+/// The use of a texture by a material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureReference {
     /// Index into [`crate::Scene::textures`].
     pub texture: usize,
-    /// Which `TEXCOORD_n` it reads.
+    /// The `n` of the attribute `TEXCOORD_n` that it reads.
     pub coordinates: u32,
     /// `KHR_texture_transform`: offset, rotation (rad), scale.
     pub transform: Option<([f32; 2], f32, [f32; 2])>,
@@ -67,13 +67,13 @@ pub struct Material {
     pub occlusion_texture: Option<TextureReference>,
     /// Emission texture (sRGB).
     pub emissive_texture: Option<TextureReference>,
-    /// Whether back faces show.
+    /// Whether back faces are visible.
     pub double_sided: bool,
     /// `OPAQUE`, `MASK` or `BLEND`.
     pub alpha_mode: String,
     /// Threshold of `MASK`.
     pub alpha_cutoff: f32,
-    /// Material extensions and extras carried along as JSON text: (name, JSON). Only glTF reads and writes them.
+    /// Material extensions and extras as JSON text: (name, JSON). Only glTF files hold them.
     pub extensions: Vec<(String, String)>,
 }
 

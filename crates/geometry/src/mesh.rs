@@ -1,17 +1,17 @@
-//! The triangle mesh that everything else is written for.
+//! Triangle meshes.
 //!
 //! Vertices carry attributes, so a seam (two normals at one point) has two vertices at one position, as in glTF.
-//! Topology is therefore asked of *points* ([`Mesh::points`]): vertices at bitwise equal positions are one point.
+//! Topology is therefore defined on *points* ([`Mesh::points`]): vertices at bitwise equal positions are one point.
 
 use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap};
 
-/// A per-vertex attribute: `width` numbers for each vertex, in vertex order.
+/// A per-vertex attribute: `width` numbers for each vertex, in the order of vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
     /// Numbers per vertex, 1 to 4 (16 for matrices).
     pub width: usize,
-    /// `width` × number of vertices values.
+    /// Values, `width` for each vertex.
     pub data: Vec<f32>,
 }
 
@@ -23,6 +23,19 @@ impl Attribute {
 }
 
 /// A triangle mesh with per-vertex attributes and per-triangle materials.
+///
+/// ```
+/// use glam::{DAffine3, DVec3};
+/// use greenstick_geometry::Mesh;
+///
+/// let triangle = Mesh {
+///     positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+///     triangles: vec![[0, 1, 2]],
+///     ..Mesh::default()
+/// };
+/// let doubled = triangle.transformed(&DAffine3::from_scale(DVec3::splat(2.0)));
+/// assert_eq!((triangle.area(), doubled.area()), (0.5, 2.0));
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertex positions.
@@ -50,12 +63,12 @@ impl Mesh {
         self.materials.get(t).copied().unwrap_or(NO_MATERIAL)
     }
 
-    /// The triangles `which` with the vertices that they use, both in their order.
-    pub fn submesh(&self, which: impl Iterator<Item = usize>) -> Mesh {
+    /// Returns the given triangles with the vertices that they use, both in their order.
+    pub fn submesh(&self, triangles: impl Iterator<Item = usize>) -> Mesh {
         let mut new = vec![u32::MAX; self.positions.len()];
         let mut used = Vec::new();
         let mut part = Mesh::default();
-        for t in which {
+        for t in triangles {
             let corners = self.triangles[t].map(|v| {
                 if new[v as usize] == u32::MAX {
                     new[v as usize] = used.len() as u32;
@@ -80,8 +93,8 @@ impl Mesh {
         part
     }
 
-    /// For each vertex the number of its point; vertices at bitwise equal positions (0 and −0 count as equal) share
-    /// one. Returns the numbers, counted from 0 in order of first appearance, and how many there are.
+    /// Numbers the points of the mesh. Vertices at bitwise equal positions (0 and −0 count as equal) share a point.
+    /// Returns the point of each vertex, counted from 0 in order of first appearance, and the number of points.
     pub fn points(&self) -> (Vec<u32>, usize) {
         let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(self.positions.len());
         let numbers = self
@@ -98,7 +111,7 @@ impl Mesh {
     }
 
     /// Signed volume by the divergence theorem, positive for a closed mesh oriented outwards. For an open mesh the
-    /// value depends on the origin and means nothing.
+    /// value depends on the origin and is meaningless.
     pub fn volume(&self) -> f64 {
         let Some(&origin) = self.positions.first() else {
             return 0.0;
@@ -133,8 +146,8 @@ impl Mesh {
         )
     }
 
-    /// A copy with every position mapped; directions (`NORMAL`, `TANGENT`) turn with it, and triangles are turned over
-    /// where the map mirrors.
+    /// Returns a copy with every position mapped. Directions (`NORMAL`, `TANGENT`) are mapped accordingly, and triangles are
+    /// reversed if the map is a reflection.
     pub fn transformed(&self, map: &DAffine3) -> Mesh {
         let mut mesh = self.clone();
         for p in &mut mesh.positions {
@@ -151,10 +164,10 @@ impl Mesh {
         }
         if map.matrix3.determinant() < 0.0 {
             mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            // The fourth number of a tangent is the hand of the texture's axes.
+            // The fourth component of a tangent is the handedness of the tangent basis.
             if let Some(tangents) = mesh.attributes.get_mut("TANGENT").filter(|t| t.width == 4) {
-                let hands = tangents.data.iter_mut().skip(3).step_by(4);
-                hands.for_each(|w| *w = -*w);
+                let signs = tangents.data.iter_mut().skip(3).step_by(4);
+                signs.for_each(|w| *w = -*w);
             }
         }
         mesh

@@ -1,18 +1,18 @@
-//! Tables: rows of numbers in named columns with units, as measurements are kept.
+//! Tables: rows of numbers in named columns with units.
 
-/// Numbers of a column.
+/// The values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Small whole numbers and codes.
+    /// Small integers and codes.
     U8(Vec<u8>),
-    /// Whole numbers.
+    /// Integers.
     U32(Vec<u32>),
     /// Numbers.
     F64(Vec<f64>),
 }
 
 impl Values {
-    /// How many there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         match self {
             Values::U8(v) => v.len(),
@@ -21,7 +21,7 @@ impl Values {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -34,14 +34,14 @@ pub struct Column {
     pub name: String,
     /// Unit, such as `m`, `m2` or `rad`; empty for counts and codes.
     pub unit: String,
-    /// What it says, in a few words.
+    /// What the values mean, in a few words.
     pub meaning: String,
-    /// The numbers.
+    /// The values.
     pub values: Values,
 }
 
 impl Column {
-    /// A column.
+    /// Creates a column.
     pub fn new(name: &str, unit: &str, meaning: &str, values: Values) -> Self {
         Column {
             name: name.to_owned(),
@@ -51,7 +51,7 @@ impl Column {
         }
     }
 
-    /// Name with the unit, as a heading: `area_m2`.
+    /// The name with the unit, as in a header line: `area_m2`.
     pub fn heading(&self) -> String {
         if self.unit.is_empty() {
             self.name.clone()
@@ -61,10 +61,19 @@ impl Column {
     }
 }
 
-/// Columns of one length.
+/// Columns of equal length.
+///
+/// ```
+/// use greenstick_geometry::{Column, Table, Values};
+///
+/// let radii = Column::new("radius", "m", "radius of the ring", Values::F64(vec![0.01, 0.02]));
+/// let table = Table { columns: vec![radii] };
+/// assert_eq!((table.rows(), table.fault()), (2, None));
+/// assert_eq!(table.columns[0].heading(), "radius_m");
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// The columns; all should be as long as the first.
+    /// The columns; all must be as long as the first.
     pub columns: Vec<Column>,
 }
 
@@ -74,25 +83,29 @@ impl Table {
         self.columns.first().map_or(0, |c| c.values.len())
     }
 
-    /// The column of a name.
+    /// The column with a name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|c| c.name == name)
     }
 
-    /// The first column that is not as long as the others or whose name another one has, with what is wrong.
+    /// Describes the first fault: a column of another length than the first, a name or unit that is not made of letters,
+    /// digits and `_`, or a name that occurs twice.
     pub fn fault(&self) -> Option<String> {
         let rows = self.rows();
         for (k, c) in self.columns.iter().enumerate() {
             if c.values.len() != rows {
                 return Some(format!(
-                    "column {} has {} values where there are {rows} rows",
+                    "column {} has {} values, but the table has {rows} rows",
                     c.name,
                     c.values.len()
                 ));
             }
-            let plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
-            if c.name.is_empty() || !c.name.bytes().all(plain) || !c.unit.bytes().all(plain) {
-                return Some(format!("column {k} is named {:?} in {:?}", c.name, c.unit));
+            let is_plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
+            if c.name.is_empty() || !c.name.bytes().all(is_plain) || !c.unit.bytes().all(is_plain) {
+                return Some(format!(
+                    "column {k} has the name {:?} and the unit {:?}; expected letters, digits and _",
+                    c.name, c.unit
+                ));
             }
             if self.columns[..k].iter().any(|d| d.name == c.name) {
                 return Some(format!("two columns are named {}", c.name));

@@ -1,21 +1,30 @@
 //! Disjoint sets.
 
-/// Sets of numbers that are joined step by step (union-find with path halving). The root of a set is its smallest
-/// number, whatever the order of joining.
+/// Disjoint sets of numbers that are joined step by step (union-find with path halving). The root of a set is its
+/// smallest number, whatever the order of joining.
+///
+/// ```
+/// use greenstick_geometry::Unions;
+///
+/// let mut sets = Unions::new(4);
+/// assert!(sets.join(3, 1));
+/// assert!(!sets.join(1, 3));
+/// assert_eq!(sets.root(3), 1);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Unions {
     parents: Vec<u32>,
 }
 
 impl Unions {
-    /// `count` sets of one number each.
+    /// Creates `count` sets of one number each.
     pub fn new(count: usize) -> Self {
         Unions {
             parents: (0..count as u32).collect(),
         }
     }
 
-    /// The smallest number of the set of `i`.
+    /// Returns the smallest number of the set that contains `i`.
     pub fn root(&mut self, mut i: u32) -> u32 {
         loop {
             let parent = self.parents[i as usize];
@@ -28,7 +37,7 @@ impl Unions {
         }
     }
 
-    /// Joins the sets of `a` and `b`; whether they were two.
+    /// Joins the sets that contain `a` and `b`. Returns whether they were different sets.
     pub fn join(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b) as usize] = a.min(b);

@@ -10,7 +10,7 @@ use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Mesh, Node, Scene};
-use greenstick::schema::{Kind, ParameterInfo, Parameters, Value};
+use greenstick::schema::{ParameterInfo, Parameters, Value};
 use greenstick::wood::primitive;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage};
 use std::hint::black_box;
@@ -157,24 +157,14 @@ fn glb(scene: &Scene) -> usize {
 
 /// A value of a parameter a little off its own.
 fn changed(info: &ParameterInfo) -> Value {
-    match (&info.kind, &info.value) {
-        (Kind::Number { min, max, .. }, Value::Number(x)) => {
-            let step = 0.013 * (max - min).min(x.abs().max(1.0));
-            Value::Number(if x + step <= *max { x + step } else { x - step })
-        }
-        (Kind::Integer { max, .. }, Value::Integer(n)) if n < max => Value::Integer(n + 1),
-        (Kind::Integer { .. }, Value::Integer(n)) => Value::Integer(n - 1),
-        (Kind::Choice { options }, Value::Text(word)) => {
-            let other = options.iter().find(|o| o.word != word);
-            Value::Text(other.map_or("", |o| o.word).to_owned())
-        }
-        (Kind::Text { .. }, Value::Text(place)) if info.key == "at" && place == "0.5" => {
-            Value::Text("0.501".to_owned())
-        }
-        (Kind::Text { .. }, _) => Value::Text("Oak, white".to_owned()),
-        (Kind::Number { max, .. }, _) => Value::Number(max / 2.0),
-        (_, value) => value.clone(),
-    }
+    info.neighbour().unwrap_or_else(|| {
+        let text = if info.key == "at" {
+            "0.501"
+        } else {
+            "Oak, white"
+        };
+        Value::Text(text.to_owned())
+    })
 }
 
 /// Every parameter of the face, and what else a break may have.

@@ -38,6 +38,9 @@ pub enum Error {
     /// The inside of the stem could not be made.
     #[error(transparent)]
     Anatomy(AnatomyError),
+    /// A parameter is wrong.
+    #[error(transparent)]
+    Parameter(#[from] greenstick_schema::ParameterError),
     /// A number asked for is out of range.
     #[error("{0}")]
     Amount(String),

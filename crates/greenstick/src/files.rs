@@ -2,6 +2,7 @@
 //!
 //! This is the one place in the libraries that touches the file system; all stages work on scenes.
 
+#[cfg(feature = "simulate")]
 pub mod run;
 
 use greenstick_formats::{
@@ -73,7 +74,9 @@ fn ending_of(path: &Path) -> String {
 
 /// Endings of mesh files, as messages list them.
 pub fn mesh_endings() -> String {
-    Format::ALL.map(|f| format!(".{}", f.ending())).join(", ")
+    Format::ALL
+        .map(|f| format!(".{}", f.extension()))
+        .join(", ")
 }
 
 /// A scene and the files it was read from.
@@ -107,7 +110,7 @@ pub fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Scene, FileError> {
 /// # Errors
 /// As [`read`].
 pub fn load(path: &Path, unit: Option<LengthUnit>) -> Result<Source, FileError> {
-    let format = Format::of_path(path).ok_or_else(|| FileError::UnknownEnding {
+    let format = Format::from_path(path).ok_or_else(|| FileError::UnknownEnding {
         path: path.to_owned(),
         expected: mesh_endings(),
     });
@@ -125,8 +128,8 @@ pub fn load_content(
     path: &Path,
     unit: Option<LengthUnit>,
 ) -> Result<(Content, Vec<PathBuf>), FileError> {
-    let clouds = CloudFormat::ALL.iter().flat_map(|f| f.endings());
-    let format = InputFormat::of_path(path).ok_or_else(|| FileError::UnknownEnding {
+    let clouds = CloudFormat::ALL.iter().flat_map(|f| f.extensions());
+    let format = InputFormat::from_path(path).ok_or_else(|| FileError::UnknownEnding {
         path: path.to_owned(),
         expected: clouds.fold(mesh_endings(), |all, e| format!("{all}, .{e}")),
     });
@@ -259,7 +262,7 @@ pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output
         path: path.to_owned(),
         expected: mesh_endings(),
     };
-    let format = Format::of_path(path).ok_or_else(unknown)?;
+    let format = Format::from_path(path).ok_or_else(unknown)?;
     let name = path.file_name().ok_or_else(unknown)?.to_string_lossy();
     let encoded = greenstick_formats::write(format, scene, &name, unit);
     let place = |(i, Encoded { name, bytes }): (usize, Encoded)| Output {

@@ -31,27 +31,43 @@
 //! [`files::read`] gives the scene of a mesh file, [`files::encode`] and [`files::write_all`] write one.
 //! [`picture_of_break`] takes a picture. A [`BreakSession`] breaks one scene often, with requests that change, and makes
 //! anew only what a change touches.
+//!
+//! # Features
+//!
+//! All are on by default. Without them the crate opens no files, and it compiles for `wasm32-unknown-unknown`, where it
+//! works on one thread.
+//!
+//! - `files`: the module `files`, which reads and writes files.
+//! - `simulate`: the modules `simulate`, `film`, `fit` and `bending`, and the crate `fibre`. With `files`, runs are read from folders and written to them.
+//! - `laz`: reads compressed point clouds.
+//! - `parquet`: writes tables as Parquet.
+//! - `usd`: writes scenes and films as USD.
 #![deny(missing_docs)]
 
 pub mod anatomy;
+#[cfg(feature = "simulate")]
 pub mod bending;
 mod branch;
 mod error;
+#[cfg(feature = "files")]
 pub mod files;
+#[cfg(feature = "simulate")]
 pub mod film;
+#[cfg(feature = "simulate")]
 pub mod fit;
 mod images;
 mod pictures;
 mod report;
 mod request;
 pub mod rings;
-mod rods;
 pub mod scanning;
 pub mod session;
+#[cfg(feature = "simulate")]
 pub mod simulate;
 
 pub use branch::built_in_branch;
 pub use error::Error;
+#[cfg(feature = "simulate")]
 pub use greenstick_fibre as fibre;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
@@ -59,14 +75,15 @@ pub use greenstick_geometry as geometry;
 pub use greenstick_picture as picture;
 pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;
+#[cfg(feature = "simulate")]
+pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
-pub use rods::rods_scene;
-pub use session::{BreakSession, Broken, Looks, break_scene};
+pub use session::{BreakSession, Broken, break_scene};
 
 /// Keeps the example in the README one that compiles.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "files"))]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

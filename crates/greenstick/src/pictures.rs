@@ -1,13 +1,14 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::branch::OWN_BARK;
-use crate::session::{Broken, BrokenWood, Looks, NodeRole, PieceRole};
+use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Item, Picture, PictureError, PictureOptions, PlainShader, Shader, View, render,
+    Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
+    Sphere, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, WoodPoint, WoodSurface};
+use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface};
 use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
@@ -28,7 +29,7 @@ struct StemShader<'a> {
 struct Inside<'a> {
     material: u32,
     stem: &'a Stem,
-    looks: &'a Looks,
+    appearance: &'a StemAppearance,
 }
 
 impl<'a> Inside<'a> {
@@ -36,7 +37,7 @@ impl<'a> Inside<'a> {
         Inside {
             material: wood.material,
             stem: &wood.stem,
-            looks: &wood.looks,
+            appearance: &wood.appearance,
         }
     }
 }
@@ -67,7 +68,7 @@ impl StemShader<'_> {
             },
             end_grain,
         };
-        let surface = inside.looks.wood.surface_at(&point, hit.footprint);
+        let surface = inside.appearance.wood.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 
@@ -79,7 +80,9 @@ impl StemShader<'_> {
     }
 
     fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
-        let Inside { stem, looks, .. } = self.own();
+        let Inside {
+            stem, appearance, ..
+        } = self.own();
         let (point, directions) = match grain {
             Some(grain) => {
                 let frame = stem.grain.axis().frame(grain.z);
@@ -105,7 +108,7 @@ impl StemShader<'_> {
                 (point, [DVec3::X, DVec3::Z, DVec3::Y])
             }
         };
-        let surface = looks.bark.surface_at(&point, hit.footprint);
+        let surface = appearance.bark.surface_at(&point, hit.footprint);
         finish(hit, &surface, directions)
     }
 }
@@ -115,7 +118,7 @@ fn finish(hit: &Hit, surface: &WoodSurface, [x, y, along]: [DVec3; 3]) -> Appear
     Appearance {
         color: surface.color,
         roughness: surface.roughness,
-        normal: hit.bumped(rise),
+        normal: hit.bumped_normal(rise),
     }
 }
 
@@ -159,7 +162,7 @@ fn blank(scene: &Scene) -> Vec<bool> {
 pub fn picture_of_skin(
     scene: &Scene,
     stem: &Stem,
-    looks: &Looks,
+    appearance: &StemAppearance,
     inner: u32,
     options: &PictureOptions,
     context: &Context,
@@ -167,11 +170,11 @@ pub fn picture_of_skin(
     let inside = Inside {
         material: inner,
         stem,
-        looks,
+        appearance,
     };
     let shader = StemShader {
         woods: vec![inside],
-        plain: PlainShader::of_materials(&scene.materials),
+        plain: PlainShader::from_materials(&scene.materials),
         blank: blank(scene),
         moved: true,
     };
@@ -189,7 +192,7 @@ pub fn picture_of_break(
 ) -> Result<Picture, PictureError> {
     let shader = StemShader {
         woods: broken.woods.iter().map(Inside::new).collect(),
-        plain: PlainShader::of_materials(&broken.scene.materials),
+        plain: PlainShader::from_materials(&broken.scene.materials),
         blank: blank(&broken.scene),
         moved: false,
     };
@@ -206,10 +209,10 @@ pub fn picture_of_break(
     let mut options = options.clone();
     if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
-        options.zoom = Some((
-            end.middle - end.outward * (0.2 * end.radius),
-            1.5 * end.radius,
-        ));
+        options.zoom = Some(Sphere {
+            centre: end.middle - end.outward * (0.2 * end.radius),
+            radius: 1.5 * end.radius,
+        });
         (options.up, options.floor) = (end.outward, false);
         if options.view == View::Automatic {
             options.view = View::Direction {
@@ -301,7 +304,10 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
             let opened = axis.cross(frame.tangent) * -1.0;
             let (sin, cos) = libm::sincos(HANGING_TURN);
             let back = axis * cos + opened * sin;
-            let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+            let Horizontal {
+                right: across,
+                toward,
+            } = greenstick_picture::horizontal(frame.tangent);
             let azimuth = libm::atan2(back.dot(across), back.dot(toward));
             (frame.tangent, (azimuth, HANGING_ELEVATION))
         }
@@ -315,7 +321,10 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
 
 /// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
 fn azimuth(frame: &Frame) -> f64 {
-    let (across, toward) = greenstick_picture::horizontal(frame.tangent);
+    let Horizontal {
+        right: across,
+        toward,
+    } = greenstick_picture::horizontal(frame.tangent);
     // The viewer stands on the far side of the frame's y, so that x runs to the right.
     libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
@@ -357,7 +366,7 @@ pub fn picture_of_scene(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = PlainShader::of_materials(&scene.materials);
+    let shader = PlainShader::from_materials(&scene.materials);
     render(&items(scene, &shader), options, context)
 }
 

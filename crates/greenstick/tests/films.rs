@@ -153,7 +153,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
         lower.volume(),
         side + end
     );
-    let skin = |p: &&greenstick::geometry::Skinned| p.name.starts_with("piece_");
+    let skin = |p: &&greenstick::geometry::SkinnedMesh| p.name.starts_with("piece_");
     let rods: f64 = film
         .film
         .pieces
@@ -299,7 +299,10 @@ fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
         for (v, p) in after.mesh.positions.iter().enumerate() {
             let same = |k: &usize| {
                 before.mesh.positions[*k] == *p
-                    && before.binding.of(*k).eq(after.binding.of(v))
+                    && before
+                        .binding
+                        .influences(*k)
+                        .eq(after.binding.influences(v))
                     && ["NORMAL", "TEXCOORD_0"].iter().all(|name| {
                         let of = |mesh: &Mesh, v: usize| {
                             mesh.attributes.get(*name).map(|a| a.at(v).to_vec())
@@ -310,9 +313,9 @@ fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
             let found = (at..before.mesh.positions.len()).find(same);
             at = 1 + found.unwrap_or_else(|| panic!("{}: vertex {v} is new", after.name));
         }
-        let tree = Bvh::of_triangles(&after.mesh);
+        let tree = Bvh::from_mesh(&after.mesh);
         for &p in &before.mesh.positions {
-            let nearest = tree.nearest_on(&after.mesh, p, f64::INFINITY).unwrap();
+            let nearest = tree.nearest_on_mesh(&after.mesh, p, f64::INFINITY).unwrap();
             most = most.max(nearest.distance);
         }
     }
@@ -329,7 +332,14 @@ fn pieces_that_move_as_a_whole_follow_one_joint_and_are_where_their_skin_was() {
     let frames = run.frames();
     // In the first frame nothing has moved yet.
     let film = run.film(0..1, &options(false), &context).unwrap().film;
-    assert!(film.pieces.iter().all(|p| p.binding.used().len() == 1));
+    assert!(
+        film.pieces
+            .iter()
+            .all(|p| p.binding.used_joints().len() == 1)
+    );
     let film = run.film(0..frames, &options(false), &context).unwrap().film;
-    assert!(film.pieces[0].binding.used().len() > 1, "the stem bends");
+    assert!(
+        film.pieces[0].binding.used_joints().len() > 1,
+        "the stem bends"
+    );
 }

@@ -5,11 +5,11 @@ use greenstick::fibre::Cause;
 use greenstick::fibre::placement::{
     EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
 };
-use greenstick::fit::{Fit, FitError, Ground, fit_parting};
+use greenstick::fit::{Fit, FitError, FitSource, fit_fracture_state};
 use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Node, Scene};
-use greenstick::skin::rods::{Parting, RodBreak, Wood};
+use greenstick::skin::rods::{FractureState, RodBreak, Wood};
 use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
 use greenstick::wood::primitive;
@@ -69,7 +69,7 @@ fn fitted(
 ) -> (Result<Fit, FitError>, Vec<f64>) {
     let wood = Wood {
         stem: &grown.stem,
-        laid: DAffine3::IDENTITY,
+        stem_to_rods: DAffine3::IDENTITY,
         bundle: &grown.placed.bundle,
         along: &grown.placed.along,
         cells: &grown.placed.cells,
@@ -77,7 +77,7 @@ fn fitted(
         bark: None,
         pull_out: 8.0,
     };
-    let mut parting = Parting::none(&wood);
+    let mut state = FractureState::unbroken(&wood);
     let mut heights = Vec::new();
     for rod in 0..wood.bundle.rods() {
         let at = wood.cells[rod].centroid;
@@ -98,16 +98,16 @@ fn fitted(
             .unwrap();
         heights.push(wood.along[vertex] - AT * grown.stem.length);
         let vertex = vertex as u32;
-        parting.breaks[rod].push(RodBreak { vertex, cause });
+        state.breaks[rod].push(RodBreak { vertex, cause });
     }
-    let ground = Ground {
+    let source = FitSource {
         scene: &grown.scene,
         by_point: false,
         seed: 3,
         time: 0.25,
     };
     (
-        fit_parting(&wood, &parting, &ground, &Context::quiet()),
+        fit_fracture_state(&wood, &state, &source, &Context::quiet()),
         heights,
     )
 }
@@ -234,7 +234,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let request = BreakRequest {
         texture_width: 16,
         ..BreakRequest::single(Break {
-            place: fit.place,
+            place: fit.location,
             recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
             ..Break::default()
         })

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::{DVec2, DVec3};
-use greenstick::fracture::cracks::{Way, plan};
+use greenstick::fracture::cracks::plan;
 use greenstick::fracture::parameters::{BreakParameters, Crack, CrackKind, CrackParameters};
 use greenstick::geometry::{Context, Mesh, PointCloud};
 use greenstick::scanning::{ScanRequest, scan_to_scene};
@@ -105,10 +105,10 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     assert_eq!(cracks.follow_rings(RINGS), 1);
     assert_eq!(cracks.follow_rings(RINGS), 0);
     let plan = plan(&cracks, (0.06, 0.03), 1);
-    let half_of = |way: Way| {
-        let crack = plan.cracks.iter().find(|c| c.way == way).unwrap();
-        let width = |i: usize| crack.width(crack.parts[i], crack.course[i].0);
-        (0..crack.parts.len()).map(width).fold(0.0, f64::max) / 2.0
+    let half_of = |kind: CrackKind| {
+        let crack = plan.cracks.iter().find(|c| c.kind == kind).unwrap();
+        let width = |i: usize| crack.width(crack.fractions[i], crack.course[i].0);
+        (0..crack.fractions.len()).map(width).fold(0.0, f64::max) / 2.0
     };
     let mut p = BreakParameters::default();
     p.set_text("surface", "smooth").unwrap();
@@ -136,7 +136,7 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     );
     // The section is fluted, so that a circle, or the contour scaled, would leave the boundary by several times that.
     let ring = 11.0 / f64::from(RINGS);
-    let allowed = half_of(Way::Tangential) + 0.004;
+    let allowed = half_of(CrackKind::Tangential) + 0.004;
     for (height, rho, angle) in &on_ring {
         assert!((rho - ring).abs() < allowed, "{rho} at {angle}, {height}");
     }
@@ -147,7 +147,7 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     for (height, rho, angle) in &on_ray {
         let off = (angle - 240f64.to_radians()) * rho;
         assert!(
-            off.abs() < half_of(Way::Radial) + 0.004,
+            off.abs() < half_of(CrackKind::Radial) + 0.004,
             "{off} at {rho}, {height}"
         );
     }

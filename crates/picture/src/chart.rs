@@ -1,29 +1,38 @@
-//! Charts: lines over two axes with a legend, drawn into a [`Picture`].
+//! Line charts with two axes and a legend, drawn into a [`Picture`].
 
-use crate::Picture;
+use crate::picture::Picture;
 
 /// A line of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// Its points, in the axes' units; those that are not finite are left out.
+    /// Points in the units of the axes. Points that are not finite are left out.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Lines over two axes.
+/// A line chart.
+///
+/// ```
+/// use greenstick_picture::{Chart, Line};
+///
+/// let line = Line { name: "load".into(), points: vec![[0.0, 0.0], [1.0, 20.0], [2.0, 15.0]] };
+/// let axes = ["deflection (mm)".into(), "load (N)".into()];
+/// let picture = Chart { title: "bending".into(), axes, lines: vec![line] }.draw(400, 300);
+/// assert_eq!((picture.width, picture.height), (400, 300));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Above the chart, ASCII.
+    /// Title, ASCII.
     pub title: String,
-    /// Names of the axes with their units, ASCII.
+    /// Names of the axes with units, ASCII.
     pub axes: [String; 2],
-    /// The lines; each has a colour of its own up to eight.
+    /// The lines. Up to eight lines have distinct colours.
     pub lines: Vec<Line>,
 }
 
-/// Colours that the colour-blind can tell apart (Okabe and Ito 2008), dark ones first.
-const COLOURS: [[u8; 3]; 8] = [
+/// Line colours that are distinguishable with colour blindness (Okabe and Ito 2008), dark ones first.
+const LINE_COLOURS: [[u8; 3]; 8] = [
     [0, 114, 178],
     [213, 94, 0],
     [0, 158, 115],
@@ -33,17 +42,22 @@ const COLOURS: [[u8; 3]; 8] = [
     [86, 180, 233],
     [150, 140, 20],
 ];
-const GRID: [u8; 3] = [225, 225, 225];
-const INK: [u8; 3] = [50, 50, 50];
-/// Pixels of a letter's side.
-const LETTER: i64 = 16;
-/// Margins left, right, above and below, pixels.
-const MARGINS: [i64; 4] = [130, 30, 56, 70];
-/// About so many marks on an axis.
-const MARKS: f64 = 6.0;
+/// Colour of grid lines.
+const GRID_COLOUR: [u8; 3] = [225, 225, 225];
+/// Colour of text.
+const TEXT_COLOUR: [u8; 3] = [50, 50, 50];
+/// Width and height of a character, pixels.
+const CHARACTER_SIZE: i64 = 16;
+/// Margins around the plot, pixels.
+const LEFT_MARGIN: i64 = 130;
+const RIGHT_MARGIN: i64 = 30;
+const TOP_MARGIN: i64 = 56;
+const BOTTOM_MARGIN: i64 = 70;
+/// Approximate number of ticks on an axis.
+const TICKS: f64 = 6.0;
 
 impl Chart {
-    /// The chart as a picture of `width` × `height` pixels, at least 300 × 200.
+    /// Draws the chart as a picture of `width` × `height` pixels, at least 300 × 200.
     pub fn draw(&self, width: u32, height: u32) -> Picture {
         let (width, height) = (width.clamp(300, 8192), height.clamp(200, 8192));
         let mut to = Picture {
@@ -51,90 +65,63 @@ impl Chart {
             height,
             rgb: vec![255; 3 * width as usize * height as usize],
         };
-        let [left, right, above, below] = MARGINS;
-        let frame = [
-            left,
-            above,
-            i64::from(width) - right,
-            i64::from(height) - below,
-        ];
-        let [x, y] = [0, 1].map(|a| self.range(a));
-        let at = |p: [f64; 2]| {
-            let part = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
-            [
-                frame[0] as f64 + part(p[0], x) * (frame[2] - frame[0]) as f64,
-                frame[3] as f64 - part(p[1], y) * (frame[3] - frame[1]) as f64,
-            ]
+        let plot = Plot {
+            left: LEFT_MARGIN,
+            top: TOP_MARGIN,
+            right: i64::from(width) - RIGHT_MARGIN,
+            bottom: i64::from(height) - BOTTOM_MARGIN,
+            ranges: [self.range(0), self.range(1)],
         };
-        for v in marks(x) {
-            let px = at([v, y[0]])[0].round();
-            stroke(
-                &mut to,
-                [px, frame[1] as f64],
-                [px, frame[3] as f64],
-                1,
-                GRID,
-            );
-            let label = number(v);
-            let half = label.len() as i64 * LETTER / 2;
-            text(&mut to, px as i64 - half, frame[3] + 8, &label);
-        }
-        for v in marks(y) {
-            let py = at([x[0], v])[1].round();
-            stroke(
-                &mut to,
-                [frame[0] as f64, py],
-                [frame[2] as f64, py],
-                1,
-                GRID,
-            );
-            let label = number(v);
-            let wide = label.len() as i64 * LETTER;
-            text(&mut to, frame[0] - 8 - wide, py as i64 - LETTER / 2, &label);
-        }
+        plot.draw_grid(&mut to);
         for (k, line) in self.lines.iter().enumerate() {
-            let colour = COLOURS[k % COLOURS.len()];
             let points: Vec<[f64; 2]> = line
                 .points
                 .iter()
                 .filter(|p| p[0].is_finite() && p[1].is_finite())
-                .map(|&p| at(p))
+                .map(|&p| plot.pixel(p))
                 .collect();
+            let pen = Pen {
+                width: 3,
+                colour: LINE_COLOURS[k % LINE_COLOURS.len()],
+            };
             for pair in points.windows(2) {
-                stroke(&mut to, pair[0], pair[1], 3, colour);
+                pen.draw(&mut to, pair[0], pair[1]);
             }
         }
-        let mut at = frame[0];
-        for (k, line) in self.lines.iter().enumerate() {
-            let y = 12 + LETTER + LETTER / 2;
-            let (from, to_x) = (at as f64, (at + 24) as f64);
-            stroke(
-                &mut to,
-                [from, y as f64],
-                [to_x, y as f64],
-                5,
-                COLOURS[k % COLOURS.len()],
-            );
-            text(&mut to, at + 30, y - LETTER / 2, &line.name);
-            at += 30 + (line.name.len() as i64 + 1) * LETTER;
-        }
-        text(
-            &mut to,
-            frame[0],
-            6,
-            &format!("{}: {}", self.title, self.axes[1]),
-        );
-        let wide = self.axes[0].len() as i64 * LETTER;
-        text(
-            &mut to,
-            (frame[0] + frame[2] - wide) / 2,
-            frame[3] + 12 + 2 * LETTER - LETTER / 2,
-            &self.axes[0],
-        );
+        self.draw_legend(&plot, &mut to);
+        self.draw_titles(&plot, &mut to);
         to
     }
 
-    /// Least and greatest value on an axis, never the same.
+    /// Draws the names of the lines above the plot.
+    fn draw_legend(&self, plot: &Plot, to: &mut Picture) {
+        let mut x = plot.left;
+        let y = 12 + CHARACTER_SIZE + CHARACTER_SIZE / 2;
+        for (k, line) in self.lines.iter().enumerate() {
+            let pen = Pen {
+                width: 5,
+                colour: LINE_COLOURS[k % LINE_COLOURS.len()],
+            };
+            pen.draw(to, [x as f64, y as f64], [(x + 24) as f64, y as f64]);
+            draw_text(to, x + 30, y - CHARACTER_SIZE / 2, &line.name);
+            x += 30 + (line.name.len() as i64 + 1) * CHARACTER_SIZE;
+        }
+    }
+
+    /// Draws the title and the names of the axes.
+    fn draw_titles(&self, plot: &Plot, to: &mut Picture) {
+        let title = format!("{}: {}", self.title, self.axes[1]);
+        draw_text(to, plot.left, 6, &title);
+        let width = self.axes[0].len() as i64 * CHARACTER_SIZE;
+        draw_text(
+            to,
+            (plot.left + plot.right - width) / 2,
+            plot.bottom + 12 + 2 * CHARACTER_SIZE - CHARACTER_SIZE / 2,
+            &self.axes[0],
+        );
+    }
+
+    /// The smallest and the largest value on an axis, which always differ.
     fn range(&self, axis: usize) -> [f64; 2] {
         let values = self
             .lines
@@ -148,19 +135,26 @@ impl Chart {
         if !(low.is_finite() && high.is_finite() && (high - low).is_finite()) {
             return [0.0, 1.0];
         }
-        // Energies and loads are told from nothing.
+        // Energies and loads are measured from 0.
         let low = if axis == 1 { low.min(0.0) } else { low };
-        let wide = high - low;
-        if wide <= 1e-300 {
+        let extent = high - low;
+        if extent <= 1e-300 {
             return [low - 0.5, low + 0.5];
         }
-        [low, if axis == 1 { high + 0.05 * wide } else { high }]
+        [
+            low,
+            if axis == 1 {
+                high + 0.05 * extent
+            } else {
+                high
+            },
+        ]
     }
 }
 
-/// Round numbers over a range.
-fn marks([low, high]: [f64; 2]) -> Vec<f64> {
-    let raw = (high - low) / MARKS;
+/// Round numbers within a range.
+fn ticks([low, high]: [f64; 2]) -> Vec<f64> {
+    let raw = (high - low) / TICKS;
     let power = libm::pow(10.0, libm::floor(libm::log10(raw)));
     let step = [1.0, 2.0, 5.0, 10.0]
         .map(|f| f * power)
@@ -168,14 +162,14 @@ fn marks([low, high]: [f64; 2]) -> Vec<f64> {
         .find(|s| *s >= raw)
         .unwrap_or(raw);
     let first = (low / step).ceil();
-    (0..=(2.0 * MARKS) as i64)
+    (0..=(2.0 * TICKS) as i64)
         .map(|k| (first + k as f64) * step)
         .take_while(|v| *v <= high + 1e-9 * step)
         .collect()
 }
 
-/// A mark's number, short.
-fn number(v: f64) -> String {
+/// The label of a tick.
+fn label(v: f64) -> String {
     if v == 0.0 {
         return "0".to_owned();
     }
@@ -186,7 +180,8 @@ fn number(v: f64) -> String {
     format!("{v:.1e}").replace(".0e", "e")
 }
 
-fn dot(to: &mut Picture, x: i64, y: i64, colour: [u8; 3]) {
+/// Sets a pixel, if it is in the picture.
+fn set_pixel(to: &mut Picture, x: i64, y: i64, colour: [u8; 3]) {
     if x < 0 || y < 0 || x >= i64::from(to.width) || y >= i64::from(to.height) {
         return;
     }
@@ -194,36 +189,96 @@ fn dot(to: &mut Picture, x: i64, y: i64, colour: [u8; 3]) {
     to.rgb[at..at + 3].copy_from_slice(&colour);
 }
 
-fn stroke(to: &mut Picture, from: [f64; 2], end: [f64; 2], wide: i64, colour: [u8; 3]) {
-    let (dx, dy) = (end[0] - from[0], end[1] - from[1]);
-    let steps = dx.abs().max(dy.abs()).ceil().clamp(1.0, 20_000.0);
-    for k in 0..=steps as i64 {
-        let part = k as f64 / steps;
-        let (x, y) = (from[0] + dx * part, from[1] + dy * part);
-        for a in 0..wide {
-            for b in 0..wide {
-                let half = (wide - 1) / 2;
-                dot(
-                    to,
-                    x.round() as i64 + a - half,
-                    y.round() as i64 + b - half,
-                    colour,
-                );
+/// The area between the axes.
+struct Plot {
+    left: i64,
+    top: i64,
+    right: i64,
+    bottom: i64,
+    /// Ranges of the axes.
+    ranges: [[f64; 2]; 2],
+}
+
+impl Plot {
+    /// The pixel of a point in the units of the axes.
+    fn pixel(&self, p: [f64; 2]) -> [f64; 2] {
+        let fraction = |v: f64, [low, high]: [f64; 2]| (v - low) / (high - low);
+        let [x, y] = self.ranges;
+        [
+            self.left as f64 + fraction(p[0], x) * (self.right - self.left) as f64,
+            self.bottom as f64 - fraction(p[1], y) * (self.bottom - self.top) as f64,
+        ]
+    }
+
+    /// Draws grid lines with their labels.
+    fn draw_grid(&self, to: &mut Picture) {
+        let pen = Pen {
+            width: 1,
+            colour: GRID_COLOUR,
+        };
+        let [x, y] = self.ranges;
+        for v in ticks(x) {
+            let px = self.pixel([v, y[0]])[0].round();
+            pen.draw(to, [px, self.top as f64], [px, self.bottom as f64]);
+            let label = label(v);
+            let half_width = label.len() as i64 * CHARACTER_SIZE / 2;
+            draw_text(to, px as i64 - half_width, self.bottom + 8, &label);
+        }
+        for v in ticks(y) {
+            let py = self.pixel([x[0], v])[1].round();
+            pen.draw(to, [self.left as f64, py], [self.right as f64, py]);
+            let label = label(v);
+            let width = label.len() as i64 * CHARACTER_SIZE;
+            let top = py as i64 - CHARACTER_SIZE / 2;
+            draw_text(to, self.left - 8 - width, top, &label);
+        }
+    }
+}
+
+/// A pen for straight lines.
+struct Pen {
+    /// Width, pixels.
+    width: i64,
+    colour: [u8; 3],
+}
+
+impl Pen {
+    /// Draws a line between two pixels.
+    fn draw(&self, to: &mut Picture, start: [f64; 2], end: [f64; 2]) {
+        let (dx, dy) = (end[0] - start[0], end[1] - start[1]);
+        let steps = dx.abs().max(dy.abs()).ceil().clamp(1.0, 20_000.0);
+        let half = (self.width - 1) / 2;
+        for k in 0..=steps as i64 {
+            let fraction = k as f64 / steps;
+            let (x, y) = (start[0] + dx * fraction, start[1] + dy * fraction);
+            for a in 0..self.width {
+                for b in 0..self.width {
+                    let (px, py) = (x.round() as i64 + a - half, y.round() as i64 + b - half);
+                    set_pixel(to, px, py, self.colour);
+                }
             }
         }
     }
 }
 
-fn text(to: &mut Picture, x: i64, y: i64, words: &str) {
-    for (k, c) in words.chars().enumerate() {
+/// Draws text with its top left corner at (x, y).
+fn draw_text(to: &mut Picture, x: i64, y: i64, text: &str) {
+    for (k, c) in text.chars().enumerate() {
         let glyph = font8x8::legacy::BASIC_LEGACY
             .get(c as usize)
             .copied()
             .unwrap_or_default();
-        for row in 0..LETTER {
-            for column in 0..LETTER {
-                if glyph[(row * 8 / LETTER) as usize] >> (column * 8 / LETTER) & 1 == 1 {
-                    dot(to, x + k as i64 * LETTER + column, y + row, INK);
+        for row in 0..CHARACTER_SIZE {
+            for column in 0..CHARACTER_SIZE {
+                if glyph[(row * 8 / CHARACTER_SIZE) as usize] >> (column * 8 / CHARACTER_SIZE) & 1
+                    == 1
+                {
+                    set_pixel(
+                        to,
+                        x + k as i64 * CHARACTER_SIZE + column,
+                        y + row,
+                        TEXT_COLOUR,
+                    );
                 }
             }
         }
@@ -235,7 +290,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_runs_where_its_numbers_are() {
+    fn lines_pass_through_their_points() {
         let chart = Chart {
             title: "t".into(),
             axes: ["x (s)".into(), "y (J)".into()],
@@ -247,19 +302,19 @@ mod tests {
         let picture = chart.draw(800, 600);
         let is_line = |x: i64, y: i64| {
             let at = 3 * (y as usize * 800 + x as usize);
-            picture.rgb[at..at + 3] == COLOURS[0]
+            picture.rgb[at..at + 3] == LINE_COLOURS[0]
         };
-        // From the axes' range 0 to 10 and 0 to 1.05.
+        // The axes range from 0 to 10 and from 0 to 1.05.
         for part in [0.1f64, 0.5, 0.9] {
             let x = 130.0 + part * 640.0;
             let y = 530.0 - part / 1.05 * 474.0;
             assert!(is_line(x.round() as i64, y.round() as i64), "{part}");
             assert!(!is_line(x.round() as i64, y.round() as i64 - 20), "{part}");
         }
-        assert_eq!(marks([0.0, 10.0]), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert_eq!(number(0.02), "0.02");
-        assert_eq!(number(2e-5), "2e-5");
-        // Nothing, and nothing but nonsense.
+        assert_eq!(ticks([0.0, 10.0]), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert_eq!(label(0.02), "0.02");
+        assert_eq!(label(2e-5), "2e-5");
+        // No points, and no finite points.
         for points in [vec![], vec![[f64::INFINITY, f64::NAN]]] {
             let lines = vec![Line {
                 name: String::new(),

@@ -1,6 +1,6 @@
 //! What is asked of a picture.
 
-use crate::{MAXIMUM_SAMPLES, MAXIMUM_SIDE, PictureOptions, View};
+use crate::{MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
 use greenstick_schema::{count, parameters, text, text_field};
 use std::str::FromStr;
 
@@ -16,7 +16,7 @@ pub struct PictureSize {
 /// A text that is no size of a picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "\"{0}\" is no size; expected WIDTHxHEIGHT in pixels, each from 1 to {MAXIMUM_SIDE}, such as 1200x900"
+    "\"{0}\" is no size; expected WIDTHxHEIGHT in pixels, each from 1 to {MAX_SIDE}, such as 1200x900"
 )]
 pub struct PictureSizeError(String);
 
@@ -24,12 +24,7 @@ impl FromStr for PictureSize {
     type Err = PictureSizeError;
 
     fn from_str(text: &str) -> Result<Self, PictureSizeError> {
-        let side = |t: &str| {
-            t.trim()
-                .parse()
-                .ok()
-                .filter(|n| (1..=MAXIMUM_SIDE).contains(n))
-        };
+        let side = |t: &str| t.trim().parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
         let sides = text.split_once(['x', '×']).and_then(|(width, height)| {
             Some(PictureSize {
                 width: side(width)?,
@@ -90,7 +85,7 @@ parameters! {
             /// Size of the picture, pixels.
             size as "picture_size": PictureSize = PictureSize { width: 1200, height: 900 }, text(SIZE);
             /// Camera rays for each pixel of the picture; from 4 on rounded up to a multiple of 4.
-            samples: u32 = 16, count(1, MAXIMUM_SAMPLES as i128).logarithmic();
+            samples: u32 = 16, count(1, MAX_SAMPLES as i128).logarithmic();
             /// Direction from which the picture is taken, degrees; "auto" chooses one that suits.
             view: Option<ViewDirection> = None, text(VIEW).auto();
         }

@@ -1,42 +1,41 @@
-//! The finished picture: tone mapping and PNG.
+//! Finished pictures: tone mapping and PNG.
 
 use glam::DVec3;
 
-/// A picture: 8-bit sRGB, rows from the top, three bytes per pixel.
+/// A picture in 8-bit sRGB, with three bytes per pixel and rows from top to bottom.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
-    /// Pixels per row.
+    /// Width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Height, pixels.
     pub height: u32,
     /// Red, green and blue of each pixel.
     pub rgb: Vec<u8>,
 }
 
-/// Up to here the tone curve is a straight line, so that the colours of wood stay what they are; above it bends
-/// towards white.
-const SHOULDER: f64 = 0.65;
+/// End of the linear part of the tone curve, which preserves the colours of wood; above, the curve bends towards white.
+const TONE_CURVE_SHOULDER: f64 = 0.65;
 
 impl Picture {
-    /// Tone-maps linear light.
-    pub(crate) fn develop(width: u32, height: u32, light: &[DVec3]) -> Picture {
-        let rgb = light
+    /// Tone-maps linear radiance.
+    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[DVec3]) -> Picture {
+        let rgb = radiance
             .iter()
             .flat_map(|l| l.to_array())
             .map(|v| {
-                let bent = if v > SHOULDER {
-                    let over = (v - SHOULDER) / (1.0 - SHOULDER);
-                    SHOULDER + (1.0 - SHOULDER) * over / (1.0 + over)
+                let mapped = if v > TONE_CURVE_SHOULDER {
+                    let over = (v - TONE_CURVE_SHOULDER) / (1.0 - TONE_CURVE_SHOULDER);
+                    TONE_CURVE_SHOULDER + (1.0 - TONE_CURVE_SHOULDER) * over / (1.0 + over)
                 } else {
                     v.max(0.0)
                 };
-                (encode(bent) * 255.0 + 0.5) as u8
+                (encode_srgb(mapped) * 255.0 + 0.5) as u8
             })
             .collect();
         Picture { width, height, rgb }
     }
 
-    /// The picture as a PNG file, sRGB.
+    /// Encodes the picture as PNG. Returns nothing if `rgb` does not have the size of the picture.
     pub fn png(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
@@ -48,8 +47,7 @@ impl Picture {
                 .write_image_data(&self.rgb)
                 .and_then(|()| writer.finish())
         });
-        // Memory takes every byte, and `rgb` has the size that `render` gave it; only a caller who changed the public
-        // fields so that they contradict each other gets nothing.
+        // Writing to memory cannot fail.
         match written {
             Ok(()) => bytes,
             Err(_) => Vec::new(),
@@ -57,8 +55,8 @@ impl Picture {
     }
 }
 
-/// The sRGB transfer function (IEC 61966-2-1). `libm`, because the standard library's power differs by platform.
-fn encode(linear: f64) -> f64 {
+/// The sRGB transfer function (IEC 61966-2-1). It uses `libm` because `f64::powf` differs between platforms.
+fn encode_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

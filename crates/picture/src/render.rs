@@ -1,36 +1,37 @@
-//! From items to a picture: camera, studio, samples, smoothing, tone mapping.
+//! Rendering: camera, studio, samples, denoising and tone mapping.
 
-use crate::camera::{Camera, View};
+use crate::camera::{Camera, Sphere, View};
+use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
+use crate::item::Item;
 use crate::light::Studio;
 use crate::picture::Picture;
 use crate::sampling::Sampler;
-use crate::scene::{Scene, Seen, world_points};
+use crate::scene::{CameraRay, LightChoice, Sample, Scene, world_points};
 use crate::smooth::smooth;
-use crate::{Item, MAXIMUM_SAMPLES, MAXIMUM_SIDE, PictureError};
 use glam::DVec3;
 use greenstick_geometry::Context;
 use rayon::prelude::*;
 
-/// How a picture is taken.
+/// Options of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureOptions {
-    /// Pixels per row, 1 to 16384.
+    /// Width, 1 to 16384 pixels.
     pub width: u32,
-    /// Rows, 1 to 16384.
+    /// Height, 1 to 16384 pixels.
     pub height: u32,
-    /// Camera rays per pixel, 1 to 65536; from 4 on rounded up to a multiple of 4. Empty background takes fewer.
+    /// Camera rays per pixel, 1 to 65536. From 4 on, it is rounded up to a multiple of 4; the background takes fewer.
     pub samples: u32,
-    /// From where.
+    /// Direction of view.
     pub view: View,
-    /// The ball (centre and radius, m in the world) to fill the picture with; everything where `None`.
-    pub zoom: Option<(DVec3, f64)>,
-    /// Points (m in the world) to fit into the picture where there is no `zoom`; all of the scene where empty.
+    /// Sphere that fills the picture; `None` to show everything.
+    pub zoom: Option<Sphere>,
+    /// Points in the world that fit into the picture if `zoom` is `None`, m; empty for all vertices.
     pub shown: Vec<DVec3>,
-    /// The upward direction, of any length above 0; the picture's vertical and the floor's normal.
+    /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
     pub up: DVec3,
-    /// Whether the lowest point stands on a floor that takes shadows. Seen from below there is none.
+    /// Whether the lowest point lies on a floor that receives shadows. It is invisible from below.
     pub floor: bool,
-    /// Linear colour of the background in the middle of the picture; it darkens towards the corners.
+    /// Linear colour of the background at the centre of the picture; it darkens towards the corners.
     pub background: [f64; 3],
 }
 
@@ -57,35 +58,43 @@ impl PictureOptions {
     }
 }
 
-/// Rows between two looks at the caller's wish to stop.
-const BAND: usize = 8;
-/// One sample in so many goes to the light from behind, the others to the key light.
-const RIM_EVERY: u32 = 4;
-/// Pixels that met no item in so many samples are background and floor, which are smooth: those samples will do.
+/// Rows per thread after which the renderer reports progress and may be cancelled.
+const BAND_ROWS: usize = 8;
+/// One sample of this many uses the rim light, the others use the key light.
+const RIM_LIGHT_INTERVAL: u32 = 4;
+/// Number of samples after which a pixel without items is complete: background and floor are smooth.
 const BACKGROUND_SAMPLES: u32 = 8;
 
-/// Takes a picture of the items.
+/// Renders a picture of the items.
+///
+/// ```
+/// use glam::{DAffine3, DVec3};
+/// use greenstick_geometry::{Context, Mesh};
+/// use greenstick_picture::{Item, PictureOptions, PlainShader, render};
+///
+/// let mesh = Mesh {
+///     positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+///     triangles: vec![[0, 1, 2]],
+///     ..Mesh::default()
+/// };
+/// let shader = PlainShader::uniform([0.8, 0.2, 0.2]);
+/// let item = Item { mesh: &mesh, transform: DAffine3::IDENTITY, shader: &shader };
+/// let options = PictureOptions { width: 16, height: 12, samples: 1, ..PictureOptions::default() };
+/// let picture = render(&[item], &options, &Context::quiet())?;
+/// assert_eq!(picture.rgb.len(), 3 * 16 * 12);
+/// # Ok::<(), greenstick_picture::PictureError>(())
+/// ```
 ///
 /// # Errors
-/// [`PictureError`] where there is nothing to show, a coordinate is not finite, an option is out of range, or the
-/// caller cancelled.
+/// [`PictureError`] if there are no triangles, a coordinate is not finite, an option is out of range, or the caller asked
+/// to stop.
 pub fn render(
     items: &[Item],
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let PictureOptions {
-        width,
-        height,
-        samples,
-        ..
-    } = *options;
-    if width == 0 || height == 0 || width > MAXIMUM_SIDE || height > MAXIMUM_SIDE {
-        return Err(PictureError::Size { width, height });
-    }
-    if samples == 0 || samples > MAXIMUM_SAMPLES {
-        return Err(PictureError::Samples { samples });
-    }
+    let PictureOptions { width, height, .. } = *options;
+    check_size(options)?;
     context.report(0.0)?;
     let points = world_points(items)?;
     let shown = if options.shown.is_empty() {
@@ -110,39 +119,55 @@ pub fn render(
         .fold(f64::INFINITY, f64::min);
     let scene = Scene::new(items, &points);
     drop(points);
-    let ball = (scene.middle, scene.radius);
     let floor = options.floor.then_some(level);
-    let studio = Studio::new(&camera, up, ball, floor, options.background);
+    let studio = Studio::new(&camera, up, scene.bounds, floor, options.background);
 
     let columns = width as usize;
-    let mut seen = vec![Seen::default(); columns * height as usize];
-    let bands = seen.chunks_mut(columns * BAND * rayon::current_num_threads().max(1));
+    let mut pixels = vec![Sample::default(); columns * height as usize];
+    let bands = pixels.chunks_mut(columns * BAND_ROWS * rayon::current_num_threads().max(1));
     let number = bands.len();
     let mut row = 0;
     for (done, band) in bands.enumerate() {
         context.report(done as f64 / number as f64)?;
         band.par_chunks_mut(columns)
             .enumerate()
-            .for_each(|(r, pixels)| {
-                for (x, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = look(&scene, &studio, &camera, [x, row + r], options);
+            .for_each(|(r, row_pixels)| {
+                for (x, pixel) in row_pixels.iter_mut().enumerate() {
+                    *pixel = mean_sample(&scene, &studio, &camera, [x, row + r], options);
                 }
             });
         row += band.len() / columns;
     }
     context.report(1.0)?;
-    let light = smooth(&seen, columns, camera.pixel);
-    Ok(Picture::develop(width, height, &light))
+    let radiance = smooth(&pixels, columns, camera.pixel_size);
+    Ok(Picture::from_radiance(width, height, &radiance))
 }
 
-/// The mean of one pixel's samples.
-fn look(
+/// Refuses sizes and numbers of samples that are out of range.
+fn check_size(options: &PictureOptions) -> Result<(), PictureError> {
+    let PictureOptions {
+        width,
+        height,
+        samples,
+        ..
+    } = *options;
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(PictureError::Size { width, height });
+    }
+    if samples == 0 || samples > MAX_SAMPLES {
+        return Err(PictureError::Samples { samples });
+    }
+    Ok(())
+}
+
+/// The mean of the samples of a pixel.
+fn mean_sample(
     scene: &Scene,
     studio: &Studio,
     camera: &Camera,
     [x, y]: [usize; 2],
     options: &PictureOptions,
-) -> Seen {
+) -> Sample {
     let PictureOptions {
         width,
         height,
@@ -150,16 +175,16 @@ fn look(
         ..
     } = *options;
     let pixel = y as u32 * width + x as u32;
-    let samples = if samples < RIM_EVERY {
+    let samples = if samples < RIM_LIGHT_INTERVAL {
         samples
     } else {
-        samples.next_multiple_of(RIM_EVERY)
+        samples.next_multiple_of(RIM_LIGHT_INTERVAL)
     };
     let digits = (32 - (samples - 1).leading_zeros()).max(1);
-    let mut sum = Seen::default();
-    let mut remembered = None;
+    let mut sum = Sample::default();
+    let mut last = None;
     for index in 0..samples {
-        if index == BACKGROUND_SAMPLES && !sum.item {
+        if index == BACKGROUND_SAMPLES && !sum.is_item {
             break;
         }
         let sampler = Sampler {
@@ -170,34 +195,43 @@ fn look(
         let [jx, jy] = sampler.square(1).map(tent);
         let u = (x as f64 + 0.5 + jx) / f64::from(width) * 2.0 - 1.0;
         let v = 1.0 - (y as f64 + 0.5 + jy) / f64::from(height) * 2.0;
-        // Fewer samples than lights' turns: the key light alone.
-        let every = f64::from(RIM_EVERY);
-        let light = match (samples < RIM_EVERY, index % RIM_EVERY == RIM_EVERY - 1) {
-            (true, _) => (0, 1.0),
-            (false, true) => (1, every),
-            (false, false) => (0, every / (every - 1.0)),
+        // Too few samples for both lights use the key light alone.
+        let interval = f64::from(RIM_LIGHT_INTERVAL);
+        let light = match (
+            samples < RIM_LIGHT_INTERVAL,
+            index % RIM_LIGHT_INTERVAL == RIM_LIGHT_INTERVAL - 1,
+        ) {
+            (true, _) => LightChoice {
+                light: 0,
+                weight: 1.0,
+            },
+            (false, true) => LightChoice {
+                light: 1,
+                weight: interval,
+            },
+            (false, false) => LightChoice {
+                light: 0,
+                weight: interval / (interval - 1.0),
+            },
         };
-        let ray = (camera.origin, camera.direction(u, v));
-        let background = studio.background(u, v);
-        let s = scene.see(
-            studio,
-            ray,
-            (camera.pixel, background),
-            &sampler,
-            light,
-            &mut remembered,
-        );
-        sum.light += s.light;
+        let ray = CameraRay {
+            origin: camera.origin,
+            direction: camera.direction(u, v),
+            pixel_size: camera.pixel_size,
+            background: studio.background(u, v),
+        };
+        let s = scene.sample(studio, &ray, &sampler, light, &mut last);
+        sum.radiance += s.radiance;
         sum.color += s.color;
         sum.normal += s.normal;
-        sum.item |= s.item;
+        sum.is_item |= s.is_item;
         sum.samples += 1;
-        // A pixel on an edge lies between the two surfaces, so that smoothing takes it for neither.
+        // A pixel on an edge is between both surfaces, so that the filter takes it for neither.
         sum.distance += s.distance;
     }
     let mean = 1.0 / f64::from(sum.samples);
-    Seen {
-        light: sum.light * mean,
+    Sample {
+        radiance: sum.radiance * mean,
         color: sum.color * mean,
         normal: sum.normal * mean,
         distance: sum.distance * mean,
@@ -205,7 +239,7 @@ fn look(
     }
 }
 
-/// Turns an even density on 0..1 into a tent on −1..1, the filter of the picture.
+/// Maps a uniform distribution on 0…1 to a tent on −1…1, the pixel filter.
 fn tent(t: f64) -> f64 {
     if t < 0.5 {
         (2.0 * t).sqrt() - 1.0

@@ -1,5 +1,5 @@
-//! Low-discrepancy samples without state: Sobol' points under hash-based Owen scrambling (Burley 2020), seeded by the
-//! pixel, so that a picture has the same bits however its pixels are spread over threads.
+//! Stateless low-discrepancy samples: Sobol' points with hash-based Owen scrambling (Burley 2020), seeded by the pixel, so
+//! that a picture has the same bits with any number of threads.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ pub(crate) fn hash(a: u32, b: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// Scrambles the digits of `x` from the most significant on, as a random binary tree would (Laine–Karras).
+/// Scrambles the binary digits of `x` from the most significant on, as a random binary tree does (Laine and Karras 2011).
 fn scramble(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits();
     x = x.wrapping_add(seed);
@@ -24,7 +24,7 @@ fn scramble(x: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Second Sobol' dimension; the first is the bits of the index reversed.
+/// The second Sobol' dimension; the first one is the bit-reversed index.
 fn sobol_second(index: u32) -> u32 {
     let (mut result, mut direction, mut i) = (0, 1u32 << 31, index);
     while i != 0 {
@@ -37,17 +37,17 @@ fn sobol_second(index: u32) -> u32 {
     result
 }
 
-/// The samples of one pixel.
+/// The random numbers of one sample of a pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampler {
     pub pixel: u32,
     pub index: u32,
-    /// Binary digits that indices have.
+    /// Binary digits of indices.
     pub digits: u32,
 }
 
 impl Sampler {
-    /// A point of the unit square for the given use; every use has its own shuffled sequence.
+    /// A point in the unit square. Every purpose has its own shuffled sequence.
     pub fn square(&self, purpose: u32) -> [f64; 2] {
         let seed = hash(self.pixel, purpose);
         let spare = 32 - self.digits;
@@ -58,7 +58,7 @@ impl Sampler {
     }
 }
 
-/// Sine and cosine on [−π/4, π/4] by Taylor polynomials (error below 1e-8): the same bits on every machine.
+/// Sine and cosine on [−π/4, π/4] by Taylor polynomials (error below 1e-8), with the same bits on every machine.
 fn sine_cosine(x: f64) -> (f64, f64) {
     let q = x * x;
     let sine = x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))));
@@ -67,7 +67,7 @@ fn sine_cosine(x: f64) -> (f64, f64) {
     (sine, cosine)
 }
 
-/// Maps the unit square to the unit disc, areas in proportion and neighbours kept (Shirley and Chiu 1997).
+/// Maps the unit square to the unit disc, preserving relative areas and neighbourhoods (Shirley and Chiu 1997).
 pub(crate) fn disc(square: [f64; 2]) -> [f64; 2] {
     let [x, y] = square.map(|v| 2.0 * v - 1.0);
     let quarter = std::f64::consts::FRAC_PI_4;
@@ -82,7 +82,7 @@ pub(crate) fn disc(square: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff and others 2017).
+/// Two unit vectors that form a right-handed frame with the unit vector `n` (Duff et al. 2017).
 pub(crate) fn frame(n: DVec3) -> (DVec3, DVec3) {
     let sign = if n.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + n.z);
@@ -93,19 +93,19 @@ pub(crate) fn frame(n: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// A direction about `n` with density cosine / π.
+/// A direction around `n` with the density cosine / π.
 pub(crate) fn cosine_direction(n: DVec3, square: [f64; 2]) -> DVec3 {
     let [x, y] = disc(square);
     let (t, b) = frame(n);
     (t * x + b * y + n * (1.0 - x * x - y * y).max(0.0).sqrt()).normalize()
 }
 
-/// A direction spread evenly over the cone about `axis` whose half angle has the cosine `cosine`.
+/// A direction distributed uniformly over the cone around `axis` whose half angle has the cosine `cosine`.
 pub(crate) fn cone_direction(axis: DVec3, cosine: f64, square: [f64; 2]) -> DVec3 {
     let [x, y] = disc(square);
     let q = x * x + y * y;
     let c = 1.0 - q * (1.0 - cosine);
-    // The disc's radius √q becomes the sine of the angle off the axis.
+    // The radius √q on the disc becomes the sine of the angle from the axis.
     let stretch = if q > 0.0 {
         ((1.0 - c * c) / q).max(0.0).sqrt()
     } else {

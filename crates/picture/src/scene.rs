@@ -1,38 +1,40 @@
-//! The items gathered in one hierarchy, and the light that comes back along a ray.
+//! The scene: all items in one hierarchy, and the radiance along rays.
 
 use crate::bvh::{Bvh, Ray};
+use crate::camera::Sphere;
+use crate::error::{MAX_TRIANGLES, PictureError};
+use crate::item::Item;
 use crate::light::{FLOOR_RADIANCE, Light, Studio, luminance};
 use crate::sampling::{Sampler, cone_direction, cosine_direction};
 use crate::shader::{Appearance, Hit};
-use crate::{Item, MAXIMUM_TRIANGLES, PictureError};
+use crate::surface::{Surface, valid_appearance};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The items, ready to be met by rays.
+/// The items in a hierarchy.
 pub(crate) struct Scene<'a> {
     items: &'a [Item<'a>],
     /// Number of the first triangle of each item.
     starts: Vec<u32>,
     bvh: Bvh,
-    /// Middle and radius (m) of the ball about the bounding box.
-    pub middle: DVec3,
-    pub radius: f64,
+    /// Sphere around the bounding box.
+    pub bounds: Sphere,
 }
 
-/// Every vertex in the world, checked to be finite and to exist where named.
+/// Returns the vertices of all items in world coordinates. Coordinates and indices must be valid.
 pub(crate) fn world_points(items: &[Item]) -> Result<Vec<DVec3>, PictureError> {
     let triangles: usize = items.iter().map(|i| i.mesh.triangles.len()).sum();
     if triangles == 0 {
         return Err(PictureError::Empty { items: items.len() });
     }
-    if triangles > MAXIMUM_TRIANGLES {
+    if triangles > MAX_TRIANGLES {
         return Err(PictureError::Triangles { triangles });
     }
     let mut points = Vec::with_capacity(items.iter().map(|i| i.mesh.positions.len()).sum());
     for (number, item) in items.iter().enumerate() {
         for (vertex, p) in item.mesh.positions.iter().enumerate() {
             let position = item.transform.transform_point3(*p);
-            // Distances are squared in f32 later on: beyond this they would overflow.
+            // Distances are squared in f32, which would overflow beyond this limit.
             if !position.is_finite() || position.abs().max_element() > 1e15 {
                 return Err(PictureError::Position {
                     item: number,
@@ -57,40 +59,68 @@ pub(crate) fn world_points(items: &[Item]) -> Result<Vec<DVec3>, PictureError> {
     Ok(points)
 }
 
-/// What came back along a camera ray; the last three guide the smoothing.
+/// The result for a camera ray, or the mean of several.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Seen {
-    pub light: DVec3,
+pub(crate) struct Sample {
+    pub radiance: DVec3,
+    /// Colour of the surface.
     pub color: DVec3,
     pub normal: DVec3,
     /// Distance, m; infinite for the background.
     pub distance: f64,
-    /// Whether an item was met, not the floor or the background.
-    pub item: bool,
-    /// Samples behind a mean of many; 1 for one.
+    /// Whether the ray hit an item, not the floor or the background.
+    pub is_item: bool,
+    /// Number of rays.
     pub samples: u32,
 }
 
-/// The look of the last surface that a pixel's samples met: the next sample takes it over where it meets nearly the
-/// same place, since detail finer than the pixel is averaged anyway.
-pub(crate) type Remembered = Option<(usize, DVec3, DVec3, Appearance)>;
+/// A camera ray.
+#[derive(Clone, Copy)]
+pub(crate) struct CameraRay {
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Size of a pixel at a distance of one metre, m.
+    pub pixel_size: f64,
+    /// Radiance of the background in this direction.
+    pub background: DVec3,
+}
 
-/// Of this many samples only one asks the shader.
-const SHADE_EVERY: u32 = 3;
+/// The light that a sample uses.
+#[derive(Clone, Copy)]
+pub(crate) struct LightChoice {
+    /// Index of the light.
+    pub light: usize,
+    /// Reciprocal of the probability of this choice.
+    pub weight: f64,
+}
 
-/// Colour of the second surface is asked at this multiple of the first one's footprint: detail there is averaged.
-const INDIRECT_FOOTPRINT: f64 = 16.0;
-/// Share of the dome that a surface met by an indirect ray is taken to see; its own occlusion is not traced.
+/// The last surface that the samples of a pixel hit. The next sample reuses its appearance if it hits nearly the same
+/// point, because detail finer than a pixel is averaged anyway.
+#[derive(Clone, Copy)]
+pub(crate) struct LastSurface {
+    item: usize,
+    position: DVec3,
+    normal: DVec3,
+    appearance: Appearance,
+}
+
+/// Every sample with an index divisible by this evaluates the shader.
+const SHADING_INTERVAL: u32 = 3;
+/// Smallest cosine of the angle between normals at which samples share an appearance.
+const MIN_SHARED_COSINE: f64 = 0.985;
+/// Offset of rays that leave a surface, relative to the radius of the scene: the error of f32 coordinates.
+const RELATIVE_RAY_OFFSET: f64 = 2e-6;
+
+/// Footprint on surfaces hit by indirect rays, relative to that on the first surface: finer detail is averaged.
+const INDIRECT_FOOTPRINT_SCALE: f64 = 16.0;
+/// Fraction of the sky that is assumed to be visible from surfaces hit by indirect rays; their occlusion is not traced.
 const INDIRECT_OPENNESS: f64 = 0.6;
-/// Reflectance of bark and wood seen face on (index of refraction 1.5).
-const FACE_ON: f64 = 0.04;
-/// A single sample is not brighter than this: a highlight met by chance would stay a white pixel.
-const BRIGHTEST: f64 = 4.0;
-/// Smoother highlights than this are noise at few samples.
-const LEAST_ROUGHNESS: f64 = 0.3;
+/// Largest radiance of a sample: rare highlights would remain as white pixels.
+const MAX_RADIANCE: f64 = 4.0;
 
 impl<'a> Scene<'a> {
-    /// Gathers the items; `points` as [`world_points`] gives them.
+    /// Builds the hierarchy of items, given their [`world_points`].
     pub fn new(items: &'a [Item<'a>], points: &[DVec3]) -> Scene<'a> {
         let first = points[0];
         let (low, high) = points
@@ -104,141 +134,158 @@ impl<'a> Scene<'a> {
         for item in items {
             starts.push(corners.len() as u32);
             let local = &points[offset..offset + item.mesh.positions.len()];
-            let near = |v: u32| (local[v as usize] - middle).as_vec3();
-            corners.extend(item.mesh.triangles.iter().map(|t| t.map(near)));
+            let relative = |v: u32| (local[v as usize] - middle).as_vec3();
+            corners.extend(item.mesh.triangles.iter().map(|t| t.map(relative)));
             offset += local.len();
         }
         Scene {
             items,
             starts,
-            bvh: Bvh::build(&corners),
-            middle,
-            radius,
+            bvh: Bvh::new(&corners),
+            bounds: Sphere {
+                centre: middle,
+                radius,
+            },
         }
     }
 
+    /// A ray in the coordinates of the hierarchy.
     fn ray(&self, origin: DVec3, direction: DVec3) -> Ray {
-        let origin: Vec3 = (origin - self.middle).as_vec3();
+        let origin: Vec3 = (origin - self.bounds.centre).as_vec3();
         Ray {
             origin,
             direction: direction.as_vec3(),
-            reach: f32::INFINITY,
+            max_distance: f32::INFINITY,
         }
     }
 
-    /// A ray that leaves a surface: lifted off by what f32 coordinates may be wrong.
+    /// A ray that leaves a surface.
     fn leaving(&self, from: DVec3, normal: DVec3, direction: DVec3) -> Ray {
-        self.ray(from + normal * (self.radius * 2e-6), direction)
+        self.ray(
+            from + normal * (self.bounds.radius * RELATIVE_RAY_OFFSET),
+            direction,
+        )
     }
 
-    /// The nearest hit and its distance; `footprint` of the hit is `pixel` × distance + `base`.
-    fn meet(
+    /// Finds the nearest intersection. Returns the item, the intersection and its distance; the footprint is
+    /// `pixel_size` × distance + `base`.
+    fn intersect(
         &self,
         ray: &Ray,
         direction: DVec3,
-        pixel: f64,
+        pixel_size: f64,
         base: f64,
     ) -> Option<(usize, Hit<'a>, f64)> {
-        let meeting = self.bvh.nearest(ray)?;
-        let item = self.starts.partition_point(|&s| s <= meeting.triangle) - 1;
-        let triangle = (meeting.triangle - self.starts[item]) as usize;
-        let weights = meeting.weights.map(f64::from);
-        let mut hit = Hit::new(&self.items[item], triangle, weights, -direction);
-        let distance = f64::from(meeting.distance);
-        hit.footprint = pixel * distance + base;
+        let found = self.bvh.nearest(ray)?;
+        let item = self.starts.partition_point(|&s| s <= found.triangle) - 1;
+        let triangle = (found.triangle - self.starts[item]) as usize;
+        let weights = found.weights.map(f64::from);
+        let mut hit = Hit::new(
+            self.items[item].mesh,
+            &self.items[item].transform,
+            triangle,
+            weights,
+            -direction,
+        );
+        let distance = f64::from(found.distance);
+        hit.footprint = pixel_size * distance + base;
         Some((item, hit, distance))
     }
 
-    /// Light that comes back to `origin` from a unit `direction`. `background` is what is seen where nothing is met;
-    /// `pixel` the size of a pixel one metre ahead, m; `light` the number of the light to sample and its weight.
-    pub fn see(
+    /// Computes the radiance along a camera ray.
+    pub fn sample(
         &self,
         studio: &Studio,
-        (origin, direction): (DVec3, DVec3),
-        (pixel, background): (f64, DVec3),
+        camera_ray: &CameraRay,
         sampler: &Sampler,
-        light: (usize, f64),
-        remembered: &mut Remembered,
-    ) -> Seen {
-        let open = Seen {
-            light: background,
-            color: background,
-            normal: -direction,
-            distance: f64::INFINITY,
-            item: false,
-            samples: 1,
-        };
-        // From far away f32 would be too coarse: start at the ball about the scene.
-        let ahead = ((self.middle - origin).dot(direction) - self.radius * 1.01).max(0.0);
+        light: LightChoice,
+        last: &mut Option<LastSurface>,
+    ) -> Sample {
+        let CameraRay {
+            origin,
+            direction,
+            pixel_size,
+            background,
+        } = *camera_ray;
+        // f32 is too coarse far from the scene: the ray starts at the bounding sphere.
+        let to_centre = (self.bounds.centre - origin).dot(direction);
+        let ahead = (to_centre - self.bounds.radius * 1.01).max(0.0);
         let ray = self.ray(origin + direction * ahead, direction);
-        let met = self.meet(&ray, direction, pixel, pixel * ahead);
-        let Some((item, hit, distance)) = met else {
+        let found = self.intersect(&ray, direction, pixel_size, pixel_size * ahead);
+        let Some((item, hit, distance)) = found else {
             return self
-                .see_floor(studio, (origin, direction), sampler, light)
-                .map_or(open, |(shade, distance)| Seen {
-                    light: background * shade,
+                .sample_floor(studio, camera_ray, sampler, light)
+                .unwrap_or(Sample {
+                    radiance: background,
                     color: background,
-                    normal: studio.up,
-                    distance,
-                    item: false,
+                    normal: -direction,
+                    distance: f64::INFINITY,
+                    is_item: false,
                     samples: 1,
                 });
         };
-        let look = match remembered {
-            Some((of, place, side, look))
-                if !sampler.index.is_multiple_of(SHADE_EVERY)
-                    && *of == item
-                    && place.distance(hit.position) < hit.footprint
-                    && side.dot(hit.geometric_normal) > 0.985 =>
+        let appearance = match last {
+            Some(last)
+                if !sampler.index.is_multiple_of(SHADING_INTERVAL)
+                    && last.item == item
+                    && last.position.distance(hit.position) < hit.footprint
+                    && last.normal.dot(hit.geometric_normal) > MIN_SHARED_COSINE =>
             {
-                *look
+                last.appearance
             }
-            _ => tamed(self.items[item].shader.shade(&hit), &hit),
+            _ => valid_appearance(self.items[item].shader.shade(&hit), &hit),
         };
-        *remembered = Some((item, hit.position, hit.geometric_normal, look));
-        let surface = Surface {
-            look: &look,
+        *last = Some(LastSurface {
+            item,
             position: hit.position,
-            side: hit.geometric_normal,
-            to: -direction,
+            normal: hit.geometric_normal,
+            appearance,
+        });
+        let surface = Surface {
+            appearance: &appearance,
+            position: hit.position,
+            geometric_normal: hit.geometric_normal,
+            to_viewer: -direction,
         };
-        let mut sum =
-            self.direct(studio, &surface, &studio.lights[light.0], sampler.square(2)) * light.1;
-        let out = cosine_direction(look.normal, sampler.square(3));
+        let lamp = &studio.lights[light.light];
+        let mut sum = self.direct(&surface, lamp, sampler.square(2), studio) * light.weight;
+        let out = cosine_direction(appearance.normal, sampler.square(3));
         if out.dot(hit.geometric_normal) > 0.0 {
             let incoming = self.indirect(studio, &surface, out, hit.footprint, sampler, light);
             // The density cosine / π cancels the cosine.
             sum += surface.scatter(out) * incoming * PI;
         }
-        Seen {
-            light: sum.min(DVec3::splat(BRIGHTEST)),
-            color: DVec3::from_array(look.color),
-            normal: look.normal,
+        Sample {
+            radiance: sum.min(DVec3::splat(MAX_RADIANCE)),
+            color: DVec3::from_array(appearance.color),
+            normal: appearance.normal,
             distance: distance + ahead,
-            item: true,
+            is_item: true,
             samples: 1,
         }
     }
 
-    /// Light from one of the lights, reflected.
-    fn direct(&self, studio: &Studio, surface: &Surface, light: &Light, square: [f64; 2]) -> DVec3 {
+    /// Radiance from one of the lights that a surface reflects.
+    fn direct(&self, surface: &Surface, light: &Light, square: [f64; 2], studio: &Studio) -> DVec3 {
         let out = cone_direction(light.direction, light.cosine, square);
-        let cosine = out.dot(surface.look.normal);
-        if cosine <= 0.0 || out.dot(surface.side) <= 0.0 || !self.open(studio, surface, out) {
+        let cosine = out.dot(surface.appearance.normal);
+        let is_behind = cosine <= 0.0 || out.dot(surface.geometric_normal) <= 0.0;
+        if is_behind || !self.reaches_light(studio, surface, out) {
             return DVec3::ZERO;
         }
         surface.scatter(out) * light.irradiance * cosine
     }
 
-    fn open(&self, studio: &Studio, surface: &Surface, out: DVec3) -> bool {
-        // The lights stand above the horizon, so the floor hides none of them.
+    /// Whether nothing lies between a surface and a light.
+    fn reaches_light(&self, studio: &Studio, surface: &Surface, out: DVec3) -> bool {
+        // The lights are above the horizon, so that the floor never hides them.
         debug_assert!(studio.floor.is_none() || out.dot(studio.up) > 0.0);
         !self
             .bvh
-            .blocks(&self.leaving(surface.position, surface.side, out))
+            .is_blocked(&self.leaving(surface.position, surface.geometric_normal, out))
     }
 
-    /// Radiance that reaches the surface from the unit direction `out`, by way of the sky or another surface.
+    /// Radiance that reaches a surface from the unit direction `out`, from the sky, the floor or another surface.
     fn indirect(
         &self,
         studio: &Studio,
@@ -246,139 +293,90 @@ impl<'a> Scene<'a> {
         out: DVec3,
         footprint: f64,
         sampler: &Sampler,
-        light: (usize, f64),
+        light: LightChoice,
     ) -> DVec3 {
-        let ray = self.leaving(surface.position, surface.side, out);
-        let Some((item, hit, _)) = self.meet(&ray, out, 0.0, footprint * INDIRECT_FOOTPRINT) else {
-            let below = studio.floor.is_some() && out.dot(studio.up) < 0.0;
-            return if below {
+        let ray = self.leaving(surface.position, surface.geometric_normal, out);
+        let base = footprint * INDIRECT_FOOTPRINT_SCALE;
+        let Some((item, hit, _)) = self.intersect(&ray, out, 0.0, base) else {
+            let is_floor = studio.floor.is_some() && out.dot(studio.up) < 0.0;
+            return if is_floor {
                 DVec3::splat(FLOOR_RADIANCE)
             } else {
                 studio.sky(out)
             };
         };
-        let look = tamed(self.items[item].shader.shade(&hit), &hit);
-        let color = DVec3::from_array(look.color);
+        let appearance = valid_appearance(self.items[item].shader.shade(&hit), &hit);
+        let color = DVec3::from_array(appearance.color);
         let second = Surface {
-            look: &look,
+            appearance: &appearance,
             position: hit.position,
-            side: hit.geometric_normal,
-            to: -out,
+            geometric_normal: hit.geometric_normal,
+            to_viewer: -out,
         };
-        let direct = self.direct(studio, &second, &studio.lights[light.0], sampler.square(4));
-        direct * light.1 + color * studio.sky(look.normal) * INDIRECT_OPENNESS
+        let lamp = &studio.lights[light.light];
+        let direct = self.direct(&second, lamp, sampler.square(4), studio);
+        direct * light.weight + color * studio.sky(appearance.normal) * INDIRECT_OPENNESS
     }
 
-    /// How much the floor is shaded (1: not at all) and its distance; `None` where the floor is not seen.
-    fn see_floor(
+    /// The sample of the floor, where shadows darken the background; `None` if the floor is not visible.
+    fn sample_floor(
         &self,
         studio: &Studio,
-        (origin, direction): (DVec3, DVec3),
+        ray: &CameraRay,
         sampler: &Sampler,
-        light: (usize, f64),
-    ) -> Option<(f64, f64)> {
+        light: LightChoice,
+    ) -> Option<Sample> {
         let floor = studio.floor.as_ref()?;
-        let fall = direction.dot(studio.up);
-        let distance = (floor.level - origin.dot(studio.up)) / fall;
+        let fall = ray.direction.dot(studio.up);
+        let distance = (floor.level - ray.origin.dot(studio.up)) / fall;
         if fall >= 0.0 || !distance.is_finite() {
             return None;
         }
-        let position = origin + direction * distance;
-        let away = (position.distance(floor.middle) / floor.radius - 1.0) * 0.4;
+        let position = ray.origin + ray.direction * distance;
+        let away = (position.distance(floor.bounds.centre) / floor.bounds.radius - 1.0) * 0.4;
         if away >= 1.0 {
             return None;
         }
-        let free = |out: DVec3| !self.bvh.blocks(&self.leaving(position, studio.up, out));
-        let lamp = &studio.lights[light.0];
-        let toward_lamp = cone_direction(lamp.direction, lamp.cosine, sampler.square(2));
+        let is_free = |out: DVec3| !self.bvh.is_blocked(&self.leaving(position, studio.up, out));
+        let lamp = &studio.lights[light.light];
+        let to_lamp = cone_direction(lamp.direction, lamp.cosine, sampler.square(2));
         let out = cosine_direction(studio.up, sampler.square(3));
-        let mut light_there = 0.0;
-        if free(toward_lamp) {
-            let cosine = toward_lamp.dot(studio.up).max(0.0);
-            light_there += luminance(lamp.irradiance) * cosine * light.1;
+        let mut irradiance = 0.0;
+        if is_free(to_lamp) {
+            let cosine = to_lamp.dot(studio.up).max(0.0);
+            irradiance += luminance(lamp.irradiance) * cosine * light.weight;
         }
-        // What hides the sky is itself not quite black.
-        let hidden = if free(out) { 1.0 } else { 0.1 };
-        light_there += luminance(studio.sky(out)) * PI * hidden;
-        let keep = away.max(0.0);
-        let keep = keep * keep * (3.0 - 2.0 * keep);
-        let shade = light_there / studio.open_floor();
-        Some((shade + (1.0 - shade) * keep, distance))
-    }
-}
-
-/// A place of a surface seen from the unit direction `to`.
-struct Surface<'a> {
-    look: &'a Appearance,
-    position: DVec3,
-    /// Geometric normal on the viewer's side.
-    side: DVec3,
-    to: DVec3,
-}
-
-impl Surface<'_> {
-    /// The reflectance (1/sr) towards the unit direction `out`: Lambert under a GGX coat (Walter and others 2007,
-    /// with the height-correlated masking of Heitz 2014).
-    fn scatter(&self, out: DVec3) -> DVec3 {
-        let n = self.look.normal;
-        let half = (out + self.to).normalize_or(n);
-        let (nl, nv) = (n.dot(out).max(1e-4), n.dot(self.to).max(0.05));
-        let (nh, vh) = (n.dot(half).max(0.0), self.to.dot(half).clamp(0.0, 1.0));
-        let a = self.look.roughness * self.look.roughness;
-        let a = a * a;
-        let d = nh * nh * (a - 1.0) + 1.0;
-        let masked = nl * (nv * nv * (1.0 - a) + a).sqrt() + nv * (nl * nl * (1.0 - a) + a).sqrt();
-        let f = 1.0 - vh;
-        let fresnel = FACE_ON + (1.0 - FACE_ON) * f * f * f * f * f;
-        let coat = a / (PI * d * d) * 0.5 / masked * fresnel;
-        DVec3::from_array(self.look.color) * ((1.0 - fresnel) / PI) + DVec3::splat(coat)
-    }
-}
-
-/// A shader's answer made safe: finite, in range, the normal of unit length and on the viewer's side.
-fn tamed(look: Appearance, hit: &Hit) -> Appearance {
-    let color = look.color.map(|c| {
-        if c.is_finite() {
-            c.clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
-    });
-    let rough = if look.roughness.is_finite() {
-        look.roughness
-    } else {
-        1.0
-    };
-    let mut normal = look.normal.try_normalize().unwrap_or(hit.normal);
-    // A bump must not turn the surface's face into its own shadow altogether.
-    let lift = normal.dot(hit.geometric_normal);
-    if lift < 0.1 {
-        normal = (normal + hit.geometric_normal * (0.1 - lift)).normalize_or(hit.geometric_normal);
-    }
-    Appearance {
-        color,
-        roughness: rough.clamp(LEAST_ROUGHNESS, 1.0),
-        normal,
+        // Surfaces that hide the sky are not entirely black.
+        let visibility = if is_free(out) { 1.0 } else { 0.1 };
+        irradiance += luminance(studio.sky(out)) * PI * visibility;
+        let fade = away.max(0.0);
+        let fade = fade * fade * (3.0 - 2.0 * fade);
+        let shade = irradiance / studio.unshadowed_floor();
+        Some(Sample {
+            radiance: ray.background * (shade + (1.0 - shade) * fade),
+            color: ray.background,
+            normal: studio.up,
+            distance,
+            is_item: false,
+            samples: 1,
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PlainShader;
+    use crate::shader::PlainShader;
     use glam::DAffine3;
     use greenstick_geometry::Mesh;
 
-    /// A ball of the given radius about a place: an octahedron divided `steps` times.
-    fn ball(centre: DVec3, radius: f64, steps: usize) -> Mesh {
+    /// A sphere: an octahedron subdivided `steps` times.
+    fn sphere(centre: DVec3, radius: f64, steps: usize) -> Mesh {
         let mut faces = Vec::new();
-        for (x, y, z) in (0..8).map(|i| {
-            (
-                1.0 - 2.0 * (i & 1) as f64,
-                1.0 - (i & 2) as f64,
-                1.0 - (i & 4) as f64 / 2.0,
-            )
-        }) {
+        for i in 0..8 {
+            let x = 1.0 - 2.0 * (i & 1) as f64;
+            let y = 1.0 - (i & 2) as f64;
+            let z = 1.0 - (i & 4) as f64 / 2.0;
             faces.push([DVec3::X * x, DVec3::Y * y, DVec3::Z * z]);
         }
         for _ in 0..steps {
@@ -405,7 +403,15 @@ mod tests {
         }
     }
 
-    fn dome_only() -> Studio {
+    /// A shader of one grey without highlights.
+    fn matt(grey: f64) -> PlainShader {
+        let mut shader = PlainShader::uniform([grey; 3]);
+        shader.default.roughness = 1.0;
+        shader
+    }
+
+    /// A white sky and no lights.
+    fn sky_only() -> Studio {
         let dark = Light {
             direction: DVec3::Z,
             cosine: 0.9,
@@ -421,6 +427,7 @@ mod tests {
         }
     }
 
+    /// The mean luminance of samples along one ray.
     fn mean_light(scene: &Scene, studio: &Studio, from: DVec3, to: DVec3, samples: u32) -> f64 {
         let sum: f64 = (0..samples)
             .map(|index| {
@@ -429,31 +436,27 @@ mod tests {
                     index,
                     digits: 32 - samples.leading_zeros(),
                 };
-                let ray = (from, (to - from).normalize());
-                luminance(
-                    scene
-                        .see(
-                            studio,
-                            ray,
-                            (1e-4, DVec3::ONE),
-                            &sampler,
-                            (0, 1.0),
-                            &mut None,
-                        )
-                        .light,
-                )
+                let ray = CameraRay {
+                    origin: from,
+                    direction: (to - from).normalize(),
+                    pixel_size: 1e-4,
+                    background: DVec3::ONE,
+                };
+                let light = LightChoice {
+                    light: 0,
+                    weight: 1.0,
+                };
+                let sample = scene.sample(studio, &ray, &sampler, light, &mut None);
+                luminance(sample.radiance)
             })
             .sum();
         sum / f64::from(samples)
     }
 
     #[test]
-    fn a_white_ball_in_a_white_dome_gives_back_all_light() {
-        let mesh = ball(DVec3::ZERO, 1.0, 5);
-        let shader = PlainShader {
-            roughness: 1.0,
-            ..PlainShader::uniform([1.0; 3])
-        };
+    fn a_white_sphere_in_a_white_sky_reflects_all_light() {
+        let mesh = sphere(DVec3::ZERO, 1.0, 5);
+        let shader = matt(1.0);
         let items = [Item {
             mesh: &mesh,
             transform: DAffine3::IDENTITY,
@@ -463,38 +466,31 @@ mod tests {
         for x in [0.0, 0.3, 0.7] {
             let light = mean_light(
                 &scene,
-                &dome_only(),
+                &sky_only(),
                 DVec3::new(x, 0.0, 9.0),
                 DVec3::new(x, 0.0, 0.0),
                 1024,
             );
             assert!(
                 (light - 1.0).abs() < 0.03,
-                "{light} of the light came back at {x}"
+                "{light} of the light is reflected at {x}"
             );
         }
     }
 
     #[test]
-    fn a_black_ball_above_a_plane_hides_the_form_factor_of_a_sphere() {
-        // A small horizontal plate under a ball: the hidden part is cos θ (R/d)² while the ball is above the plate's
-        // horizon (Howell, Catalog of Configuration Factors, B-20).
+    fn a_black_sphere_hides_its_configuration_factor() {
+        // Seen from a small horizontal plate, a sphere above the horizon hides the fraction cos θ (R/d)² (Howell, Catalog of
+        // Configuration Factors, B-20).
         let plate = Mesh {
-            positions: [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
-                .map(|(x, y)| DVec3::new(x, y, 0.0))
+            positions: [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]
+                .map(|[x, y]| DVec3::new(x, y, 0.0))
                 .to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
         };
-        let sphere = ball(DVec3::new(0.0, 0.0, 1.5), 1.0, 6);
-        let grey = PlainShader {
-            roughness: 1.0,
-            ..PlainShader::uniform([0.5; 3])
-        };
-        let black = PlainShader {
-            roughness: 1.0,
-            ..PlainShader::uniform([0.0; 3])
-        };
+        let above = sphere(DVec3::new(0.0, 0.0, 1.5), 1.0, 6);
+        let (grey, black) = (matt(0.5), matt(0.0));
         let items = [
             Item {
                 mesh: &plate,
@@ -502,7 +498,7 @@ mod tests {
                 shader: &grey,
             },
             Item {
-                mesh: &sphere,
+                mesh: &above,
                 transform: DAffine3::IDENTITY,
                 shader: &black,
             },
@@ -512,7 +508,7 @@ mod tests {
             let far = DVec3::new(-8.5, -8.5, 0.0);
             mean_light(
                 &scene,
-                &dome_only(),
+                &sky_only(),
                 far + DVec3::new(-0.5, 0.0, 2.0),
                 far,
                 4096,
@@ -521,7 +517,7 @@ mod tests {
         for x in [0.0, 1.0, 2.0, 3.0] {
             let at = DVec3::new(x, 0.0, 0.0);
             let from = at + DVec3::new(0.9, 0.0, 0.6);
-            let light = mean_light(&scene, &dome_only(), from, at, 4096) / open;
+            let light = mean_light(&scene, &sky_only(), from, at, 4096) / open;
             let square = x * x + 1.5 * 1.5;
             let expected = 1.0 - 1.5 / square.sqrt() / square;
             assert!(

@@ -1,94 +1,111 @@
-//! Takes the grain of few samples out of the light, not out of the surface: an edge-avoiding à-trous wavelet filter
-//! (Dammertz and others 2010) over the light divided by the surface's colour, guided by normals and distances.
+//! Denoising: an edge-avoiding à-trous wavelet filter (Dammertz et al. 2010) over the radiance divided by the colour of the
+//! surface, guided by normals and distances. It removes the noise of few samples and preserves the texture of surfaces.
 
-use crate::scene::Seen;
+use crate::light::luminance;
+use crate::scene::Sample;
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// The kernel of a cubic B-spline.
 const KERNEL: [f64; 5] = [1.0 / 16.0, 1.0 / 4.0, 3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
 /// Distance between taps in each pass, pixels.
-const STEPS: [i64; 3] = [1, 2, 4];
-/// Relative difference of brightness that halves a tap's weight at one sample per pixel; noise falls with the root
-/// of the number of samples, and so does what counts as noise.
-const BRIGHTNESS: f64 = 1.6;
-/// Squared difference of unit normals that halves a tap's weight.
-const NORMAL: f64 = 0.02;
-/// Difference of distance, in pixels' sizes per pixel of the tap's offset, that halves a tap's weight.
-const DISTANCE: f64 = 3.0;
-/// Colours darker than this are not divided by.
-const DARKEST: f64 = 0.02;
+const TAP_DISTANCES: [i64; 3] = [1, 2, 4];
+/// Relative difference of luminance that reduces the weight of a tap at one sample per pixel; it decreases with the square
+/// root of the number of samples, as noise does.
+const LUMINANCE_TOLERANCE: f64 = 1.6;
+/// Squared difference of unit normals that reduces the weight of a tap.
+const NORMAL_TOLERANCE: f64 = 0.02;
+/// Difference of distance that reduces the weight of a tap, in sizes of a pixel for each pixel of its offset.
+const DISTANCE_TOLERANCE: f64 = 3.0;
+/// Smallest component of a colour by which radiance is divided.
+const MIN_COLOR: f64 = 0.02;
 
-/// Smooths the pixels' means; `pixel` is the size of a pixel one metre ahead, m.
-pub(crate) fn smooth(seen: &[Seen], width: usize, pixel: f64) -> Vec<DVec3> {
-    let height = seen.len() / width;
-    let divisor = |s: &Seen| s.color.max(DVec3::splat(DARKEST));
-    let mut light: Vec<DVec3> = seen.iter().map(|s| s.light / divisor(s)).collect();
-    for (pass, step) in STEPS.into_iter().enumerate() {
-        // The first pass goes by shape alone, so that single stray pixels dissolve. Each pass takes noise out, so
-        // less of a difference is noise in the next.
+/// Filters the mean samples of all pixels; `pixel_size` is that at a distance of one metre, m.
+pub(crate) fn smooth(pixels: &[Sample], width: usize, pixel_size: f64) -> Vec<DVec3> {
+    let size = [width, pixels.len() / width];
+    let divisor = |s: &Sample| s.color.max(DVec3::splat(MIN_COLOR));
+    let mut light: Vec<DVec3> = pixels.iter().map(|s| s.radiance / divisor(s)).collect();
+    for (pass, tap_distance) in TAP_DISTANCES.into_iter().enumerate() {
+        // The first pass ignores luminance, so that it removes single outliers. Each pass reduces the noise, so that the
+        // tolerance decreases.
         let tolerance = if pass == 0 {
             f64::INFINITY
         } else {
-            BRIGHTNESS / f64::from(1u32 << (pass - 1))
+            LUMINANCE_TOLERANCE / f64::from(1u32 << (pass - 1))
         };
-        light = (0..height)
-            .into_par_iter()
-            .flat_map_iter(|y| {
-                let light = &light;
-                (0..width)
-                    .map(move |x| tap(seen, light, [width, height], [x, y], step, pixel, tolerance))
-            })
+        let pass = Pass {
+            pixels,
+            light: &light,
+            size,
+            pixel_size,
+            tap_distance,
+            tolerance,
+        };
+        let rows = (0..size[1]).into_par_iter();
+        light = rows
+            .flat_map_iter(|y| (0..width).map(move |x| pass.filtered(x, y)))
             .collect();
     }
-    seen.iter()
+    pixels
+        .iter()
         .zip(light)
         .map(|(s, l)| l * divisor(s))
         .collect()
 }
 
-fn tap(
-    seen: &[Seen],
-    light: &[DVec3],
-    [width, height]: [usize; 2],
-    [x, y]: [usize; 2],
-    step: i64,
-    pixel: f64,
+/// One pass of the filter.
+#[derive(Clone, Copy)]
+struct Pass<'a> {
+    pixels: &'a [Sample],
+    /// Radiance divided by colour.
+    light: &'a [DVec3],
+    /// Width and height.
+    size: [usize; 2],
+    pixel_size: f64,
+    tap_distance: i64,
+    /// Tolerance of luminance at one sample per pixel.
     tolerance: f64,
-) -> DVec3 {
-    let centre = y * width + x;
-    let here = &seen[centre];
-    if !here.distance.is_finite() {
-        return light[centre];
-    }
-    let tolerance = tolerance / f64::from(here.samples.max(1)).sqrt();
-    let brightness = crate::light::luminance(light[centre]) + 1e-3;
-    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-    for (j, row) in KERNEL.iter().enumerate() {
-        let b = y as i64 + (j as i64 - 2) * step;
-        if b < 0 || b >= height as i64 {
-            continue;
+}
+
+impl Pass<'_> {
+    /// The filtered value of a pixel.
+    fn filtered(&self, x: usize, y: usize) -> DVec3 {
+        let [width, height] = self.size;
+        let centre = y * width + x;
+        let here = &self.pixels[centre];
+        if !here.distance.is_finite() {
+            return self.light[centre];
         }
-        for (i, column) in KERNEL.iter().enumerate() {
-            let a = x as i64 + (i as i64 - 2) * step;
-            if a < 0 || a >= width as i64 {
+        let tolerance = self.tolerance / f64::from(here.samples.max(1)).sqrt();
+        let own_luminance = luminance(self.light[centre]) + 1e-3;
+        let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+        for (j, row) in KERNEL.iter().enumerate() {
+            let b = y as i64 + (j as i64 - 2) * self.tap_distance;
+            if b < 0 || b >= height as i64 {
                 continue;
             }
-            let index = b as usize * width + a as usize;
-            let there = &seen[index];
-            if !there.distance.is_finite() || there.item != here.item {
-                continue;
+            for (i, column) in KERNEL.iter().enumerate() {
+                let a = x as i64 + (i as i64 - 2) * self.tap_distance;
+                if a < 0 || a >= width as i64 {
+                    continue;
+                }
+                let index = b as usize * width + a as usize;
+                let there = &self.pixels[index];
+                if !there.distance.is_finite() || there.is_item != here.is_item {
+                    continue;
+                }
+                let steps = ((i as i64 - 2).abs() + (j as i64 - 2).abs()) as f64;
+                let offset = steps * self.tap_distance as f64 + 1.0;
+                let size = self.pixel_size * here.distance * DISTANCE_TOLERANCE * offset;
+                let depth = (there.distance - here.distance) / size;
+                let normal = (there.normal - here.normal).length_squared() / NORMAL_TOLERANCE;
+                let brightness = (luminance(self.light[index]) / own_luminance - 1.0) / tolerance;
+                let difference = depth * depth + normal + brightness * brightness;
+                let weight = row * column / ((1.0 + difference) * (1.0 + difference));
+                sum += self.light[index] * weight;
+                total += weight;
             }
-            let apart = ((i as i64 - 2).abs() + (j as i64 - 2).abs()) as f64 * step as f64 + 1.0;
-            let size = pixel * here.distance * DISTANCE * apart;
-            let deeper = (there.distance - here.distance) / size;
-            let turned = (there.normal - here.normal).length_squared() / NORMAL;
-            let brighter = (crate::light::luminance(light[index]) / brightness - 1.0) / tolerance;
-            let off = deeper * deeper + turned + brighter * brighter;
-            let weight = row * column / ((1.0 + off) * (1.0 + off));
-            sum += light[index] * weight;
-            total += weight;
         }
+        sum / total
     }
-    sum / total
 }

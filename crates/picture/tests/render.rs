@@ -1,10 +1,12 @@
-//! Whole pictures: the same bits with any number of threads, what is in them, and what is refused.
+//! Pictures: the same bits with any number of threads, their content, and invalid input.
 
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, CancelToken, Context, Mesh};
-use greenstick_picture::{Item, Picture, PictureError, PictureOptions, PlainShader, View, render};
+use greenstick_picture::{
+    Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
+};
 
-/// A unit cube about the origin, red at its top and blue at its bottom by vertex colours.
+/// A unit cube around the origin with vertex colours, red at the top and blue at the bottom.
 fn cube() -> Mesh {
     let positions: Vec<DVec3> = (0..8)
         .map(|i| {
@@ -49,7 +51,7 @@ fn cube() -> Mesh {
     mesh
 }
 
-fn take(options: &PictureOptions) -> Result<Picture, PictureError> {
+fn render_cube(options: &PictureOptions) -> Result<Picture, PictureError> {
     let mesh = cube();
     let shader = PlainShader::uniform([1.0; 3]);
     let items = [Item {
@@ -70,13 +72,13 @@ fn small() -> PictureOptions {
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bits() {
+fn pictures_do_not_depend_on_the_number_of_threads() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| take(&small()).unwrap())
+        pool.install(|| render_cube(&small()).unwrap())
     };
     let one = with(1);
     for threads in [2, 5] {
@@ -85,13 +87,13 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn colours_are_where_they_belong() {
-    // Square on: the cube's face fills the middle, red above blue.
+fn colours_and_shadows_appear_in_their_places() {
+    // Perpendicular to a face, which fills the centre, red above blue.
     let view = View::Direction {
         azimuth: 0.0,
         elevation: 0.0,
     };
-    let picture = take(&PictureOptions {
+    let picture = render_cube(&PictureOptions {
         view,
         floor: false,
         ..small()
@@ -110,13 +112,13 @@ fn colours_are_where_they_belong() {
             .all(|&c| (c - corner[0]).abs() < 12 && c > 150),
         "corner {corner:?}"
     );
-    // The floor is darkened under the cube and left alone far from it.
+    // The floor is darker under the cube and unchanged far from it.
     let view = View::Direction {
         azimuth: 0.4,
         elevation: 0.4,
     };
-    let with = take(&PictureOptions { view, ..small() }).unwrap();
-    let without = take(&PictureOptions {
+    let with = render_cube(&PictureOptions { view, ..small() }).unwrap();
+    let without = render_cube(&PictureOptions {
         view,
         floor: false,
         ..small()
@@ -134,8 +136,8 @@ fn colours_are_where_they_belong() {
 }
 
 #[test]
-fn a_png_holds_the_pixels() {
-    let picture = take(&small()).unwrap();
+fn a_png_file_contains_the_pixels() {
+    let picture = render_cube(&small()).unwrap();
     let bytes = picture.png();
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
         .read_info()
@@ -146,9 +148,9 @@ fn a_png_holds_the_pixels() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_refused() {
+fn invalid_options_are_refused() {
     for (width, height) in [(0, 48), (64, 0), (16_385, 48)] {
-        let refused = take(&PictureOptions {
+        let refused = render_cube(&PictureOptions {
             width,
             height,
             ..small()
@@ -156,7 +158,7 @@ fn what_cannot_be_shown_is_refused() {
         assert_eq!(refused, Err(PictureError::Size { width, height }));
     }
     assert_eq!(
-        take(&PictureOptions {
+        render_cube(&PictureOptions {
             samples: 0,
             ..small()
         }),
@@ -167,19 +169,26 @@ fn what_cannot_be_shown_is_refused() {
         elevation: 2.0,
     };
     assert!(matches!(
-        take(&PictureOptions {
+        render_cube(&PictureOptions {
             view: tilted,
             ..small()
         }),
         Err(PictureError::View(_))
     ));
     assert!(matches!(
-        take(&PictureOptions {
-            zoom: Some((DVec3::ZERO, 0.0)),
+        render_cube(&PictureOptions {
+            zoom: Some(Sphere {
+                centre: DVec3::ZERO,
+                radius: 0.0,
+            }),
             ..small()
         }),
         Err(PictureError::View(_))
     ));
+}
+
+#[test]
+fn invalid_items_are_refused() {
     let quiet = Context::quiet();
     assert_eq!(
         render(&[], &small(), &quiet),
@@ -216,7 +225,7 @@ fn what_cannot_be_shown_is_refused() {
         vertices: 8,
     };
     assert_eq!(shot(&mesh), Err(refused));
-    // A single point, three times: no extent, but a triangle all the same.
+    // Three coincident vertices have no extent, but are a triangle.
     let point = Mesh {
         positions: vec![DVec3::ONE; 3],
         triangles: vec![[0, 1, 2]],
@@ -226,12 +235,12 @@ fn what_cannot_be_shown_is_refused() {
 }
 
 #[test]
-fn a_caller_can_stop_and_is_told_how_far_it_is() {
+fn rendering_reports_progress_and_can_be_cancelled() {
     let token = CancelToken::default();
-    let asking = token.clone();
+    let token_of_caller = token.clone();
     let context = Context::new(token, move |progress| {
         if progress.overall > 0.4 {
-            asking.cancel();
+            token_of_caller.cancel();
         }
     });
     let mesh = cube();

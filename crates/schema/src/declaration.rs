@@ -66,6 +66,8 @@ pub enum Kind {
         min: i128,
         /// Greatest value.
         max: i128,
+        /// What it is a multiple of, as are its bounds.
+        step: i128,
     },
     /// True or false.
     Flag,
@@ -187,8 +189,26 @@ impl Declaration {
 
     /// A whole number in a unit.
     pub const fn unit(mut self, unit: Unit) -> Self {
-        if let Kind::Integer { min, max, .. } = self.kind {
-            self.kind = Kind::Integer { unit, min, max };
+        if let Kind::Integer { min, max, step, .. } = self.kind {
+            self.kind = Kind::Integer {
+                unit,
+                min,
+                max,
+                step,
+            };
+        }
+        self
+    }
+
+    /// A whole number that is a multiple of `step`, as are its bounds.
+    pub const fn step(mut self, step: i128) -> Self {
+        if let Kind::Integer { unit, min, max, .. } = self.kind {
+            self.kind = Kind::Integer {
+                unit,
+                min,
+                max,
+                step,
+            };
         }
         self
     }
@@ -213,7 +233,12 @@ pub const fn length(min: f64, max: f64) -> Declaration {
 /// A whole number from `min` to `max`, both included.
 pub const fn count(min: i128, max: i128) -> Declaration {
     let unit = Unit::One;
-    Declaration::new(Kind::Integer { unit, min, max })
+    Declaration::new(Kind::Integer {
+        unit,
+        min,
+        max,
+        step: 1,
+    })
 }
 
 /// True or false.
@@ -265,7 +290,9 @@ impl Kind {
                     (false, false) => String::new(),
                 }
             }
-            Kind::Integer { min, max, .. } => format!("a whole number from {min} to {max}{unit}"),
+            Kind::Integer { min, max, step, .. } => {
+                format!("{} from {min} to {max}{unit}", whole(*step))
+            }
             Kind::Flag => "true or false".to_owned(),
             Kind::Choice { options } => format!("one of {}", words(options)),
             Kind::Text { .. } => String::new(),
@@ -305,6 +332,15 @@ impl Kind {
             }
         };
         one.to_owned()
+    }
+}
+
+/// What a multiple of `step` is called.
+pub(crate) fn whole(step: i128) -> String {
+    match step {
+        1 => "a whole number".to_owned(),
+        2 => "an even number".to_owned(),
+        step => format!("a multiple of {step}"),
     }
 }
 

@@ -24,16 +24,14 @@ pub enum ParameterError {
         range: String,
     },
     /// Not a whole number, or one outside its range.
-    #[error("{key} is {found}, but it must be a whole number from {min} to {max}")]
+    #[error("{key} is {found}, but it must be {range}")]
     Whole {
         /// The parameter.
         key: String,
         /// The value found.
         found: String,
-        /// Least value.
-        min: i128,
-        /// Greatest value.
-        max: i128,
+        /// The range, with its unit.
+        range: String,
     },
     /// Text that is no number, or one without the unit that it needs.
     #[error("{key} is \"{found}\", but it must be a number{}", after(units, *required))]

@@ -87,6 +87,31 @@ impl ParameterInfo {
         read(&self.key, &self.kind, value)
     }
 
+    /// A value near its own and other than it, where its kind has one: what tests and benches change it to. `None` for
+    /// texts.
+    pub fn neighbour(&self) -> Option<Value> {
+        const STEP: f64 = 0.013;
+        match (&self.kind, &self.value) {
+            (Kind::Number { min, max, .. }, Value::Number(x)) => {
+                let step = STEP * (max - min).min(x.abs().max(1.0));
+                let above = x + step;
+                Some(Value::Number(if above <= *max { above } else { x - step }))
+            }
+            (Kind::Number { max, .. }, _) => Some(Value::Number(max / 2.0)),
+            (Kind::Integer { max, step, .. }, Value::Integer(n)) if n < max => {
+                Some(Value::Integer(n + step))
+            }
+            (Kind::Integer { step, .. }, Value::Integer(n)) => Some(Value::Integer(n - step)),
+            (Kind::Integer { min, .. }, _) => Some(Value::Integer(*min)),
+            (Kind::Flag, value) => Some(Value::Flag(*value != Value::Flag(true))),
+            (Kind::Choice { options }, value) => {
+                let words = options.iter().map(|o| Value::Text(o.word.to_owned()));
+                words.into_iter().find(|word| word != value)
+            }
+            (Kind::Text { .. } | Kind::List { .. }, _) => None,
+        }
+    }
+
     /// A value as people read it, with its unit: lengths in the unit that suits them.
     pub fn show(&self, value: &Value) -> String {
         let symbol = self.unit();
@@ -134,7 +159,7 @@ fn rounded(x: f64) -> f64 {
 fn read(key: &str, kind: &Kind, value: &Value) -> Result<Value, ParameterError> {
     match *kind {
         Kind::Number { unit, .. } => read_number(key, kind, unit, value),
-        Kind::Integer { min, max, .. } => read_whole(key, (min, max), kind.unit(), value),
+        Kind::Integer { .. } => read_whole(key, kind, value),
         Kind::Flag => match value {
             Value::Flag(_) => Ok(value.clone()),
             Value::Text(word) if word.trim() == "true" => Ok(Value::Flag(true)),
@@ -194,12 +219,16 @@ fn read_number(key: &str, kind: &Kind, unit: Unit, value: &Value) -> Result<Valu
     })
 }
 
-fn read_whole(
-    key: &str,
-    (min, max): (i128, i128),
-    unit: Unit,
-    value: &Value,
-) -> Result<Value, ParameterError> {
+fn read_whole(key: &str, kind: &Kind, value: &Value) -> Result<Value, ParameterError> {
+    let Kind::Integer {
+        unit,
+        min,
+        max,
+        step,
+    } = *kind
+    else {
+        return Err(other(key, value, &kind.range()));
+    };
     let n = match value {
         Value::Integer(n) => Some(*n),
         Value::Text(text) => match text.trim().parse() {
@@ -210,12 +239,11 @@ fn read_whole(
         Value::Number(x) => whole(*x),
         _ => None,
     };
-    let n = n.filter(|n| (min..=max).contains(n));
+    let n = n.filter(|n| (min..=max).contains(n) && n % step == 0);
     n.map(Value::Integer).ok_or_else(|| ParameterError::Whole {
         key: key.to_owned(),
         found: value.to_string(),
-        min,
-        max,
+        range: kind.range(),
     })
 }
 
@@ -282,9 +310,17 @@ impl Serialize for Kind {
                 }
                 json!({ "number": number })
             }
-            Kind::Integer { unit, min, max } => {
+            Kind::Integer {
+                unit,
+                min,
+                max,
+                step,
+            } => {
                 let bound = |n: i128| i64::try_from(n).map_or(json!(n as f64), |n| json!(n));
                 let mut integer = json!({ "min": bound(*min), "max": bound(*max) });
+                if *step != 1 {
+                    integer["step"] = bound(*step);
+                }
                 if *unit != Unit::One {
                     integer["unit"] = unit_name(*unit);
                 }

@@ -160,9 +160,14 @@ fn of_kind(kind: &Kind) -> Json {
             }
             Json::Object(schema)
         }
-        Kind::Integer { min, max, .. } => {
+        Kind::Integer { min, max, step, .. } => {
             let bound = |n: &i128| i64::try_from(*n).map_or(json!(*n as f64), |n| json!(n));
-            json!({ "type": "integer", "minimum": bound(min), "maximum": bound(max) })
+            let mut schema =
+                json!({ "type": "integer", "minimum": bound(min), "maximum": bound(max) });
+            if *step != 1 {
+                schema["multipleOf"] = bound(step);
+            }
+            schema
         }
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice { options } => {

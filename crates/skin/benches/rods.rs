@@ -9,7 +9,9 @@ use greenstick_fibre::placement::{PlacementOptions, RodCount, WoodMaterial, fill
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Context, Film, Joint};
-use greenstick_skin::rods::{Materials, Parting, RodSkinOptions, Wood, frame_poses, rod_skin};
+use greenstick_skin::rods::{
+    FractureState, Materials, RodSkinOptions, Wood, frame_poses, rod_skin,
+};
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::noise::unit;
@@ -53,7 +55,7 @@ fn main() {
         let placed = fill_stem(&stem, &material, &options, &Context::quiet()).expect("rods fit");
         let wood = Wood {
             stem: &stem,
-            laid: DAffine3::IDENTITY,
+            stem_to_rods: DAffine3::IDENTITY,
             bundle: &placed.bundle,
             along: &placed.along,
             cells: &placed.cells,
@@ -77,7 +79,8 @@ fn main() {
             &splits,
         );
         let frame = Frame::capture(&bundle, &state, &[]);
-        let parting = Parting::of(&wood, &frame, &BTreeMap::new()).expect("it is its own");
+        let state =
+            FractureState::from_frame(&wood, &frame, &BTreeMap::new()).expect("it is its own");
         let square = SectionSquare {
             middle: glam::DVec2::ZERO,
             side: 0.01,
@@ -85,7 +88,7 @@ fn main() {
         let materials = Materials {
             inner: 0,
             bark: 1,
-            own: 2,
+            bark_mesh_offset: 2,
             square,
             zone: &|_| 0,
         };
@@ -94,7 +97,7 @@ fn main() {
                 fibres,
                 ..RodSkinOptions::default()
             };
-            let make = || rod_skin(&wood, &parting, &materials, &options).expect("it has a skin");
+            let make = || rod_skin(&wood, &state, &materials, &options).expect("it has a skin");
             let made = median(5, || drop(black_box(make())));
             let skin = make();
             let joint = |&rest| Joint {
@@ -110,12 +113,12 @@ fn main() {
             let (mut maps, mut out) = (Vec::new(), Vec::new());
             let mut frame_of = |normals: bool| {
                 median(21, || {
-                    film.maps(&frame_poses(&skin.joints, &frame), &mut maps);
+                    film.joint_maps(&frame_poses(&skin.joints, &frame), &mut maps);
                     for piece in 0..film.pieces.len() {
-                        film.place_piece(piece, &maps, &mut out);
+                        film.deform_positions(piece, &maps, &mut out);
                         black_box(&out);
                         if normals {
-                            film.place_normals(piece, &maps, &mut out);
+                            film.deform_normals(piece, &maps, &mut out);
                             black_box(&out);
                         }
                     }
@@ -124,7 +127,7 @@ fn main() {
             let (points, both) = (frame_of(false), frame_of(true));
             let triangles: usize = film.pieces.iter().map(|p| p.mesh.triangles.len()).sum();
             let vertices = placed.bundle.vertices();
-            let broken = parting.broken_rods();
+            let broken = state.broken_rods();
             println!(
                 "{rods} {vertices} {broken} {fibres} {triangles} {made:.1} {points:.2} {both:.2}"
             );

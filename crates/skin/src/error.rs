@@ -9,7 +9,7 @@ use greenstick_wood::stem::StemError;
 /// Why a stem cannot be broken.
 #[derive(Debug, thiserror::Error)]
 pub enum BreakError {
-    /// There is no stem at the place.
+    /// There is no stem at the location.
     #[error(transparent)]
     Stem(#[from] StemError),
     /// The mesh cannot be cut.
@@ -23,7 +23,7 @@ pub enum BreakError {
     /// Cracks cannot be made.
     #[error(transparent)]
     Crack(#[from] CrackError),
-    /// The caller asked to stop.
+    /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

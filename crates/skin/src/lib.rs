@@ -4,11 +4,18 @@
 pub mod broken;
 pub mod cracks;
 mod error;
+#[cfg(feature = "rods")]
+pub mod fit;
 pub mod fray;
 pub mod hang;
 pub mod prepared;
+#[cfg(feature = "rods")]
 pub mod remainder;
+#[cfg(feature = "rods")]
 pub mod rods;
+#[cfg(feature = "rods")]
+pub mod rods_scene;
+mod source;
 pub mod texture;
 
 pub use error::BreakError;

@@ -1,4 +1,4 @@
-//! Baking the look of the inner wood into textures for glTF: colour, normals and roughness.
+//! Baking the appearance of the inner wood into textures for glTF: colour, normals and roughness.
 //!
 //! The image is two squares side by side. **Left**, u 0 to ½: the section (end grain), a square of side W about the
 //! section's middle, x = (2u − ½) W, y = (v − ½) W. **Right**, u ½ to 1: the side grain, distance from the pith
@@ -37,38 +37,50 @@ pub struct WoodTextures {
 pub enum TextureError {
     /// The size is out of range.
     #[error(
-        "a texture {size} pixels wide cannot be baked; the width must be even and {LEAST} to {MOST}"
+        "a texture {size} pixels wide cannot be baked; the width must be even and {MIN_WIDTH} to {MAX_WIDTH}"
     )]
     Size {
-        /// Width asked for, pixels.
+        /// Width requested, pixels.
         size: u32,
     },
     /// The side of the squares is no length.
     #[error("the side of the texture's squares is {width} m; it must be a finite length above 0")]
     Width {
-        /// Side asked for, m, as text.
+        /// Side requested, m, as text.
         width: String,
     },
     /// The PNG encoder failed.
     #[error("encoding the texture as PNG failed: {0}")]
     Encoding(String),
-    /// The caller asked to stop.
+    /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// Narrowest texture, pixels.
-const LEAST: u32 = 8;
-/// Widest texture, pixels.
-const MOST: u32 = 16_384;
+/// Least width of a texture, pixels.
+const MIN_WIDTH: u32 = 8;
+/// Greatest width of a texture, pixels.
+const MAX_WIDTH: u32 = 16_384;
 /// Columns on either side of the seam that repeat their neighbour.
 const PADDING: u32 = 2;
 
-/// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m. `section` gives ring
-/// coordinate and angle (rad) of a place in the section, m from its middle.
+/// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m. `section` returns the ring
+/// coordinate and the angle (rad) at a point of the section, m from its middle.
 ///
 /// # Errors
 /// [`TextureError`] where the size or width is out of range or the caller cancelled.
+///
+/// # Examples
+/// ```
+/// use greenstick_geometry::Context;
+/// use greenstick_skin::texture::bake;
+/// use greenstick_wood::appearance::WoodAppearance;
+///
+/// let round = |p: glam::DVec2| (p.length() / 0.02, p.y.atan2(p.x));
+/// let textures = bake(16, 0.04, &round, &WoodAppearance::softwood(), &Context::quiet())?;
+/// assert!(textures.color.starts_with(b"\x89PNG"));
+/// # Ok::<(), greenstick_skin::texture::TextureError>(())
+/// ```
 pub fn bake(
     size: u32,
     width: f64,
@@ -76,7 +88,7 @@ pub fn bake(
     appearance: &WoodAppearance,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
-    if !(LEAST..=MOST).contains(&size) || !size.is_multiple_of(2) {
+    if !(MIN_WIDTH..=MAX_WIDTH).contains(&size) || !size.is_multiple_of(2) {
         return Err(TextureError::Size { size });
     }
     if !(width.is_finite() && width > 0.0) {
@@ -134,7 +146,7 @@ pub fn bake(
     })
 }
 
-/// The surface at a place of the section, and how its relief rises in u and v (m per m).
+/// Returns the surface at a point of the section, and the slope of its relief along u and v (m per m).
 fn end_grain(
     appearance: &WoodAppearance,
     section: &dyn Fn(DVec2) -> (f64, f64),
@@ -157,7 +169,7 @@ fn end_grain(
     (surface, surface.slope.truncate())
 }
 
-/// The surface at distance `radius` from the pith and length `along`, and how its relief rises in u and v.
+/// Returns the surface at distance `radius` (m) from the pith and length `along` (m), and the slope of its relief along u and v.
 fn side_grain(
     appearance: &WoodAppearance,
     section: &dyn Fn(DVec2) -> (f64, f64),
@@ -182,14 +194,14 @@ fn side_grain(
     (surface, DVec2::new(surface.slope.x, surface.slope.z))
 }
 
-/// 0 to 1 as a byte.
+/// Converts 0 to 1 to a byte.
 fn byte(v: f64) -> u8 {
     (v * 255.0 + 0.5) as u8
 }
 
-/// The sRGB transfer function (IEC 61966-2-1) by a table of where each byte begins.
+/// The sRGB transfer function (IEC 61966-2-1), by a table of the least linear value of each byte.
 struct Encoder {
-    /// Byte of the linear values from i / 4096 on, for a first guess.
+    /// Byte at the linear values i / 4096, as a first guess.
     guess: Vec<u8>,
     /// Least linear value of each byte.
     begins: [f64; 257],

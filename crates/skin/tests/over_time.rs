@@ -11,7 +11,8 @@ use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Film, Joint};
 use greenstick_skin::rods::{
-    Gape, History, Parting, RodSkin, RodSkinOptions, frame_poses, rod_skin, rod_skin_over_time,
+    BreakHistory, CrackOpening, FractureState, RodSkin, RodSkinOptions, frame_poses, rod_skin,
+    rod_skin_over_time,
 };
 use greenstick_wood::noise::unit;
 use greenstick_wood::primitive;
@@ -67,9 +68,9 @@ fn frames(grown: &Grown) -> Vec<Frame> {
 
 fn over_time(grown: &Grown, frames: &[Frame], options: &RodSkinOptions) -> RodSkin {
     let wood = wood(grown);
-    let mut history = History::new(&wood);
+    let mut history = BreakHistory::new(&wood);
     for frame in frames {
-        history.see(&wood, frame, &BTreeMap::new()).unwrap();
+        history.push_frame(&wood, frame, &BTreeMap::new()).unwrap();
     }
     rod_skin_over_time(&wood, &history, &MATERIALS, options).unwrap()
 }
@@ -88,12 +89,12 @@ fn placed(skin: &RodSkin, number: usize, frame: &Frame) -> Vec<(DVec3, DVec3)> {
     };
     assert_eq!(film.fault(), None);
     let mut maps: Vec<DAffine3> = Vec::new();
-    film.maps(&frame_poses(&skin.joints, frame), &mut maps);
+    film.joint_maps(&frame_poses(&skin.joints, frame), &mut maps);
     let (mut all, mut out) = (Vec::new(), Vec::new());
     for (k, piece) in film.pieces.iter().enumerate() {
-        film.place_piece_at(number, k, &maps, &mut out);
+        film.deform_positions_at(number, k, &maps, &mut out);
         let mut rest = piece.mesh.positions.clone();
-        for (change, v) in piece.earlier.at(number) {
+        for (change, v) in piece.earlier.active_at(number) {
             rest[v] = piece.earlier.rest[change];
         }
         all.extend(rest.into_iter().zip(out.iter().copied()));
@@ -130,7 +131,7 @@ fn cracks_are_closed_until_they_open() {
         let film = over_time(&grown, &frames, &options);
         // Before the first event the outside is that of the uncut skin, and whatever rests at one place is at one place.
         let first = placed(&film, 0, &frames[0]);
-        let uncut = rod_skin(&wood, &Parting::none(&wood), &MATERIALS, &options).unwrap();
+        let uncut = rod_skin(&wood, &FractureState::unbroken(&wood), &MATERIALS, &options).unwrap();
         let (alone, off) = apart(&placed(&uncut, 0, &frames[0]), &first, 1e-12);
         assert!(alone == 0 && off < 1e-12, "{fibres}: {alone} {off}");
         let mut known: BTreeMap<[u64; 3], DVec3> = BTreeMap::new();
@@ -148,15 +149,15 @@ fn cracks_are_closed_until_they_open() {
         );
         // After the last event it is the still.
         let last = frames.last().unwrap();
-        let parting = Parting::of(&wood, last, &BTreeMap::new()).unwrap();
-        let still = rod_skin(&wood, &parting, &MATERIALS, &options).unwrap();
+        let state = FractureState::from_frame(&wood, last, &BTreeMap::new()).unwrap();
+        let still = rod_skin(&wood, &state, &MATERIALS, &options).unwrap();
         let end = frames.len() - 1;
         assert_eq!(placed(&still, end, last), placed(&film, end, last));
         // In between it is the still of the frame, as far as cracks are open then: their kerf is 2e-4 of a bundle's width.
         let kerf = 4e-4 * 0.01 * (std::f64::consts::PI / 12.0).sqrt();
         for (number, frame) in frames.iter().enumerate().take(end).skip(1) {
-            let parting = Parting::of(&wood, frame, &BTreeMap::new()).unwrap();
-            let still = rod_skin(&wood, &parting, &MATERIALS, &options).unwrap();
+            let state = FractureState::from_frame(&wood, frame, &BTreeMap::new()).unwrap();
+            let still = rod_skin(&wood, &state, &MATERIALS, &options).unwrap();
             let still = placed(&still, number, frame);
             let (alone, off) = apart(&still, &placed(&film, number, frame), kerf);
             println!("{fibres}, {number}: {alone} of {}, {off}", still.len());
@@ -165,13 +166,16 @@ fn cracks_are_closed_until_they_open() {
             assert!(off < kerf, "{fibres}, {number}: {off}");
         }
         // Fixed weights gape.
-        let mut most = vec![Gape::default(); film.pieces.len()];
+        let mut most = vec![CrackOpening::default(); film.pieces.len()];
         for (number, frame) in frames.iter().enumerate() {
-            film.gapes
-                .see(&film.joints, number as u32, frame, &mut most);
+            film.closed_cracks
+                .measure(&film.joints, number as u32, frame, &mut most);
         }
         let most = most.iter().map(|g| g.distance).fold(0.0, f64::max);
-        println!("{fibres}: gape {most} of {} pairs", film.gapes.count());
+        println!(
+            "{fibres}: gape {most} of {} pairs",
+            film.closed_cracks.count()
+        );
         assert!(most > 10.0 * kerf && most < 0.01, "{most}");
     }
 }

@@ -12,14 +12,15 @@ use greenstick_fibre::topology::break_up;
 use greenstick_geometry::check::CheckOptions;
 use greenstick_geometry::{Film, Joint, Mesh};
 use greenstick_skin::rods::{
-    Outline, Parting, RodSkin, RodSkinError, RodSkinOptions, Wood, columns, frame_poses, rod_skin,
+    FractureState, NonmanifoldSplits, Outline, RodSkin, RodSkinError, RodSkinOptions, Wood,
+    columns, frame_poses, rod_skin,
 };
 use greenstick_wood::noise::unit;
 use greenstick_wood::primitive::{self, BranchOptions};
 use std::collections::BTreeMap;
 
-fn skin(wood: &Wood, parting: &Parting, options: &RodSkinOptions) -> RodSkin {
-    rod_skin(wood, parting, &MATERIALS, options).unwrap()
+fn skin(wood: &Wood, state: &FractureState, options: &RodSkinOptions) -> RodSkin {
+    rod_skin(wood, state, &MATERIALS, options).unwrap()
 }
 
 /// Breaks some rods and bonds, by the fibre model's own means; the frame then, unmoved.
@@ -72,8 +73,11 @@ fn whole_wood_has_one_skin_around_all_of_it() {
             fibres,
             ..RodSkinOptions::default()
         };
-        let made = skin(&wood, &Parting::none(&wood), &options);
-        assert_eq!((made.pieces.len(), made.mended), (1, (0, 0)));
+        let made = skin(&wood, &FractureState::unbroken(&wood), &options);
+        assert_eq!(
+            (made.pieces.len(), made.nonmanifold_splits),
+            (1, NonmanifoldSplits::default())
+        );
         let mesh = &made.pieces[0].mesh;
         let report = mesh.check();
         assert!(report.is_solid() && report.components == 1, "{report}");
@@ -91,7 +95,7 @@ fn whole_wood_has_one_skin_around_all_of_it() {
         let section = columns(
             wood.cells,
             wood.outline,
-            &wood.bonded(),
+            &wood.bonded_rods(),
             fibres,
             wood.stem.rings.pith(),
             options.seed,
@@ -110,7 +114,11 @@ fn whole_wood_has_one_skin_around_all_of_it() {
 fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
     let whole = grown(primitive::branch(&BranchOptions::default()), 30);
     let wood = wood(&whole);
-    let all = skin(&wood, &Parting::none(&wood), &RodSkinOptions::default());
+    let all = skin(
+        &wood,
+        &FractureState::unbroken(&wood),
+        &RodSkinOptions::default(),
+    );
     let volume = all.pieces[0].mesh.volume();
     for seed in 0..12 {
         let (rods, bonds) = [(0.02, 0.2), (0.1, 0.6), (0.3, 0.95), (0.0, 0.9)][seed as usize % 4];
@@ -121,13 +129,13 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
             .step_by(2)
             .map(|v| (v, Cause::Compression))
             .collect();
-        let parting = Parting::of(&wood, &frame, &causes).unwrap();
+        let state = FractureState::from_frame(&wood, &frame, &causes).unwrap();
         let options = RodSkinOptions {
             seed,
             fibres: 1 + seed as u32 % 5,
             ..RodSkinOptions::default()
         };
-        let made = skin(&wood, &parting, &options);
+        let made = skin(&wood, &state, &options);
         let mut sum = 0.0;
         for piece in &made.pieces {
             let report = piece.mesh.check();
@@ -144,7 +152,7 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
             "seed {seed}: {sum} of {volume}"
         );
         assert_eq!(made.pieces.len(), bonded_pieces(&frame), "seed {seed}");
-        assert_eq!(made, skin(&wood, &parting, &options), "seed {seed}");
+        assert_eq!(made, skin(&wood, &state, &options), "seed {seed}");
     }
 }
 
@@ -156,7 +164,7 @@ fn the_hull_is_convex_and_holds_all_rods() {
         outline: Outline::Hull,
         ..RodSkinOptions::default()
     };
-    let made = skin(&wood, &Parting::none(&wood), &options);
+    let made = skin(&wood, &FractureState::unbroken(&wood), &options);
     let report = made.pieces[0].mesh.check();
     assert!(report.is_solid(), "{report}");
     // Its volume is that of the hull of circles about the rods, found here by its width in all directions: the area of a
@@ -195,7 +203,7 @@ fn rods_whose_faces_are_kept_are_closed_one_by_one() {
         keep_inner: true,
         ..RodSkinOptions::default()
     };
-    let made = skin(&wood, &Parting::none(&wood), &options);
+    let made = skin(&wood, &FractureState::unbroken(&wood), &options);
     assert_eq!(made.pieces.len(), 1);
     let quick = CheckOptions {
         self_intersections: false,
@@ -207,7 +215,7 @@ fn rods_whose_faces_are_kept_are_closed_one_by_one() {
         keep_inner: false,
         ..options
     };
-    let whole = skin(&wood, &Parting::none(&wood), &options);
+    let whole = skin(&wood, &FractureState::unbroken(&wood), &options);
     let volumes = [&made, &whole].map(|s| s.pieces[0].mesh.volume());
     assert!((volumes[0] / volumes[1] - 1.0).abs() < 1e-3, "{volumes:?}");
 }
@@ -239,8 +247,8 @@ fn the_skin_goes_where_the_rods_go() {
     let grown = grown(primitive::branch(&BranchOptions::default()), 30);
     let wood = wood(&grown);
     let rest = broken(&grown, 5, 0.1, 0.6);
-    let parting = Parting::of(&wood, &rest, &BTreeMap::new()).unwrap();
-    let made = skin(&wood, &parting, &RodSkinOptions::default());
+    let state = FractureState::from_frame(&wood, &rest, &BTreeMap::new()).unwrap();
+    let made = skin(&wood, &state, &RodSkinOptions::default());
     // Where nothing has moved, the skin is at rest, to the frames' single precision.
     for (piece, places) in made.pieces.iter().zip(posed(&made, &rest)) {
         for (a, b) in piece.mesh.positions.iter().zip(places) {
@@ -270,7 +278,11 @@ fn the_skin_goes_where_the_rods_go() {
 fn a_bent_bundle_keeps_its_bonded_rods_together() {
     let grown = grown(primitive::cylinder(0.01, 0.3, 64), 40);
     let wood = wood(&grown);
-    let made = skin(&wood, &Parting::none(&wood), &RodSkinOptions::default());
+    let made = skin(
+        &wood,
+        &FractureState::unbroken(&wood),
+        &RodSkinOptions::default(),
+    );
     // An arc in a plane of the stem's axis, every section square to it, in steps so that frames are carried along.
     let bundle = &grown.placed.bundle;
     let mut state = State::at_rest(bundle);
@@ -330,12 +342,12 @@ fn frames_of_other_wood_are_refused() {
             f.origin.truncate(f.rod_offsets[last] as usize);
         }),
         ("a bond", |f| f.bonds[0] = [u32::MAX; 2]),
-        ("a place", |f| f.position[3][1] = f32::NAN),
+        ("a position", |f| f.position[3][1] = f32::NAN),
     ];
     for (says, change) in changes {
         let mut frame = whole.clone();
         change(&mut frame);
-        let refused = Parting::of(&wood, &frame, &BTreeMap::new());
+        let refused = FractureState::from_frame(&wood, &frame, &BTreeMap::new());
         let Err(error @ RodSkinError::OtherBundle { .. }) = refused else {
             panic!("{says}: {refused:?}");
         };
@@ -345,6 +357,6 @@ fn frames_of_other_wood_are_refused() {
         slabs: f64::NAN,
         ..RodSkinOptions::default()
     };
-    let refused = rod_skin(&wood, &Parting::none(&wood), &MATERIALS, &options);
+    let refused = rod_skin(&wood, &FractureState::unbroken(&wood), &MATERIALS, &options);
     assert!(matches!(refused, Err(RodSkinError::Value { .. })));
 }

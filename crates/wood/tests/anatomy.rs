@@ -287,7 +287,7 @@ fn odd_requests_are_refused() {
 
 #[test]
 fn scans_have_sections_all_along() {
-    let mesh = support::ply(&support::data("pole.ply"), 1e-3);
+    let mesh = support::ply(&support::data::data("pole.ply"), 1e-3);
     let found = found(&mesh);
     let voxels = volume(&found, &mesh, 32);
     assert!(

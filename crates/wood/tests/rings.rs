@@ -12,7 +12,7 @@ const ANGLES: usize = 360;
 
 /// A ring section of the data that may not be handed on.
 fn section(name: &str) -> serde_json::Value {
-    let path = support::outside_data(&format!("rings/{name}"));
+    let path = support::data::outside_data(&format!("rings/{name}"));
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 

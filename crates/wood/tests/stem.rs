@@ -367,7 +367,7 @@ fn nonsense_is_refused_with_its_place() {
 
 #[test]
 fn a_scanned_pole_has_a_stem() {
-    let pole = support::ply(&support::data("pole.ply"), 1e-3);
+    let pole = support::ply(&support::data::data("pole.ply"), 1e-3);
     let stem = at(&[pole], "0.5").unwrap().stem;
     assert!((stem.length - 1.98).abs() < 0.02 && stem.ends == (true, true));
     assert!(
@@ -380,7 +380,7 @@ fn a_scanned_pole_has_a_stem() {
 
 #[test]
 fn a_cutting_board_is_a_board() {
-    let board = support::gltf(&support::data("homecart_cutting_board.gltf"));
+    let board = support::gltf(&support::data::data("homecart_cutting_board.gltf"));
     let stem = at(&[board], "0.45").unwrap().stem;
     assert_eq!(stem.kind, StemKind::Board);
     assert!((stem.length - 0.9864).abs() < 1e-6);
@@ -389,7 +389,7 @@ fn a_cutting_board_is_a_board() {
 
 #[test]
 fn a_tree_of_many_limbs_has_a_stem() {
-    let tree = support::gltf(&support::data("quaternius_DeadTree_1.gltf"));
+    let tree = support::gltf(&support::data::data("quaternius_DeadTree_1.gltf"));
     let meshes = std::slice::from_ref(&tree);
     let found = at(meshes, "0.1").unwrap();
     assert_eq!(found.carried.len(), 47);
@@ -431,7 +431,7 @@ fn assert_bare_tree(tree: Mesh) {
 
 #[test]
 fn a_bare_tree_has_a_stem() {
-    assert_bare_tree(support::obj(&support::data(
+    assert_bare_tree(support::obj(&support::data::data(
         "kaykit_Tree_Bare_1_C_Color1.obj",
     )));
 }
@@ -439,7 +439,7 @@ fn a_bare_tree_has_a_stem() {
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn another_bare_tree_has_a_stem() {
-    assert_bare_tree(support::obj(&support::outside_data(
+    assert_bare_tree(support::obj(&support::data::outside_data(
         "trees/kaykit_Tree_Bare_2_C_Color1.obj",
     )));
 }
@@ -447,7 +447,7 @@ fn another_bare_tree_has_a_stem() {
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn a_scanned_stump_has_a_stem() {
-    let stump = support::obj(&support::outside_data("scans/stump.obj"));
+    let stump = support::obj(&support::data::outside_data("scans/stump.obj"));
     let stem = at(&[stump], "0.5").unwrap().stem;
     assert!(stem.grain.axis().frame(stem.location).tangent.y > 0.9);
     assert!(stem.usable.1 - stem.usable.0 > 0.15, "{:?}", stem.usable);

@@ -1,6 +1,9 @@
 //! Runs of the program in folders of their own.
 #![allow(dead_code)] // Each test file is a program of its own and uses a part of this.
 
+#[path = "../../../../tests/support/data.rs"]
+pub mod data;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -81,20 +84,4 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }
-}
-
-/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
-/// repository; says so where it is in neither.
-pub fn shared(name: &str) -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let own = root.join("tests/data").join(Path::new(name).file_name()?);
-    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(name));
-    let found = [own].into_iter().chain(beside);
-    let found = found
-        .into_iter()
-        .find_map(|path| fs::canonicalize(path).ok());
-    if found.is_none() {
-        println!("skipped: there is no shared/data/{name} beside the repository");
-    }
-    found
 }

@@ -151,7 +151,7 @@ declared! {
         width: Length = Length(0.02), (1e-4, 10.0, "m");
         /// Thickness of a board.
         thickness: Length = Length(0.02), (1e-4, 10.0, "m");
-        /// Where on an input: a fraction of its length, a length from its base, or a point.
+        /// Where on an input: a fraction of its length (0.4), a length from its base (12cm), or a point (x,y,z).
         at: String = "0.5".to_owned(), (-INF, INF, "");
         /// Part of the length that is filled with rods, from and to.
         part: [f64; 2] = [0.0, 1.0], (0.0, 1.0, "");

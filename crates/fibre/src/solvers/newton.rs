@@ -103,10 +103,9 @@ impl NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        NewtonOptions {
-            stateless: false,
-            ..NewtonOptions::STATELESS
-        }
+        let mut options = NewtonOptions::STATELESS;
+        options.stateless = false;
+        options
     }
 }
 

@@ -1,112 +1,47 @@
 //! Point clouds: PLY without faces, XYZ, LAS and LAZ.
 
+mod file;
 mod las;
+#[cfg(feature = "laz")]
+mod laz;
 mod xyz;
 
-use crate::{Format, FormatError, LengthUnit, Resolve, detect, ply};
+pub use file::CloudFile;
+
+use crate::companions::Resolve;
+use crate::detect::detect;
+use crate::error::FormatError;
+use crate::format::{CloudFormat, Format, InputFormat};
+use crate::unit::LengthUnit;
+use crate::{mesh, ply};
 use glam::DVec3;
-use greenstick_geometry::{PointCloud, Scene};
-use std::path::Path;
+use greenstick_geometry::Scene;
 
-/// A file format that holds points and never faces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum CloudFormat {
-    /// Lines of numbers: x y z, perhaps with normals and colours.
-    Xyz,
-    /// ASPRS LAS.
-    Las,
-    /// LAS compressed by LASzip.
-    Laz,
-}
-
-impl CloudFormat {
-    /// Every format, in the order in which to list them.
-    pub const ALL: [CloudFormat; 3] = [CloudFormat::Xyz, CloudFormat::Las, CloudFormat::Laz];
-
-    /// The file names' endings, without the dot.
-    pub fn endings(self) -> &'static [&'static str] {
-        match self {
-            CloudFormat::Xyz => &["xyz", "txt", "asc", "pts"],
-            CloudFormat::Las => &["las"],
-            CloudFormat::Laz => &["laz"],
-        }
-    }
-
-    /// The name to show.
-    pub fn name(self) -> &'static str {
-        match self {
-            CloudFormat::Xyz => "XYZ",
-            CloudFormat::Las => "LAS",
-            CloudFormat::Laz => "LAZ",
-        }
-    }
-}
-
-/// Any format that is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum InputFormat {
-    /// Of meshes; PLY may hold a cloud all the same.
-    Mesh(Format),
-    /// Of clouds.
-    Cloud(CloudFormat),
-}
-
-impl InputFormat {
-    /// The format that the ending of `path` names, in either case.
-    pub fn of_path(path: &Path) -> Option<InputFormat> {
-        if let Some(format) = Format::of_path(path) {
-            return Some(InputFormat::Mesh(format));
-        }
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        CloudFormat::ALL
-            .into_iter()
-            .find(|f| f.endings().contains(&ending.as_str()))
-            .map(InputFormat::Cloud)
-    }
-
-    /// The name to show.
-    pub fn name(self) -> &'static str {
-        match self {
-            InputFormat::Mesh(format) => format.name(),
-            InputFormat::Cloud(format) => format.name(),
-        }
-    }
-
-    /// Whether the unit of length in it is left to the user. Surveys (LAS) are taken to be in metres.
-    pub fn is_in_metres(self) -> bool {
-        match self {
-            InputFormat::Mesh(format) => format.is_in_metres(),
-            InputFormat::Cloud(format) => format != CloudFormat::Xyz,
-        }
-    }
-}
-
-/// A cloud as it was read.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct CloudFile {
-    /// Its points, m. They may hold NaN where a scanner marks what it missed.
-    pub cloud: PointCloud,
-    /// What was taken off every coordinate because the file's are far from 0, m.
-    pub origin: DVec3,
-    /// How the file was understood and what was left out, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// What a file turned out to hold.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
-    /// Faces.
+    /// A mesh.
     Mesh(Scene),
-    /// Points alone.
+    /// Points without faces.
     Cloud(CloudFile),
 }
 
-/// Reads a file of meshes or of points. Where the content is plainly another format than `format`, the content decides
-/// and a note says so. `name`, `unit` and `resolve` are those of [`crate::read`].
+/// Reads a file of meshes or of points. If the content clearly has another format than `format`, the content decides, and
+/// a note says so. `name`, `unit` and `resolve` are as in [`crate::read`].
+///
+/// ```
+/// use greenstick_formats::{CloudFormat, Content, InputFormat, read_content};
+///
+/// let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+/// let format = InputFormat::Cloud(CloudFormat::Xyz);
+/// let content = read_content(format, b"0 0 0\n1 2 3\n", "scan.xyz", None, &none)?;
+/// let Content::Cloud(file) = content else { panic!("expected points") };
+/// assert_eq!(file.cloud.points.len(), 2);
+/// # Ok::<(), greenstick_formats::FormatError>(())
+/// ```
 ///
 /// # Errors
-/// [`FormatError`] where the bytes are no sound file; nothing is allocated on the word of a count that the bytes
-/// cannot back.
+/// [`FormatError`] if the bytes are not a valid file. No memory is allocated for a count that the bytes cannot hold.
 pub fn read_content(
     format: InputFormat,
     bytes: &[u8],
@@ -124,9 +59,9 @@ pub fn read_content(
     let mut file = match actual {
         InputFormat::Mesh(Format::Ply) => match ply::read_points(bytes, name)? {
             Some(file) => file,
-            None => return mesh(format, actual, bytes, name, unit, resolve),
+            None => return read_mesh(format, actual, bytes, name, unit, resolve),
         },
-        InputFormat::Mesh(_) => return mesh(format, actual, bytes, name, unit, resolve),
+        InputFormat::Mesh(_) => return read_mesh(format, actual, bytes, name, unit, resolve),
         InputFormat::Cloud(CloudFormat::Xyz) => xyz::read(bytes, name)?,
         InputFormat::Cloud(_) => las::read(bytes, name)?,
     };
@@ -139,7 +74,7 @@ pub fn read_content(
         file.cloud.points.iter_mut().for_each(|p| *p /= per_metre);
         if matches!(actual, InputFormat::Cloud(f) if f != CloudFormat::Xyz) {
             file.notes.push(format!(
-                "{} is in metres by custom; the unit {unit} was applied as a scale all the same.",
+                "{} is in metres by custom; the unit {unit} was applied as an additional scale.",
                 actual.name()
             ));
         }
@@ -148,7 +83,8 @@ pub fn read_content(
     Ok(Content::Cloud(file))
 }
 
-fn mesh(
+/// Reads a file that holds a mesh.
+fn read_mesh(
     format: InputFormat,
     actual: InputFormat,
     bytes: &[u8],
@@ -165,22 +101,23 @@ fn mesh(
         InputFormat::Mesh(format) => format,
         InputFormat::Cloud(_) => of_mesh,
     };
-    let mut scene = crate::read(expected, bytes, name, unit, resolve)?;
+    let mut scene = mesh::read(expected, bytes, name, unit, resolve)?;
     if matches!(format, InputFormat::Cloud(_)) {
         scene.notes.push(other_format(format, actual, name));
     }
     Ok(Content::Mesh(scene))
 }
 
+/// The note for a file with the extension of another format.
 fn other_format(named: InputFormat, actual: InputFormat, name: &str) -> String {
     format!(
-        "{name} is named as {} but holds {}; it was read as that.",
+        "{name} has the extension of {} but holds {}; it was read as {1}.",
         named.name(),
         actual.name()
     )
 }
 
-/// What the content proves, else what the name says.
+/// The format that the content proves, else that of the name.
 fn actual_format(format: InputFormat, bytes: &[u8]) -> InputFormat {
     if bytes.starts_with(b"LASF") {
         InputFormat::Cloud(if las::is_compressed(bytes) {
@@ -193,10 +130,10 @@ fn actual_format(format: InputFormat, bytes: &[u8]) -> InputFormat {
     }
 }
 
-/// Coordinates this many times as large as the cloud lose its detail when they are narrowed to 32 bits.
-const FAR: f64 = 100.0;
+/// Coordinates that exceed the size of the cloud by this factor lose its details in single precision.
+const MAX_RELATIVE_OFFSET: f64 = 100.0;
 
-/// Takes whole metres off coordinates that are far from 0, as those of surveys are.
+/// Subtracts whole metres from coordinates that are far from 0, as those of surveys are.
 fn recentre(file: &mut CloudFile) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in file.cloud.points.iter().filter(|p| p.is_finite()) {
@@ -204,7 +141,7 @@ fn recentre(file: &mut CloudFile) {
     }
     let size = low.distance(high);
     let far = low.abs().max(high.abs()).max_element();
-    if !size.is_finite() || far <= FAR * size.max(1.0) {
+    if !size.is_finite() || far <= MAX_RELATIVE_OFFSET * size.max(1.0) {
         return;
     }
     let origin = DVec3::new(
@@ -215,7 +152,7 @@ fn recentre(file: &mut CloudFile) {
     file.cloud.points.iter_mut().for_each(|p| *p -= origin);
     file.origin = origin;
     file.notes.push(format!(
-        "coordinates reach {far:.0} m: {:.0}, {:.0}, {:.0} m were taken off them, here and in places given as points",
+        "coordinates reach {far:.0} m: {:.0}, {:.0}, {:.0} m were subtracted from them, here and in places given as points",
         origin.x, origin.y, origin.z
     ));
 }

@@ -1,14 +1,14 @@
-//! XYZ: lines of numbers, whose columns are told by a header line or by their values.
+//! XYZ: lines of numbers, whose columns are identified by a header line or by their values.
 
-use super::CloudFile;
+use super::file::CloudFile;
 use crate::error::{FormatError, InFile};
-use crate::text::{lines, number, shown};
+use crate::text::{lines, number, quote};
 use glam::DVec3;
 
-/// Rows that are looked at to tell normals from colours.
-const TRIAL_ROWS: usize = 2000;
+/// Rows by which normals and colours are recognised.
+const SAMPLE_ROWS: usize = 2000;
 
-/// Where the columns are.
+/// The meaning of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Columns {
     points: [usize; 3],
@@ -16,17 +16,19 @@ struct Columns {
     colours: Option<[usize; 3]>,
 }
 
-/// The numbers of a file, row by row, `width` in each.
-struct Table {
+/// The numbers of a file, row by row.
+struct Rows {
+    /// Numbers in a row.
     width: usize,
     values: Vec<f64>,
+    /// Names of the columns.
     header: Option<Vec<String>>,
 }
 
 /// Reads XYZ.
 pub(crate) fn read(bytes: &[u8], name: &str) -> Result<CloudFile, FormatError> {
     let file = InFile(name);
-    let table = table(bytes, file)?;
+    let table = read_rows(bytes, file)?;
     let rows = table.values.chunks_exact(table.width);
     let named = table.header.as_deref().and_then(from_header);
     let columns = named.unwrap_or_else(|| guess(&table));
@@ -38,12 +40,12 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<CloudFile, FormatError> {
         out.cloud.normals = rows.clone().map(unit).collect();
     }
     if let Some(at) = columns.colours {
-        // Colours are 0 to 1 where none exceeds 1, else 0 to 255, from some programs 0 to 65535.
-        let most = rows
+        // Colours range from 0 to 1 if none exceeds 1, otherwise to 255, from some programs to 65535.
+        let largest = rows
             .clone()
             .flat_map(|r| at.map(|k| r[k]))
             .fold(0.0, f64::max);
-        let scale = match most {
+        let scale = match largest {
             m if m <= 1.0 => 255.0,
             m if m <= 255.0 => 1.0,
             _ => 255.0 / 65535.0,
@@ -52,21 +54,21 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<CloudFile, FormatError> {
         out.cloud.colours = rows.map(|r| at.map(|k| byte(r[k]))).collect();
     }
     out.notes
-        .push(told(&columns, table.width, named.is_some(), name));
+        .push(interpretation(&columns, table.width, named.is_some(), name));
     Ok(out)
 }
 
-/// How the columns were understood, in words.
-fn told(columns: &Columns, width: usize, named: bool, name: &str) -> String {
+/// Describes how the columns were interpreted.
+fn interpretation(columns: &Columns, width: usize, named: bool, name: &str) -> String {
     let from_one = |at: [usize; 3]| at.map(|k| (k + 1).to_string()).join(", ");
     let mut text = format!(
         "{name}: columns {} are coordinates",
         from_one(columns.points)
     );
     let mut used = columns.points.to_vec();
-    for (what, at) in [("normals", columns.normals), ("colours", columns.colours)] {
+    for (kind, at) in [("normals", columns.normals), ("colours", columns.colours)] {
         if let Some(at) = at {
-            text += &format!(", {} {what}", from_one(at));
+            text += &format!(", {} {kind}", from_one(at));
             used.extend(at);
         }
     }
@@ -84,17 +86,19 @@ fn told(columns: &Columns, width: usize, named: bool, name: &str) -> String {
     }
 }
 
+/// Whether a line is a comment.
 fn is_comment(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.starts_with(b"//") || line.starts_with(b"%")
 }
 
-/// Words of a line. Commas separate unless semicolons do: then they are decimal points.
+/// The words of a line. Commas are separators, unless there are semicolons: then they are decimal points.
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let semicolons = line.contains(&b';');
     line.split(move |b| b.is_ascii_whitespace() || *b == b';' || (*b == b',' && !semicolons))
         .filter(|w| !w.is_empty())
 }
 
+/// Parses a number, possibly with a decimal comma.
 fn value(word: &[u8]) -> Option<f64> {
     if word.contains(&b',') {
         let point: Vec<u8> = word
@@ -106,8 +110,8 @@ fn value(word: &[u8]) -> Option<f64> {
     number(word)
 }
 
-/// Names of columns in a line, where it holds `x`, `y` and `z`.
-fn header_of(line: &[u8]) -> Option<Vec<String>> {
+/// The names of columns, if the line contains `x`, `y` and `z`.
+fn header_names(line: &[u8]) -> Option<Vec<String>> {
     let bare: &[u8] = line.trim_ascii();
     let start = bare.iter().position(|b| !b"#/%".contains(b))?;
     let names: Vec<String> = words(&bare[start..])
@@ -121,15 +125,16 @@ fn header_of(line: &[u8]) -> Option<Vec<String>> {
     (has("x") && has("y") && has("z")).then_some(names)
 }
 
-fn table(bytes: &[u8], file: InFile) -> Result<Table, FormatError> {
+/// Reads all lines.
+fn read_rows(bytes: &[u8], file: InFile) -> Result<Rows, FormatError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut table = Table {
+    let mut table = Rows {
         width: 0,
         values: Vec::new(),
         header: None,
     };
     let mut first = 0;
-    let mut count: Option<(usize, usize)> = None;
+    let mut declared: Option<DeclaredCount> = None;
     let last = lines(bytes)
         .filter(|(_, l)| !l.trim_ascii().is_empty())
         .last()
@@ -140,7 +145,7 @@ fn table(bytes: &[u8], file: InFile) -> Result<Table, FormatError> {
             continue;
         }
         if table.width == 0
-            && let Some(names) = header_of(line)
+            && let Some(names) = header_names(line)
         {
             table.header = Some(names);
             continue;
@@ -156,26 +161,29 @@ fn table(bytes: &[u8], file: InFile) -> Result<Table, FormatError> {
             table.values.push(v);
         }
         let width = table.values.len() - before;
-        if table.width == 0 && width == 1 && count.is_none() {
-            // PTS files begin with the number of points.
+        if table.width == 0 && width == 1 && declared.is_none() {
+            // PTS files start with the number of points.
             let claimed = table.values.pop().unwrap_or_default();
             if !(claimed >= 0.0 && claimed.fract() == 0.0) {
                 return Err(file.malformed(
                     format_args!("line {at}"),
-                    shown(line),
+                    quote(line),
                     "three coordinates, or the number of points",
                 ));
             }
-            count = Some((at, claimed as usize));
+            declared = Some(DeclaredCount {
+                line: at,
+                count: claimed as usize,
+            });
         } else if table.width == 0 {
             if width < 3 {
                 let place = format_args!("line {at}");
-                return Err(file.malformed(place, shown(line), "at least x, y and z"));
+                return Err(file.malformed(place, quote(line), "at least x, y and z"));
             }
             (table.width, first) = (width, at);
         } else if width != table.width {
             let right = format!("{} as in line {first}", table.width);
-            let found = format!("{width} numbers, {}", shown(line));
+            let found = format!("{width} numbers, {}", quote(line));
             return Err(if at == last && width < table.width {
                 file.truncated(format_args!("line {at}"), found, right)
             } else {
@@ -183,36 +191,44 @@ fn table(bytes: &[u8], file: InFile) -> Result<Table, FormatError> {
             });
         }
     }
-    finish(table, count, file)
+    finish(table, declared, file)
 }
 
-fn not_a_number(nothing_yet: bool, at: usize, word: &[u8], file: InFile) -> FormatError {
-    if nothing_yet {
+/// The error for a word that is not a number.
+fn not_a_number(is_first: bool, at: usize, word: &[u8], file: InFile) -> FormatError {
+    if is_first {
         return FormatError::NotThisFormat {
             file: file.0.to_owned(),
             format: "XYZ",
-            found: format!("line {at} holds {}", shown(word)),
+            found: format!("line {at} holds {}", quote(word)),
             right: "lines of numbers, x y z first".to_owned(),
         };
     }
-    file.malformed(format_args!("line {at}"), shown(word), "a number")
+    file.malformed(format_args!("line {at}"), quote(word), "a number")
 }
 
-/// Checks what can be checked when all lines are read.
-fn finish(table: Table, count: Option<(usize, usize)>, file: InFile) -> Result<Table, FormatError> {
+/// The number of points that a file declares.
+#[derive(Clone, Copy)]
+struct DeclaredCount {
+    line: usize,
+    count: usize,
+}
+
+/// Checks the complete table.
+fn finish(table: Rows, declared: Option<DeclaredCount>, file: InFile) -> Result<Rows, FormatError> {
     if table.width == 0 {
         return Err(file.malformed("file", "no line with a point", "lines of x, y and z"));
     }
     let rows = table.values.len() / table.width;
-    if let Some((at, claimed)) = count
-        && claimed != rows
+    if let Some(DeclaredCount { line, count }) = declared
+        && count != rows
     {
-        let found = format!("a count of {claimed}");
+        let found = format!("a count of {count}");
         let right = format!("{rows}, the number of lines that follow");
-        return Err(if claimed > rows {
-            file.truncated(format_args!("line {at}"), found, right)
+        return Err(if count > rows {
+            file.truncated(format_args!("line {line}"), found, right)
         } else {
-            file.malformed(format_args!("line {at}"), found, right)
+            file.malformed(format_args!("line {line}"), found, right)
         });
     }
     if let Some(names) = &table.header
@@ -221,13 +237,13 @@ fn finish(table: Table, count: Option<(usize, usize)>, file: InFile) -> Result<T
         return Err(file.malformed(
             "header",
             format!("{} names of columns", names.len()),
-            format!("{}, as the lines have numbers", table.width),
+            format!("{}, one for each number in a line", table.width),
         ));
     }
     Ok(table)
 }
 
-/// Columns by their names.
+/// Identifies columns by their names.
 fn from_header(names: &[String]) -> Option<Columns> {
     let at = |wanted: &[&str]| names.iter().position(|n| wanted.contains(&n.as_str()));
     let triple = |wanted: [&[&str]; 3]| -> Option<[usize; 3]> {
@@ -244,26 +260,29 @@ fn from_header(names: &[String]) -> Option<Columns> {
     })
 }
 
-/// Columns by their values: normals have length 1, colours are whole numbers from 0 to 255 or fractions from 0 to 1.
-fn guess(table: &Table) -> Columns {
+/// Identifies columns by their values: normals have length 1, colours are integers from 0 to 255 or fractions from 0 to 1.
+fn guess(table: &Rows) -> Columns {
     let mut columns = Columns {
         points: [0, 1, 2],
         ..Columns::default()
     };
-    let rows = || table.values.chunks_exact(table.width).take(TRIAL_ROWS);
+    let rows = || table.values.chunks_exact(table.width).take(SAMPLE_ROWS);
     let mut at = 3;
     while at + 3 <= table.width {
         let triples = || rows().map(|r| DVec3::new(r[at], r[at + 1], r[at + 2]));
         let total = triples().count();
-        let like = |test: &dyn Fn(DVec3) -> bool| triples().filter(|v| test(*v)).count();
-        let units = like(&|v| (v.length_squared() - 1.0).abs() < 0.02);
-        let whole = |v: DVec3| v == v.round() && v.min_element() >= 0.0 && v.max_element() <= 255.0;
-        let shares = |v: DVec3| v.min_element() >= 0.0 && v.max_element() <= 1.0;
+        let count = |test: &dyn Fn(DVec3) -> bool| triples().filter(|v| test(*v)).count();
+        let units = count(&|v| (v.length_squared() - 1.0).abs() < 0.02);
+        let is_integer =
+            |v: DVec3| v == v.round() && v.min_element() >= 0.0 && v.max_element() <= 255.0;
+        let is_fraction = |v: DVec3| v.min_element() >= 0.0 && v.max_element() <= 1.0;
         let here = [at, at + 1, at + 2];
-        // One in ten may be missing (zero) or spoilt.
+        // One in ten may be missing (zero) or damaged.
         if columns.normals.is_none() && units * 10 >= total * 9 {
             columns.normals = Some(here);
-        } else if columns.colours.is_none() && (like(&whole) == total || like(&shares) == total) {
+        } else if columns.colours.is_none()
+            && (count(&is_integer) == total || count(&is_fraction) == total)
+        {
             columns.colours = Some(here);
         } else {
             at += 1;

@@ -1,84 +1,91 @@
-//! Vertex animation textures: where each vertex is in each frame, as pictures that a vertex shader reads, with the mesh at
-//! rest that they move. For engines and crowds that have no skins of thousands of joints.
+//! Vertex animation textures: the position of each vertex in each frame as images for a vertex shader, with the mesh at
+//! rest. They serve engines and crowds that cannot use skins with thousands of joints.
 //!
-//! Frames lie below each other, each of as many rows as its vertices need; texel `c` of a frame's row `r` is vertex
-//! `r · width + c`. Red, green and blue, 16 bits each, are shares of the box of all positions; normals are halved and
-//! moved to 0 to 1. The mesh has its texel of the first frame as second texture coordinates, at the texel's middle.
+//! Frames are stacked vertically, each with as many rows as its vertices need; texel `c` of row `r` of a frame is vertex
+//! `r · width + c`. Red, green and blue, 16 bits each, are fractions of the bounding box of all positions; normals are
+//! mapped from −1…1 to 0…1. The second texture coordinates of the mesh are the centre of the vertex's texel in the first
+//! frame.
 
-use super::{FilmError, Reel};
+use super::error::FilmError;
+use super::frames::Frames;
+use crate::companions::{Encoded, stem};
 use crate::error::InFile;
-use crate::{Encoded, Format, LengthUnit, stem};
+use crate::format::Format;
+use crate::unit::LengthUnit;
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Attribute, Binding, Context, Film, Motion, Node, Scene, Skinned};
+use greenstick_geometry::{
+    Attribute, Binding, Context, Film, Motion, Node, RigidBody, Scene, SkinnedMesh,
+};
 use serde::Serialize;
 use std::io::Write;
 use std::sync::Arc;
 
-/// Widest and highest picture that common graphics hardware reads.
-pub const LARGEST_TEXTURE: usize = 16384;
+/// Largest width and height of textures that common graphics hardware supports, pixels.
+pub const MAX_TEXTURE_SIZE: usize = 16384;
 
-/// What was written.
+/// Description of the textures, as written to the `.json` file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VertexTexture {
-    /// The picture of positions.
+    /// File name of the texture of positions.
     pub positions: String,
-    /// The picture of normals, where all meshes have them.
+    /// File name of the texture of normals, if all meshes have normals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normals: Option<String>,
-    /// The mesh at rest.
+    /// File name of the mesh at rest.
     pub mesh: String,
-    /// Pixels in a row.
+    /// Width, pixels.
     pub width: usize,
-    /// Rows.
+    /// Height, pixels.
     pub height: usize,
-    /// Rows of a frame: what `v` grows by from frame to frame, times the height.
+    /// Rows of a frame: from frame to frame, `v` grows by this over the height.
     pub rows_per_frame: usize,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Frames.
+    /// Number of frames.
     pub frames: usize,
-    /// Frames shown in a second.
+    /// Frame rate, 1/s.
     pub frames_per_second: f64,
-    /// When each frame is shown, s.
+    /// Time of each frame, s.
     pub times: Vec<f64>,
-    /// The place of a texel of zeros, m, y up.
+    /// Position for a texel of zeros, m, y up.
     pub low: [f64; 3],
-    /// The place of a texel of largest values, m, y up.
+    /// Position for a texel of the largest values, m, y up.
     pub high: [f64; 3],
-    /// Pieces and moving bodies with their first vertices.
+    /// Pieces and moving bodies with their vertices.
     pub pieces: Vec<TexturePiece>,
 }
 
-/// Where a piece's vertices lie.
+/// The range of a piece's vertices.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TexturePiece {
-    /// Its name.
+    /// Name of the piece.
     pub name: String,
     /// Its first vertex.
     pub first_vertex: usize,
-    /// How many there are.
+    /// Number of vertices.
     pub vertices: usize,
 }
 
 impl VertexTexture {
-    /// Largest distance of a coordinate from where it should be, m: half a step of the 16 bits.
+    /// Largest error of a coordinate, m: half a step of the 16 bits.
     pub fn error(&self) -> f64 {
         let sides = self.low.iter().zip(&self.high).map(|(l, h)| h - l);
-        sides.fold(0.0, f64::max) / (2.0 * LEVELS)
+        sides.fold(0.0, f64::max) / (2.0 * MAX_LEVEL)
     }
 }
 
-/// Steps of 16 bits.
-const LEVELS: f64 = 65535.0;
+/// Largest value of 16 bits.
+const MAX_LEVEL: f64 = 65535.0;
 
-/// The film as pictures of its vertices: `NAME.png` with positions, `NAME.normals.png`, `NAME.json` that says how to read
-/// them, and `NAME.glb` with the pieces and moving bodies at rest and bodies that stand still. `name` is that of the
-/// first; rows are at most `width` pixels wide.
+/// Writes a film as vertex animation textures: `NAME.png` with positions, `NAME.normals.png`, `NAME.json` with a
+/// description, and `NAME.glb` with the pieces and moving bodies at rest and the bodies that do not move. `name` is the name
+/// of the first file; rows are at most `width` pixels wide.
 ///
-/// Frames are asked for twice: for the box of all positions, and to write them. What is held is the packed pictures.
+/// Frames are requested twice: for the bounding box of all positions, and to write them. The compressed images stay in
+/// memory.
 ///
 /// # Errors
-/// As [`super::write_glb`]; [`FilmError::Format`] where the pictures would be larger than [`LARGEST_TEXTURE`].
+/// As [`super::write_glb`], and [`FilmError::Format`] if the textures would exceed [`MAX_TEXTURE_SIZE`].
 pub fn write_vertex_texture<M: Motion>(
     film: &Film,
     motion: &mut M,
@@ -86,91 +93,117 @@ pub fn write_vertex_texture<M: Motion>(
     width: usize,
     context: &Context,
 ) -> Result<(VertexTexture, Vec<Encoded>), FilmError> {
-    let mut reel = Reel::new(film, motion, name)?;
-    let film = &with_bodies(film);
+    let mut frames = Frames::new(film, motion, name)?;
+    let film = &with_bodies_as_pieces(film);
     let stem = stem(name);
-    let mut about = layout(film, &reel, &stem, width)?;
-    let mut placed = Placed::default();
+    let mut description = describe(film, &frames, &stem, width)?;
+    let mut vertices = FrameVertices::default();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for frame in 0..about.frames {
-        context.report(0.5 * frame as f64 / about.frames as f64)?;
-        placed.at(film, &mut reel, frame)?;
-        (low, high) =
-            (placed.positions.iter()).fold((low, high), |(l, h), &p| (l.min(p), h.max(p)));
-    }
-    (about.low, about.high) = (low.to_array(), high.to_array());
-    let size = high - low;
-    // A side without width is all zeros.
-    let scale = DVec3::select(size.cmpgt(DVec3::ZERO), 1.0 / size, DVec3::ZERO);
-    let mut pictures = vec![Vec::new(); 1 + usize::from(about.normals.is_some())];
-    {
-        let mut headed = Vec::new();
-        for bytes in &mut pictures {
-            let png = png_writer(bytes, about.width, about.height);
-            headed.push(png.map_err(|e| reel.failed(e.into()))?);
-        }
-        let mut writers = Vec::new();
-        for png in &mut headed {
-            writers.push(png.stream_writer().map_err(|e| reel.failed(e.into()))?);
-        }
-        let texels = about.width * about.rows_per_frame;
-        let mut row = Vec::with_capacity(6 * texels);
-        for frame in 0..about.frames {
-            context.report(0.5 + 0.5 * frame as f64 / about.frames as f64)?;
-            placed.at(film, &mut reel, frame)?;
-            for (k, writer) in writers.iter_mut().enumerate() {
-                row.clear();
-                match k {
-                    0 => placed
-                        .positions
-                        .iter()
-                        .for_each(|&p| put(&mut row, (p - low) * scale)),
-                    _ => placed
-                        .normals
-                        .iter()
-                        .for_each(|&n| put(&mut row, 0.5 * n + 0.5)),
-                }
-                row.resize(6 * texels, 0);
-                writer.write_all(&row).map_err(|e| reel.failed(e))?;
-            }
-        }
-        for writer in writers {
-            writer.finish().map_err(|e| reel.failed(e.into()))?;
+    for frame in 0..description.frames {
+        context.report(0.5 * frame as f64 / description.frames as f64)?;
+        vertices.compute(film, &mut frames, frame)?;
+        for &p in &vertices.positions {
+            (low, high) = (low.min(p), high.max(p));
         }
     }
-    let scene = at_rest(film, &about);
-    let names = std::iter::once(&about.positions).chain(&about.normals);
+    (description.low, description.high) = (low.to_array(), high.to_array());
+    let images = encode(
+        film,
+        &mut frames,
+        &description,
+        &mut vertices,
+        &context.part(0.5, 1.0),
+    )?;
+    let scene = at_rest(film, &description);
+    let names = std::iter::once(&description.positions).chain(&description.normals);
     let encoded = |(name, bytes): (&String, _)| Encoded {
         name: name.clone(),
         bytes,
     };
-    let mut files: Vec<Encoded> = names.zip(pictures).map(encoded).collect();
-    let json = serde_json::to_string_pretty(&about).map_err(|e| reel.failed(e.into()))? + "\n";
+    let mut files: Vec<Encoded> = names.zip(images).map(encoded).collect();
+    let json =
+        serde_json::to_string_pretty(&description).map_err(|e| frames.write_error(e.into()))?;
     files.push(Encoded {
         name: format!("{stem}.json"),
-        bytes: json.into_bytes(),
+        bytes: (json + "\n").into_bytes(),
     });
-    let mesh = crate::write(Format::Glb, &scene, &about.mesh, LengthUnit::Metre)?;
+    let mesh = crate::mesh::write(Format::Glb, &scene, &description.mesh, LengthUnit::Metre)?;
     files.extend(mesh);
-    Ok((about, files))
+    Ok((description, files))
 }
 
-/// The film with bodies that move as pieces of one joint.
-fn with_bodies(film: &Film) -> Film {
+/// Encodes all frames as PNG: the positions and, where there are any, the normals.
+fn encode(
+    film: &Film,
+    frames: &mut Frames,
+    description: &VertexTexture,
+    vertices: &mut FrameVertices,
+    context: &Context,
+) -> Result<Vec<Vec<u8>>, FilmError> {
+    let low = DVec3::from_array(description.low);
+    let size = DVec3::from_array(description.high) - low;
+    // All values along a side without extent are 0.
+    let scale = DVec3::select(size.cmpgt(DVec3::ZERO), 1.0 / size, DVec3::ZERO);
+    let mut images = vec![Vec::new(); 1 + usize::from(description.normals.is_some())];
+    let mut encoders = Vec::new();
+    for bytes in &mut images {
+        let png = png_writer(bytes, description.width, description.height);
+        encoders.push(png.map_err(|e| frames.write_error(e.into()))?);
+    }
+    let mut writers = Vec::new();
+    for png in &mut encoders {
+        let writer = png.stream_writer();
+        writers.push(writer.map_err(|e| frames.write_error(e.into()))?);
+    }
+    let texels = description.width * description.rows_per_frame;
+    let mut rows = Vec::with_capacity(6 * texels);
+    for frame in 0..description.frames {
+        context.report(frame as f64 / description.frames as f64)?;
+        vertices.compute(film, frames, frame)?;
+        for (k, writer) in writers.iter_mut().enumerate() {
+            rows.clear();
+            if k == 0 {
+                for &p in &vertices.positions {
+                    push_texel(&mut rows, (p - low) * scale);
+                }
+            } else {
+                for &n in &vertices.normals {
+                    push_texel(&mut rows, 0.5 * n + 0.5);
+                }
+            }
+            rows.resize(6 * texels, 0);
+            writer.write_all(&rows).map_err(|e| frames.write_error(e))?;
+        }
+    }
+    for writer in writers {
+        let done = writer.finish();
+        done.map_err(|e| frames.write_error(e.into()))?;
+    }
+    drop(encoders);
+    Ok(images)
+}
+
+/// Turns bodies that move into pieces that follow one joint.
+fn with_bodies_as_pieces(film: &Film) -> Film {
     let mut film = film.clone();
-    for (node, joint) in std::mem::take(&mut film.bodies) {
-        film.pieces.push(Skinned {
+    for RigidBody { node, joint } in std::mem::take(&mut film.bodies) {
+        film.pieces.push(SkinnedMesh {
             binding: Binding::rigid(node.mesh.positions.len(), joint),
             mesh: node.mesh.transformed(&node.transform),
             name: node.name,
-            ..Skinned::default()
+            ..SkinnedMesh::default()
         });
     }
     film
 }
 
-/// Sizes and names, without the box.
-fn layout(film: &Film, reel: &Reel, stem: &str, width: usize) -> Result<VertexTexture, FilmError> {
+/// Sizes and names, without the bounding box.
+fn describe(
+    film: &Film,
+    frames: &Frames,
+    stem: &str,
+    width: usize,
+) -> Result<VertexTexture, FilmError> {
     let mut pieces = Vec::with_capacity(film.pieces.len());
     let mut vertices = 0;
     for piece in &film.pieces {
@@ -181,25 +214,25 @@ fn layout(film: &Film, reel: &Reel, stem: &str, width: usize) -> Result<VertexTe
         });
         vertices += piece.mesh.positions.len();
     }
-    let file: InFile = reel.file();
+    let file: InFile = frames.file();
     if vertices == 0 {
         return Err(file
             .unwritable("no vertex moves", "at least one piece")
             .into());
     }
-    let width = vertices.min(width.clamp(1, LARGEST_TEXTURE));
+    let width = vertices.min(width.clamp(1, MAX_TEXTURE_SIZE));
     let rows_per_frame = vertices.div_ceil(width);
-    let height = rows_per_frame * reel.frames();
-    if height > LARGEST_TEXTURE {
+    let height = rows_per_frame * frames.count();
+    if height > MAX_TEXTURE_SIZE {
         let found = format!(
             "{vertices} vertices in {} frames make {width} × {height} pixels",
-            reel.frames()
+            frames.count()
         );
         let right =
-            format!("at most {LARGEST_TEXTURE} rows: fewer frames, fewer vertices or wider rows");
+            format!("at most {MAX_TEXTURE_SIZE} rows: fewer frames, fewer vertices, or wider rows");
         return Err(file.unwritable(found, right).into());
     }
-    let has_normals = |p: &Skinned| {
+    let has_normals = |p: &SkinnedMesh| {
         p.mesh
             .attributes
             .get("NORMAL")
@@ -214,47 +247,50 @@ fn layout(film: &Film, reel: &Reel, stem: &str, width: usize) -> Result<VertexTe
         height,
         rows_per_frame,
         vertices,
-        frames: reel.frames(),
+        frames: frames.count(),
         frames_per_second: film.frames_per_second,
-        times: reel.times.clone(),
+        times: frames.times.clone(),
         low: [0.0; 3],
         high: [0.0; 3],
         pieces,
     })
 }
 
-/// All vertices of a frame.
+/// The vertices of all pieces in a frame.
 #[derive(Default)]
-struct Placed {
+struct FrameVertices {
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
     maps: Vec<DAffine3>,
+    /// Working memory for one piece.
     piece: Vec<DVec3>,
 }
 
-impl Placed {
-    fn at(&mut self, film: &Film, reel: &mut Reel, frame: usize) -> Result<(), FilmError> {
-        film.maps(reel.at(frame)?, &mut self.maps);
+impl FrameVertices {
+    /// Computes the vertices in a frame.
+    fn compute(&mut self, film: &Film, frames: &mut Frames, frame: usize) -> Result<(), FilmError> {
+        film.joint_maps(frames.poses(frame)?, &mut self.maps);
         self.positions.clear();
         self.normals.clear();
         for piece in 0..film.pieces.len() {
-            film.place_piece_at(frame, piece, &self.maps, &mut self.piece);
+            film.deform_positions_at(frame, piece, &self.maps, &mut self.piece);
             self.positions.extend(&self.piece);
-            film.place_normals_at(frame, piece, &self.maps, &mut self.piece);
+            film.deform_normals_at(frame, piece, &self.maps, &mut self.piece);
             self.normals.extend(&self.piece);
         }
         Ok(())
     }
 }
 
-/// Three shares as 16 bits each, the high byte first, as PNG has them.
-fn put(row: &mut Vec<u8>, shares: DVec3) {
-    let levels = (shares.clamp(DVec3::ZERO, DVec3::ONE) * LEVELS).round();
+/// Appends three fractions as 16 bits each, the high byte first, as in PNG.
+fn push_texel(row: &mut Vec<u8>, fractions: DVec3) {
+    let levels = (fractions.clamp(DVec3::ZERO, DVec3::ONE) * MAX_LEVEL).round();
     for level in levels.to_array() {
         row.extend((level as u16).to_be_bytes());
     }
 }
 
+/// Starts a PNG file with 16 bits per channel.
 fn png_writer(
     bytes: &mut Vec<u8>,
     width: usize,
@@ -264,33 +300,40 @@ fn png_writer(
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Sixteen);
     encoder.set_compression(png::Compression::Fast);
-    // Numbers, not colours: nobody may bend them by a curve.
+    // The values are numbers, not colours: no transfer curve applies.
     encoder.set_source_gamma(png::ScaledFloat::new(1.0));
     encoder.write_header()
 }
 
-/// The pieces at rest, each vertex with its texel of the first frame, and bodies that stand still.
-fn at_rest(film: &Film, about: &VertexTexture) -> Scene {
+/// The pieces at rest, each vertex with its texel of the first frame, and the bodies that do not move.
+fn at_rest(film: &Film, description: &VertexTexture) -> Scene {
     let texel = |vertex: usize| {
-        let (row, column) = (vertex / about.width, vertex % about.width);
+        let (row, column) = (vertex / description.width, vertex % description.width);
         let middle = |at: usize, of: usize| ((at as f64 + 0.5) / of as f64) as f32;
-        [middle(column, about.width), middle(row, about.height)]
+        [
+            middle(column, description.width),
+            middle(row, description.height),
+        ]
     };
-    let nodes = film.pieces.iter().zip(&about.pieces).map(|(piece, its)| {
-        let mut mesh = piece.mesh.clone();
-        let all = its.first_vertex..its.first_vertex + its.vertices;
-        let attribute = Attribute {
-            width: 2,
-            data: all.flat_map(texel).collect(),
-        };
-        mesh.attributes.insert("TEXCOORD_1".into(), attribute);
-        Node {
-            name: piece.name.clone(),
-            transform: DAffine3::IDENTITY,
-            mesh: Arc::new(mesh),
-            parent: None,
-        }
-    });
+    let nodes = film
+        .pieces
+        .iter()
+        .zip(&description.pieces)
+        .map(|(piece, range)| {
+            let mut mesh = piece.mesh.clone();
+            let all = range.first_vertex..range.first_vertex + range.vertices;
+            let attribute = Attribute {
+                width: 2,
+                data: all.flat_map(texel).collect(),
+            };
+            mesh.attributes.insert("TEXCOORD_1".into(), attribute);
+            Node {
+                name: piece.name.clone(),
+                transform: DAffine3::IDENTITY,
+                mesh: Arc::new(mesh),
+                parent: None,
+            }
+        });
     Scene {
         nodes: nodes.chain(film.fixed.iter().cloned()).collect(),
         materials: film.materials.clone(),

@@ -1,21 +1,20 @@
-//! Buffers, buffer views and accessors (§3.6): from indices in the JSON to numbers.
+//! Reading buffers, buffer views and accessors (§3.6).
 
 use super::schema::{Accessor, Compressed, Document, SparsePart};
 use super::{container, meshopt};
-use crate::Resolve;
+use crate::companions::Resolve;
 use crate::error::{FormatError, InFile};
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
-/// Elements an accessor without any data of its own (all zeros by §3.6.2.3) may claim, as no bytes back it.
-const MOST_UNBACKED: usize = 1 << 20;
+/// Most elements of an accessor without a buffer view, which is all zeros by §3.6.2.3: no bytes in the file bound them.
+const MAX_ZERO_ELEMENTS: usize = 1 << 20;
 
-/// Bytes that decompression and copies may make of a file altogether: references are short and could each stand for
-/// the whole file.
-const MOST_COPIED: usize = 1 << 31;
+/// Most bytes that decompression and copying may produce: references are short, and each could stand for the whole file.
+const MAX_UNPACKED_SIZE: usize = 1 << 31;
 
-/// The document with its data, fetched and decompressed when asked for.
-pub struct Source<'a> {
+/// The document with its data, which are fetched and decompressed on demand.
+pub(super) struct Source<'a> {
     pub file: InFile<'a>,
     pub document: &'a Document,
     binary: Option<&'a [u8]>,
@@ -25,7 +24,7 @@ pub struct Source<'a> {
     copied: Cell<usize>,
 }
 
-/// Component types by their codes (§3.6.2.2).
+/// Component types (§3.6.2.2).
 #[derive(Clone, Copy, PartialEq)]
 enum Component {
     I8,
@@ -37,7 +36,7 @@ enum Component {
 }
 
 impl Component {
-    fn of(code: u32) -> Option<Component> {
+    fn from_code(code: u32) -> Option<Component> {
         Some(match code {
             5120 => Component::I8,
             5121 => Component::U8,
@@ -58,7 +57,7 @@ impl Component {
     }
 }
 
-/// Where an accessor's elements lie.
+/// The elements of an accessor in a buffer view.
 struct Layout<'b> {
     bytes: &'b [u8],
     stride: usize,
@@ -66,8 +65,19 @@ struct Layout<'b> {
     width: usize,
 }
 
+/// The number and size of elements.
+#[derive(Clone, Copy)]
+struct Shape {
+    count: usize,
+    /// Components of an element.
+    width: usize,
+    /// Bytes of a component.
+    size: usize,
+}
+
 impl Layout<'_> {
-    fn each<const N: usize, T>(&self, out: &mut Vec<T>, convert: impl Fn([u8; N]) -> T) {
+    /// Converts all components of all elements.
+    fn convert<const N: usize, T>(&self, out: &mut Vec<T>, convert: impl Fn([u8; N]) -> T) {
         out.reserve(self.count * self.width);
         for element in self.bytes.chunks(self.stride.max(1)).take(self.count) {
             for raw in element.as_chunks::<N>().0.iter().take(self.width) {
@@ -99,26 +109,28 @@ impl<'a> Source<'a> {
         }
     }
 
-    fn missing(&self, what: &str, index: usize, count: usize) -> FormatError {
+    /// The error for a reference to an entry that does not exist.
+    fn missing(&self, list: &str, index: usize, count: usize) -> FormatError {
         self.file.malformed(
-            format!("{what}[{index}]"),
-            "a reference to it, but it does not exist",
+            format!("{list}[{index}]"),
+            "it is referred to, but does not exist",
             format!("a number below {count}"),
         )
     }
 
-    /// Counts bytes that are about to be made from a reference, and refuses to make too many.
+    /// Counts bytes that are about to be produced from a reference, and refuses too many.
     pub fn charge(&self, bytes: usize, place: &str) -> Result<(), FormatError> {
         let total = self.copied.get().saturating_add(bytes);
         self.copied.set(total);
-        if total <= MOST_COPIED {
+        if total <= MAX_UNPACKED_SIZE {
             return Ok(());
         }
         let found = format!("{total} bytes unpacked so far");
-        let right = format!("{MOST_COPIED} at most");
+        let right = format!("{MAX_UNPACKED_SIZE} at most");
         Err(self.file.malformed(place, found, right))
     }
 
+    /// The bytes of a buffer.
     fn buffer(&self, index: usize) -> Result<&[u8], FormatError> {
         let count = self.buffers.len();
         let cell = self
@@ -133,7 +145,7 @@ impl<'a> Source<'a> {
         let bytes: Cow<'a, [u8]> = match (&buffer.uri, self.binary) {
             (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
             (None, _) => {
-                let found = "neither a uri nor a binary chunk";
+                let found = "it has neither a uri nor a binary chunk";
                 return Err(self
                     .file
                     .malformed(place, found, "a uri, or a GLB's first buffer"));
@@ -148,6 +160,7 @@ impl<'a> Source<'a> {
         Ok(cell.get_or_init(|| bytes))
     }
 
+    /// Reads a buffer from its URI.
     fn fetch(&self, uri: &str, place: &str) -> Result<Vec<u8>, FormatError> {
         match container::data_uri(uri) {
             Some(Ok((_, bytes))) => Ok(bytes),
@@ -163,6 +176,7 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// A range of bytes.
     fn range<'b>(
         &self,
         bytes: &'b [u8],
@@ -173,7 +187,7 @@ impl<'a> Source<'a> {
         let end = offset.checked_add(length).filter(|&end| end <= bytes.len());
         end.map(|end| &bytes[offset..end]).ok_or_else(|| {
             let found = format!("bytes {offset} to {offset}+{length}");
-            let right = format!("a range in the {} bytes there are", bytes.len());
+            let right = format!("a range within {} bytes", bytes.len());
             self.file.malformed(place, found, right)
         })
     }
@@ -197,12 +211,8 @@ impl<'a> Source<'a> {
             return Ok((bytes, view.byte_stride));
         }
         let wrong = |found: &str, right: &str| self.file.malformed(&place, found, right);
-        let compressed: Compressed = serde_json::from_value(extension.clone()).map_err(|e| {
-            wrong(
-                &e.to_string(),
-                "meshopt compression as its extension has it",
-            )
-        })?;
+        let compressed: Compressed = serde_json::from_value(extension.clone())
+            .map_err(|e| wrong(&e.to_string(), "the properties of the meshopt extension"))?;
         let bytes = self.range(
             self.buffer(compressed.buffer)?,
             compressed.byte_offset,
@@ -212,11 +222,12 @@ impl<'a> Source<'a> {
         let size = compressed.count.saturating_mul(compressed.byte_stride);
         self.charge(size, &place)?;
         let decoded = meshopt::decode(bytes, &compressed)
-            .map_err(|found| wrong(found, "a sound meshopt stream"))?;
+            .map_err(|found| wrong(found, "a valid meshopt stream"))?;
         let decoded = self.decoded[index].get_or_init(|| decoded);
         Ok((decoded, view.byte_stride.or(Some(compressed.byte_stride))))
     }
 
+    /// An entry of the list of accessors.
     fn accessor(&self, index: usize) -> Result<&'a Accessor, FormatError> {
         let accessors = &self.document.accessors;
         accessors
@@ -225,20 +236,22 @@ impl<'a> Source<'a> {
     }
 
     fn component(&self, code: u32, place: &str) -> Result<Component, FormatError> {
-        Component::of(code).ok_or_else(|| {
+        Component::from_code(code).ok_or_else(|| {
             let found = format!("component type {code}");
             self.file
                 .malformed(place, found, "5120, 5121, 5122, 5123, 5125 or 5126")
         })
     }
 
+    /// The elements that start at `offset` of a buffer view.
     fn layout(
         &self,
         view: usize,
         offset: usize,
-        (count, width, size): (usize, usize, usize),
+        shape: Shape,
         place: &str,
     ) -> Result<Layout<'_>, FormatError> {
+        let Shape { count, width, size } = shape;
         let (bytes, stride) = self.view(view)?;
         let element = width * size;
         let stride = stride.unwrap_or(element);
@@ -249,7 +262,7 @@ impl<'a> Source<'a> {
                 .malformed(place, format!("a stride of {stride} bytes"), right));
         }
         let bytes = bytes.get(offset..).unwrap_or_default();
-        // The last element may end before its stride does.
+        // The last element need not fill its stride.
         let possible = if bytes.len() < element {
             0
         } else {
@@ -272,8 +285,8 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// How many elements an accessor claims and how wide they are, without looking at its data.
-    fn shape(&self, accessor: &Accessor, place: &str) -> Result<usize, FormatError> {
+    /// The number of components of an element.
+    fn width(&self, accessor: &Accessor, place: &str) -> Result<usize, FormatError> {
         match accessor.shape.as_str() {
             "SCALAR" => Ok(1),
             "VEC2" => Ok(2),
@@ -291,50 +304,43 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The accessor's numbers and how many of them make an element; integers that are `normalized` become fractions
-    /// (§3.11).
+    /// Reads an accessor as numbers. Returns the number of components of an element and all components; `normalized`
+    /// integers become fractions (§3.11).
     pub fn numbers(&self, index: usize) -> Result<(usize, Vec<f32>), FormatError> {
         let accessor = self.accessor(index)?;
         let place = format!("accessors[{index}]");
-        let width = self.shape(accessor, &place)?;
+        let width = self.width(accessor, &place)?;
         let component = self.component(accessor.component_type, &place)?;
-        let mut out = Vec::new();
         let read = |layout: Layout, out: &mut Vec<f32>| {
             let scaled = accessor.normalized;
             match component {
-                Component::F32 => layout.each(out, f32::from_le_bytes),
+                Component::F32 => layout.convert(out, f32::from_le_bytes),
                 Component::I8 if scaled => {
-                    layout.each(out, |b| (f32::from(i8::from_le_bytes(b)) / 127.0).max(-1.0));
+                    layout.convert(out, |b| (f32::from(i8::from_le_bytes(b)) / 127.0).max(-1.0));
                 }
                 Component::U8 if scaled => {
-                    layout.each(out, |b| f32::from(u8::from_le_bytes(b)) / 255.0);
+                    layout.convert(out, |b| f32::from(u8::from_le_bytes(b)) / 255.0);
                 }
                 Component::I16 if scaled => {
-                    layout.each(out, |b| {
+                    layout.convert(out, |b| {
                         (f32::from(i16::from_le_bytes(b)) / 32767.0).max(-1.0)
                     });
                 }
                 Component::U16 if scaled => {
-                    layout.each(out, |b| f32::from(u16::from_le_bytes(b)) / 65535.0);
+                    layout.convert(out, |b| f32::from(u16::from_le_bytes(b)) / 65535.0);
                 }
-                Component::I8 => layout.each(out, |b| f32::from(i8::from_le_bytes(b))),
-                Component::U8 => layout.each(out, |b| f32::from(u8::from_le_bytes(b))),
-                Component::I16 => layout.each(out, |b| f32::from(i16::from_le_bytes(b))),
-                Component::U16 => layout.each(out, |b| f32::from(u16::from_le_bytes(b))),
-                Component::U32 => layout.each(out, |b| u32::from_le_bytes(b) as f32),
+                Component::I8 => layout.convert(out, |b| f32::from(i8::from_le_bytes(b))),
+                Component::U8 => layout.convert(out, |b| f32::from(u8::from_le_bytes(b))),
+                Component::I16 => layout.convert(out, |b| f32::from(i16::from_le_bytes(b))),
+                Component::U16 => layout.convert(out, |b| f32::from(u16::from_le_bytes(b))),
+                Component::U32 => layout.convert(out, |b| u32::from_le_bytes(b) as f32),
             }
         };
-        self.fill(
-            accessor,
-            (width, component.size(), 0.0),
-            &place,
-            read,
-            &mut out,
-        )?;
-        Ok((width, out))
+        let numbers = self.fill(accessor, width, component.size(), &place, read)?;
+        Ok((width, numbers))
     }
 
-    /// The accessor's whole numbers: vertex indices.
+    /// Reads an accessor as unsigned integers: vertex indices.
     pub fn integers(&self, index: usize) -> Result<Vec<u32>, FormatError> {
         let accessor = self.accessor(index)?;
         let place = format!("accessors[{index}]");
@@ -349,44 +355,54 @@ impl<'a> Source<'a> {
                 .file
                 .malformed(place, found, "SCALAR and 5121, 5123 or 5125"));
         }
-        let mut out = Vec::new();
         let read = |layout: Layout, out: &mut Vec<u32>| read_unsigned(&layout, component, out);
-        self.fill(accessor, (1, component.size(), 0), &place, read, &mut out)?;
-        Ok(out)
+        self.fill(accessor, 1, component.size(), &place, read)
     }
 
-    /// Reads the elements through `read`, then puts the sparse ones in their places.
-    fn fill<T: Copy>(
+    /// Reads the elements through `read`, then replaces those that are stored sparsely.
+    fn fill<T: Copy + Default>(
         &self,
         accessor: &Accessor,
-        (width, size, zero): (usize, usize, T),
+        width: usize,
+        size: usize,
         place: &str,
         read: impl Fn(Layout, &mut Vec<T>),
-        out: &mut Vec<T>,
-    ) -> Result<(), FormatError> {
+    ) -> Result<Vec<T>, FormatError> {
+        let mut out = Vec::new();
         match accessor.buffer_view {
             Some(view) => {
-                let shape = (accessor.count, width, size);
-                read(self.layout(view, accessor.byte_offset, shape, place)?, out);
+                let shape = Shape {
+                    count: accessor.count,
+                    width,
+                    size,
+                };
+                read(
+                    self.layout(view, accessor.byte_offset, shape, place)?,
+                    &mut out,
+                );
             }
             None => {
-                if accessor.count > MOST_UNBACKED {
+                if accessor.count > MAX_ZERO_ELEMENTS {
                     return Err(FormatError::CountTooLarge {
                         file: self.file.0.to_owned(),
                         element: format!("{place}, which has no bufferView,"),
                         claimed: accessor.count as u64,
-                        possible: MOST_UNBACKED as u64,
+                        possible: MAX_ZERO_ELEMENTS as u64,
                         available: 0,
                     });
                 }
-                out.resize(accessor.count * width, zero);
+                out.resize(accessor.count * width, T::default());
             }
         }
         let Some(sparse) = &accessor.sparse else {
-            return Ok(());
+            return Ok(out);
         };
         let part = |part: &SparsePart, width: usize, size: usize| {
-            let shape = (sparse.count, width, size);
+            let shape = Shape {
+                count: sparse.count,
+                width,
+                size,
+            };
             self.layout(
                 part.buffer_view,
                 part.byte_offset,
@@ -415,14 +431,15 @@ impl<'a> Source<'a> {
             }
             out[at * width..][..width].copy_from_slice(value);
         }
-        Ok(())
+        Ok(out)
     }
 }
 
+/// Reads unsigned integers of any size.
 fn read_unsigned(layout: &Layout, component: Component, out: &mut Vec<u32>) {
     match component {
-        Component::U8 | Component::I8 => layout.each(out, |b: [u8; 1]| b[0].into()),
-        Component::U16 | Component::I16 => layout.each(out, |b| u16::from_le_bytes(b).into()),
-        Component::U32 | Component::F32 => layout.each(out, u32::from_le_bytes),
+        Component::U8 | Component::I8 => layout.convert(out, |b: [u8; 1]| b[0].into()),
+        Component::U16 | Component::I16 => layout.convert(out, |b| u16::from_le_bytes(b).into()),
+        Component::U32 | Component::F32 => layout.convert(out, u32::from_le_bytes),
     }
 }

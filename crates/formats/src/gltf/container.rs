@@ -1,12 +1,12 @@
-//! GLB chunks (§4), data URIs and the escapes of URIs.
+//! GLB chunks (§4), data URIs, and percent-encoding.
 
 use crate::error::{FormatError, InFile};
 
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
 
-/// The JSON and, in a GLB, the binary chunk.
-pub fn split<'a>(
+/// Splits a file into its JSON and, for a GLB, the binary chunk.
+pub(super) fn split<'a>(
     bytes: &'a [u8],
     file: InFile,
 ) -> Result<(&'a [u8], Option<&'a [u8]>), FormatError> {
@@ -19,7 +19,7 @@ pub fn split<'a>(
             .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
     };
     let short = || {
-        let found = format!("{} bytes in all", bytes.len());
+        let found = format!("{} bytes in total", bytes.len());
         file.truncated("GLB header", found, "12 bytes and a JSON chunk")
     };
     let version = word(4).ok_or_else(short)?;
@@ -29,7 +29,7 @@ pub fn split<'a>(
     let total = word(8).ok_or_else(short)? as usize;
     if total > bytes.len() {
         let found = format!("{} bytes of {total}", bytes.len());
-        return Err(file.truncated("GLB header", found, "the whole file"));
+        return Err(file.truncated("GLB header", found, "the complete file"));
     }
     let mut at = 12;
     let (mut json, mut binary) = (None, None);
@@ -43,7 +43,7 @@ pub fn split<'a>(
             file.truncated(
                 format!("GLB chunk at byte {}", at - 8),
                 found,
-                "the whole chunk",
+                "the complete chunk",
             )
         })?;
         match kind {
@@ -56,8 +56,9 @@ pub fn split<'a>(
     Ok((json.ok_or_else(short)?, binary))
 }
 
-/// Media type and content of a `data:` URI; `None` for other URIs, an error text for broken ones.
-pub fn data_uri(uri: &str) -> Option<Result<(String, Vec<u8>), &'static str>> {
+/// Decodes a `data:` URI into its media type and content. Returns `None` for other URIs, and a description of the fault of
+/// invalid ones.
+pub(super) fn data_uri(uri: &str) -> Option<Result<(String, Vec<u8>), &'static str>> {
     let rest = uri.strip_prefix("data:")?;
     let Some((head, data)) = rest.split_once(',') else {
         return Some(Err("a data URI without a comma"));
@@ -72,11 +73,11 @@ pub fn data_uri(uri: &str) -> Option<Result<(String, Vec<u8>), &'static str>> {
     )
 }
 
-/// Base64 after RFC 4648 §4.
+/// Decodes base64 (RFC 4648 §4).
 fn base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=');
     let mut bytes = Vec::with_capacity(text.len() * 3 / 4);
-    let (mut bits, mut held) = (0_u32, 0);
+    let (mut bits, mut count) = (0_u32, 0);
     for c in text.bytes() {
         let value = match c {
             b'A'..=b'Z' => c - b'A',
@@ -87,21 +88,22 @@ fn base64(text: &str) -> Option<Vec<u8>> {
             _ => return None,
         };
         bits = bits << 6 | u32::from(value);
-        held += 6;
-        if held >= 8 {
-            held -= 8;
-            bytes.push((bits >> held) as u8);
+        count += 6;
+        if count >= 8 {
+            count -= 8;
+            bytes.push((bits >> count) as u8);
         }
     }
     Some(bytes)
 }
 
+/// The value of a hexadecimal digit.
 fn hex(c: Option<&u8>) -> Option<u8> {
     char::from(*c?).to_digit(16).map(|d| d as u8)
 }
 
-/// Resolves `%20` and the like.
-pub fn unescape(uri: &str) -> Vec<u8> {
+/// Decodes percent-encoding (`%20`).
+pub(super) fn unescape(uri: &str) -> Vec<u8> {
     let raw = uri.as_bytes();
     let mut bytes = Vec::with_capacity(raw.len());
     let mut at = 0;
@@ -120,8 +122,8 @@ pub fn unescape(uri: &str) -> Vec<u8> {
     bytes
 }
 
-/// A path as a URI: what a URI cannot hold is escaped, what is escaped already stays.
-pub fn escape(path: &str) -> String {
+/// Percent-encodes a path as a URI. What is encoded already stays.
+pub(super) fn escape(path: &str) -> String {
     let mut uri = String::with_capacity(path.len());
     let raw = path.as_bytes();
     for (at, &c) in raw.iter().enumerate() {
@@ -137,16 +139,20 @@ pub fn escape(path: &str) -> String {
     uri
 }
 
-/// JSON and binary as one GLB.
-pub fn join(json: Vec<u8>, mut binary: Vec<u8>, file: InFile) -> Result<Vec<u8>, FormatError> {
+/// Joins JSON and binary data into a GLB.
+pub(super) fn join(
+    json: Vec<u8>,
+    mut binary: Vec<u8>,
+    file: InFile,
+) -> Result<Vec<u8>, FormatError> {
     binary.resize(binary.len().next_multiple_of(4), 0);
     let mut bytes = head(json, binary.len(), file)?;
     bytes.append(&mut binary);
     Ok(bytes)
 }
 
-/// What stands in a GLB before a binary of so many bytes, a multiple of 4.
-pub fn head(mut json: Vec<u8>, binary: usize, file: InFile) -> Result<Vec<u8>, FormatError> {
+/// The part of a GLB before `binary` bytes of binary data, a multiple of 4.
+pub(super) fn head(mut json: Vec<u8>, binary: usize, file: InFile) -> Result<Vec<u8>, FormatError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + json.len() + 8 + binary;
     let total32 = u32::try_from(total)

@@ -6,8 +6,8 @@ use super::schema::{Material as MaterialJson, TextureInfo, Transform};
 use crate::error::FormatError;
 use greenstick_geometry::{Image, ImageSource, Material, Scene, Texture, TextureReference};
 
-/// Reads all of them, in the order of the file.
-pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
+/// Reads materials, textures, samplers and images, in the order of the file.
+pub(super) fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
     let document = source.document;
     for (index, image) in document.images.iter().enumerate() {
         let mut mime_type = image.mime_type.clone().unwrap_or_default();
@@ -66,9 +66,11 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
         let sampler = match texture.sampler.map(|s| document.samplers.get(s)) {
             Some(None) => {
                 let right = format!("a number below {}", document.samplers.len());
-                return Err(source
-                    .file
-                    .malformed(place(), "a sampler that does not exist", right));
+                return Err(source.file.malformed(
+                    place(),
+                    "it refers to a sampler that does not exist",
+                    right,
+                ));
             }
             Some(Some(s)) => [s.mag_filter, s.min_filter, s.wrap_s, s.wrap_t],
             None => [None; 4],
@@ -86,12 +88,13 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
     Ok(())
 }
 
+/// Reads one material.
 fn read_material(
     source: &Source,
     json: &MaterialJson,
     index: usize,
 ) -> Result<Material, FormatError> {
-    let use_of = |info: &Option<TextureInfo>| -> Result<Option<TextureReference>, FormatError> {
+    let reference = |info: &Option<TextureInfo>| -> Result<Option<TextureReference>, FormatError> {
         let Some(info) = info else { return Ok(None) };
         let textures = source.document.textures.len();
         if info.index >= textures {
@@ -139,11 +142,11 @@ fn read_material(
         metallic: surface.metallic_factor.unwrap_or(1.0),
         roughness: surface.roughness_factor.unwrap_or(1.0),
         emissive: json.emissive_factor,
-        base_color_texture: use_of(&surface.base_color_texture)?,
-        metallic_roughness_texture: use_of(&surface.metallic_roughness_texture)?,
-        normal_texture: use_of(&json.normal_texture)?,
-        occlusion_texture: use_of(&json.occlusion_texture)?,
-        emissive_texture: use_of(&json.emissive_texture)?,
+        base_color_texture: reference(&surface.base_color_texture)?,
+        metallic_roughness_texture: reference(&surface.metallic_roughness_texture)?,
+        normal_texture: reference(&json.normal_texture)?,
+        occlusion_texture: reference(&json.occlusion_texture)?,
+        emissive_texture: reference(&json.emissive_texture)?,
         double_sided: json.double_sided,
         alpha_mode: json
             .alpha_mode

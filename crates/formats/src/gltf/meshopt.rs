@@ -1,12 +1,13 @@
-//! Decoding of meshopt-compressed buffer views, written from Appendix A of the glTF extensions
-//! `EXT_meshopt_compression` (ratified) and `KHR_meshopt_compression`, which adds version 1 of the attribute stream.
+//! Decoder of meshopt-compressed buffer views, after Appendix A of the glTF extensions `EXT_meshopt_compression`
+//! (ratified) and `KHR_meshopt_compression`, which adds version 1 of the attribute stream.
 
-use super::meshopt_filter::{Filter, apply};
+use super::meshopt_filter::{Filter, undo};
 use super::schema::Compressed;
 
-/// Decodes a compressed view to `count · byteStride` bytes; the error is what is wrong with the stream.
-pub fn decode(bytes: &[u8], view: &Compressed) -> Result<Vec<u8>, &'static str> {
-    let filter = Filter::named(view.filter.as_deref().unwrap_or("NONE")).ok_or("unknown filter")?;
+/// Decodes a compressed view to `count · byteStride` bytes. The error describes the fault of the stream.
+pub(super) fn decode(bytes: &[u8], view: &Compressed) -> Result<Vec<u8>, &'static str> {
+    let filter =
+        Filter::from_name(view.filter.as_deref().unwrap_or("NONE")).ok_or("unknown filter")?;
     let stride = view.byte_stride;
     let indices = view.mode != "ATTRIBUTES";
     if indices && !(matches!(stride, 2 | 4) && filter == Filter::None) {
@@ -14,12 +15,12 @@ pub fn decode(bytes: &[u8], view: &Compressed) -> Result<Vec<u8>, &'static str> 
     }
     let values = match view.mode.as_str() {
         "ATTRIBUTES" => {
-            let mut data = attributes(bytes, view.count, stride)?;
-            apply(filter, &mut data, stride)?;
+            let mut data = decode_attributes(bytes, view.count, stride)?;
+            undo(filter, &mut data, stride)?;
             return Ok(data);
         }
-        "TRIANGLES" => triangles(bytes, view.count)?,
-        "INDICES" => sequence(bytes, view.count)?,
+        "TRIANGLES" => decode_triangles(bytes, view.count)?,
+        "INDICES" => decode_indices(bytes, view.count)?,
         _ => return Err("unknown mode"),
     };
     Ok(match stride {
@@ -31,24 +32,26 @@ pub fn decode(bytes: &[u8], view: &Compressed) -> Result<Vec<u8>, &'static str> 
     })
 }
 
-/// The stream that is left, read from the front.
+/// The rest of a stream, read from the front.
 struct Stream<'a>(&'a [u8]);
 
 const ENDS_EARLY: &str = "a stream that ends too early";
 
 impl<'a> Stream<'a> {
+    /// Reads `n` bytes.
     fn take(&mut self, n: usize) -> Result<&'a [u8], &'static str> {
         let (head, rest) = self.0.split_at_checked(n).ok_or(ENDS_EARLY)?;
         self.0 = rest;
         Ok(head)
     }
 
+    /// Reads one byte.
     fn byte(&mut self) -> Result<u8, &'static str> {
         Ok(self.take(1)?[0])
     }
 
-    /// A variable-length number of 1 to 5 bytes, 7 bits in each, lowest first.
-    fn number(&mut self) -> Result<u32, &'static str> {
+    /// Reads a variable-length integer of 1 to 5 bytes with 7 bits each, least significant first.
+    fn varint(&mut self) -> Result<u32, &'static str> {
         let mut value = 0;
         for shift in (0..35).step_by(7) {
             let byte = self.byte()?;
@@ -61,29 +64,29 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// Undoes the zigzag code: even numbers are positive, odd ones negative.
+/// Decodes the zigzag code: even numbers are positive, odd ones negative.
 fn unzigzag(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
-/// Elements of a block go in groups of so many.
-const GROUP: usize = 16;
-/// A block never holds more elements than this.
-const MOST_BLOCK_ELEMENTS: usize = 256;
+/// Elements of a group.
+const GROUP_SIZE: usize = 16;
+/// Most elements of a block.
+const MAX_BLOCK_ELEMENTS: usize = 256;
 
-/// Mode 0: bytes of consecutive elements as differences, byte position by byte position.
-fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
+/// Decodes mode 0: differences between the bytes of consecutive elements, one byte position after another.
+fn decode_attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
     if stride == 0 || stride > 256 || !stride.is_multiple_of(4) {
-        return Err("a stride that is no multiple of 4 up to 256");
+        return Err("a stride that is not a multiple of 4 up to 256");
     }
     let mut stream = Stream(bytes);
-    let versioned = match stream.byte()? {
+    let is_version_1 = match stream.byte()? {
         0xa0 => false,
         0xa1 => true,
         _ => return Err("an attribute stream of an unknown version"),
     };
-    let tail_size = stride + if versioned { stride / 4 } else { 0 };
-    let padded = tail_size.max(if versioned { 24 } else { 32 });
+    let tail_size = stride + if is_version_1 { stride / 4 } else { 0 };
+    let padded = tail_size.max(if is_version_1 { 24 } else { 32 });
     let body = stream.0.len().checked_sub(padded).ok_or(ENDS_EARLY)?;
     let tail = &stream.0[stream.0.len() - tail_size..];
     stream.0 = &stream.0[..body];
@@ -94,9 +97,9 @@ fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'st
     {
         return Err("an unknown channel mode");
     }
-    let block = (8192 / stride / GROUP * GROUP).min(MOST_BLOCK_ELEMENTS);
-    // Every block has header or control bytes for each byte position, which bounds what a stream can expand to.
-    let least = if versioned { stride / 4 } else { stride };
+    let block = (8192 / stride / GROUP_SIZE * GROUP_SIZE).min(MAX_BLOCK_ELEMENTS);
+    // Every block has header or control bytes for each byte position, which bounds the size of the output.
+    let least = if is_version_1 { stride / 4 } else { stride };
     if count
         .div_ceil(block)
         .checked_mul(least)
@@ -107,20 +110,20 @@ fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'st
     let mut out = vec![0; count * stride];
     let mut last: [u8; 256] = [0; 256];
     last[..stride].copy_from_slice(baseline);
-    let mut deltas = vec![[0_u8; MOST_BLOCK_ELEMENTS]; stride];
+    let mut deltas = vec![[0_u8; MAX_BLOCK_ELEMENTS]; stride];
     for part in out.chunks_mut(block * stride) {
         let elements = part.len() / stride;
-        let control = if versioned {
+        let control = if is_version_1 {
             stream.take(stride / 4)?
         } else {
             &[]
         };
         for (k, row) in deltas.iter_mut().enumerate() {
             let mode = control.get(k / 4).map(|c| c >> (2 * (k % 4)) & 3);
-            data_block(
+            decode_block(
                 &mut stream,
                 mode,
-                &mut row[..elements.next_multiple_of(GROUP)],
+                &mut row[..elements.next_multiple_of(GROUP_SIZE)],
                 elements,
             )?;
         }
@@ -147,7 +150,7 @@ fn attributes(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'st
     }
 }
 
-/// Four bytes of the previous element and their differences, by the mode of the channel.
+/// Adds differences to four bytes of the previous element, in the mode of the channel.
 fn add_delta(previous: [u8; 4], delta: [u8; 4], mode: u8) -> [u8; 4] {
     match mode & 15 {
         0 => std::array::from_fn(|k| previous[k].wrapping_add(unzigzag(delta[k].into()) as u8)),
@@ -168,8 +171,8 @@ fn add_delta(previous: [u8; 4], delta: [u8; 4], mode: u8) -> [u8; 4] {
     }
 }
 
-/// The differences of one byte position in one block. `mode` is the control mode of version 1.
-fn data_block(
+/// Decodes the differences of one byte position in one block. `mode` is the control mode of version 1.
+fn decode_block(
     stream: &mut Stream,
     mode: Option<u8>,
     out: &mut [u8],
@@ -188,19 +191,19 @@ fn data_block(
             return Ok(());
         }
     };
-    let header = stream.take((out.len() / GROUP).div_ceil(4))?;
-    for (g, group) in out.chunks_exact_mut(GROUP).enumerate() {
+    let header = stream.take((out.len() / GROUP_SIZE).div_ceil(4))?;
+    for (g, group) in out.chunks_exact_mut(GROUP_SIZE).enumerate() {
         let width = widths[usize::from(header[g / 4] >> (2 * (g % 4)) & 3)];
         match width {
             0 => group.fill(0),
-            8 => group.copy_from_slice(stream.take(GROUP)?),
+            8 => group.copy_from_slice(stream.take(GROUP_SIZE)?),
             _ => {
-                let packed = stream.take(GROUP * width as usize / 8)?;
+                let packed = stream.take(GROUP_SIZE * width as usize / 8)?;
                 let sentinel = (1 << width) - 1;
                 for (i, delta) in group.iter_mut().enumerate() {
                     let bit = i as u32 * width;
                     let byte = packed[bit as usize / 8];
-                    // Single bits run from the lowest, wider ones from the highest.
+                    // Single bits start at the least significant bit, wider fields at the most significant one.
                     let shift = if width == 1 {
                         bit % 8
                     } else {
@@ -219,7 +222,7 @@ fn data_block(
     Ok(())
 }
 
-/// The last 16 entries, newest first by index.
+/// The last 16 entries, the newest at index 0.
 struct Recent<T> {
     entries: [Option<T>; 16],
     next: usize,
@@ -244,7 +247,7 @@ impl<T: Copy> Recent<T> {
 }
 
 /// State of the triangle decoder.
-struct Triangles<'a> {
+struct TriangleDecoder<'a> {
     data: Stream<'a>,
     next: u32,
     last: u32,
@@ -252,38 +255,41 @@ struct Triangles<'a> {
     vertices: Recent<u32>,
 }
 
-impl Triangles<'_> {
-    fn fresh(&mut self) -> u32 {
+impl TriangleDecoder<'_> {
+    /// The next vertex that was not used before.
+    fn new_vertex(&mut self) -> u32 {
         let index = self.next;
         self.next = self.next.wrapping_add(1);
         index
     }
 
-    fn explicit(&mut self) -> Result<u32, &'static str> {
-        self.last = self.last.wrapping_add(unzigzag(self.data.number()?));
+    /// A vertex stored as the difference from the last one stored.
+    fn explicit_vertex(&mut self) -> Result<u32, &'static str> {
+        self.last = self.last.wrapping_add(unzigzag(self.data.varint()?));
         Ok(self.last)
     }
 
-    /// A corner by its four bits: the next vertex, a recent one, or one given in full. Says whether it is to be
-    /// remembered.
+    /// Decodes a corner from its four bits: the next vertex, a recent one, or an explicit one. Also returns whether it is
+    /// to be added to the recent vertices.
     fn corner(&mut self, code: u8) -> Result<(u32, bool), &'static str> {
         match code {
-            0 => Ok((self.fresh(), true)),
-            15 => Ok((self.explicit()?, true)),
+            0 => Ok((self.new_vertex(), true)),
+            15 => Ok((self.explicit_vertex()?, true)),
             z => Ok((self.vertices.get(usize::from(z) - 1)?, false)),
         }
     }
 
-    fn on_edge(&mut self, x: u8, y: u8) -> Result<[u32; 3], &'static str> {
+    /// Decodes a triangle that shares a recent edge.
+    fn triangle_on_edge(&mut self, x: u8, y: u8) -> Result<[u32; 3], &'static str> {
         let [a, b] = self.edges.get(usize::from(x))?;
         let (c, remember) = match y {
-            0 => (self.fresh(), true),
+            0 => (self.new_vertex(), true),
             0xd | 0xe => {
                 let step = if y == 0xd { u32::MAX } else { 1 };
                 self.last = self.last.wrapping_add(step);
                 (self.last, true)
             }
-            0xf => (self.explicit()?, true),
+            0xf => (self.explicit_vertex()?, true),
             _ => (self.vertices.get(usize::from(y))?, false),
         };
         self.edges.push([c, b]);
@@ -294,7 +300,8 @@ impl Triangles<'_> {
         Ok([a, b, c])
     }
 
-    fn alone(&mut self, y: u8, table: &[u8]) -> Result<[u32; 3], &'static str> {
+    /// Decodes a triangle that shares no recent edge.
+    fn separate_triangle(&mut self, y: u8, table: &[u8]) -> Result<[u32; 3], &'static str> {
         let pair = if y < 0xe {
             table[usize::from(y)]
         } else {
@@ -304,9 +311,9 @@ impl Triangles<'_> {
             self.next = 0;
         }
         let a = if y == 0xf {
-            self.explicit()?
+            self.explicit_vertex()?
         } else {
-            self.fresh()
+            self.new_vertex()
         };
         let (b, remember_b) = self.corner(pair >> 4)?;
         let (c, remember_c) = self.corner(pair & 15)?;
@@ -323,10 +330,10 @@ impl Triangles<'_> {
     }
 }
 
-/// Mode 1: triangles as edges they share with recent ones.
-fn triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
+/// Decodes mode 1: triangles by the edges that they share with recent ones.
+fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     if !count.is_multiple_of(3) {
-        return Err("a number of indices that is no multiple of 3");
+        return Err("a number of indices that is not a multiple of 3");
     }
     let mut stream = Stream(bytes);
     if stream.byte()? != 0xe1 {
@@ -336,9 +343,9 @@ fn triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     let table_at = stream.0.len().checked_sub(16).ok_or(ENDS_EARLY)?;
     let (data, table) = stream.0.split_at(table_at);
     if table[14..] != [0, 0] || table.iter().any(|t| t >> 4 == 15 || t & 15 == 15) {
-        return Err("a wrong table of triangle codes");
+        return Err("an invalid table of triangle codes");
     }
-    let mut state = Triangles {
+    let mut state = TriangleDecoder {
         data: Stream(data),
         next: 0,
         last: 0,
@@ -349,9 +356,9 @@ fn triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     for &code in codes {
         let (x, y) = (code >> 4, code & 15);
         let triangle = if x < 15 {
-            state.on_edge(x, y)?
+            state.triangle_on_edge(x, y)?
         } else {
-            state.alone(y, table)?
+            state.separate_triangle(y, table)?
         };
         out.extend_from_slice(&triangle);
     }
@@ -362,8 +369,8 @@ fn triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     }
 }
 
-/// Mode 2: indices as differences from one of two earlier ones.
-fn sequence(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
+/// Decodes mode 2: indices as differences from one of two earlier ones.
+fn decode_indices(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     let mut stream = Stream(bytes);
     if stream.byte()? != 0xd1 {
         return Err("an index stream of an unknown version");
@@ -376,7 +383,7 @@ fn sequence(bytes: &[u8], count: usize) -> Result<Vec<u32>, &'static str> {
     let mut last = [0_u32; 2];
     let mut out = Vec::with_capacity(count);
     for _ in 0..count {
-        let v = stream.number()?;
+        let v = stream.varint()?;
         let baseline = &mut last[(v & 1) as usize];
         *baseline = baseline.wrapping_add(unzigzag(v >> 1));
         out.push(*baseline);

@@ -1,8 +1,8 @@
-//! Filters of meshopt-compressed attributes, Appendix B of `EXT_meshopt_compression` and `KHR_meshopt_compression`.
+//! Filters of meshopt-compressed attributes, after Appendix B of `EXT_meshopt_compression` and `KHR_meshopt_compression`.
 
-/// What is undone after decompression.
+/// A filter that is undone after decompression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Filter {
+pub(super) enum Filter {
     None,
     Octahedral,
     Quaternion,
@@ -11,7 +11,7 @@ pub enum Filter {
 }
 
 impl Filter {
-    pub fn named(name: &str) -> Option<Filter> {
+    pub fn from_name(name: &str) -> Option<Filter> {
         Some(match name {
             "NONE" => Filter::None,
             "OCTAHEDRAL" => Filter::Octahedral,
@@ -23,8 +23,8 @@ impl Filter {
     }
 }
 
-/// Undoes the filter in place, on elements of `stride` bytes.
-pub fn apply(filter: Filter, data: &mut [u8], stride: usize) -> Result<(), &'static str> {
+/// Undoes a filter in place, on elements of `stride` bytes.
+pub(super) fn undo(filter: Filter, data: &mut [u8], stride: usize) -> Result<(), &'static str> {
     let (fours, _) = data.as_chunks_mut::<4>();
     match (filter, stride) {
         (Filter::None, _) => {}
@@ -40,20 +40,20 @@ pub fn apply(filter: Filter, data: &mut [u8], stride: usize) -> Result<(), &'sta
         (Filter::Color, 4) => {
             for v in fours {
                 let signed = |b: u8| i32::from(b as i8);
-                let color = [v[0].into(), signed(v[1]), signed(v[2]), v[3].into()];
-                *v = color_of(color, 255.0).map(|c| c as u8);
+                let ycocg = [v[0].into(), signed(v[1]), signed(v[2]), v[3].into()];
+                *v = color(ycocg, 255.0).map(|c| c as u8);
             }
         }
-        (Filter::Octahedral, 8) => each_word(data, |v| {
+        (Filter::Octahedral, 8) => map_words(data, |v| {
             let [x, y, z, _] = v.map(|w| f32::from(w as i16));
             let unit = octahedral(x, y, z, 32767.0).map(|c| c as i16 as u16);
             [unit[0], unit[1], unit[2], v[3]]
         }),
-        (Filter::Quaternion, 8) => each_word(data, quaternion),
-        (Filter::Color, 8) => each_word(data, |v| {
+        (Filter::Quaternion, 8) => map_words(data, quaternion),
+        (Filter::Color, 8) => map_words(data, |v| {
             let signed = |w: u16| i32::from(w as i16);
-            let color = [v[0].into(), signed(v[1]), signed(v[2]), v[3].into()];
-            color_of(color, 65535.0).map(|c| c as u16)
+            let ycocg = [v[0].into(), signed(v[1]), signed(v[2]), v[3].into()];
+            color(ycocg, 65535.0).map(|c| c as u16)
         }),
         (Filter::Exponential, _) => {
             for v in fours {
@@ -68,7 +68,8 @@ pub fn apply(filter: Filter, data: &mut [u8], stride: usize) -> Result<(), &'sta
     Ok(())
 }
 
-fn each_word(data: &mut [u8], map: impl Fn([u16; 4]) -> [u16; 4]) {
+/// Maps elements of four 16-bit words.
+fn map_words(data: &mut [u8], map: impl Fn([u16; 4]) -> [u16; 4]) {
     for v in data.as_chunks_mut::<8>().0 {
         let words = [0, 2, 4, 6].map(|k| u16::from_le_bytes([v[k], v[k + 1]]));
         for (bytes, word) in v.as_chunks_mut::<2>().0.iter_mut().zip(map(words)) {
@@ -77,16 +78,18 @@ fn each_word(data: &mut [u8], map: impl Fn([u16; 4]) -> [u16; 4]) {
     }
 }
 
+/// Decodes a unit vector from the octahedral mapping.
 fn octahedral(x: f32, y: f32, one: f32, full: f32) -> [f32; 3] {
     let (x, y) = (x / one, y / one);
     let z = 1.0 - x.abs() - y.abs();
-    // The lower hemisphere is folded over the square's corners.
+    // The lower hemisphere is folded over the corners of the square.
     let t = z.min(0.0);
     let (x, y) = (x - t.copysign(x), y - t.copysign(y));
     let length = (x * x + y * y + z * z).sqrt();
     [x, y, z].map(|c| (c / length * full).round())
 }
 
+/// Decodes a unit quaternion without its largest component.
 fn quaternion(v: [u16; 4]) -> [u16; 4] {
     let one = f32::from((v[3] | 3) as i16);
     let [x, y, z] =
@@ -100,8 +103,9 @@ fn quaternion(v: [u16; 4]) -> [u16; 4] {
     out
 }
 
-fn color_of([y, co, cg, alpha]: [i32; 4], full: f32) -> [f32; 4] {
-    // The highest bit of alpha marks how many bits there are.
+/// Decodes a colour from YCoCg.
+fn color([y, co, cg, alpha]: [i32; 4], full: f32) -> [f32; 4] {
+    // The highest bit of alpha shows the number of bits.
     let span = (1_i32 << (32 - alpha.leading_zeros())) - 1;
     let a = alpha & (span >> 1);
     let scale = full / (span as f32).max(1.0);

@@ -1,9 +1,12 @@
 //! glTF 2.0, as JSON with separate buffers and as GLB.
 //!
-//! Section numbers in this folder are those of the glTF 2.0 specification (Khronos, 2021).
+//! Section numbers in this folder refer to the glTF 2.0 specification (Khronos, 2021).
 
 mod accessor;
+mod attributes;
+mod builder;
 mod container;
+mod extensions;
 mod film;
 mod material;
 mod meshopt;
@@ -12,11 +15,13 @@ mod node;
 mod primitive;
 mod read;
 mod schema;
-mod vertices;
 mod write;
 mod write_material;
+mod write_mesh;
+mod write_node;
 
+#[cfg(feature = "usd")]
+pub(crate) use attributes::prepared_attributes;
 pub(crate) use film::write_film;
 pub(crate) use read::read;
-pub(crate) use vertices::attributes as ready_attributes;
 pub(crate) use write::write;

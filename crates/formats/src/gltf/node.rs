@@ -1,4 +1,4 @@
-//! The node hierarchy (§3.5), flattened.
+//! Reading the node hierarchy (§3.5), which is flattened.
 
 use super::accessor::Source;
 use super::primitive;
@@ -10,23 +10,31 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
-/// Vertices and triangles that a scene may hold once its instances are copied out. A mesh placed a million times is
-/// a few bytes each in the file, so that nothing else bounds the memory.
-const MOST_EXPANDED: usize = 1 << 27;
+/// Most vertices and triangles of a scene, with every instance counted. An instance takes only a few bytes in the file, so
+/// that nothing else bounds the size of the scene.
+const MAX_EXPANDED_SIZE: usize = 1 << 27;
 
 /// Reads the nodes of the default scene in depth-first order.
-pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
+pub(super) fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
     let nodes = &source.document.nodes;
     let mut visited = vec![false; nodes.len()];
-    // Index, transform of the parent, and the placement that carries it.
-    let mut stack: Vec<(usize, DAffine3, Option<usize>)> = roots(source)?
+    let mut stack: Vec<Pending> = roots(source)?
         .into_iter()
         .rev()
-        .map(|i| (i, DAffine3::IDENTITY, None))
+        .map(|node| Pending {
+            node,
+            above: DAffine3::IDENTITY,
+            parent: None,
+        })
         .collect();
     let mut placements: Vec<Placement> = Vec::new();
     let mut dropped = [("skins", 0), ("cameras", 0), ("lights", 0)];
-    while let Some((index, above, parent)) = stack.pop() {
+    while let Some(Pending {
+        node: index,
+        above,
+        parent,
+    }) = stack.pop()
+    {
         let place = || format!("nodes[{index}]");
         let Some(json) = nodes.get(index) else {
             let right = format!("a number below {}", nodes.len());
@@ -46,9 +54,9 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
         dropped[0].1 += usize::from(json.skin.is_some());
         dropped[1].1 += usize::from(json.camera.is_some());
         dropped[2].1 += usize::from(json.extensions.contains_key("KHR_lights_punctual"));
-        let mut carrier = parent;
+        let mut below = parent;
         if let Some(mesh) = json.mesh {
-            carrier = Some(placements.len());
+            below = Some(placements.len());
             placements.push(Placement {
                 name: &json.name,
                 mesh,
@@ -56,22 +64,30 @@ pub fn read(source: &Source, scene: &mut Scene) -> Result<(), FormatError> {
                 parent,
             });
         }
-        stack.extend(
-            json.children
-                .iter()
-                .rev()
-                .map(|&child| (child, transform, carrier)),
-        );
+        stack.extend(json.children.iter().rev().map(|&node| Pending {
+            node,
+            above: transform,
+            parent: below,
+        }));
     }
-    for (what, count) in dropped {
+    for (kind, count) in dropped {
         if count > 0 {
-            scene.notes.push(format!("{count} {what} were dropped."));
+            scene.notes.push(format!("{count} {kind} were dropped."));
         }
     }
-    place(source, &placements, scene)
+    add_nodes(source, &placements, scene)
 }
 
-/// A mesh at its place; `parent` is another placement.
+/// A node that is still to be visited.
+struct Pending {
+    node: usize,
+    /// Transform of its parent to the world.
+    above: DAffine3,
+    /// The nearest placement above it.
+    parent: Option<usize>,
+}
+
+/// A mesh in the world; `parent` is another placement.
 struct Placement<'a> {
     name: &'a str,
     mesh: usize,
@@ -79,26 +95,30 @@ struct Placement<'a> {
     parent: Option<usize>,
 }
 
-/// Reads each mesh once and puts it wherever it is used.
-fn place(source: &Source, placements: &[Placement], scene: &mut Scene) -> Result<(), FormatError> {
+/// Reads each mesh once and adds a node for each placement; instances of a mesh share it.
+fn add_nodes(
+    source: &Source,
+    placements: &[Placement],
+    scene: &mut Scene,
+) -> Result<(), FormatError> {
     let mut meshes: BTreeMap<usize, Arc<Mesh>> = BTreeMap::new();
     let mut expanded = 0_usize;
     for placement in placements {
         let index = placement.mesh;
         let mesh = match meshes.entry(index) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(free) => {
-                free.insert(Arc::new(primitive::read_mesh(source, index, scene)?))
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                entry.insert(Arc::new(primitive::read_mesh(source, index, scene)?))
             }
         };
         expanded = expanded.saturating_add(mesh.positions.len() + mesh.triangles.len());
-        if expanded > MOST_EXPANDED {
-            let found = format!("more than {MOST_EXPANDED} vertices and triangles");
-            let right = "fewer, instances counted each";
+        if expanded > MAX_EXPANDED_SIZE {
+            let found = format!("more than {MAX_EXPANDED_SIZE} vertices and triangles");
+            let right = "fewer, with every instance counted";
             return Err(source.file.malformed("nodes", found, right));
         }
     }
-    // Scene node of each placement; one without triangles passes its children up.
+    // Node of each placement; the children of one without triangles become those of its parent.
     let mut numbers: Vec<Option<usize>> = Vec::with_capacity(placements.len());
     for placement in placements {
         let parent = placement.parent.and_then(|p| numbers[p]);
@@ -122,7 +142,7 @@ fn place(source: &Source, placements: &[Placement], scene: &mut Scene) -> Result
     Ok(())
 }
 
-/// Root nodes of the default scene; of the first one where none is named; all roots where there are no scenes.
+/// Root nodes of the default scene, or of the first scene if none is the default; all roots if there are no scenes.
 fn roots(source: &Source) -> Result<Vec<usize>, FormatError> {
     let document = source.document;
     match document.scenes.get(document.scene.unwrap_or(0)) {
@@ -140,25 +160,26 @@ fn roots(source: &Source) -> Result<Vec<usize>, FormatError> {
             let right = format!("a number below {}", document.scenes.len());
             Err(source
                 .file
-                .malformed("scene", "names a scene that does not exist", right))
+                .malformed("scene", "refers to a scene that does not exist", right))
         }
     }
 }
 
+/// The transform of a node relative to its parent.
 fn local(node: &NodeJson) -> DAffine3 {
     if let Some(m) = &node.matrix {
         return DAffine3::from_mat4(DMat4::from_cols_array(m));
     }
     let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));
-    // Readers have to cope with rotations that are unit quaternions in 32 bits only.
-    let turn = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-    let turn = if turn.length_squared() > 0.0 {
-        turn.normalize()
+    // Rotations may be unit quaternions in single precision only.
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let rotation = if rotation.length_squared() > 0.0 {
+        rotation.normalize()
     } else {
         DQuat::IDENTITY
     };
     DAffine3 {
-        matrix3: DMat3::from_quat(turn) * DMat3::from_diagonal(scale),
+        matrix3: DMat3::from_quat(rotation) * DMat3::from_diagonal(scale),
         translation: DVec3::from_array(node.translation.unwrap_or_default()),
     }
 }

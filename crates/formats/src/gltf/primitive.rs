@@ -1,18 +1,22 @@
-//! Meshes and their primitives (§3.7): one mesh each, with a material for each triangle.
+//! Reading meshes and their primitives (§3.7). The primitives of a mesh are joined; each triangle has a material.
 
 use super::accessor::Source;
-use super::read::draco;
+use super::attributes::join_components;
+use super::extensions::draco_error;
 use super::schema::Primitive;
-use super::vertices::join_own;
-use crate::assemble::clean_attributes;
+use crate::attribute::clean_attributes;
 use crate::error::FormatError;
 use glam::DVec3;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Mesh, Scene};
 use std::collections::BTreeMap;
 
-/// Reads mesh number `index`; notes go to the scene.
-pub fn read_mesh(source: &Source, index: usize, scene: &mut Scene) -> Result<Mesh, FormatError> {
+/// Reads mesh number `index`. Notes are added to the scene.
+pub(super) fn read_mesh(
+    source: &Source,
+    index: usize,
+    scene: &mut Scene,
+) -> Result<Mesh, FormatError> {
     let meshes = &source.document.meshes;
     let Some(json) = meshes.get(index) else {
         let right = format!("a number below {}", meshes.len());
@@ -21,8 +25,8 @@ pub fn read_mesh(source: &Source, index: usize, scene: &mut Scene) -> Result<Mes
             .malformed(format!("meshes[{index}]"), "does not exist", right));
     };
     let mut mesh = Mesh::default();
-    // Primitives may share their vertices; these are then kept once.
-    let mut bases: BTreeMap<&BTreeMap<String, usize>, (usize, usize)> = BTreeMap::new();
+    // Primitives may share their vertices, which are then read once.
+    let mut ranges: BTreeMap<&BTreeMap<String, usize>, VertexRange> = BTreeMap::new();
     let mut materials = Vec::new();
     for (number, primitive) in json.primitives.iter().enumerate() {
         let place = format!("meshes[{index}].primitives[{number}]");
@@ -45,18 +49,21 @@ pub fn read_mesh(source: &Source, index: usize, scene: &mut Scene) -> Result<Mes
                 .push(format!("{place} has no POSITION and was dropped."));
             continue;
         }
-        let (base, count) = match bases.get(&primitive.attributes) {
-            Some(&known) => known,
+        let range = match ranges.get(&primitive.attributes) {
+            Some(&range) => range,
             None => {
                 let base = mesh.positions.len();
                 append_vertices(source, primitive, &place, &mut mesh, &mut scene.notes)?;
-                let known = (base, mesh.positions.len() - base);
-                bases.insert(&primitive.attributes, known);
-                known
+                let range = VertexRange {
+                    base,
+                    count: mesh.positions.len() - base,
+                };
+                ranges.insert(&primitive.attributes, range);
+                range
             }
         };
         let before = mesh.triangles.len();
-        append_triangles(source, primitive, mode, (&place, base, count), &mut mesh)?;
+        append_triangles(source, primitive, mode, range, &place, &mut mesh)?;
         let material = match primitive.material {
             None => NO_MATERIAL,
             Some(m) if m < scene.materials.len() => m as u32,
@@ -70,28 +77,37 @@ pub fn read_mesh(source: &Source, index: usize, scene: &mut Scene) -> Result<Mes
     if materials.iter().any(|&m| m != NO_MATERIAL) {
         mesh.materials = materials;
     }
-    join_own(&mut mesh);
+    join_components(&mut mesh);
     clean_attributes(&mut mesh, &mut scene.notes);
     Ok(mesh)
 }
 
+/// The vertices of a primitive among those of its mesh.
+#[derive(Clone, Copy)]
+struct VertexRange {
+    base: usize,
+    count: usize,
+}
+
+/// Refuses primitives whose only data are compressed with Draco.
 fn check_draco(source: &Source, primitive: &Primitive) -> Result<(), FormatError> {
     let accessors = &source.document.accessors;
-    let bare = primitive
+    let lacks_data = primitive
         .attributes
         .get("POSITION")
         .and_then(|&i| accessors.get(i))
         .is_some_and(|a| a.buffer_view.is_none());
-    if bare
+    if lacks_data
         && primitive
             .extensions
             .contains_key("KHR_draco_mesh_compression")
     {
-        return Err(draco(source.file));
+        return Err(draco_error(source.file));
     }
     Ok(())
 }
 
+/// Appends the vertices of a primitive to the mesh.
 fn append_vertices(
     source: &Source,
     primitive: &Primitive,
@@ -162,6 +178,7 @@ fn append_vertices(
     Ok(())
 }
 
+/// Appends values of an attribute for the vertices from `base` on.
 fn append_attribute(
     mesh: &mut Mesh,
     name: &str,
@@ -175,7 +192,7 @@ fn append_attribute(
         let mut all = data;
         if base > 0 {
             notes.push(format!(
-                "{name} is absent in some primitives; zeros were filled in."
+                "{name} is absent in some primitives; it was filled with zeros there."
             ));
             all.splice(0..0, std::iter::repeat_n(0.0, base * width));
         }
@@ -183,7 +200,7 @@ fn append_attribute(
             .insert(name.to_owned(), Attribute { width, data: all });
         return;
     };
-    // Colours without alpha among colours with it are opaque; anything else is filled with zeros.
+    // Colours without alpha become opaque; other missing components become 0.
     let absent = if name.starts_with("COLOR_") { 1.0 } else { 0.0 };
     let widen = |data: &[f32], from: usize, to: usize| -> Vec<f32> {
         let element = |v: &[f32]| -> Vec<f32> {
@@ -206,13 +223,16 @@ fn append_attribute(
     debug_assert_eq!(attribute.data.len(), (base + count) * common);
 }
 
+/// Appends the triangles of a primitive to the mesh.
 fn append_triangles(
     source: &Source,
     primitive: &Primitive,
     mode: u32,
-    (place, base, count): (&str, usize, usize),
+    range: VertexRange,
+    place: &str,
     mesh: &mut Mesh,
 ) -> Result<(), FormatError> {
+    let VertexRange { base, count } = range;
     let indices = match primitive.indices {
         Some(accessor) => source.integers(accessor)?,
         None => (0..count as u32).collect(),
@@ -246,7 +266,7 @@ fn append_triangles(
                 .iter()
                 .map(|t| t.map(|i| base + i)),
         ),
-        // Every second triangle of a strip runs the other way round (§3.7.2.1).
+        // Every second triangle of a strip has the opposite orientation (§3.7.2.1).
         5 => mesh.triangles.extend((0..strip).map(|i| {
             let (b, c) = (i + 1 + i % 2, i + 2 - i % 2);
             [corner(i), corner(b), corner(c)]

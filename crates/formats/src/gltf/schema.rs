@@ -1,14 +1,14 @@
-//! The parts of the glTF document that are read, as they stand in the JSON.
+//! The parts of a glTF document that are read, as in its JSON.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-pub type Extensions = Map<String, Value>;
+pub(super) type Extensions = Map<String, Value>;
 
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
-pub struct Document {
+pub(super) struct Document {
     pub asset: Option<Asset>,
     pub extensions_required: Vec<String>,
     pub scene: Option<usize>,
@@ -26,19 +26,19 @@ pub struct Document {
 }
 
 #[derive(Deserialize)]
-pub struct Asset {
+pub(super) struct Asset {
     pub version: String,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
-pub struct Scene {
+pub(super) struct Scene {
     pub nodes: Vec<usize>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
-pub struct Node {
+pub(super) struct Node {
     pub name: String,
     pub mesh: Option<usize>,
     pub children: Vec<usize>,
@@ -52,14 +52,14 @@ pub struct Node {
 }
 
 #[derive(Deserialize)]
-pub struct Mesh {
+pub(super) struct Mesh {
     #[serde(default)]
     pub name: String,
     pub primitives: Vec<Primitive>,
 }
 
 #[derive(Deserialize)]
-pub struct Primitive {
+pub(super) struct Primitive {
     pub attributes: BTreeMap<String, usize>,
     pub indices: Option<usize>,
     pub material: Option<usize>,
@@ -72,7 +72,7 @@ pub struct Primitive {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Accessor {
+pub(super) struct Accessor {
     pub buffer_view: Option<usize>,
     #[serde(default)]
     pub byte_offset: usize,
@@ -86,7 +86,7 @@ pub struct Accessor {
 }
 
 #[derive(Deserialize)]
-pub struct Sparse {
+pub(super) struct Sparse {
     pub count: usize,
     pub indices: SparsePart,
     pub values: SparsePart,
@@ -94,7 +94,7 @@ pub struct Sparse {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct SparsePart {
+pub(super) struct SparsePart {
     pub buffer_view: usize,
     #[serde(default)]
     pub byte_offset: usize,
@@ -103,7 +103,7 @@ pub struct SparsePart {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct BufferView {
+pub(super) struct BufferView {
     pub buffer: usize,
     #[serde(default)]
     pub byte_offset: usize,
@@ -115,7 +115,7 @@ pub struct BufferView {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Compressed {
+pub(super) struct Compressed {
     pub buffer: usize,
     #[serde(default)]
     pub byte_offset: usize,
@@ -128,14 +128,14 @@ pub struct Compressed {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Buffer {
+pub(super) struct Buffer {
     pub uri: Option<String>,
     pub byte_length: usize,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Material {
+pub(super) struct Material {
     #[serde(default)]
     pub name: String,
     #[serde(default)]
@@ -156,7 +156,7 @@ pub struct Material {
 
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase")]
-pub struct Surface {
+pub(super) struct Surface {
     pub base_color_factor: Option<[f32; 4]>,
     pub base_color_texture: Option<TextureInfo>,
     pub metallic_factor: Option<f32>,
@@ -166,7 +166,7 @@ pub struct Surface {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct TextureInfo {
+pub(super) struct TextureInfo {
     pub index: usize,
     #[serde(default)]
     pub tex_coord: u32,
@@ -178,7 +178,7 @@ pub struct TextureInfo {
 
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
-pub struct Transform {
+pub(super) struct Transform {
     pub offset: Option<[f32; 2]>,
     pub rotation: Option<f32>,
     pub scale: Option<[f32; 2]>,
@@ -187,7 +187,7 @@ pub struct Transform {
 
 #[derive(Deserialize, Default)]
 #[serde(default)]
-pub struct Texture {
+pub(super) struct Texture {
     pub sampler: Option<usize>,
     pub source: Option<usize>,
     pub extensions: Extensions,
@@ -195,7 +195,7 @@ pub struct Texture {
 
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
-pub struct Sampler {
+pub(super) struct Sampler {
     pub mag_filter: Option<u32>,
     pub min_filter: Option<u32>,
     pub wrap_s: Option<u32>,
@@ -204,7 +204,7 @@ pub struct Sampler {
 
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
-pub struct Image {
+pub(super) struct Image {
     pub name: String,
     pub uri: Option<String>,
     pub mime_type: Option<String>,

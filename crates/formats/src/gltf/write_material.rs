@@ -1,12 +1,13 @@
 //! Writing materials, textures, samplers and images (§3.8, §3.9).
 
+use super::builder::Builder;
 use super::container::escape;
-use super::write::Builder;
-use crate::assemble::{CompanionNames, Surfaces, image_type};
-use greenstick_geometry::{ImageSource, Material, TextureReference};
+use crate::check::Surfaces;
+use crate::companions::{CompanionNames, image_type};
+use greenstick_geometry::{Image, ImageSource, Material, Texture, TextureReference};
 use serde_json::{Map, Value, json};
 
-/// A JSON number that shows an `f32` by its shortest decimal.
+/// A JSON number with the shortest decimal digits of an `f32`.
 fn number(v: f32) -> Value {
     let shortest = zmij::Buffer::new().format(v).parse::<f64>().unwrap_or(0.0);
     json!(if shortest.is_finite() { shortest } else { 0.0 })
@@ -16,7 +17,7 @@ fn numbers(values: &[f32]) -> Value {
     values.iter().map(|&v| number(v)).collect()
 }
 
-/// Extensions by which a texture names an image of this type; PNG and JPEG need none.
+/// The extension by which a texture refers to an image of this type; PNG and JPEG need none.
 fn extension_for(media_type: &str) -> Option<&'static str> {
     match media_type {
         "image/webp" => Some("EXT_texture_webp"),
@@ -26,10 +27,25 @@ fn extension_for(media_type: &str) -> Option<&'static str> {
     }
 }
 
-/// Writes all of them; `names` where images are to be files of their own.
-pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<CompanionNames>) {
+/// Writes materials, textures, samplers and images. Images become companion files if `names` is given, and are embedded
+/// otherwise.
+pub(super) fn write(surfaces: Surfaces, builder: &mut Builder, names: Option<CompanionNames>) {
+    let media_types = write_images(surfaces.images, builder, names);
+    write_textures(surfaces.textures, &media_types, builder);
+    for material in surfaces.materials {
+        let out = write_material(material, builder);
+        builder.push("materials", out);
+    }
+}
+
+/// Writes images. Returns their media types.
+fn write_images(
+    images: &[Image],
+    builder: &mut Builder,
+    mut names: Option<CompanionNames>,
+) -> Vec<String> {
     let mut types = Vec::new();
-    for (number, image) in surfaces.images.iter().enumerate() {
+    for (number, image) in images.iter().enumerate() {
         let mut out = Map::new();
         if !image.name.is_empty() {
             out.insert("name".to_owned(), json!(image.name));
@@ -42,7 +58,7 @@ pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<Compan
             (ImageSource::Bytes(bytes), Some(names)) => {
                 let name = names.image(image, number, bytes);
                 out.insert("uri".to_owned(), json!(escape(&name)));
-                builder.companion(name, bytes.clone());
+                builder.add_companion(name, bytes.clone());
                 media_type = image_type(&media_type, bytes);
             }
             (ImageSource::Bytes(bytes), None) => {
@@ -51,20 +67,25 @@ pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<Compan
                 media_type = image_type(&media_type, bytes);
             }
         }
-        // The core of glTF knows no KTX 2; beside a file's ending the type is not needed.
-        let from_ending = media_type == "image/ktx2"
+        // Core glTF does not allow the media type of KTX 2; a file extension makes it unnecessary.
+        let has_extension = media_type == "image/ktx2"
             && out
                 .get("uri")
                 .and_then(Value::as_str)
                 .is_some_and(|uri| uri.ends_with(".ktx2"));
-        if !media_type.is_empty() && !from_ending {
+        if !media_type.is_empty() && !has_extension {
             out.insert("mimeType".to_owned(), json!(media_type));
         }
         types.push(media_type);
         builder.push("images", Value::Object(out));
     }
+    types
+}
+
+/// Writes textures and their samplers, given the media types of the images.
+fn write_textures(textures: &[Texture], media_types: &[String], builder: &mut Builder) {
     let mut samplers = Vec::new();
-    for texture in surfaces.textures {
+    for texture in textures {
         let mut out = Map::new();
         if texture.sampler.iter().any(Option::is_some) {
             let known = samplers.iter().position(|s| *s == texture.sampler);
@@ -86,7 +107,7 @@ pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<Compan
         }
         let media_type = texture
             .image
-            .and_then(|i| types.get(i))
+            .and_then(|i| media_types.get(i))
             .map_or("", String::as_str);
         match (texture.image, extension_for(media_type)) {
             (Some(image), None) => {
@@ -98,20 +119,17 @@ pub fn write(surfaces: Surfaces, builder: &mut Builder, mut names: Option<Compan
             _ => {}
         }
         for name in extensions.keys() {
-            // Without a plain image to fall back on, a reader has to know the extension.
-            builder.uses(name, !out.contains_key("source"));
+            // Without a fallback image, readers must support the extension.
+            builder.declare_extension(name, !out.contains_key("source"));
         }
         if !extensions.is_empty() {
             out.insert("extensions".to_owned(), Value::Object(extensions));
         }
         builder.push("textures", Value::Object(out));
     }
-    for material in surfaces.materials {
-        let out = write_material(material, builder);
-        builder.push("materials", out);
-    }
 }
 
+/// Describes one material.
 fn write_material(material: &Material, builder: &mut Builder) -> Value {
     let mut out = Map::new();
     let mut put = |key: &str, value: Value| {
@@ -179,10 +197,10 @@ fn write_material(material: &Material, builder: &mut Builder) -> Value {
         match serde_json::from_str::<Value>(text) {
             Ok(value) if name == "extras" => put("extras", value),
             Ok(value) => {
-                builder.uses(name, false);
+                builder.declare_extension(name, false);
                 extensions.insert(name.clone(), value);
             }
-            // Only other code than the reader's can have put text here that is no JSON; it cannot be written.
+            // Text that is not JSON, which no reader produces, cannot be written.
             Err(_) => {}
         }
     }
@@ -192,6 +210,7 @@ fn write_material(material: &Material, builder: &mut Builder) -> Value {
     Value::Object(out)
 }
 
+/// Describes the use of a texture; `strength` is the key of its strength.
 fn reference(texture: &TextureReference, strength: Option<&str>, builder: &mut Builder) -> Value {
     let mut out = Map::new();
     out.insert("index".to_owned(), json!(texture.texture));
@@ -202,7 +221,7 @@ fn reference(texture: &TextureReference, strength: Option<&str>, builder: &mut B
         out.insert(key.to_owned(), number(texture.strength));
     }
     if let Some((offset, rotation, scale)) = &texture.transform {
-        builder.uses("KHR_texture_transform", false);
+        builder.declare_extension("KHR_texture_transform", false);
         let transform = json!({
             "offset": numbers(offset), "rotation": number(*rotation), "scale": numbers(scale)
         });

@@ -1,19 +1,20 @@
-//! MTL: materials of OBJ files, after the Phong model with the extension for metalness and roughness (`Pr`, `Pm`).
+//! MTL: materials of OBJ files in the Phong model, with the extension for metalness and roughness (`Pm`, `Pr`).
 //!
-//! What has no place in a [`Material`] (`Ka`, `Ks`, `Ns` …) is kept as `extras.mtl`.
+//! Statements without equivalent in a [`Material`] (`Ka`, `Ks`, `Ns` …) are preserved as `extras.mtl`.
 
 use crate::text::{lines, number, push_number, tokens};
 use greenstick_geometry::{Image, ImageSource, Material, Scene, Texture, TextureReference};
 use serde_json::{Map, Value, json};
 
-/// Statements kept word for word.
-const KEPT: [&str; 10] = [
+/// Statements that are preserved verbatim.
+const PRESERVED: [&str; 10] = [
     "Ka", "Ks", "Ns", "Ni", "illum", "Tf", "map_Ka", "map_Ks", "map_Ns", "map_d",
 ];
 
-/// Ends the use of a material, where no library defines that name.
-pub const NO_NAME: &str = "none";
+/// Name that stands for no material, unless a library defines it.
+pub(super) const NO_MATERIAL_NAME: &str = "none";
 
+/// The numbers at the start of some words.
 fn floats(words: &[&[u8]]) -> Vec<f32> {
     words
         .iter()
@@ -23,8 +24,8 @@ fn floats(words: &[&[u8]]) -> Vec<f32> {
 }
 
 /// Adds the materials of an MTL file to the scene.
-pub fn read(bytes: &[u8], scene: &mut Scene) {
-    let mut kept: Map<String, Value> = Map::new();
+pub(super) fn read(bytes: &[u8], scene: &mut Scene) {
+    let mut preserved: Map<String, Value> = Map::new();
     let mut material: Option<Material> = None;
     for (_, line) in lines(bytes) {
         let words: Vec<&[u8]> = tokens(line).collect();
@@ -33,7 +34,11 @@ pub fn read(bytes: &[u8], scene: &mut Scene) {
         };
         let text = String::from_utf8_lossy(&rest.join(&b' ')).into_owned();
         if *keyword == b"newmtl" {
-            finish(material.replace(plain(text)), &mut kept, scene);
+            finish(
+                material.replace(default_material(text)),
+                &mut preserved,
+                scene,
+            );
             continue;
         }
         let Some(m) = material.as_mut() else { continue };
@@ -53,22 +58,22 @@ pub fn read(bytes: &[u8], scene: &mut Scene) {
             }
             _ => {
                 let keyword = String::from_utf8_lossy(keyword).into_owned();
-                if KEPT.contains(&keyword.as_str()) {
-                    kept.insert(keyword, json!(text));
+                if PRESERVED.contains(&keyword.as_str()) {
+                    preserved.insert(keyword, json!(text));
                 }
             }
         }
         if let (b"Ns", &[shininess, ..]) = (*keyword, values.as_slice()) {
-            // Matches the width of the highlight (Walter et al. 2007, the Beckmann–Phong relation α² = 2/(Ns+2));
-            // roughness is √α by §B.3 of glTF. A `Pr` after it wins.
+            // Matches the width of the highlight (Walter et al. 2007, the relation α² = 2/(Ns + 2) between Beckmann and Phong);
+            // roughness is √α by §B.3 of glTF. A `Pr` that follows takes precedence.
             m.roughness = (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25);
         }
     }
-    finish(material, &mut kept, scene);
+    finish(material, &mut preserved, scene);
 }
 
-/// A material as it is before anything is said about it: not white, as MTL's own default is grey.
-pub fn plain(name: String) -> Material {
+/// A material without any statement. The default of MTL is grey.
+pub(super) fn default_material(name: String) -> Material {
     Material {
         name,
         base_color: [0.8, 0.8, 0.8, 1.0],
@@ -76,13 +81,14 @@ pub fn plain(name: String) -> Material {
     }
 }
 
-fn finish(material: Option<Material>, kept: &mut Map<String, Value>, scene: &mut Scene) {
+/// Adds a material with its preserved statements to the scene.
+fn finish(material: Option<Material>, preserved: &mut Map<String, Value>, scene: &mut Scene) {
     let Some(mut material) = material else { return };
     if material.base_color[3] < 1.0 {
         material.alpha_mode = "BLEND".to_owned();
     }
-    if !kept.is_empty() {
-        let extras = json!({ "mtl": std::mem::take(kept) });
+    if !preserved.is_empty() {
+        let extras = json!({ "mtl": std::mem::take(preserved) });
         material
             .extensions
             .push(("extras".to_owned(), extras.to_string()));
@@ -90,17 +96,17 @@ fn finish(material: Option<Material>, kept: &mut Map<String, Value>, scene: &mut
     scene.materials.push(material);
 }
 
-/// A texture by its statement: options, then a path that may hold blanks.
+/// Parses a texture statement: options, then a path that may contain spaces.
 fn texture(words: &[&[u8]], scene: &mut Scene) -> Option<TextureReference> {
     let mut rest = words;
     let mut strength = 1.0;
     let (mut scale, mut offset) = ([1.0, 1.0], [0.0, 0.0]);
-    let mut moved = false;
+    let mut has_transform = false;
     while let Some((option, after)) = rest.split_first().filter(|(w, _)| w.starts_with(b"-")) {
         let values = floats(&after[..after.len().min(3)]);
         let used = match *option {
             b"-s" | b"-o" => {
-                moved = true;
+                has_transform = true;
                 let target = if *option == b"-s" {
                     &mut scale
                 } else {
@@ -119,7 +125,7 @@ fn texture(words: &[&[u8]], scene: &mut Scene) -> Option<TextureReference> {
             b"-t" => values.len(),
             _ => 1,
         };
-        // The last word is the path, whatever the options claim.
+        // The last word is the path, however many values the options take.
         rest = &after[used.min(after.len().saturating_sub(1))..];
     }
     let path = String::from_utf8_lossy(&rest.join(&b' ')).into_owned();
@@ -153,8 +159,8 @@ fn texture(words: &[&[u8]], scene: &mut Scene) -> Option<TextureReference> {
             });
             scene.textures.len() - 1
         });
-    // v runs upwards in OBJ and downwards in glTF: 1 − v′ = s·(1 − v) + o.
-    let transform = moved.then_some(([offset[0], 1.0 - scale[1] - offset[1]], 0.0, scale));
+    // v points up in OBJ and down in glTF: 1 − v′ = s·(1 − v) + o.
+    let transform = has_transform.then_some(([offset[0], 1.0 - scale[1] - offset[1]], 0.0, scale));
     Some(TextureReference {
         texture,
         coordinates: 0,
@@ -163,13 +169,13 @@ fn texture(words: &[&[u8]], scene: &mut Scene) -> Option<TextureReference> {
     })
 }
 
-/// Names under which the materials are written: never empty, never twice, without blanks.
-pub fn names(scene: &Scene) -> Vec<String> {
+/// The names under which materials are written: not empty, distinct, and without spaces.
+pub(super) fn names(scene: &Scene) -> Vec<String> {
     let mut taken = std::collections::BTreeSet::new();
     let mut out = Vec::with_capacity(scene.materials.len());
     for (number, material) in scene.materials.iter().enumerate() {
-        let blank = |c: char| c.is_whitespace() || c.is_control();
-        let mut name = material.name.replace(blank, "_");
+        let is_space = |c: char| c.is_whitespace() || c.is_control();
+        let mut name = material.name.replace(is_space, "_");
         if name.is_empty() || !taken.insert(name.clone()) {
             name = format!("{name}_{number}");
             taken.insert(name.clone());
@@ -179,8 +185,8 @@ pub fn names(scene: &Scene) -> Vec<String> {
     out
 }
 
-/// The MTL file; `paths` are the images' files.
-pub fn write(scene: &Scene, names: &[String], paths: &[String]) -> Vec<u8> {
+/// Writes the MTL file; `paths` are those of the images.
+pub(super) fn write(scene: &Scene, names: &[String], paths: &[String]) -> Vec<u8> {
     let mut out = b"# by Greenstick\n".to_vec();
     let mut buffer = zmij::Buffer::new();
     let mut put = |out: &mut Vec<u8>, keyword: &str, values: &[f32]| {
@@ -193,7 +199,7 @@ pub fn write(scene: &Scene, names: &[String], paths: &[String]) -> Vec<u8> {
     };
     for (material, name) in scene.materials.iter().zip(names) {
         out.extend_from_slice(format!("\nnewmtl {name}\n").as_bytes());
-        for (keyword, text) in kept(material) {
+        for Statement { keyword, text } in preserved_statements(material) {
             out.extend_from_slice(format!("{keyword} {text}\n").as_bytes());
         }
         put(&mut out, "Kd", &material.base_color[..3]);
@@ -232,7 +238,14 @@ pub fn write(scene: &Scene, names: &[String], paths: &[String]) -> Vec<u8> {
     out
 }
 
-fn kept(material: &Material) -> Vec<(String, String)> {
+/// A statement that is preserved verbatim.
+struct Statement {
+    keyword: String,
+    text: String,
+}
+
+/// The preserved statements of a material.
+fn preserved_statements(material: &Material) -> Vec<Statement> {
     let extras = material
         .extensions
         .iter()
@@ -245,7 +258,12 @@ fn kept(material: &Material) -> Vec<(String, String)> {
     };
     statements
         .iter()
-        .filter(|(keyword, _)| KEPT.contains(&keyword.as_str()))
-        .filter_map(|(k, v)| Some((k.clone(), v.as_str()?.replace(char::is_control, " "))))
+        .filter(|(keyword, _)| PRESERVED.contains(&keyword.as_str()))
+        .filter_map(|(keyword, value)| {
+            Some(Statement {
+                keyword: keyword.clone(),
+                text: value.as_str()?.replace(char::is_control, " "),
+            })
+        })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ with its MTL.
+//! Wavefront OBJ with its MTL files.
 
 mod material;
 mod read;

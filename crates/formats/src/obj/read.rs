@@ -2,24 +2,25 @@
 
 use super::material;
 use super::unify::{ABSENT, Corner, Unifier};
-use crate::Resolve;
-use crate::assemble::clean_attributes;
+use crate::attribute::clean_attributes;
+use crate::companions::Resolve;
 use crate::error::{FormatError, InFile};
-use crate::polygon::Triangulator;
-use crate::text::{number, shown, tokens};
+use crate::polygon::{FaceStatistics, Triangulator};
+use crate::text::{number, quote, tokens};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Mesh, Node, Scene};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A face: its corners are a range of [`Group::corners`] up to `end`.
+/// A face. Its corners are those of [`Group::corners`] from the end of the face before it to `end`.
 struct Face {
     end: usize,
     line: usize,
     material: u32,
 }
 
+/// The faces of an object or group.
 #[derive(Default)]
 struct Group {
     name: String,
@@ -27,7 +28,7 @@ struct Group {
     faces: Vec<Face>,
 }
 
-/// What was read so far.
+/// The data read so far.
 struct Reader<'a> {
     file: InFile<'a>,
     positions: Vec<DVec3>,
@@ -36,17 +37,29 @@ struct Reader<'a> {
     normals: Vec<[f32; 3]>,
     groups: Vec<Group>,
     group_numbers: HashMap<String, usize>,
+    /// Number of the current group.
     current: usize,
+    /// Name of the current object.
     object: String,
+    /// Names of the materials in use.
     materials: Vec<String>,
     material_numbers: HashMap<String, u32>,
+    /// The current material.
     material: u32,
+    /// Material libraries.
     libraries: Vec<String>,
-    ignored: Vec<(usize, String)>,
+    ignored: Vec<IgnoredLine>,
+    /// Number of points, lines and curves.
     dropped: usize,
 }
 
-/// Reads an OBJ file and the MTL files it names.
+/// A line that is not a known statement.
+struct IgnoredLine {
+    number: usize,
+    text: String,
+}
+
+/// Reads an OBJ file and its MTL files.
 pub(crate) fn read(bytes: &[u8], name: &str, resolve: Resolve) -> Result<Scene, FormatError> {
     let mut reader = Reader {
         file: InFile(name),
@@ -70,24 +83,26 @@ pub(crate) fn read(bytes: &[u8], name: &str, resolve: Resolve) -> Result<Scene, 
 }
 
 impl Reader<'_> {
+    /// Reads all lines.
     fn read_lines(&mut self, bytes: &[u8]) -> Result<(), FormatError> {
-        let mut joined: Vec<u8> = Vec::new();
+        let mut continued: Vec<u8> = Vec::new();
         for (number, line) in crate::text::lines(bytes) {
-            // A backslash at the end continues the line.
+            // A backslash at the end continues a line.
             if let Some(part) = line.strip_suffix(b"\\") {
-                joined.extend_from_slice(part);
-                joined.push(b' ');
-            } else if joined.is_empty() {
+                continued.extend_from_slice(part);
+                continued.push(b' ');
+            } else if continued.is_empty() {
                 self.statement(line, number)?;
             } else {
-                joined.extend_from_slice(line);
-                self.statement(&joined, number)?;
-                joined.clear();
+                continued.extend_from_slice(line);
+                self.statement(&continued, number)?;
+                continued.clear();
             }
         }
         Ok(())
     }
 
+    /// Reads one statement.
     fn statement(&mut self, line: &[u8], at: usize) -> Result<(), FormatError> {
         let line = line.split(|&b| b == b'#').next().unwrap_or_default();
         let mut words = tokens(line);
@@ -107,7 +122,7 @@ impl Reader<'_> {
             b"f" | b"fo" => self.face(words, line, at)?,
             b"o" => {
                 self.object = rest_of(line, keyword);
-                self.enter(self.object.clone());
+                self.enter_group(self.object.clone());
             }
             b"g" => {
                 let group = rest_of(line, keyword);
@@ -117,7 +132,7 @@ impl Reader<'_> {
                     (object, group) if object == group => object.to_owned(),
                     (object, group) => format!("{object}/{group}"),
                 };
-                self.enter(name);
+                self.enter_group(name);
             }
             b"usemtl" => {
                 let name = rest_of(line, keyword);
@@ -130,11 +145,15 @@ impl Reader<'_> {
             b"mtllib" => self.libraries.push(rest_of(line, keyword)),
             b"s" | b"vp" => {}
             b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.dropped += 1,
-            _ => self.ignored.push((at, shown(line.trim_ascii()))),
+            _ => self.ignored.push(IgnoredLine {
+                number: at,
+                text: quote(line.trim_ascii()),
+            }),
         }
         Ok(())
     }
 
+    /// Reads `v`.
     fn position<'w>(
         &mut self,
         mut words: impl Iterator<Item = &'w [u8]>,
@@ -144,14 +163,14 @@ impl Reader<'_> {
         let mut values = [0.0_f64; 7];
         let mut count = 0;
         for (slot, word) in values.iter_mut().zip(&mut words) {
-            *slot = number(word).ok_or_else(|| self.wrong_number(word, at))?;
+            *slot = number(word).ok_or_else(|| self.not_a_number(word, at))?;
             count += 1;
         }
         if count < 3 {
             let place = format!("line {at}");
             return Err(self
                 .file
-                .malformed(place, shown(line), "`v` and three numbers"));
+                .malformed(place, quote(line), "`v` and three numbers"));
         }
         let p = DVec3::new(values[0], values[1], values[2]);
         if !p.is_finite() {
@@ -166,7 +185,7 @@ impl Reader<'_> {
                     .unwrap_or(f64::NAN),
             });
         }
-        // Six numbers: position and colour; seven: a weight between them.
+        // Six numbers are a position and a colour; of seven, the fourth is a weight.
         if count >= 6 {
             let white = [1.0; 3];
             self.colors.resize(self.positions.len(), white);
@@ -177,11 +196,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn wrong_number(&self, word: &[u8], at: usize) -> FormatError {
+    fn not_a_number(&self, word: &[u8], at: usize) -> FormatError {
         self.file
-            .malformed(format!("line {at}"), shown(word), "a number")
+            .malformed(format!("line {at}"), quote(word), "a number")
     }
 
+    /// Reads at most `N` numbers; fewer than `least` are an error.
     fn floats<'w, const N: usize>(
         &self,
         words: impl Iterator<Item = &'w [u8]>,
@@ -192,19 +212,20 @@ impl Reader<'_> {
         let mut values = [0.0; N];
         let mut count = 0;
         for (slot, word) in values.iter_mut().zip(words) {
-            *slot = number(word).ok_or_else(|| self.wrong_number(word, at))?;
+            *slot = number(word).ok_or_else(|| self.not_a_number(word, at))?;
             count += 1;
         }
         if count >= least {
             return Ok(values);
         }
-        let right = format!("{least} numbers at least");
+        let right = format!("at least {least} numbers");
         Err(self
             .file
-            .malformed(format!("line {at}"), shown(line), right))
+            .malformed(format!("line {at}"), quote(line), right))
     }
 
-    fn enter(&mut self, name: String) {
+    /// Makes a group the current one.
+    fn enter_group(&mut self, name: String) {
         let next = self.groups.len();
         self.current = *self.group_numbers.entry(name.clone()).or_insert(next);
         if self.current == next {
@@ -215,6 +236,7 @@ impl Reader<'_> {
         }
     }
 
+    /// Reads `f`.
     fn face<'w>(
         &mut self,
         words: impl Iterator<Item = &'w [u8]>,
@@ -238,17 +260,17 @@ impl Reader<'_> {
                 let index = integer(part).ok_or_else(|| {
                     self.file.malformed(
                         format!("line {at}"),
-                        shown(line.trim_ascii()),
+                        quote(line.trim_ascii()),
                         "`f` and corners such as 1, 1/1, 1//1 or 1/1/1",
                     )
                 })?;
-                // Counted from 1, or from the end with a minus; 0 is nothing.
-                let place = if index > 0 {
+                // Positive numbers count from 1, negative ones from the end; 0 is invalid.
+                let number = if index > 0 {
                     index - 1
                 } else {
                     lists[k] as i64 + index
                 };
-                *slot = match u32::try_from(place) {
+                *slot = match u32::try_from(number) {
                     Ok(i) if index != 0 && i != ABSENT => i,
                     _ => return Err(self.out_of_range(at, index, lists[k], k)),
                 };
@@ -263,6 +285,7 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// The error for a number that is not in list `list`.
     fn out_of_range(&self, line: usize, index: i64, count: usize, list: usize) -> FormatError {
         let kind = ["v", "vt", "vn"][list];
         FormatError::IndexOutOfRange {
@@ -276,6 +299,7 @@ impl Reader<'_> {
         }
     }
 
+    /// Builds the scene.
     fn finish(mut self, bytes: &[u8], resolve: Resolve) -> Result<Scene, FormatError> {
         let faces: usize = self.groups.iter().map(|g| g.faces.len()).sum();
         if faces == 0 && !self.positions.is_empty() {
@@ -288,7 +312,7 @@ impl Reader<'_> {
             return Err(FormatError::NotThisFormat {
                 file: self.file.0.to_owned(),
                 format: "OBJ",
-                found: format!("no `v` and no `f` lines; it begins with {}", shown(bytes)),
+                found: format!("no `v` and no `f` lines; it begins with {}", quote(bytes)),
                 right: "lines such as `v 0 0 0` and `f 1 2 3`".to_owned(),
             });
         }
@@ -301,14 +325,14 @@ impl Reader<'_> {
         }
         let mut unifier = Unifier::new(self.positions.len());
         let mut triangulator = Triangulator::default();
-        let mut counts = [0; 2];
+        let mut statistics = FaceStatistics::default();
         for group in &self.groups {
-            let mut mesh = self.mesh_of(
+            let mut mesh = self.mesh(
                 group,
                 &materials,
                 &mut unifier,
                 &mut triangulator,
-                &mut counts,
+                &mut statistics,
             )?;
             if !mesh.triangles.is_empty() {
                 clean_attributes(&mut mesh, &mut scene.notes);
@@ -321,18 +345,11 @@ impl Reader<'_> {
                 });
             }
         }
-        if counts[0] > 0 {
-            scene
-                .notes
-                .push(format!("{} polygons were triangulated.", counts[0]));
-        }
-        if counts[1] > 0 {
-            let text = "faces with fewer than three corners were dropped.";
-            scene.notes.push(format!("{} {text}", counts[1]));
-        }
+        statistics.add_notes(&mut scene.notes);
         Ok(scene)
     }
 
+    /// Adds notes on what is left out.
     fn note_ignored(&self, scene: &mut Scene) {
         if self.dropped > 0 {
             scene.notes.push(format!(
@@ -340,18 +357,18 @@ impl Reader<'_> {
                 self.dropped
             ));
         }
-        if let Some((line, text)) = self.ignored.first() {
+        if let Some(IgnoredLine { number, text }) = self.ignored.first() {
             scene.notes.push(format!(
-                "{} lines that are no OBJ were ignored, the first is line {line}: {text}.",
+                "{} lines that are not valid OBJ were ignored, the first one is line {number}: {text}.",
                 self.ignored.len()
             ));
         }
     }
 
-    /// Reads the material libraries; returns the scene's number of each material in use.
+    /// Reads the material libraries. Returns the number of each material in use among those of the scene.
     fn read_materials(&self, scene: &mut Scene, resolve: Resolve) -> Vec<u32> {
         for library in &self.libraries {
-            // One file with blanks in its name, or several files.
+            // One file with spaces in its name, or several files.
             if let Ok(bytes) = resolve(library) {
                 material::read(&bytes, scene);
                 continue;
@@ -365,31 +382,36 @@ impl Reader<'_> {
                 }
             }
         }
-        let mut known = HashMap::new();
+        let mut numbers_by_name = HashMap::new();
         for (i, material) in scene.materials.iter().enumerate() {
-            known.entry(material.name.clone()).or_insert(i as u32);
+            numbers_by_name
+                .entry(material.name.clone())
+                .or_insert(i as u32);
         }
         let mut numbers = Vec::with_capacity(self.materials.len());
         for name in &self.materials {
-            if name == material::NO_NAME && !known.contains_key(name) {
+            if name == material::NO_MATERIAL_NAME && !numbers_by_name.contains_key(name) {
                 numbers.push(NO_MATERIAL);
                 continue;
             }
-            numbers.push(known.get(name).copied().unwrap_or_else(|| {
-                scene.materials.push(material::plain(name.clone()));
+            numbers.push(numbers_by_name.get(name).copied().unwrap_or_else(|| {
+                scene
+                    .materials
+                    .push(material::default_material(name.clone()));
                 scene.materials.len() as u32 - 1
             }));
         }
         numbers
     }
 
-    fn mesh_of(
+    /// Builds the mesh of a group.
+    fn mesh(
         &self,
         group: &Group,
         materials: &[u32],
         unifier: &mut Unifier,
         triangulator: &mut Triangulator,
-        counts: &mut [usize; 2],
+        statistics: &mut FaceStatistics,
     ) -> Result<Mesh, FormatError> {
         let lists = [
             self.positions.len(),
@@ -425,8 +447,7 @@ impl Reader<'_> {
             if let [a, b, c] = *corners {
                 mesh.triangles.push([a, b, c]);
             } else {
-                counts[0] += usize::from(corners.len() > 3);
-                counts[1] += usize::from(corners.len() < 3);
+                statistics.count(corners.len());
                 points.clear();
                 points.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
                 let triangles = triangulator.triangulate(&points);
@@ -440,11 +461,12 @@ impl Reader<'_> {
                     .extend(std::iter::repeat_n(material.unwrap_or(NO_MATERIAL), added));
             }
         }
-        self.attributes(&vertices, &mut mesh);
+        self.add_attributes(&vertices, &mut mesh);
         Ok(mesh)
     }
 
-    fn attributes(&self, vertices: &[Corner], mesh: &mut Mesh) {
+    /// Adds the attributes of the vertices, given by their corners, to a mesh.
+    fn add_attributes(&self, vertices: &[Corner], mesh: &mut Mesh) {
         let used = |k: usize| vertices.iter().any(|c| c[k] != ABSENT);
         if used(1) {
             let at = |c: &Corner| {
@@ -474,7 +496,7 @@ impl Reader<'_> {
     }
 }
 
-/// What follows the keyword.
+/// The text after the keyword.
 fn rest_of(line: &[u8], keyword: &[u8]) -> String {
     let rest = line
         .trim_ascii()
@@ -484,7 +506,7 @@ fn rest_of(line: &[u8], keyword: &[u8]) -> String {
     String::from_utf8_lossy(rest).into_owned()
 }
 
-/// A whole number; by hand, as three million of them are read for a million triangles.
+/// Parses an integer. A million triangles have at least three million of them, for which `str::parse` is too slow.
 fn integer(token: &[u8]) -> Option<i64> {
     let (negative, digits) = match token.split_first()? {
         (b'-', rest) => (true, rest),

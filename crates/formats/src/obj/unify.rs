@@ -1,29 +1,48 @@
-//! OBJ numbers positions, texture coordinates and normals apart; a mesh has one number for all three.
+//! Vertices for corners: OBJ numbers positions, texture coordinates and normals separately, a mesh has one index for all
+//! three.
 
 use std::collections::HashMap;
 
-/// "None" among the numbers of a corner.
-pub const ABSENT: u32 = u32::MAX;
+/// "None" among the indices of a corner.
+pub(super) const ABSENT: u32 = u32::MAX;
 
-/// Numbers of position, texture coordinate and normal, from 0, or [`ABSENT`].
-pub type Corner = [u32; 3];
+/// Indices of position, texture coordinate and normal, or [`ABSENT`].
+pub(super) type Corner = [u32; 3];
 
-/// Gives every distinct corner a vertex number.
-pub struct Unifier {
-    /// For each position: the group that saw it last, its first corner there, and that corner's number.
-    first: Vec<(u32, Corner, u32)>,
+/// Assigns a vertex to each distinct corner.
+pub(super) struct Unifier {
+    /// For each position its first corner in the group that used it last.
+    first: Vec<FirstCorner>,
+    /// The current group, counted from 1.
     group: u32,
 }
 
+/// The first corner at a position.
+#[derive(Clone, Copy)]
+struct FirstCorner {
+    group: u32,
+    corner: Corner,
+    vertex: u32,
+}
+
 impl Unifier {
+    /// Starts with a number of positions.
     pub fn new(positions: usize) -> Self {
         Unifier {
-            first: vec![(0, [ABSENT; 3], 0); positions],
+            first: vec![
+                FirstCorner {
+                    group: 0,
+                    corner: [ABSENT; 3],
+                    vertex: 0,
+                };
+                positions
+            ],
             group: 0,
         }
     }
 
-    /// The distinct corners, ordered by position and then by first appearance, and each corner as a number into them.
+    /// Returns the distinct corners of a group, ordered by position and then by first appearance, and the index of each
+    /// corner among them.
     pub fn unify(&mut self, corners: &[Corner]) -> (Vec<Corner>, Vec<u32>) {
         self.group += 1;
         let mut distinct: Vec<Corner> = Vec::new();
@@ -32,11 +51,15 @@ impl Unifier {
         for &corner in corners {
             let next = distinct.len() as u32;
             let slot = &mut self.first[corner[0] as usize];
-            let number = if slot.0 != self.group {
-                *slot = (self.group, corner, next);
+            let number = if slot.group != self.group {
+                *slot = FirstCorner {
+                    group: self.group,
+                    corner,
+                    vertex: next,
+                };
                 next
-            } else if slot.1 == corner {
-                slot.2
+            } else if slot.corner == corner {
+                slot.vertex
             } else {
                 *others.entry(corner).or_insert(next)
             };
@@ -45,7 +68,7 @@ impl Unifier {
             }
             numbers.push(number);
         }
-        // Back to the order of the file's own positions, so that reading does not shuffle the vertices.
+        // The order of positions in the file is restored, so that reading does not shuffle vertices.
         let mut order: Vec<u32> = (0..distinct.len() as u32).collect();
         order.sort_by_key(|&i| distinct[i as usize][0]);
         let mut rank = vec![0; order.len()];

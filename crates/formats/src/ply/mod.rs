@@ -1,8 +1,12 @@
-//! PLY: text and binary of both byte orders in, binary little endian out.
+//! PLY: reading text and binary in both byte orders, writing little-endian binary.
 
+mod body;
+mod faces;
 mod header;
 mod points;
+mod properties;
 mod read;
+mod vertices;
 mod write;
 
 pub(crate) use points::read_points;

@@ -1,21 +1,24 @@
-//! Writing PLY, binary little endian: all nodes in the world as one mesh, told apart by the faces' `node`.
+//! Writing binary PLY, little-endian: all nodes in world coordinates as one mesh, distinguished by the property `node` of
+//! the faces.
 
-use crate::assemble::{in_world, narrow};
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
-use crate::{Encoded, LengthUnit};
+use crate::position::{in_world, to_f32};
+use crate::unit::LengthUnit;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Mesh, Scene};
 use std::collections::BTreeMap;
 
-/// What a vertex property is taken from.
+/// The source of a vertex property.
 struct Column {
     property: String,
     attribute: String,
     component: usize,
-    /// The value where a mesh lacks the attribute.
-    absent: f32,
+    /// The value if a mesh lacks the attribute.
+    default: f32,
 }
 
+/// The vertex properties besides positions.
 fn columns(scene: &Scene) -> Vec<Column> {
     let mut widths: BTreeMap<&str, usize> = BTreeMap::new();
     for node in &scene.nodes {
@@ -25,7 +28,7 @@ fn columns(scene: &Scene) -> Vec<Column> {
         }
     }
     let mut columns = Vec::new();
-    let mut add = |attribute: &str, properties: &[&str], absent: f32| {
+    let mut add = |attribute: &str, properties: &[&str], default: f32| {
         columns.extend(
             properties
                 .iter()
@@ -34,7 +37,7 @@ fn columns(scene: &Scene) -> Vec<Column> {
                     property: (*property).to_owned(),
                     attribute: attribute.to_owned(),
                     component,
-                    absent,
+                    default,
                 }),
         );
     };
@@ -68,6 +71,7 @@ fn columns(scene: &Scene) -> Vec<Column> {
     columns
 }
 
+/// The header of the file; `counts` are those of vertices and faces.
 fn header(scene: &Scene, columns: &[Column], unit: LengthUnit, counts: [usize; 2]) -> String {
     let mut text =
         format!("ply\nformat binary_little_endian 1.0\ncomment by Greenstick, in {unit}\n");
@@ -121,18 +125,18 @@ pub(crate) fn write(
             })
             .collect();
         for (i, &p) in mesh.positions.iter().enumerate() {
-            for v in narrow(p, file)? {
+            for v in to_f32(p, file)? {
                 bytes.extend_from_slice(&v.to_le_bytes());
             }
             for (source, column) in &sources {
                 let value =
-                    source.map_or(column.absent, |a| a.data[i * a.width + column.component]);
-                let turned = if column.property == "t" {
+                    source.map_or(column.default, |a| a.data[i * a.width + column.component]);
+                let value = if column.property == "t" {
                     1.0 - value
                 } else {
                     value
                 };
-                bytes.extend_from_slice(&turned.to_le_bytes());
+                bytes.extend_from_slice(&value.to_le_bytes());
             }
         }
         for (t, triangle) in mesh.triangles.iter().enumerate() {

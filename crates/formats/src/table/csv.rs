@@ -1,9 +1,10 @@
-//! Comma-separated values (RFC 4180, lines ended by a line feed): headings with units, then numbers in the fewest digits
-//! that read back as the same number.
+//! Comma-separated values (RFC 4180, with line feeds): a header line with units, then numbers with the fewest digits that
+//! read back as the same number.
 
 use crate::text::push_integer;
 use greenstick_geometry::{Table, Values};
 
+/// Writes a table.
 pub(super) fn write(table: &Table) -> Vec<u8> {
     let headings: Vec<String> = table.columns.iter().map(|c| c.heading()).collect();
     let mut bytes = headings.join(",").into_bytes();

@@ -1,39 +1,47 @@
-//! Writing tables: comma-separated text, Parquet, and, for tables with places in them, points in PLY and VTK.
+//! Writers of tables: comma-separated values, Parquet, and, for tables with positions, points in PLY and VTK.
 
 mod csv;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod points;
+mod positions;
 
+pub(crate) use positions::positions;
+
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
-use crate::{Encoded, vtk};
+use crate::vtk;
 use greenstick_geometry::{Table, Values};
 
 /// A file format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TableFormat {
-    /// Comma-separated values with one line of headings.
+    /// Comma-separated values with a header line.
     Csv,
     /// Apache Parquet.
+    #[cfg(feature = "parquet")]
     Parquet,
-    /// Stanford polygons: points with properties.
+    /// Stanford polygon format: points with properties.
     Ply,
-    /// VTK's points with data, in XML (`.vtp`).
+    /// VTK poly data (`.vtp`): points with data.
     Vtp,
 }
 
 impl TableFormat {
-    /// Every format.
-    pub const ALL: [TableFormat; 4] = [
+    /// All formats.
+    pub const ALL: &[TableFormat] = &[
         TableFormat::Csv,
+        #[cfg(feature = "parquet")]
         TableFormat::Parquet,
         TableFormat::Ply,
         TableFormat::Vtp,
     ];
 
-    /// The file name's ending, without the dot.
-    pub fn ending(self) -> &'static str {
+    /// The extension of file names, without the dot.
+    pub fn extension(self) -> &'static str {
         match self {
             TableFormat::Csv => "csv",
+            #[cfg(feature = "parquet")]
             TableFormat::Parquet => "parquet",
             TableFormat::Ply => "ply",
             TableFormat::Vtp => "vtp",
@@ -41,15 +49,26 @@ impl TableFormat {
     }
 }
 
-/// Writes a table. The point formats take the place of a row from its columns `x`, `y` and `z`.
+/// Writes a table. The point formats take positions from the columns `x`, `y` and `z`.
+///
+/// ```
+/// use greenstick_formats::{TableFormat, write_table};
+/// use greenstick_geometry::{Column, Table, Values};
+///
+/// let rings = Column::new("ring", "", "number of the ring", Values::U32(vec![1, 2]));
+/// let widths = Column::new("width", "m", "width of the ring", Values::F64(vec![0.002, 0.0015]));
+/// let table = Table { columns: vec![rings, widths] };
+/// let file = write_table(TableFormat::Csv, &table, "rings.csv")?;
+/// assert_eq!(file.bytes, b"ring,width_m\n1,0.002\n2,0.0015\n");
+/// # Ok::<(), greenstick_formats::FormatError>(())
+/// ```
 ///
 /// # Errors
-/// [`FormatError::Unwritable`] where columns differ in length or names, a point format finds no place, or a number is not
-/// finite.
+/// [`FormatError::Unwritable`] if the table is invalid, a point format finds no positions, or a number is not finite.
 pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Encoded, FormatError> {
     let file = InFile(name);
     if let Some(fault) = table.fault() {
-        let right = "columns of one length with different names of letters, digits and _";
+        let right = "columns of equal length with distinct names of letters, digits and _";
         return Err(file.unwritable(fault, right));
     }
     for column in &table.columns {
@@ -63,6 +82,7 @@ pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Enc
     }
     let bytes = match format {
         TableFormat::Csv => csv::write(table),
+        #[cfg(feature = "parquet")]
         TableFormat::Parquet => parquet::write(table, file)?,
         TableFormat::Ply => points::write_ply(table, file)?,
         TableFormat::Vtp => vtk::write_points(table, file)?,
@@ -71,19 +91,4 @@ pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Enc
         name: name.to_owned(),
         bytes,
     })
-}
-
-/// The places of rows.
-pub(crate) fn places<'a>(table: &'a Table, file: InFile) -> Result<[&'a [f64]; 3], FormatError> {
-    let mut found: [&[f64]; 3] = [&[]; 3];
-    for (list, name) in found.iter_mut().zip(["x", "y", "z"]) {
-        match table.column(name).map(|c| &c.values) {
-            Some(Values::F64(values)) => *list = values,
-            _ => {
-                let lacks = format!("a table without numbers in a column {name}");
-                return Err(file.unwritable(lacks, "columns x, y and z for a file of points"));
-            }
-        }
-    }
-    Ok(found)
 }

@@ -1,4 +1,4 @@
-//! Apache Parquet: one row group, every column required; units and meanings are in the file's key-value metadata as
+//! Apache Parquet: one row group with required columns. Units and meanings are in the key-value metadata of the file, as
 //! `NAME.unit` and `NAME.meaning`.
 
 use crate::error::{FormatError, InFile};
@@ -12,8 +12,9 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 use std::sync::Arc;
 
+/// Writes a table.
 pub(super) fn write(table: &Table, file: InFile) -> Result<Vec<u8>, FormatError> {
-    encode(table).map_err(|e| file.unwritable(e, "a table that Parquet can hold"))
+    encode(table).map_err(|e| file.unwritable(e, "a table that Parquet can represent"))
 }
 
 fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
@@ -36,7 +37,7 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
     let schema = Type::group_type_builder("table")
         .with_fields(fields)
         .build()?;
-    let notes = table.columns.iter().flat_map(|c| {
+    let metadata = table.columns.iter().flat_map(|c| {
         let heading = c.heading();
         [
             KeyValue::new(format!("{heading}.unit"), c.unit.clone()),
@@ -45,7 +46,7 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
     });
     let properties = WriterProperties::builder()
         .set_created_by("Greenstick".to_owned())
-        .set_key_value_metadata(Some(notes.collect()))
+        .set_key_value_metadata(Some(metadata.collect()))
         .build();
     let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
@@ -56,8 +57,8 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
         match &column.values {
             Values::F64(v) => out.typed::<DoubleType>().write_batch(v, None, None)?,
             Values::U8(v) => {
-                let wide: Vec<i32> = v.iter().map(|&x| x.into()).collect();
-                out.typed::<Int32Type>().write_batch(&wide, None, None)?
+                let widened: Vec<i32> = v.iter().map(|&x| x.into()).collect();
+                out.typed::<Int32Type>().write_batch(&widened, None, None)?
             }
             Values::U32(v) => {
                 let same_bits: Vec<i32> = v.iter().map(|&x| x as i32).collect();

@@ -1,28 +1,31 @@
-//! Points in PLY, binary little endian. Places are single precision, as most readers expect; other columns keep theirs.
+//! Points in binary PLY, little-endian. Positions are in single precision, as most readers expect; other columns keep
+//! their type.
 
-use super::places;
+use super::positions::positions;
 use crate::error::{FormatError, InFile};
 use greenstick_geometry::{Table, Values};
 
+/// Writes a table as points.
 pub(super) fn write_ply(table: &Table, file: InFile) -> Result<Vec<u8>, FormatError> {
-    let places = places(table, file)?;
+    let positions = positions(table, file)?;
     let others: Vec<_> = table
         .columns
         .iter()
         .filter(|c| !matches!(c.name.as_str(), "x" | "y" | "z"))
         .collect();
-    let mut head = "ply\nformat binary_little_endian 1.0\ncomment by Greenstick, in m\n".to_owned();
+    let mut header =
+        "ply\nformat binary_little_endian 1.0\ncomment by Greenstick, in m\n".to_owned();
     for c in &others {
         let unit = if c.unit.is_empty() { "1" } else { &c.unit };
-        head += &format!(
+        header += &format!(
             "comment {} [{unit}]: {}\n",
             c.name,
             c.meaning.replace(char::is_control, " ")
         );
     }
-    head += &format!("element vertex {}\n", table.rows());
+    header += &format!("element vertex {}\n", table.rows());
     for name in ["x", "y", "z"] {
-        head += &format!("property float {name}\n");
+        header += &format!("property float {name}\n");
     }
     for c in &others {
         let kind = match c.values {
@@ -30,12 +33,12 @@ pub(super) fn write_ply(table: &Table, file: InFile) -> Result<Vec<u8>, FormatEr
             Values::U32(_) => "uint",
             Values::F64(_) => "double",
         };
-        head += &format!("property {kind} {}\n", c.name);
+        header += &format!("property {kind} {}\n", c.name);
     }
-    let mut bytes = head.into_bytes();
+    let mut bytes = header.into_bytes();
     bytes.extend_from_slice(b"end_header\n");
     for row in 0..table.rows() {
-        for list in places {
+        for list in positions {
             bytes.extend_from_slice(&(list[row] as f32).to_le_bytes());
         }
         for c in &others {

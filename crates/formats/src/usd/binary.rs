@@ -1,80 +1,98 @@
-//! A layer as a binary file (`.usdc`), version 0.8.0 of the crate format, as OpenUSD's `crateFile.cpp` reads it.
+//! Writer of binary layers (`.usdc`), version 0.8.0 of the crate format of OpenUSD (`crateFile.cpp`).
 //!
-//! A writer of our own, since those there are hold every value of an attribute over time before they write the first:
-//! here values go to the file as they come, and only where they lie is kept.
+//! Other writers hold all time samples of an attribute in memory before they write the first; here values are written as
+//! they come, and only their offsets stay in memory.
 
-use super::coding::{block, integers};
-use super::layer::{Content, Layer, Prim, Property, Samples, Stored, Value};
-use crate::film::Sink;
+use super::coding::{encode_integers, lz4_literals};
+use super::layer::{Content, Layer, Metadatum, Prim, Property, Samples, Stored, Value};
+use super::paths::PathTable;
+use crate::sink::Sink;
 use flate2::Crc;
 use std::collections::BTreeMap;
 use std::io::{Result, SeekFrom};
 
 const IDENTITY: &[u8; 8] = b"PXR-USDC";
 const VERSION: [u8; 8] = [0, 8, 0, 0, 0, 0, 0, 0];
-/// Length of what stands at the file's beginning: identity, version, place of the contents, room.
-const HEAD: u64 = 88;
-/// Arrays of fewer whole numbers are never packed.
-const LEAST_PACKED: usize = 16;
+/// Length of the header: identity, version, offset of the table of contents, padding.
+const HEADER_SIZE: u64 = 88;
+/// Shorter arrays of integers are never compressed.
+const MIN_COMPRESSED_LENGTH: usize = 16;
 
+/// Flags of a value.
 const ARRAY: u64 = 1 << 63;
 const INLINED: u64 = 1 << 62;
-const PACKED: u64 = 1 << 61;
+const COMPRESSED: u64 = 1 << 61;
 
-/// Codes of types.
-mod kind {
-    pub const BOOL: u64 = 1;
-    pub const INT: u64 = 3;
-    pub const INT64: u64 = 5;
-    pub const FLOAT: u64 = 8;
-    pub const DOUBLE: u64 = 9;
-    pub const STRING: u64 = 10;
-    pub const TOKEN: u64 = 11;
-    pub const ASSET: u64 = 12;
-    pub const MATRIX4D: u64 = 15;
-    pub const QUATF: u64 = 17;
-    pub const VEC2F: u64 = 20;
-    pub const VEC3D: u64 = 23;
-    pub const VEC3F: u64 = 24;
-    pub const VEC4F: u64 = 28;
-    pub const TOKEN_LIST: u64 = 32;
-    pub const PATH_LIST: u64 = 34;
-    pub const TOKEN_VECTOR: u64 = 41;
-    pub const SPECIFIER: u64 = 42;
-    pub const VARIABILITY: u64 = 44;
-    pub const TIME_SAMPLES: u64 = 46;
-    pub const DOUBLE_VECTOR: u64 = 48;
+/// Codes of the types of values.
+mod code {
+    pub(super) const BOOL: u64 = 1;
+    pub(super) const INT: u64 = 3;
+    pub(super) const INT64: u64 = 5;
+    pub(super) const FLOAT: u64 = 8;
+    pub(super) const DOUBLE: u64 = 9;
+    pub(super) const STRING: u64 = 10;
+    pub(super) const TOKEN: u64 = 11;
+    pub(super) const ASSET: u64 = 12;
+    pub(super) const MATRIX4D: u64 = 15;
+    pub(super) const QUATF: u64 = 17;
+    pub(super) const VEC2F: u64 = 20;
+    pub(super) const VEC3D: u64 = 23;
+    pub(super) const VEC3F: u64 = 24;
+    pub(super) const VEC4F: u64 = 28;
+    pub(super) const TOKEN_LIST: u64 = 32;
+    pub(super) const PATH_LIST: u64 = 34;
+    pub(super) const TOKEN_VECTOR: u64 = 41;
+    pub(super) const SPECIFIER: u64 = 42;
+    pub(super) const VARIABILITY: u64 = 44;
+    pub(super) const TIME_SAMPLES: u64 = 46;
+    pub(super) const DOUBLE_VECTOR: u64 = 48;
 }
 
-/// Codes of specs.
+/// Codes of the kinds of specs.
 const ATTRIBUTE: i32 = 1;
 const PRIM: i32 = 6;
 const LAYER: i32 = 7;
 const RELATIONSHIP: i32 = 8;
 
-fn inlined(kind: u64, bits: u32) -> Stored {
-    Stored(INLINED | kind << 48 | u64::from(bits))
+/// A value that fits into its own reference.
+fn inlined(code: u64, bits: u32) -> Stored {
+    Stored(INLINED | code << 48 | u64::from(bits))
+}
+
+/// A field of a spec.
+struct Field<'a> {
+    name: &'a str,
+    value: Stored,
+}
+
+impl<'a> Field<'a> {
+    fn new(name: &'a str, value: Stored) -> Self {
+        Field { name, value }
+    }
 }
 
 /// A binary file under construction.
-pub struct Crate<'a> {
+pub(super) struct CrateWriter<'a> {
     out: &'a mut dyn Sink,
-    /// Where the file begins in what it is written to.
+    /// Position of the file in its destination.
     base: u64,
+    /// Length of the file so far.
     at: u64,
-    /// Of everything but the head.
+    /// Checksum of everything but the header.
     crc: Crc,
     tokens: Table<String>,
-    /// Texts, as numbers of tokens.
+    /// Strings, as numbers of tokens.
     strings: Table<u32>,
+    /// Fields: the token of the name, and the value.
     fields: Table<(u32, u64)>,
-    sets: Vec<i32>,
-    /// Of each spec its path, its fields and its kind.
+    field_sets: Vec<i32>,
+    /// For each spec its path, its fields and its kind.
     specs: [Vec<i32>; 3],
+    /// Numbers of paths.
     paths: BTreeMap<String, u32>,
 }
 
-/// Different things in the order in which they came.
+/// Distinct items in the order in which they were added.
 struct Table<T> {
     items: Vec<T>,
     numbers: BTreeMap<T, u32>,
@@ -88,6 +106,7 @@ impl<T: Ord + Clone> Table<T> {
         }
     }
 
+    /// Returns the number of an item and adds it if it is new.
     fn number(&mut self, item: T) -> u32 {
         let next = self.items.len() as u32;
         let number = *self.numbers.entry(item.clone()).or_insert(next);
@@ -98,28 +117,29 @@ impl<T: Ord + Clone> Table<T> {
     }
 }
 
-impl<'a> Crate<'a> {
-    /// Begins a file where `out` stands.
+impl<'a> CrateWriter<'a> {
+    /// Starts a file at the current position of `out`.
     pub fn new(out: &'a mut dyn Sink) -> Result<Self> {
         let base = out.stream_position()?;
-        out.write_all(&[0; HEAD as usize])?;
+        out.write_all(&[0; HEADER_SIZE as usize])?;
         let mut tokens = Table::new();
-        // The sign of a token's number says whether it names a property, so that none may have number 0.
+        // The sign of a token's number says whether it names a property, so that no token may have number 0.
         tokens.number(String::new());
-        Ok(Crate {
+        Ok(CrateWriter {
             out,
             base,
-            at: HEAD,
+            at: HEADER_SIZE,
             crc: Crc::new(),
             tokens,
             strings: Table::new(),
             fields: Table::new(),
-            sets: Vec::new(),
+            field_sets: Vec::new(),
             specs: Default::default(),
             paths: BTreeMap::new(),
         })
     }
 
+    /// Appends bytes.
     fn put(&mut self, bytes: &[u8]) -> Result<()> {
         self.out.write_all(bytes)?;
         self.crc.update(bytes);
@@ -127,136 +147,144 @@ impl<'a> Crate<'a> {
         Ok(())
     }
 
-    /// Puts a value that is too long to be told by its place.
-    fn lay(&mut self, kind: u64, bytes: &[u8]) -> Result<Stored> {
-        // Readers use arrays where they lie if their numbers lie at whole multiples.
+    /// Appends a value that cannot be inlined.
+    fn append_value(&mut self, code: u64, bytes: &[u8]) -> Result<Stored> {
+        // Readers can use arrays in place only if they are aligned.
         let gap = self.at.next_multiple_of(8) - self.at;
         self.put(&[0; 8][..gap as usize])?;
-        let place = self.at;
+        let offset = self.at;
         self.put(bytes)?;
-        Ok(Stored(kind << 48 | place))
+        Ok(Stored(code << 48 | offset))
     }
 
+    /// Appends an array.
     fn array<const N: usize>(
         &mut self,
-        kind: u64,
+        code: u64,
         count: usize,
         numbers: impl Iterator<Item = [u8; N]>,
     ) -> Result<Stored> {
         let mut bytes = Vec::with_capacity(8 + count * N);
         bytes.extend((count as u64).to_le_bytes());
         bytes.extend(numbers.flatten());
-        Ok(Stored(self.lay(kind, &bytes)?.0 | ARRAY))
+        Ok(Stored(self.append_value(code, &bytes)?.0 | ARRAY))
     }
 
-    fn floats<const N: usize>(&mut self, kind: u64, list: &[[f32; N]]) -> Result<Stored> {
+    /// Appends an array of vectors.
+    fn floats<const N: usize>(&mut self, code: u64, list: &[[f32; N]]) -> Result<Stored> {
         if list.is_empty() {
-            // An array of nothing has no place.
-            return Ok(Stored(ARRAY | kind << 48));
+            // An empty array has no offset.
+            return Ok(Stored(ARRAY | code << 48));
         }
         let mut bytes = Vec::with_capacity(8 + 4 * N * list.len());
         bytes.extend((list.len() as u64).to_le_bytes());
         for number in list.as_flattened() {
             bytes.extend(number.to_le_bytes());
         }
-        Ok(Stored(self.lay(kind, &bytes)?.0 | ARRAY))
+        Ok(Stored(self.append_value(code, &bytes)?.0 | ARRAY))
     }
 
+    /// Appends an array of integers.
     fn integers(&mut self, list: &[i32]) -> Result<Stored> {
-        if list.len() < LEAST_PACKED {
+        if list.len() < MIN_COMPRESSED_LENGTH {
             let numbers = list.iter().map(|n| n.to_le_bytes());
-            return self.array(kind::INT, list.len(), numbers);
+            return self.array(code::INT, list.len(), numbers);
         }
-        let packed = block(&integers(list));
-        let mut bytes = Vec::with_capacity(16 + packed.len());
+        let compressed = lz4_literals(&encode_integers(list));
+        let mut bytes = Vec::with_capacity(16 + compressed.len());
         bytes.extend((list.len() as u64).to_le_bytes());
-        bytes.extend((packed.len() as u64).to_le_bytes());
-        bytes.extend(packed);
-        Ok(Stored(self.lay(kind::INT, &bytes)?.0 | ARRAY | PACKED))
+        bytes.extend((compressed.len() as u64).to_le_bytes());
+        bytes.extend(compressed);
+        Ok(Stored(
+            self.append_value(code::INT, &bytes)?.0 | ARRAY | COMPRESSED,
+        ))
     }
 
+    /// The number of a token.
     fn token(&mut self, text: &str) -> u32 {
         self.tokens.number(text.to_owned())
     }
 
-    /// Puts a value into the file.
+    /// Writes a value.
     pub fn value(&mut self, value: &Value) -> Result<Stored> {
         fn bytes<const N: usize>(numbers: &[f32; N]) -> Vec<u8> {
             numbers.iter().flat_map(|n| n.to_le_bytes()).collect()
         }
-        let precise =
+        let doubles =
             |numbers: &[f64]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_le_bytes()).collect() };
         match value {
             Value::Stored(stored) => Ok(*stored),
-            Value::Bool(v) => Ok(inlined(kind::BOOL, u32::from(*v))),
-            Value::Int64(v) => self.lay(kind::INT64, &v.to_le_bytes()),
-            Value::Float(v) => Ok(inlined(kind::FLOAT, v.to_bits())),
-            Value::Double(v) => self.lay(kind::DOUBLE, &v.to_le_bytes()),
-            Value::Token(v) => Ok(inlined(kind::TOKEN, self.token(v))),
-            Value::Asset(v) => Ok(inlined(kind::ASSET, self.token(v))),
+            Value::Bool(v) => Ok(inlined(code::BOOL, u32::from(*v))),
+            Value::Int64(v) => self.append_value(code::INT64, &v.to_le_bytes()),
+            Value::Float(v) => Ok(inlined(code::FLOAT, v.to_bits())),
+            Value::Double(v) => self.append_value(code::DOUBLE, &v.to_le_bytes()),
+            Value::Token(v) => Ok(inlined(code::TOKEN, self.token(v))),
+            Value::Asset(v) => Ok(inlined(code::ASSET, self.token(v))),
             Value::Text(v) => {
                 let token = self.token(v);
-                Ok(inlined(kind::STRING, self.strings.number(token)))
+                Ok(inlined(code::STRING, self.strings.number(token)))
             }
-            Value::Float2(v) => self.lay(kind::VEC2F, &bytes(v)),
-            Value::Float3(v) => self.lay(kind::VEC3F, &bytes(v)),
-            Value::Float4(v) => self.lay(kind::VEC4F, &bytes(v)),
-            Value::Turn(v) => self.lay(kind::QUATF, &bytes(v)),
-            Value::Double3(v) => self.lay(kind::VEC3D, &precise(v)),
-            Value::Matrix(rows) => self.lay(kind::MATRIX4D, &precise(rows.as_flattened())),
+            Value::Float2(v) => self.append_value(code::VEC2F, &bytes(v)),
+            Value::Float3(v) => self.append_value(code::VEC3F, &bytes(v)),
+            Value::Float4(v) => self.append_value(code::VEC4F, &bytes(v)),
+            Value::Quaternion(v) => self.append_value(code::QUATF, &bytes(v)),
+            Value::Double3(v) => self.append_value(code::VEC3D, &doubles(v)),
+            Value::Matrix(rows) => self.append_value(code::MATRIX4D, &doubles(rows.as_flattened())),
             Value::Tokens(names) => {
                 let numbers: Vec<u32> = names.iter().map(|n| self.token(n)).collect();
                 let count = numbers.len();
-                self.array(kind::TOKEN, count, numbers.iter().map(|n| n.to_le_bytes()))
+                self.array(code::TOKEN, count, numbers.iter().map(|n| n.to_le_bytes()))
             }
             Value::Prepended(names) => {
                 let numbers: Vec<u32> = names.iter().map(|n| self.token(n)).collect();
-                self.list(kind::TOKEN_LIST, 1 << 5, &numbers)
+                self.list_op(code::TOKEN_LIST, 1 << 5, &numbers)
             }
             Value::Ints(v) => self.integers(v),
-            Value::Floats(v) => self.floats(kind::FLOAT, v.as_chunks::<1>().0),
+            Value::Floats(v) => self.floats(code::FLOAT, v.as_chunks::<1>().0),
             Value::Doubles(v) => {
-                self.array(kind::DOUBLE, v.len(), v.iter().map(|n| n.to_le_bytes()))
+                self.array(code::DOUBLE, v.len(), v.iter().map(|n| n.to_le_bytes()))
             }
-            Value::Float2s(v) => self.floats(kind::VEC2F, v),
-            Value::Float3s(v) => self.floats(kind::VEC3F, v),
-            Value::Float4s(v) => self.floats(kind::VEC4F, v),
+            Value::Float2s(v) => self.floats(code::VEC2F, v),
+            Value::Float3s(v) => self.floats(code::VEC3F, v),
+            Value::Float4s(v) => self.floats(code::VEC4F, v),
         }
     }
 
-    /// A list of changes to a list, with one kind of change.
-    fn list(&mut self, kind: u64, change: u8, numbers: &[u32]) -> Result<Stored> {
+    /// Writes a list operation with one kind of change.
+    fn list_op(&mut self, code: u64, change: u8, numbers: &[u32]) -> Result<Stored> {
         let mut bytes = vec![change];
         bytes.extend((numbers.len() as u64).to_le_bytes());
         bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
-        self.lay(kind, &bytes)
+        self.append_value(code, &bytes)
     }
 
+    /// Writes a vector of names.
     fn names<'n>(&mut self, names: impl Iterator<Item = &'n str>) -> Result<Stored> {
         let numbers: Vec<u32> = names.map(|n| self.token(n)).collect();
         let mut bytes = (numbers.len() as u64).to_le_bytes().to_vec();
         bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
-        self.lay(kind::TOKEN_VECTOR, &bytes)
+        self.append_value(code::TOKEN_VECTOR, &bytes)
     }
 
-    /// Puts a list of times into the file, for [`Samples`].
+    /// Writes a list of times for [`Samples`].
     pub fn times(&mut self, times: &[f64]) -> Result<Stored> {
         let mut bytes = (times.len() as u64).to_le_bytes().to_vec();
         bytes.extend(times.iter().flat_map(|t| t.to_le_bytes()));
-        self.lay(kind::DOUBLE_VECTOR, &bytes)
+        self.append_value(code::DOUBLE_VECTOR, &bytes)
     }
 
+    /// Writes time samples, whose times and values are written already.
     fn samples(&mut self, samples: &Samples) -> Result<Stored> {
-        // Where the times are, by how far on that is told; then where the values are, likewise.
+        // The distance to the reference to the times, and that reference; then the same for the values.
         let mut bytes = 8_i64.to_le_bytes().to_vec();
         bytes.extend(samples.times.0.to_le_bytes());
         bytes.extend(8_i64.to_le_bytes());
         bytes.extend((samples.values.len() as u64).to_le_bytes());
         bytes.extend(samples.values.iter().flat_map(|v| v.0.to_le_bytes()));
-        self.lay(kind::TIME_SAMPLES, &bytes)
+        self.append_value(code::TIME_SAMPLES, &bytes)
     }
 
-    /// Puts the values of a prim and those below it into the file at once, so that they need not be held.
+    /// Writes the values of a prim and its descendants at once, so that they need not stay in memory.
     pub fn store(&mut self, prim: &mut Prim) -> Result<()> {
         for property in &mut prim.properties {
             if let Content::Attribute {
@@ -269,41 +297,47 @@ impl<'a> Crate<'a> {
         prim.children.iter_mut().try_for_each(|c| self.store(c))
     }
 
-    fn spec(&mut self, path: &str, kind: i32, fields: Vec<(&str, Stored)>) {
+    /// Adds a spec with its fields.
+    fn spec(&mut self, path: &str, kind: i32, fields: Vec<Field>) {
         let path = self.paths.get(path).copied().unwrap_or(0);
-        let spec = [path as i32, self.sets.len() as i32, kind];
+        let spec = [path as i32, self.field_sets.len() as i32, kind];
         for (list, number) in self.specs.iter_mut().zip(spec) {
             list.push(number);
         }
-        for (name, value) in fields {
+        for Field { name, value } in fields {
             let name = self.token(name);
-            self.sets.push(self.fields.number((name, value.0)) as i32);
+            self.field_sets
+                .push(self.fields.number((name, value.0)) as i32);
         }
-        self.sets.push(-1);
+        self.field_sets.push(-1);
     }
 
-    fn metadata<'m>(
-        &mut self,
-        entries: &'m [(&'static str, Value)],
-    ) -> Result<Vec<(&'m str, Stored)>> {
-        let put = |(key, value): &'m (&'static str, Value)| Ok((*key, self.value(value)?));
-        entries.iter().map(put).collect()
+    /// Writes metadata as fields.
+    fn metadata<'m>(&mut self, entries: &'m [Metadatum]) -> Result<Vec<Field<'m>>> {
+        let write = |entry: &'m Metadatum| {
+            Ok(Field {
+                name: entry.key,
+                value: self.value(&entry.value)?,
+            })
+        };
+        entries.iter().map(write).collect()
     }
 
+    /// Adds the specs of a prim and its descendants.
     fn prim(&mut self, prim: &Prim, path: &str) -> Result<()> {
         let kind = self.token(prim.kind);
         let mut fields = vec![
-            ("specifier", inlined(kind::SPECIFIER, 0)),
-            ("typeName", inlined(kind::TOKEN, kind)),
+            Field::new("specifier", inlined(code::SPECIFIER, 0)),
+            Field::new("typeName", inlined(code::TOKEN, kind)),
         ];
         fields.extend(self.metadata(&prim.metadata)?);
         if !prim.properties.is_empty() {
             let names = self.names(prim.properties.iter().map(|p| p.name.as_str()))?;
-            fields.push(("properties", names));
+            fields.push(Field::new("properties", names));
         }
         if !prim.children.is_empty() {
             let names = self.names(prim.children.iter().map(|p| p.name.as_str()))?;
-            fields.push(("primChildren", names));
+            fields.push(Field::new("primChildren", names));
         }
         self.spec(path, PRIM, fields);
         for property in &prim.properties {
@@ -313,12 +347,13 @@ impl<'a> Crate<'a> {
         children.try_for_each(|c| self.prim(c, &format!("{path}/{}", c.name)))
     }
 
+    /// Adds the spec of a property.
     fn property(&mut self, property: &Property, path: &str) -> Result<()> {
         let mut fields = self.metadata(&property.metadata)?;
         match &property.content {
             Content::Relationship(targets) => {
-                fields.push(("variability", inlined(kind::VARIABILITY, 1)));
-                fields.push(("targetPaths", self.targets(targets)?));
+                fields.push(Field::new("variability", inlined(code::VARIABILITY, 1)));
+                fields.push(Field::new("targetPaths", self.targets(targets)?));
                 self.spec(path, RELATIONSHIP, fields);
             }
             Content::Attribute {
@@ -330,22 +365,22 @@ impl<'a> Crate<'a> {
                 connection,
             } => {
                 let kind = self.token(kind);
-                fields.push(("typeName", inlined(kind::TOKEN, kind)));
+                fields.push(Field::new("typeName", inlined(code::TOKEN, kind)));
                 if *uniform {
-                    fields.push(("variability", inlined(kind::VARIABILITY, 1)));
+                    fields.push(Field::new("variability", inlined(code::VARIABILITY, 1)));
                 }
                 if *custom {
-                    fields.push(("custom", inlined(kind::BOOL, 1)));
+                    fields.push(Field::new("custom", inlined(code::BOOL, 1)));
                 }
                 if let Some(value) = value {
-                    fields.push(("default", self.value(value)?));
+                    fields.push(Field::new("default", self.value(value)?));
                 }
                 if let Some(samples) = samples {
-                    fields.push(("timeSamples", self.samples(samples)?));
+                    fields.push(Field::new("timeSamples", self.samples(samples)?));
                 }
                 if let Some(path) = connection {
                     let paths = self.targets(std::slice::from_ref(path))?;
-                    fields.push(("connectionPaths", paths));
+                    fields.push(Field::new("connectionPaths", paths));
                 }
                 self.spec(path, ATTRIBUTE, fields);
             }
@@ -353,55 +388,80 @@ impl<'a> Crate<'a> {
         Ok(())
     }
 
+    /// Writes the paths of targets.
     fn targets(&mut self, targets: &[String]) -> Result<Stored> {
-        // Everything that is pointed at is in the layer.
+        // All targets are in the layer.
         let known = targets.iter().filter_map(|t| self.paths.get(t).copied());
         let numbers: Vec<u32> = known.collect();
-        self.list(kind::PATH_LIST, 1 | 1 << 1, &numbers)
+        self.list_op(code::PATH_LIST, 1 | 1 << 1, &numbers)
     }
 
-    /// Puts the layer's tables and the head; gives the file's length and checksum.
+    /// Writes the tables of the layer and the header. Returns the length and the checksum of the file.
     pub fn finish(mut self, layer: &Layer) -> Result<(u64, u32)> {
-        let mut tree = Tree::default();
-        tree.add(0, 1, false);
+        let mut table = PathTable::default();
+        table.add(0, 1, false);
         self.paths.insert("/".to_owned(), 0);
-        self.walk(&layer.root, "", true, &mut tree);
+        self.number_paths(&layer.root, "", true, &mut table);
         let mut fields = self.metadata(&layer.metadata)?;
         let names = self.names(std::iter::once(layer.root.name.as_str()))?;
-        fields.push(("primChildren", names));
+        fields.push(Field::new("primChildren", names));
         self.spec("/", LAYER, fields);
         self.prim(&layer.root, &format!("/{}", layer.root.name))?;
-        self.tables(&tree)
+        self.write_tables(&table)
     }
 
-    /// Numbers the paths of a prim and what is below it; tells the length of its branch.
-    fn walk(&mut self, prim: &Prim, above: &str, last: bool, tree: &mut Tree) {
-        let path = format!("{above}/{}", prim.name);
+    /// Numbers the paths of a prim, its properties and its descendants.
+    fn number_paths(&mut self, prim: &Prim, parent: &str, is_last: bool, table: &mut PathTable) {
+        let path = format!("{parent}/{}", prim.name);
         let token = self.token(&prim.name);
-        let own = tree.paths.len();
+        let own = table.len();
         self.paths.insert(path.clone(), own as u32);
-        let below = prim.properties.len() + prim.children.len();
-        tree.add(token as i32, below, !last);
+        let children = prim.properties.len() + prim.children.len();
+        table.add(token as i32, children, !is_last);
         for (k, property) in prim.properties.iter().enumerate() {
             let token = self.token(&property.name);
-            let number = tree.paths.len() as u32;
+            let number = table.len() as u32;
             self.paths
                 .insert(format!("{path}.{}", property.name), number);
-            tree.add(-(token as i32), 0, k + 1 < below);
+            table.add(-(token as i32), 0, k + 1 < children);
         }
         for (k, child) in prim.children.iter().enumerate() {
-            self.walk(child, &path, k + 1 == prim.children.len(), tree);
+            self.number_paths(child, &path, k + 1 == prim.children.len(), table);
         }
-        if !last && below > 0 {
-            tree.jumps[own] = (tree.paths.len() - own) as i32;
+        if !is_last && children > 0 {
+            table.set_subtree_size(own);
         }
     }
 
-    fn tables(mut self, tree: &Tree) -> Result<(u64, u32)> {
-        let count = |n: usize| (n as u64).to_le_bytes().to_vec();
-        let sized =
-            |packed: Vec<u8>| [(packed.len() as u64).to_le_bytes().to_vec(), packed].concat();
-        let numbers = |list: &[i32]| sized(block(&integers(list)));
+    /// Writes the tables, the table of contents and the header. Returns the length and the checksum of the file.
+    fn write_tables(mut self, table: &PathTable) -> Result<(u64, u32)> {
+        let sections = self.sections(table);
+        let mut contents = (sections.len() as u64).to_le_bytes().to_vec();
+        for Section { name, bytes } in &sections {
+            let mut entry = [0; 16];
+            entry[..name.len()].copy_from_slice(name.as_bytes());
+            contents.extend(entry);
+            contents.extend(self.at.to_le_bytes());
+            contents.extend((bytes.len() as u64).to_le_bytes());
+            self.put(bytes)?;
+        }
+        let offset = self.at;
+        self.put(&contents)?;
+        let mut header = [0; HEADER_SIZE as usize];
+        header[..8].copy_from_slice(IDENTITY);
+        header[8..16].copy_from_slice(&VERSION);
+        header[16..24].copy_from_slice(&offset.to_le_bytes());
+        self.out.seek(SeekFrom::Start(self.base))?;
+        self.out.write_all(&header)?;
+        self.out.seek(SeekFrom::Start(self.base + self.at))?;
+        let mut crc = Crc::new();
+        crc.update(&header);
+        crc.combine(&self.crc);
+        Ok((self.at, crc.sum()))
+    }
+
+    /// Encodes the tables.
+    fn sections(&self, table: &PathTable) -> [Section; 6] {
         let mut texts = Vec::new();
         for token in &self.tokens.items {
             texts.extend(token.bytes().filter(|&b| b != 0));
@@ -411,92 +471,67 @@ impl<'a> Crate<'a> {
         let values = self.fields.items.iter().flat_map(|f| f.1.to_le_bytes());
         let values: Vec<u8> = values.collect();
         let strings = self.strings.items.iter().flat_map(|s| s.to_le_bytes());
-        let sections = [
-            (
+        let integers = |list: &[i32]| sized(lz4_literals(&encode_integers(list)));
+        let section = |name, parts: &[Vec<u8>]| Section {
+            name,
+            bytes: parts.concat(),
+        };
+        let count = |n: usize| (n as u64).to_le_bytes().to_vec();
+        [
+            section(
                 "TOKENS",
-                [
+                &[
                     count(self.tokens.items.len()),
                     count(texts.len()),
-                    sized(block(&texts)),
-                ]
-                .concat(),
+                    sized(lz4_literals(&texts)),
+                ],
             ),
-            (
+            section(
                 "STRINGS",
-                [count(self.strings.items.len()), strings.collect()].concat(),
+                &[count(self.strings.items.len()), strings.collect()],
             ),
-            (
+            section(
                 "FIELDS",
-                [count(names.len()), numbers(&names), sized(block(&values))].concat(),
+                &[
+                    count(names.len()),
+                    integers(&names),
+                    sized(lz4_literals(&values)),
+                ],
             ),
-            (
+            section(
                 "FIELDSETS",
-                [count(self.sets.len()), numbers(&self.sets)].concat(),
+                &[count(self.field_sets.len()), integers(&self.field_sets)],
             ),
-            (
+            section(
                 "PATHS",
-                [
-                    count(tree.paths.len()),
-                    count(tree.paths.len()),
-                    numbers(&tree.paths),
-                    numbers(&tree.tokens),
-                    numbers(&tree.jumps),
-                ]
-                .concat(),
+                &[
+                    count(table.len()),
+                    count(table.len()),
+                    integers(&table.paths),
+                    integers(&table.tokens),
+                    integers(&table.jumps),
+                ],
             ),
-            (
+            section(
                 "SPECS",
-                [
+                &[
                     count(self.specs[0].len()),
-                    numbers(&self.specs[0]),
-                    numbers(&self.specs[1]),
-                    numbers(&self.specs[2]),
-                ]
-                .concat(),
+                    integers(&self.specs[0]),
+                    integers(&self.specs[1]),
+                    integers(&self.specs[2]),
+                ],
             ),
-        ];
-        let mut contents = count(sections.len());
-        for (name, bytes) in &sections {
-            let mut entry = [0; 16];
-            entry[..name.len()].copy_from_slice(name.as_bytes());
-            contents.extend(entry);
-            contents.extend(self.at.to_le_bytes());
-            contents.extend(count(bytes.len()));
-            self.put(bytes)?;
-        }
-        let place = self.at;
-        self.put(&contents)?;
-        let mut head = [0; HEAD as usize];
-        head[..8].copy_from_slice(IDENTITY);
-        head[8..16].copy_from_slice(&VERSION);
-        head[16..24].copy_from_slice(&place.to_le_bytes());
-        self.out.seek(SeekFrom::Start(self.base))?;
-        self.out.write_all(&head)?;
-        self.out.seek(SeekFrom::Start(self.base + self.at))?;
-        let mut crc = Crc::new();
-        crc.update(&head);
-        crc.combine(&self.crc);
-        Ok((self.at, crc.sum()))
+        ]
     }
 }
 
-/// Paths in depth-first order: numbers, last parts (negative for properties), and how to go on: how far away the next one
-/// beside it is where something is below it too, 0 where nothing is, -1 where only something is below, -2 where neither.
-#[derive(Default)]
-struct Tree {
-    paths: Vec<i32>,
-    tokens: Vec<i32>,
-    jumps: Vec<i32>,
+/// A table of the file.
+struct Section {
+    name: &'static str,
+    bytes: Vec<u8>,
 }
 
-impl Tree {
-    fn add(&mut self, token: i32, below: usize, beside: bool) {
-        self.paths.push(self.paths.len() as i32);
-        self.tokens.push(token);
-        self.jumps.push(match (below > 0, beside) {
-            (true, _) => -1,
-            (false, true) => 0,
-            (false, false) => -2,
-        });
-    }
+/// Bytes after their number.
+fn sized(bytes: Vec<u8>) -> Vec<u8> {
+    [(bytes.len() as u64).to_le_bytes().to_vec(), bytes].concat()
 }

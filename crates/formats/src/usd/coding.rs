@@ -1,10 +1,10 @@
-//! Packing of a binary layer's tables, as OpenUSD's `integerCoding.cpp` and `fastCompression.cpp` read it.
+//! Compression of the tables of a binary layer, for OpenUSD's `integerCoding.cpp` and `fastCompression.cpp`.
 
 use std::collections::BTreeMap;
 
-/// Whole numbers as differences from one another: the commonest difference once, two bits for each number that say how
-/// many bytes its difference takes, the differences.
-pub fn integers(numbers: &[i32]) -> Vec<u8> {
+/// Encodes integers as differences: the most common difference, then two bits for each number with the size of its
+/// difference, then the differences.
+pub(super) fn encode_integers(numbers: &[i32]) -> Vec<u8> {
     if numbers.is_empty() {
         return Vec::new();
     }
@@ -17,8 +17,8 @@ pub fn integers(numbers: &[i32]) -> Vec<u8> {
     for &d in &differences {
         *counts.entry(d).or_default() += 1;
     }
-    let commonest = counts.iter().max_by_key(|(_, n)| **n);
-    let common = commonest.map_or(0, |(&d, _)| d);
+    let most_common = counts.iter().max_by_key(|(_, n)| **n);
+    let common = most_common.map_or(0, |(&d, _)| d);
     let mut codes = vec![0_u8; numbers.len().div_ceil(4)];
     let mut rest = Vec::with_capacity(numbers.len());
     for (k, &d) in differences.iter().enumerate() {
@@ -39,9 +39,9 @@ pub fn integers(numbers: &[i32]) -> Vec<u8> {
     [common.to_le_bytes().as_slice(), &codes, &rest].concat()
 }
 
-/// Bytes as one LZ4 block that repeats nothing, after the 0 that says there is one block. The tables are small beside the
-/// values, which are not packed.
-pub fn block(bytes: &[u8]) -> Vec<u8> {
+/// Wraps bytes as one LZ4 block of literals, after the 0 that stands for a single block. The tables are small compared
+/// with the values, which are not compressed.
+pub(super) fn lz4_literals(bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(bytes.len() + bytes.len() / 255 + 8);
     out.push(0);
     if bytes.len() < 15 {

@@ -1,102 +1,128 @@
-//! A USD layer: prims with properties, as both the text and the binary form write them.
+//! USD layers: prims with properties, for both the text and the binary form.
 
-/// Place of a value in a binary file, in the form in which that refers to it.
+/// A value in a binary file, in the representation by which the file refers to it (`ValueRep`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Stored(pub u64);
+pub(super) struct Stored(pub u64);
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// Yes or no.
+pub(super) enum Value {
+    /// A truth value.
     Bool(bool),
-    /// A long whole number.
+    /// A 64-bit integer.
     Int64(i64),
-    /// A number.
+    /// A single-precision number.
     Float(f32),
-    /// A precise number.
+    /// A double-precision number.
     Double(f64),
-    /// A word of the format.
+    /// A token.
     Token(String),
-    /// Words of anybody.
+    /// A string.
     Text(String),
-    /// A file.
+    /// The path of an asset.
     Asset(String),
-    /// Two numbers.
+    /// A vector of two numbers.
     Float2([f32; 2]),
-    /// Three.
+    /// A vector of three numbers.
     Float3([f32; 3]),
-    /// Four.
+    /// A vector of four numbers.
     Float4([f32; 4]),
-    /// Three precise ones.
+    /// A vector of three double-precision numbers.
     Double3([f64; 3]),
     /// A quaternion: x, y, z, w.
-    Turn([f32; 4]),
-    /// A matrix for row vectors, by rows.
+    Quaternion([f32; 4]),
+    /// A matrix for row vectors, in row-major order.
     Matrix([[f64; 4]; 4]),
-    /// Words, in an array.
+    /// An array of tokens.
     Tokens(Vec<String>),
-    /// Words that go before those of other layers.
+    /// A list of tokens that are prepended to those of other layers.
     Prepended(Vec<String>),
-    /// Whole numbers.
+    /// An array of integers.
     Ints(Vec<i32>),
-    /// Numbers.
+    /// An array of numbers.
     Floats(Vec<f32>),
-    /// Precise numbers.
+    /// An array of double-precision numbers.
     Doubles(Vec<f64>),
-    /// Pairs.
+    /// An array of pairs.
     Float2s(Vec<[f32; 2]>),
-    /// Triples.
+    /// An array of triples.
     Float3s(Vec<[f32; 3]>),
-    /// Quadruples.
+    /// An array of quadruples.
     Float4s(Vec<[f32; 4]>),
-    /// A value that a binary file holds already.
+    /// A value that is in the binary file already.
     Stored(Stored),
 }
 
-/// Values over time in a binary file: all that are asked for lie in it already.
+/// Time samples, all of which are in the binary file already.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Samples {
+pub(super) struct Samples {
     /// The list of times.
     pub times: Stored,
-    /// A value for each.
+    /// One value for each time.
     pub values: Vec<Stored>,
 }
 
-/// What a property holds.
+/// The content of a property.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Content {
-    /// A value.
+pub(super) enum Content {
+    /// An attribute.
     Attribute {
-        /// Its type, as the text form has it.
+        /// Its type, as in the text form.
         kind: &'static str,
-        /// Whether it may not change over time.
+        /// Whether it cannot vary over time.
         uniform: bool,
-        /// Whether no schema knows it.
+        /// Whether no schema defines it.
         custom: bool,
-        /// The value where there are no samples.
+        /// The value without time samples.
         value: Option<Value>,
-        /// Values over time.
+        /// Time samples.
         samples: Option<Samples>,
-        /// The output it takes its value from.
+        /// Path of the output that provides its value.
         connection: Option<String>,
     },
-    /// Paths of other things.
+    /// A relationship, with the paths of its targets.
     Relationship(Vec<String>),
+}
+
+/// An entry of metadata.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Metadatum {
+    /// Key.
+    pub key: &'static str,
+    /// Value.
+    pub value: Value,
+}
+
+impl Metadatum {
+    /// Creates an entry.
+    pub fn new(key: &'static str, value: Value) -> Self {
+        Metadatum { key, value }
+    }
+}
+
+/// One operation of a transform.
+pub(super) struct TransformOp {
+    /// Name without its namespace.
+    pub name: &'static str,
+    /// Type of the value.
+    pub kind: &'static str,
+    /// Value.
+    pub value: Value,
 }
 
 /// A property of a prim.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Property {
+pub(super) struct Property {
     /// Name with namespaces.
     pub name: String,
-    /// What it holds.
+    /// Content.
     pub content: Content,
-    /// What is said of it.
-    pub metadata: Vec<(&'static str, Value)>,
+    /// Metadata.
+    pub metadata: Vec<Metadatum>,
 }
 
 impl Property {
-    /// An attribute; without a value an output.
+    /// An attribute, or, without a value, an output.
     pub fn new(
         name: impl Into<String>,
         kind: &'static str,
@@ -116,7 +142,7 @@ impl Property {
         }
     }
 
-    /// An attribute that may not change over time.
+    /// An attribute that cannot vary over time.
     pub fn uniform(name: &str, kind: &'static str, value: Value) -> Self {
         let mut property = Property::new(name, kind, value);
         if let Content::Attribute { uniform, .. } = &mut property.content {
@@ -125,7 +151,7 @@ impl Property {
         property
     }
 
-    /// An attribute that no schema knows.
+    /// An attribute that no schema defines.
     pub fn custom(name: String, kind: &'static str, value: Value) -> Self {
         let mut property = Property::new(name, kind, value);
         if let Content::Attribute { custom, .. } = &mut property.content {
@@ -134,7 +160,7 @@ impl Property {
         property
     }
 
-    /// An attribute that takes its value from an output.
+    /// An attribute whose value comes from an output.
     pub fn connected(name: &str, kind: &'static str, to: String) -> Self {
         let mut property = Property::new(name, kind, None);
         if let Content::Attribute { connection, .. } = &mut property.content {
@@ -143,7 +169,7 @@ impl Property {
         property
     }
 
-    /// A path to something else.
+    /// A relationship with one target.
     pub fn relationship(name: &str, target: String) -> Self {
         Property {
             name: name.to_owned(),
@@ -152,30 +178,30 @@ impl Property {
         }
     }
 
-    /// With something said of it.
+    /// Adds metadata.
     pub fn with(mut self, key: &'static str, value: Value) -> Self {
-        self.metadata.push((key, value));
+        self.metadata.push(Metadatum { key, value });
         self
     }
 }
 
-/// A prim that is defined here.
+/// A prim that is defined in the layer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prim {
-    /// Name: letters, digits and `_`, not a digit first; different from its siblings'.
+pub(super) struct Prim {
+    /// Name: letters, digits and `_`, not starting with a digit, and unique among its siblings.
     pub name: String,
     /// Type.
     pub kind: &'static str,
-    /// What is said of it.
-    pub metadata: Vec<(&'static str, Value)>,
+    /// Metadata.
+    pub metadata: Vec<Metadatum>,
     /// Properties.
     pub properties: Vec<Property>,
-    /// Prims below it.
+    /// Child prims.
     pub children: Vec<Prim>,
 }
 
 impl Prim {
-    /// A prim with nothing in it.
+    /// Creates an empty prim.
     pub fn new(name: impl Into<String>, kind: &'static str) -> Self {
         Prim {
             name: name.into(),
@@ -186,56 +212,42 @@ impl Prim {
         }
     }
 
-    /// Applies a schema.
+    /// Applies an API schema.
     pub fn apply(&mut self, schema: &str) {
-        for (key, value) in &mut self.metadata {
+        for Metadatum { key, value } in &mut self.metadata {
             if let ("apiSchemas", Value::Prepended(names)) = (*key, value) {
                 names.push(schema.to_owned());
                 return;
             }
         }
         let names = Value::Prepended(vec![schema.to_owned()]);
-        self.metadata.push(("apiSchemas", names));
+        self.metadata.push(Metadatum::new("apiSchemas", names));
     }
 
-    /// The property of a name.
+    /// Sets the transform to operations that are applied from the last to the first.
+    pub fn set_transform(&mut self, ops: Vec<TransformOp>) {
+        let mut order = Vec::new();
+        for TransformOp { name, kind, value } in ops {
+            let name = format!("xformOp:{name}");
+            order.push(name.clone());
+            self.properties.push(Property::new(name, kind, value));
+        }
+        let order = Value::Tokens(order);
+        self.properties
+            .push(Property::uniform("xformOpOrder", "token[]", order));
+    }
+
+    /// The property with a name.
     pub fn property(&mut self, name: &str) -> Option<&mut Property> {
         self.properties.iter_mut().find(|p| p.name == name)
     }
 }
 
-/// A layer with one prim at its root, which is its default.
+/// A layer with a single root prim, which is its default prim.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layer {
-    /// What is said of all.
-    pub metadata: Vec<(&'static str, Value)>,
-    /// The prim.
+pub(super) struct Layer {
+    /// Metadata.
+    pub metadata: Vec<Metadatum>,
+    /// The root prim.
     pub root: Prim,
-}
-
-/// Names that USD can take, different from one another.
-#[derive(Default)]
-pub struct Names {
-    taken: std::collections::BTreeSet<String>,
-}
-
-impl Names {
-    /// A name like `wanted`; `otherwise` where that is empty.
-    pub fn unique(&mut self, wanted: &str, otherwise: &str) -> String {
-        let keep = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-        let mut name: String = wanted.chars().map(keep).collect();
-        if name.is_empty() {
-            name = otherwise.to_owned();
-        }
-        if name.starts_with(|c: char| c.is_ascii_digit()) {
-            name.insert(0, '_');
-        }
-        let mut unique = name.clone();
-        let mut number = 1;
-        while !self.taken.insert(unique.clone()) {
-            number += 1;
-            unique = format!("{name}_{number}");
-        }
-        unique
-    }
 }

@@ -1,35 +1,34 @@
-//! Materials as UsdPreviewSurface with their textures (*UsdPreviewSurface Specification*). Texture coordinates have their
-//! origin at the bottom here and at the top in glTF, so that a texture's own transform changes too.
+//! Materials as UsdPreviewSurface with their textures (*UsdPreviewSurface Specification*). The origin of texture
+//! coordinates is at the bottom in USD and at the top in glTF, so that the transform of a texture changes, too.
 
-use super::layer::{Names, Prim, Property, Value};
-use crate::Encoded;
-use crate::assemble::{CompanionNames, Surfaces, image_type};
+use super::layer::{Prim, Property, Value};
+use super::names::{Names, set_display_name};
+use crate::check::Surfaces;
+use crate::companions::Encoded;
+use crate::companions::{CompanionNames, image_type};
 use greenstick_geometry::{ImageSource, Material, TextureReference};
 
-/// Where materials and images of a file are.
-pub struct Looks {
-    /// The prim that holds the materials.
+/// The materials of a layer with their textures.
+pub(super) struct Materials {
+    /// The prim that contains the materials.
     pub prim: Prim,
     /// Path of each material.
     pub paths: Vec<String>,
-    /// Files of the images that carry their bytes.
+    /// Texture files of embedded images.
     pub files: Vec<Encoded>,
 }
 
-/// Whether colours come from the vertices of what a material is on.
-pub type Coloured<'a> = &'a [bool];
-
-/// Writes materials below `root`. Images in other forms than PNG and JPEG are left out, which nothing has to know; those
-/// that are not at hand too where everything has to be in one file.
-pub fn write(
+/// Converts materials to prims under `root`. `coloured` says which of them take colours from vertices. Images other than
+/// PNG and JPEG, which readers need not support, are left out, and in archives also images that are only referenced.
+pub(super) fn write(
     surfaces: Surfaces,
-    coloured: Coloured,
+    coloured: &[bool],
     root: &str,
     name: &str,
-    archive: bool,
-) -> Looks {
+    is_archive: bool,
+) -> Materials {
     let mut files = Vec::new();
-    let images = images(surfaces, name, archive, &mut files);
+    let images = image_paths(surfaces, name, is_archive, &mut files);
     let mut prim = Prim::new("materials", "Scope");
     let mut names = Names::default();
     let mut paths = Vec::new();
@@ -44,7 +43,7 @@ pub fn write(
         };
         let surface = shading.surface(material, coloured.get(m) == Some(&true));
         let mut out = Prim::new(own, "Material");
-        name_shown(&mut out, &material.name);
+        set_display_name(&mut out, &material.name);
         let to = format!("{path}/surface.outputs:surface");
         out.properties
             .push(Property::connected("outputs:surface", "token", to));
@@ -53,22 +52,14 @@ pub fn write(
         prim.children.push(out);
         paths.push(path);
     }
-    Looks { prim, paths, files }
+    Materials { prim, paths, files }
 }
 
-/// Keeps a name that USD cannot take as the one to be shown.
-pub fn name_shown(prim: &mut Prim, name: &str) {
-    if !name.is_empty() && prim.name != name {
-        let name = Value::Text(name.to_owned());
-        prim.metadata.push(("displayName", name));
-    }
-}
-
-/// What each image is called where a texture can use it.
-fn images(
+/// The path of each image, if textures can use it.
+fn image_paths(
     surfaces: Surfaces,
     name: &str,
-    archive: bool,
+    is_archive: bool,
     files: &mut Vec<Encoded>,
 ) -> Vec<Option<String>> {
     let mut names = CompanionNames::new(name);
@@ -76,10 +67,10 @@ fn images(
     for (number, image) in surfaces.images.iter().enumerate() {
         out.push(match &image.source {
             ImageSource::Reference(path) => {
-                let ending = path.rsplit('.').next().map(str::to_ascii_lowercase);
-                let known = matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg"));
-                // What stands between the signs of a file may not hold them.
-                (known && !archive && !path.contains('@')).then(|| path.clone())
+                let extension = path.rsplit('.').next().map(str::to_ascii_lowercase);
+                let known = matches!(extension.as_deref(), Some("png" | "jpg" | "jpeg"));
+                // Asset paths are delimited by `@`.
+                (known && !is_archive && !path.contains('@')).then(|| path.clone())
             }
             ImageSource::Bytes(bytes) => {
                 let kind = image_type(&image.mime_type, bytes);
@@ -97,7 +88,7 @@ fn images(
     out
 }
 
-/// The nodes of one material.
+/// The shading network of one material.
 struct Shading<'a> {
     surfaces: Surfaces<'a>,
     images: &'a [Option<String>],
@@ -105,6 +96,7 @@ struct Shading<'a> {
     nodes: Vec<Prim>,
 }
 
+/// Creates a shader prim.
 fn shader(name: impl Into<String>, id: &str) -> Prim {
     let mut prim = Prim::new(name, "Shader");
     let id = Value::Token(id.to_owned());
@@ -113,38 +105,43 @@ fn shader(name: impl Into<String>, id: &str) -> Prim {
     prim
 }
 
+/// Sets an input to a value.
 fn set(prim: &mut Prim, name: &str, kind: &'static str, value: Value) {
     prim.properties
         .push(Property::new(format!("inputs:{name}"), kind, value));
 }
 
+/// Connects an input to an output.
 fn connect(prim: &mut Prim, name: &str, kind: &'static str, to: String) {
     let name = format!("inputs:{name}");
     prim.properties.push(Property::connected(&name, kind, to));
 }
 
+/// Adds an output.
 fn output(prim: &mut Prim, name: &str, kind: &'static str) {
     let name = format!("outputs:{name}");
     prim.properties.push(Property::new(name, kind, None));
 }
 
-/// How a texture's numbers become an input: times, plus.
-type Change = ([f32; 4], [f32; 4]);
+/// The linear map from the values of a texture to an input.
+struct LinearMap {
+    scale: [f32; 4],
+    bias: [f32; 4],
+}
 
 impl Shading<'_> {
+    /// Creates the surface shader.
     fn surface(&mut self, material: &Material, coloured: bool) -> Prim {
         let mut out = shader("surface", "UsdPreviewSurface");
         let unit = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) };
         let color = material.base_color.map(unit);
         let [r, g, b, a] = color;
-        let clear = matches!(material.alpha_mode.as_str(), "MASK" | "BLEND");
-        let plain = [0.0; 4];
-        match self.texture(
-            &material.base_color_texture,
-            "color",
-            "sRGB",
-            (color, plain),
-        ) {
+        let has_opacity = matches!(material.alpha_mode.as_str(), "MASK" | "BLEND");
+        let scaled = |scale: [f32; 4]| LinearMap {
+            scale,
+            bias: [0.0; 4],
+        };
+        match self.texture(&material.base_color_texture, "color", "sRGB", scaled(color)) {
             Some((from, mut node)) => {
                 output(&mut node, "rgb", "float3");
                 connect(
@@ -153,7 +150,7 @@ impl Shading<'_> {
                     "color3f",
                     format!("{from}.outputs:rgb"),
                 );
-                if clear {
+                if has_opacity {
                     output(&mut node, "a", "float");
                     connect(&mut out, "opacity", "float", format!("{from}.outputs:a"));
                 }
@@ -171,7 +168,7 @@ impl Shading<'_> {
                         Value::Float3([r, g, b]),
                     );
                 }
-                if clear {
+                if has_opacity {
                     set(&mut out, "opacity", "float", Value::Float(a));
                 }
             }
@@ -181,12 +178,12 @@ impl Shading<'_> {
             set(&mut out, "opacityThreshold", "float", least);
         }
         let (roughness, metallic) = (unit(material.roughness), unit(material.metallic));
-        let scale = ([1.0, roughness, metallic, 1.0], plain);
-        match self.texture(&material.metallic_roughness_texture, "finish", "raw", scale) {
+        let map = scaled([1.0, roughness, metallic, 1.0]);
+        match self.texture(&material.metallic_roughness_texture, "finish", "raw", map) {
             Some((from, mut node)) => {
-                for (name, part) in [("roughness", "g"), ("metallic", "b")] {
-                    output(&mut node, part, "float");
-                    connect(&mut out, name, "float", format!("{from}.outputs:{part}"));
+                for (name, channel) in [("roughness", "g"), ("metallic", "b")] {
+                    output(&mut node, channel, "float");
+                    connect(&mut out, name, "float", format!("{from}.outputs:{channel}"));
                 }
                 self.nodes.push(node);
             }
@@ -195,37 +192,45 @@ impl Shading<'_> {
                 set(&mut out, "metallic", "float", Value::Float(metallic));
             }
         }
-        self.relief(material, &mut out);
+        self.other_textures(material, &mut out);
         output(&mut out, "surface", "token");
         out
     }
 
-    /// Normals, occlusion and light.
-    fn relief(&mut self, material: &Material, out: &mut Prim) {
+    /// Adds normals, occlusion and emission.
+    fn other_textures(&mut self, material: &Material, out: &mut Prim) {
         let strength = |t: &Option<TextureReference>| t.as_ref().map_or(1.0, |t| t.strength);
         let s = strength(&material.normal_texture);
-        let bumps = ([2.0 * s, 2.0 * s, 2.0, 1.0], [-s, -s, -1.0, 0.0]);
-        if let Some((from, mut node)) =
-            self.texture(&material.normal_texture, "bumps", "raw", bumps)
+        let map = LinearMap {
+            scale: [2.0 * s, 2.0 * s, 2.0, 1.0],
+            bias: [-s, -s, -1.0, 0.0],
+        };
+        if let Some((from, mut node)) = self.texture(&material.normal_texture, "bumps", "raw", map)
         {
             output(&mut node, "rgb", "float3");
             connect(out, "normal", "normal3f", format!("{from}.outputs:rgb"));
             self.nodes.push(node);
         }
         let s = strength(&material.occlusion_texture);
-        let shade = ([s; 4], [1.0 - s; 4]);
-        let occlusion = self.texture(&material.occlusion_texture, "shade", "raw", shade);
+        let map = LinearMap {
+            scale: [s; 4],
+            bias: [1.0 - s; 4],
+        };
+        let occlusion = self.texture(&material.occlusion_texture, "shade", "raw", map);
         if let Some((from, mut node)) = occlusion {
             output(&mut node, "r", "float");
             connect(out, "occlusion", "float", format!("{from}.outputs:r"));
             self.nodes.push(node);
         }
-        let light = material
+        let emissive = material
             .emissive
             .map(|v| if v.is_finite() { v } else { 0.0 });
-        let [r, g, b] = light;
-        let scale = ([r, g, b, 1.0], [0.0; 4]);
-        match self.texture(&material.emissive_texture, "light", "sRGB", scale) {
+        let [r, g, b] = emissive;
+        let map = LinearMap {
+            scale: [r, g, b, 1.0],
+            bias: [0.0; 4],
+        };
+        match self.texture(&material.emissive_texture, "light", "sRGB", map) {
             Some((from, mut node)) => {
                 output(&mut node, "rgb", "float3");
                 connect(
@@ -236,39 +241,40 @@ impl Shading<'_> {
                 );
                 self.nodes.push(node);
             }
-            None if light != [0.0; 3] => {
-                set(out, "emissiveColor", "color3f", Value::Float3(light));
+            None if emissive != [0.0; 3] => {
+                set(out, "emissiveColor", "color3f", Value::Float3(emissive));
             }
             None => {}
         }
     }
 
-    /// A node that reads colours of vertices.
-    fn vertex_colours(&mut self, otherwise: [f32; 3]) -> String {
+    /// Adds a shader that reads vertex colours. Returns the path of its output.
+    fn vertex_colours(&mut self, fallback: [f32; 3]) -> String {
         let mut node = shader("colours", "UsdPrimvarReader_float3");
         let name = Value::Text("displayColor".to_owned());
         set(&mut node, "varname", "string", name);
-        set(&mut node, "fallback", "float3", Value::Float3(otherwise));
+        set(&mut node, "fallback", "float3", Value::Float3(fallback));
         output(&mut node, "result", "float3");
         self.nodes.push(node);
         format!("{}/colours.outputs:result", self.path)
     }
 
-    /// A node that reads a texture, with its path; nodes it needs go before it.
+    /// Creates a shader that reads a texture. Returns its path and its prim; the shaders that it needs are added before it.
     fn texture(
         &mut self,
         reference: &Option<TextureReference>,
         name: &str,
         space: &str,
-        (scale, bias): Change,
+        map: LinearMap,
     ) -> Option<(String, Prim)> {
         let reference = reference.as_ref()?;
         let texture = self.surfaces.textures.get(reference.texture)?;
         let file = self.images.get(texture.image?)?.clone()?;
-        let place = self.place(reference, name);
+        let LinearMap { scale, bias } = map;
+        let coordinates = self.coordinates(reference, name);
         let mut node = shader(name, "UsdUVTexture");
         set(&mut node, "file", "asset", Value::Asset(file));
-        connect(&mut node, "st", "float2", place);
+        connect(&mut node, "st", "float2", coordinates);
         for (key, code) in [("wrapS", texture.sampler[2]), ("wrapT", texture.sampler[3])] {
             let word = match code {
                 Some(33071) => "clamp",
@@ -288,9 +294,9 @@ impl Shading<'_> {
         Some((format!("{}/{name}", self.path), node))
     }
 
-    /// The output that says where in a texture to look.
-    fn place(&mut self, reference: &TextureReference, name: &str) -> String {
-        let set_name = coordinates(reference.coordinates);
+    /// Adds shaders that compute texture coordinates. Returns the path of their output.
+    fn coordinates(&mut self, reference: &TextureReference, name: &str) -> String {
+        let set_name = coordinate_set(reference.coordinates);
         let reader = format!("place_{set_name}");
         if !self.nodes.iter().any(|n| n.name == reader) {
             let mut node = shader(reader.as_str(), "UsdPrimvarReader_float2");
@@ -299,11 +305,11 @@ impl Shading<'_> {
             self.nodes.push(node);
         }
         let from = format!("{}/{reader}.outputs:result", self.path);
-        let Some((offset, turn, scale)) = reference.transform else {
+        let Some((offset, rotation, scale)) = reference.transform else {
             return from;
         };
-        // Both turn counter-clockwise seen with v upwards; the origin is the other corner.
-        let (sin, cos) = (libm::sinf(turn), libm::cosf(turn));
+        // Both rotate counter-clockwise with v pointing up, but about different corners.
+        let (sin, cos) = (libm::sinf(rotation), libm::cosf(rotation));
         let offset = [offset[0] + sin * scale[1], 1.0 - offset[1] - cos * scale[1]];
         let own = format!("{name}_transform");
         let mut node = shader(own.as_str(), "UsdTransform2d");
@@ -312,7 +318,7 @@ impl Shading<'_> {
             &mut node,
             "rotation",
             "float",
-            Value::Float(turn.to_degrees()),
+            Value::Float(rotation.to_degrees()),
         );
         set(&mut node, "scale", "float2", Value::Float2(scale));
         set(&mut node, "translation", "float2", Value::Float2(offset));
@@ -322,8 +328,8 @@ impl Shading<'_> {
     }
 }
 
-/// What a set of texture coordinates is called.
-pub fn coordinates(set: u32) -> String {
+/// The name of a set of texture coordinates.
+pub(super) fn coordinate_set(set: u32) -> String {
     if set == 0 {
         "st".to_owned()
     } else {

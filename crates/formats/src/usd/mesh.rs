@@ -1,24 +1,27 @@
-//! A mesh as a prim: points, faces, what rides on the vertices, the materials it is bound to.
+//! Meshes as prims: points, faces, vertex attributes, and bindings to materials.
 
 use super::layer::{Prim, Property, Value};
-use super::material::{Looks, coordinates};
-use crate::assemble::narrow;
+use super::material::{Materials, coordinate_set};
 use crate::error::{FormatError, InFile};
-use crate::gltf::ready_attributes;
+use crate::gltf::prepared_attributes;
+use crate::position::to_f32;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Material, Mesh};
+use greenstick_geometry::{Attribute, Material, Mesh};
 use std::collections::BTreeMap;
 
-/// A mesh on its way.
-pub struct Shape {
+/// A mesh as a prim.
+pub(super) struct MeshPrim {
     /// The prim.
     pub prim: Prim,
-    /// Unit normals, where there are any.
+    /// Unit normals; empty for a mesh without normals.
     pub normals: Vec<[f32; 3]>,
 }
 
-/// Which materials are on a mesh with colours of its own.
-pub fn coloured<'a>(meshes: impl Iterator<Item = &'a Mesh>, materials: usize) -> Vec<bool> {
+/// For each material, whether a mesh with vertex colours uses it.
+pub(super) fn coloured_materials<'a>(
+    meshes: impl Iterator<Item = &'a Mesh>,
+    materials: usize,
+) -> Vec<bool> {
     let mut coloured = vec![false; materials];
     for mesh in meshes.filter(|m| m.attributes.contains_key("COLOR_0")) {
         for &m in &mesh.materials {
@@ -30,29 +33,29 @@ pub fn coloured<'a>(meshes: impl Iterator<Item = &'a Mesh>, materials: usize) ->
     coloured
 }
 
-/// Writes a mesh, which was found sound, as a prim of that name.
-pub fn write(
+/// Converts a valid mesh to a prim.
+pub(super) fn write(
     mesh: &Mesh,
     name: String,
     materials: &[Material],
-    looks: &Looks,
+    library: &Materials,
     file: InFile,
-) -> Result<Shape, FormatError> {
+) -> Result<MeshPrim, FormatError> {
     let mut prim = Prim::new(name, "Mesh");
-    let narrowed = mesh.positions.iter().map(|&p| narrow(p, file));
-    let points = narrowed.collect::<Result<Vec<_>, _>>()?;
+    let rounded = mesh.positions.iter().map(|&p| to_f32(p, file));
+    let points = rounded.collect::<Result<Vec<_>, _>>()?;
     let index = |i: u32| {
         i32::try_from(i).map_err(|_| file.unwritable(format!("vertex {i}"), "at most 2147483647"))
     };
     let corners = mesh.triangles.as_flattened().iter().map(|&i| index(i));
     let corners = corners.collect::<Result<Vec<_>, _>>()?;
-    let double = |m: u32| materials.get(m as usize).is_some_and(|m| m.double_sided);
+    let is_double_sided = |m: u32| materials.get(m as usize).is_some_and(|m| m.double_sided);
     let list = &mut prim.properties;
-    if mesh.materials.iter().any(|&m| double(m)) {
+    if mesh.materials.iter().any(|&m| is_double_sided(m)) {
         list.push(Property::uniform("doubleSided", "bool", Value::Bool(true)));
     }
-    let never = Value::Token("none".to_owned());
-    list.push(Property::uniform("subdivisionScheme", "token", never));
+    let scheme = Value::Token("none".to_owned());
+    list.push(Property::uniform("subdivisionScheme", "token", scheme));
     list.push(Property::new(
         "extent",
         "float3[]",
@@ -66,13 +69,13 @@ pub fn write(
         Value::Ints(corners),
     ));
     list.push(Property::new("points", "point3f[]", Value::Float3s(points)));
-    let normals = vertices(mesh, materials, list);
-    bind(mesh, &mut prim, looks);
-    Ok(Shape { prim, normals })
+    let normals = write_attributes(mesh, materials, list);
+    bind_materials(mesh, &mut prim, library);
+    Ok(MeshPrim { prim, normals })
 }
 
-/// Smallest and largest coordinates.
-pub fn extent(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+/// The smallest and the largest coordinates.
+pub(super) fn extent(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let Some(&first) = points.first() else {
         return Vec::new();
     };
@@ -86,18 +89,22 @@ pub fn extent(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     vec![low, high]
 }
 
-/// What rides on the vertices; gives the normals.
-fn vertices(mesh: &Mesh, materials: &[Material], list: &mut Vec<Property>) -> Vec<[f32; 3]> {
+/// Writes vertex attributes. Returns the normals.
+fn write_attributes(
+    mesh: &Mesh,
+    materials: &[Material],
+    list: &mut Vec<Property>,
+) -> Vec<[f32; 3]> {
     let all: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let by_vertex = || Value::Token("vertex".to_owned());
     let mut normals = Vec::new();
-    for (name, (width, data)) in ready_attributes(mesh, &all, &mesh.triangles, 0) {
+    for (name, Attribute { width, data }) in prepared_attributes(mesh, &all, &mesh.triangles, 0) {
         let property = match name.as_str() {
             "NORMAL" => {
                 normals = data.as_chunks::<3>().0.to_vec();
                 Property::new("normals", "normal3f[]", Value::Float3s(normals.clone()))
             }
-            // Tangents follow from normals and places there.
+            // Readers compute tangents from normals and texture coordinates.
             "TANGENT" => continue,
             "COLOR_0" => {
                 let colours = Value::Float3s(colours(mesh, materials, width, &data));
@@ -107,12 +114,12 @@ fn vertices(mesh: &Mesh, materials: &[Material], list: &mut Vec<Property>) -> Ve
                 Some(set) => {
                     let pairs = data.as_chunks::<2>().0.iter();
                     let pairs = Value::Float2s(pairs.map(|[u, v]| [*u, 1.0 - v]).collect());
-                    let name = format!("primvars:{}", coordinates(set));
+                    let name = format!("primvars:{}", coordinate_set(set));
                     Property::new(name, "texCoord2f[]", pairs)
                 }
                 None => {
-                    let keep = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-                    let name: String = name.chars().map(keep).collect();
+                    let replace = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+                    let name: String = name.chars().map(replace).collect();
                     let (kind, value) = match width {
                         1 => ("float[]", Value::Floats(data)),
                         2 => ("float2[]", Value::Float2s(data.as_chunks().0.to_vec())),
@@ -129,7 +136,8 @@ fn vertices(mesh: &Mesh, materials: &[Material], list: &mut Vec<Property>) -> Ve
     normals
 }
 
-/// Colours of vertices, with that of the material of the first triangle that has them: a preview surface takes either.
+/// Vertex colours multiplied by the colour of the material of the first triangle at each vertex: a preview surface takes only
+/// one of both.
 fn colours(mesh: &Mesh, materials: &[Material], width: usize, data: &[f32]) -> Vec<[f32; 3]> {
     let mut tint = vec![[1.0_f32; 3]; mesh.positions.len()];
     for (t, triangle) in mesh.triangles.iter().enumerate().rev() {
@@ -146,14 +154,14 @@ fn colours(mesh: &Mesh, materials: &[Material], width: usize, data: &[f32]) -> V
         .collect()
 }
 
-/// Binds the prim to the only material, or parts of it to each.
-fn bind(mesh: &Mesh, prim: &mut Prim, looks: &Looks) {
+/// Binds the prim to its only material, or subsets of its faces to each material.
+fn bind_materials(mesh: &Mesh, prim: &mut Prim, library: &Materials) {
     let mut faces: BTreeMap<u32, Vec<i32>> = BTreeMap::new();
     for t in 0..mesh.triangles.len() {
         faces.entry(mesh.material(t)).or_default().push(t as i32);
     }
     let binding = |m: u32| {
-        let path = looks.paths.get(m as usize)?;
+        let path = library.paths.get(m as usize)?;
         Some(Property::relationship("material:binding", path.clone()))
     };
     if let (1, Some((&only, _))) = (faces.len(), faces.first_key_value()) {
@@ -163,7 +171,7 @@ fn bind(mesh: &Mesh, prim: &mut Prim, looks: &Looks) {
         }
         return;
     }
-    let whole = !faces.contains_key(&NO_MATERIAL);
+    let covers_all = !faces.contains_key(&NO_MATERIAL);
     for (m, list) in faces {
         let Some(binding) = binding(m) else {
             continue;
@@ -179,7 +187,11 @@ fn bind(mesh: &Mesh, prim: &mut Prim, looks: &Looks) {
         ];
         prim.children.push(part);
     }
-    let family = if whole { "partition" } else { "nonOverlapping" };
+    let family = if covers_all {
+        "partition"
+    } else {
+        "nonOverlapping"
+    };
     prim.apply("MaterialBindingAPI");
     prim.properties.push(Property::uniform(
         "subsetFamily:materialBind:familyType",

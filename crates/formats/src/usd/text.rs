@@ -1,10 +1,10 @@
-//! A layer as text (`.usda`), for stills: what a binary file holds already has no text.
+//! Writer of text layers (`.usda`) for static scenes. Values that are stored in a binary file have no text form.
 
-use super::layer::{Content, Layer, Prim, Property, Value};
+use super::layer::{Content, Layer, Metadatum, Prim, Property, Value};
 use std::fmt::{Display, Write};
 
-/// The layer as text.
-pub fn write(layer: &Layer) -> String {
+/// Formats a layer as text.
+pub(super) fn write(layer: &Layer) -> String {
     let mut out = String::from("#usda 1.0\n");
     metadata(&mut out, &layer.metadata, 0);
     out.push('\n');
@@ -12,17 +12,18 @@ pub fn write(layer: &Layer) -> String {
     out
 }
 
+/// Appends the indentation of a depth.
 fn indent(out: &mut String, depth: usize) {
     out.extend(std::iter::repeat_n("    ", depth));
 }
 
-/// `(key = value …)` on lines of their own, or nothing.
-fn metadata(out: &mut String, entries: &[(&'static str, Value)], depth: usize) {
+/// Appends metadata, `(key = value …)` on separate lines, or nothing if there are none.
+fn metadata(out: &mut String, entries: &[Metadatum], depth: usize) {
     if entries.is_empty() {
         return;
     }
     out.push_str("(\n");
-    for (key, value) in entries {
+    for Metadatum { key, value } in entries {
         indent(out, depth + 1);
         if let Value::Prepended(_) = value {
             out.push_str("prepend ");
@@ -36,22 +37,23 @@ fn metadata(out: &mut String, entries: &[(&'static str, Value)], depth: usize) {
     out.push_str(")\n");
 }
 
-fn prim(out: &mut String, prim_: &Prim, depth: usize) {
+/// Appends a prim with its descendants.
+fn prim(out: &mut String, this: &Prim, depth: usize) {
     indent(out, depth);
-    put_all(out, &["def ", prim_.kind, " \"", &prim_.name, "\""]);
-    if prim_.metadata.is_empty() {
+    put_all(out, &["def ", this.kind, " \"", &this.name, "\""]);
+    if this.metadata.is_empty() {
         out.push('\n');
     } else {
         out.push(' ');
-        metadata(out, &prim_.metadata, depth);
+        metadata(out, &this.metadata, depth);
     }
     indent(out, depth);
     out.push_str("{\n");
-    for p in &prim_.properties {
+    for p in &this.properties {
         property(out, p, depth + 1);
     }
-    for (k, child) in prim_.children.iter().enumerate() {
-        if k > 0 || !prim_.properties.is_empty() {
+    for (k, child) in this.children.iter().enumerate() {
+        if k > 0 || !this.properties.is_empty() {
             out.push('\n');
         }
         prim(out, child, depth + 1);
@@ -60,12 +62,13 @@ fn prim(out: &mut String, prim_: &Prim, depth: usize) {
     out.push_str("}\n");
 }
 
+/// Appends a property.
 fn property(out: &mut String, property: &Property, depth: usize) {
     indent(out, depth);
     match &property.content {
         Content::Relationship(targets) => {
             put_all(out, &["rel ", &property.name, " = "]);
-            list(out, targets, ("[", "]"), |out, t| {
+            list(out, targets, Brackets::Square, |out, t| {
                 put_all(out, &["<", t, ">"])
             });
         }
@@ -99,35 +102,63 @@ fn property(out: &mut String, property: &Property, depth: usize) {
     }
 }
 
+/// Appends several strings.
 fn put_all(out: &mut String, parts: &[&str]) {
     parts.iter().for_each(|p| out.push_str(p));
 }
 
+/// Brackets of a list.
+#[derive(Clone, Copy)]
+enum Brackets {
+    Round,
+    Square,
+}
+
+impl Brackets {
+    fn open(self) -> char {
+        match self {
+            Brackets::Round => '(',
+            Brackets::Square => '[',
+        }
+    }
+
+    fn close(self) -> char {
+        match self {
+            Brackets::Round => ')',
+            Brackets::Square => ']',
+        }
+    }
+}
+
+/// Appends items in brackets, separated by commas.
 fn list<T>(
     out: &mut String,
     items: &[T],
-    (open, close): (&str, &str),
+    brackets: Brackets,
     mut put: impl FnMut(&mut String, &T),
 ) {
-    out.push_str(open);
+    out.push(brackets.open());
     for (k, item) in items.iter().enumerate() {
         if k > 0 {
             out.push_str(", ");
         }
         put(out, item);
     }
-    out.push_str(close);
+    out.push(brackets.close());
 }
 
+/// Appends a number.
 fn number(out: &mut String, value: &impl Display) {
-    // A text takes every character.
+    // Writing to a string cannot fail.
     let _ = write!(out, "{value}");
 }
 
+/// Appends a tuple of numbers.
 fn tuple<T: Display>(out: &mut String, numbers: &[T]) {
-    list(out, numbers, ("(", ")"), |out, n| number(out, n));
+    list(out, numbers, Brackets::Round, |out, n| number(out, n));
 }
 
+/// Appends a string in quotes.
 fn quoted(out: &mut String, text: &str) {
     out.push('"');
     for c in text.chars() {
@@ -143,8 +174,8 @@ fn quoted(out: &mut String, text: &str) {
     out.push('"');
 }
 
+/// Appends a value.
 fn put(out: &mut String, value: &Value) {
-    const LIST: (&str, &str) = ("[", "]");
     match value {
         Value::Bool(v) => number(out, v),
         Value::Int64(v) => number(out, v),
@@ -156,16 +187,18 @@ fn put(out: &mut String, value: &Value) {
         Value::Float3(v) => tuple(out, v),
         Value::Float4(v) => tuple(out, v),
         Value::Double3(v) => tuple(out, v),
-        Value::Turn([x, y, z, w]) => tuple(out, &[w, x, y, z]),
-        Value::Matrix(rows) => list(out, rows, ("(", ")"), |out, row| tuple(out, row)),
-        Value::Tokens(v) | Value::Prepended(v) => list(out, v, LIST, |out, t| quoted(out, t)),
-        Value::Ints(v) => list(out, v, LIST, number),
-        Value::Floats(v) => list(out, v, LIST, number),
-        Value::Doubles(v) => list(out, v, LIST, number),
-        Value::Float2s(v) => list(out, v, LIST, |out, n| tuple(out, n)),
-        Value::Float3s(v) => list(out, v, LIST, |out, n| tuple(out, n)),
-        Value::Float4s(v) => list(out, v, LIST, |out, n| tuple(out, n)),
-        // Only films store values, and films are binary.
+        Value::Quaternion([x, y, z, w]) => tuple(out, &[w, x, y, z]),
+        Value::Matrix(rows) => list(out, rows, Brackets::Round, |out, row| tuple(out, row)),
+        Value::Tokens(v) | Value::Prepended(v) => {
+            list(out, v, Brackets::Square, |out, t| quoted(out, t))
+        }
+        Value::Ints(v) => list(out, v, Brackets::Square, number),
+        Value::Floats(v) => list(out, v, Brackets::Square, number),
+        Value::Doubles(v) => list(out, v, Brackets::Square, number),
+        Value::Float2s(v) => list(out, v, Brackets::Square, |out, n| tuple(out, n)),
+        Value::Float3s(v) => list(out, v, Brackets::Square, |out, n| tuple(out, n)),
+        Value::Float4s(v) => list(out, v, Brackets::Square, |out, n| tuple(out, n)),
+        // Only films have stored values, and they are binary.
         Value::Stored(_) => out.push_str("None"),
     }
 }

@@ -1,18 +1,16 @@
-//! Image data: voxels with arrays, in slices that may be made and compressed one by one.
+//! Image data: voxels with arrays, in slices that can be computed and compressed one by one.
 
-use super::{Appended, escaped, opening};
-use crate::Encoded;
+use super::appended::{Appended, escape, file_start};
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
-use flate2::{Compression, write::ZlibEncoder};
 use glam::DVec3;
-use std::io::Write;
 
-/// Type of an array's numbers, little endian.
+/// The type of the values of an array, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageNumber {
-    /// One byte.
+    /// Unsigned 8-bit integers.
     U8,
-    /// Two bytes.
+    /// Unsigned 16-bit integers.
     U16,
 }
 
@@ -21,22 +19,23 @@ pub enum ImageNumber {
 pub struct ImageArray {
     /// Name.
     pub name: String,
-    /// Numbers for each voxel.
+    /// Values for each voxel.
     pub components: usize,
-    /// Their type.
+    /// Type of the values.
     pub number: ImageNumber,
-    /// For each slice its numbers, those of a voxel together, x before y, through [`compress`].
+    /// The values of each slice, compressed by [`compress`](super::compress): all components of a voxel, then the next
+    /// voxel along x, then the next row along y.
     pub slices: Vec<Vec<u8>>,
 }
 
-/// A box of voxels. Numbers are those of the voxels themselves (VTK's cells), not of their corners.
+/// A box of voxels. Values belong to the voxels themselves (cells in VTK), not to their corners.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
-    /// Voxels along x, y and z.
+    /// Number of voxels along x, y and z.
     pub counts: [usize; 3],
-    /// The corner of the first voxel in the world, m.
+    /// Position of the corner of the first voxel in the world, m.
     pub origin: DVec3,
-    /// Sides of a voxel, m.
+    /// Edge lengths of a voxel, m.
     pub spacing: [f64; 3],
     /// Directions of x, y and z in the world (unit vectors).
     pub directions: [DVec3; 3],
@@ -44,38 +43,29 @@ pub struct Image {
     pub arrays: Vec<ImageArray>,
 }
 
-/// How hard to press: more takes longer than it saves on runs of equal numbers.
-const LEVEL: u32 = 2;
-
-/// Bytes as a zlib stream.
-pub fn compress(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
-    // Memory takes every byte.
-    let _ = encoder.write_all(bytes);
-    encoder.finish().unwrap_or_default()
-}
-
 /// Writes a `.vti` file.
 ///
 /// # Errors
-/// [`FormatError::Unwritable`] where an array has not as many slices as there are voxels along z, or a measure is not
-/// finite.
+/// [`FormatError::Unwritable`] if an array does not have one slice for each voxel along z, or a number is not finite.
 pub fn write_image(image: &Image, name: &str) -> Result<Encoded, FormatError> {
     let file = InFile(name);
     let [nx, ny, nz] = image.counts;
-    let measures = image.directions.iter().flat_map(|d| d.to_array());
-    if !image.origin.is_finite() || !measures.chain(image.spacing).all(f64::is_finite) {
-        return Err(file.unwritable("an image without a place", "finite measures"));
+    let directions = image.directions.iter().flat_map(|d| d.to_array());
+    if !image.origin.is_finite() || !directions.chain(image.spacing).all(f64::is_finite) {
+        return Err(file.unwritable(
+            "an image whose position or size is not finite",
+            "finite numbers",
+        ));
     }
     let mut appended = Appended::default();
-    let mut text = opening("ImageData", "1.0");
+    let mut text = file_start("ImageData", "1.0");
     let numbers = |list: &[f64]| {
         list.iter()
             .map(f64::to_string)
             .collect::<Vec<_>>()
             .join(" ")
     };
-    // The directions are the columns of the matrix that is written by rows.
+    // The directions are the columns of the matrix, which is written row by row.
     let [x, y, z] = image.directions;
     let matrix = [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z];
     let extent = format!("0 {nx} 0 {ny} 0 {nz}");
@@ -87,14 +77,12 @@ pub fn write_image(image: &Image, name: &str) -> Result<Encoded, FormatError> {
         image
             .arrays
             .first()
-            .map_or(String::new(), |a| escaped(&a.name)),
+            .map_or(String::new(), |a| escape(&a.name)),
     );
     for array in &image.arrays {
         if array.slices.len() != nz {
             let found = format!("{} slices of {}", array.slices.len(), array.name);
-            return Err(
-                file.unwritable(found, format!("{nz}, as many as there are voxels along z"))
-            );
+            return Err(file.unwritable(found, format!("{nz}, one for each voxel along z")));
         }
         let (kind, size) = match array.number {
             ImageNumber::U8 => ("UInt8", 1),
@@ -108,7 +96,7 @@ pub fn write_image(image: &Image, name: &str) -> Result<Encoded, FormatError> {
         );
         text += &format!(
             "        <DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{offset}\"/>\n",
-            escaped(&array.name),
+            escape(&array.name),
             array.components
         );
     }
@@ -117,22 +105,4 @@ pub fn write_image(image: &Image, name: &str) -> Result<Encoded, FormatError> {
         name: name.to_owned(),
         bytes: appended.finish(text),
     })
-}
-
-/// Writes a `.vtm` file that lists others: (name of the part, its file).
-pub fn write_multiblock(parts: &[(String, String)], name: &str) -> Encoded {
-    let mut text = opening("vtkMultiBlockDataSet", "1.0");
-    text += "  <vtkMultiBlockDataSet>\n";
-    for (i, (part, file)) in parts.iter().enumerate() {
-        text += &format!(
-            "    <DataSet index=\"{i}\" name=\"{}\" file=\"{}\"/>\n",
-            escaped(part),
-            escaped(file)
-        );
-    }
-    text += "  </vtkMultiBlockDataSet>\n</VTKFile>\n";
-    Encoded {
-        name: name.to_owned(),
-        bytes: text.into_bytes(),
-    }
 }

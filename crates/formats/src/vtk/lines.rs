@@ -1,7 +1,7 @@
-//! Lines with data: rods as polylines, bonds as lines of two points, and lists of such files over time.
+//! Polylines with data: rods, or bonds as lines of two points.
 
-use super::{Appended, Packed, add, bytes_of, escaped, opening};
-use crate::Encoded;
+use super::appended::{Appended, CompressedArray, add_array, bytes_of, escape, file_start};
+use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
 use glam::DVec3;
 use greenstick_geometry::Values;
@@ -9,16 +9,16 @@ use greenstick_geometry::Values;
 /// Data of points or lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Name, with the unit where there is one: `force_N`.
+    /// Name, with the unit if there is one: `force_N`.
     pub name: String,
-    /// Numbers for each point or line: 1, 3 for a vector …
+    /// Values for each point or line: 1, 3 for a vector …
     pub components: usize,
-    /// The numbers.
+    /// The values.
     pub values: Values,
 }
 
 impl Field {
-    /// One number for each.
+    /// A field with one value for each point or line.
     pub fn scalar(name: &str, values: Values) -> Self {
         Field {
             name: name.to_owned(),
@@ -27,7 +27,7 @@ impl Field {
         }
     }
 
-    /// A vector for each.
+    /// A field with a vector for each point or line.
     pub fn vectors(name: &str, vectors: &[DVec3]) -> Self {
         Field {
             name: name.to_owned(),
@@ -37,14 +37,14 @@ impl Field {
     }
 }
 
-/// Lines through points.
+/// Polylines through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polylines<'a> {
     /// Points, m.
     pub points: &'a [DVec3],
-    /// Points of all lines, one line after the other.
+    /// Points of all lines, one line after another.
     pub corners: &'a [u32],
-    /// Where each line ends in `corners`, ascending.
+    /// End of each line in `corners`, ascending.
     pub ends: &'a [u32],
     /// Data of the points.
     pub point_data: &'a [Field],
@@ -55,43 +55,43 @@ pub struct Polylines<'a> {
 /// Writes lines as a `.vtp` file.
 ///
 /// # Errors
-/// [`FormatError::Unwritable`] where a line has a point that does not exist or no points, a field has not the numbers that
-/// it should have, or a number is not finite.
-pub fn lines(lines: &Polylines, name: &str) -> Result<Encoded, FormatError> {
+/// [`FormatError::Unwritable`] if a line has no points or a point that does not exist, a field has the wrong number of
+/// values, or a number is not finite.
+pub fn write_lines(lines: &Polylines, name: &str) -> Result<Encoded, FormatError> {
     let file = InFile(name);
     check(lines, file)?;
-    let (count, places) = (lines.ends.len(), lines.points.len());
+    let (line_count, point_count) = (lines.ends.len(), lines.points.len());
     let coordinates = Values::F64(lines.points.iter().flat_map(|p| p.to_array()).collect());
-    let points = Packed::of(&bytes_of(&coordinates).1);
-    let long = |list: &[u32]| -> Vec<u8> {
+    let points = CompressedArray::new(&bytes_of(&coordinates).1);
+    let as_i64 = |list: &[u32]| -> Vec<u8> {
         list.iter()
             .flat_map(|&i| i64::from(i).to_le_bytes())
             .collect()
     };
-    let corners = Packed::of(&long(lines.corners));
-    let ends = Packed::of(&long(lines.ends));
-    let of_points = packed(lines.point_data);
-    let of_lines = packed(lines.line_data);
+    let corners = CompressedArray::new(&as_i64(lines.corners));
+    let ends = CompressedArray::new(&as_i64(lines.ends));
+    let point_data = compress_fields(lines.point_data);
+    let line_data = compress_fields(lines.line_data);
     let mut appended = Appended::default();
-    let mut text = opening("PolyData", "1.0");
+    let mut text = file_start("PolyData", "1.0");
     text += &format!(
-        "  <PolyData>\n    <Piece NumberOfPoints=\"{places}\" NumberOfVerts=\"0\" NumberOfLines=\"{count}\" NumberOfStrips=\"0\" \
+        "  <PolyData>\n    <Piece NumberOfPoints=\"{point_count}\" NumberOfVerts=\"0\" NumberOfLines=\"{line_count}\" NumberOfStrips=\"0\" \
          NumberOfPolys=\"0\">\n"
     );
-    for (kind, fields) in [("PointData", &of_points), ("CellData", &of_lines)] {
+    for (kind, fields) in [("PointData", &point_data), ("CellData", &line_data)] {
         text += &format!("      <{kind}>\n");
-        for (entry, packed) in fields {
-            add(&mut text, &mut appended, entry, packed);
+        for field in fields {
+            add_array(&mut text, &mut appended, &field.attributes, &field.array);
         }
         text += &format!("      </{kind}>\n");
     }
     text += "      <Points>\n";
-    let entry = "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"";
-    add(&mut text, &mut appended, entry, &points);
+    let attributes = "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"";
+    add_array(&mut text, &mut appended, attributes, &points);
     text += "      </Points>\n      <Lines>\n";
-    for (name, packed) in [("connectivity", &corners), ("offsets", &ends)] {
-        let entry = format!("type=\"Int64\" Name=\"{name}\"");
-        add(&mut text, &mut appended, &entry, packed);
+    for (name, array) in [("connectivity", &corners), ("offsets", &ends)] {
+        let attributes = format!("type=\"Int64\" Name=\"{name}\"");
+        add_array(&mut text, &mut appended, &attributes, array);
     }
     text += "      </Lines>\n    </Piece>\n  </PolyData>\n";
     Ok(Encoded {
@@ -100,48 +100,62 @@ pub fn lines(lines: &Polylines, name: &str) -> Result<Encoded, FormatError> {
     })
 }
 
-fn packed(fields: &[Field]) -> Vec<(String, Packed)> {
-    let pack = |field: &Field| {
-        let (kind, bytes) = bytes_of(&field.values);
-        let entry = format!(
-            "type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{}\"",
-            escaped(&field.name),
-            field.components
-        );
-        (entry, Packed::of(&bytes))
-    };
-    fields.iter().map(pack).collect()
+/// A compressed field with the attributes of its array.
+struct CompressedField {
+    attributes: String,
+    array: CompressedArray,
 }
 
+/// Compresses fields.
+fn compress_fields(fields: &[Field]) -> Vec<CompressedField> {
+    let compress = |field: &Field| {
+        let (kind, bytes) = bytes_of(&field.values);
+        let attributes = format!(
+            "type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{}\"",
+            escape(&field.name),
+            field.components
+        );
+        CompressedField {
+            attributes,
+            array: CompressedArray::new(&bytes),
+        }
+    };
+    fields.iter().map(compress).collect()
+}
+
+/// Refuses invalid lines and fields.
 fn check(lines: &Polylines, file: InFile) -> Result<(), FormatError> {
-    let (count, places) = (lines.ends.len(), lines.points.len());
+    let (count, points) = (lines.ends.len(), lines.points.len());
     let mut from = 0;
     for (line, &end) in lines.ends.iter().enumerate() {
         if end <= from || end as usize > lines.corners.len() {
-            let found = format!("line {line} takes points {from} to {end}");
-            let right = format!("at least one of the {}", lines.corners.len());
+            let found = format!("line {line} has the points {from} to {end}");
+            let right = format!("at least one of {}", lines.corners.len());
             return Err(file.unwritable(found, right));
         }
         from = end;
     }
     if from as usize != lines.corners.len() {
-        let found = format!("{} points of lines that end at {from}", lines.corners.len());
-        return Err(file.unwritable(found, "lines that take all points"));
+        let found = format!(
+            "{} points for lines that end at {from}",
+            lines.corners.len()
+        );
+        return Err(file.unwritable(found, "lines that use all points"));
     }
-    if let Some(i) = lines.corners.iter().find(|&&i| i as usize >= places) {
-        let right = format!("a number below {places}");
-        return Err(file.unwritable(format!("a line goes through point {i}"), right));
+    if let Some(i) = lines.corners.iter().find(|&&i| i as usize >= points) {
+        let right = format!("a number below {points}");
+        return Err(file.unwritable(format!("a line passes through point {i}"), right));
     }
     if let Some(i) = lines.points.iter().position(|p| !p.is_finite()) {
         let found = format!("point {i} lies at {}", lines.points[i]);
         return Err(file.unwritable(found, "finite coordinates"));
     }
-    let of_points = lines.point_data.iter().map(|f| (f, places));
-    let of_lines = lines.line_data.iter().map(|f| (f, count));
-    for (field, entries) in of_points.chain(of_lines) {
+    let point_data = lines.point_data.iter().map(|f| (f, points));
+    let line_data = lines.line_data.iter().map(|f| (f, count));
+    for (field, entries) in point_data.chain(line_data) {
         let right = field.components.checked_mul(entries);
         if field.components == 0 || right != Some(field.values.len()) {
-            let found = format!("field {} has {} numbers", field.name, field.values.len());
+            let found = format!("field {} has {} values", field.name, field.values.len());
             let right = format!("{} for each of {entries}", field.components.max(1));
             return Err(file.unwritable(found, right));
         }
@@ -153,22 +167,4 @@ fn check(lines: &Polylines, file: InFile) -> Result<(), FormatError> {
         }
     }
     Ok(())
-}
-
-/// A `.pvd` file: which files are shown when, (time in s, file). Files of the same time that follow each other are parts
-/// that are shown together, such as rods and bonds.
-pub fn collection(files: &[(f64, String)]) -> String {
-    let mut text = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n",
-    );
-    let mut part = 0;
-    for (k, (time, file)) in files.iter().enumerate() {
-        let together = k > 0 && files[k - 1].0 == *time;
-        part = if together { part + 1 } else { 0 };
-        text += &format!(
-            "    <DataSet timestep=\"{time}\" group=\"\" part=\"{part}\" file=\"{}\"/>\n",
-            escaped(file)
-        );
-    }
-    text + "  </Collection>\n</VTKFile>\n"
 }

@@ -1,55 +1,56 @@
-//! Points with data: every row of a table a vertex, every other column an array.
+//! Points with data: each row of a table is a vertex, each column other than its position an array.
 
-use super::{Appended, Packed, add, bytes_of, escaped, opening};
+use super::appended::{Appended, CompressedArray, add_array, bytes_of, escape, file_start};
 use crate::error::{FormatError, InFile};
-use crate::table::places;
+use crate::table::positions;
 use greenstick_geometry::Table;
 
+/// Writes a table as points.
 pub(crate) fn write_points(table: &Table, file: InFile) -> Result<Vec<u8>, FormatError> {
-    let [x, y, z] = places(table, file)?;
+    let [x, y, z] = positions(table, file)?;
     let rows = table.rows();
-    let mut arrays: Vec<(String, Packed)> = Vec::new();
+    let mut arrays: Vec<(String, CompressedArray)> = Vec::new();
     for column in &table.columns {
         if matches!(column.name.as_str(), "x" | "y" | "z") {
             continue;
         }
         let (kind, bytes) = bytes_of(&column.values);
-        let entry = format!("type=\"{kind}\" Name=\"{}\"", escaped(&column.heading()));
-        arrays.push((entry, Packed::of(&bytes)));
+        let attributes = format!("type=\"{kind}\" Name=\"{}\"", escape(&column.heading()));
+        arrays.push((attributes, CompressedArray::new(&bytes)));
     }
-    let places: Vec<u8> = (0..rows)
+    let coordinates: Vec<u8> = (0..rows)
         .flat_map(|i| [x[i], y[i], z[i]])
         .flat_map(f64::to_le_bytes)
         .collect();
-    let places = Packed::of(&places);
-    // Each point is a vertex of its own, so that it is drawn.
+    let coordinates = CompressedArray::new(&coordinates);
+    // Each point is a vertex cell, so that it is visible.
     let count = |from: usize| (from..rows + from).flat_map(|i| (i as i64).to_le_bytes());
-    let connectivity = Packed::of(&count(0).collect::<Vec<u8>>());
-    let offsets = Packed::of(&count(1).collect::<Vec<u8>>());
+    let connectivity = CompressedArray::new(&count(0).collect::<Vec<u8>>());
+    let offsets = CompressedArray::new(&count(1).collect::<Vec<u8>>());
     let mut appended = Appended::default();
-    let mut text = opening("PolyData", "1.0");
+    let mut text = file_start("PolyData", "1.0");
     text += &format!(
         "  <PolyData>\n    <Piece NumberOfPoints=\"{rows}\" NumberOfVerts=\"{rows}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
          NumberOfPolys=\"0\">\n      <PointData>\n"
     );
-    for (entry, packed) in &arrays {
-        add(&mut text, &mut appended, entry, packed);
+    for (attributes, array) in &arrays {
+        add_array(&mut text, &mut appended, attributes, array);
     }
     text += "      </PointData>\n      <Points>\n";
-    add(
+    add_array(
         &mut text,
         &mut appended,
         "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
-        &places,
+        &coordinates,
     );
     text += "      </Points>\n      <Verts>\n";
-    add(
+    add_array(
         &mut text,
         &mut appended,
         "type=\"Int64\" Name=\"connectivity\"",
         &connectivity,
     );
-    add(
+    add_array(
         &mut text,
         &mut appended,
         "type=\"Int64\" Name=\"offsets\"",

@@ -1,10 +1,10 @@
-//! A film to write: a bent stick whose skin follows joints along it, a half that breaks off and flies, a hammer that
-//! moves, an anvil that does not.
+//! A film for tests: a bent stick whose skin follows joints along it, a half that breaks off and flies away, a hammer that
+//! moves, and an anvil that does not.
 
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_geometry::{
     Attribute, Binding, Extra, Film, Image, ImageSource, Joint, Material, Mesh, Motion, Node, Pose,
-    Skinned, Texture, TextureReference,
+    RigidBody, SkinnedMesh, Texture, TextureReference,
 };
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -16,26 +16,8 @@ const AROUND: usize = 12;
 /// Half the stick's thickness, m.
 const RADIUS: f64 = 0.02;
 
-/// Joints along the stick, then the flying half's, the hammer's, and one that nothing follows.
+/// The film. The joints are those along the stick, that of the half, that of the hammer, and one that nothing follows.
 pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
-    let rest = |k: usize| Joint {
-        name: format!("j{k}"),
-        rest: Pose {
-            translation: DVec3::new(0.0, along(k, joints), 0.0),
-            rotation: DQuat::from_rotation_y(0.1 * k as f64),
-        },
-    };
-    let named = |name: &str, translation| Joint {
-        name: name.to_owned(),
-        rest: Pose {
-            translation,
-            rotation: DQuat::from_rotation_x(0.4),
-        },
-    };
-    let mut all: Vec<Joint> = (0..joints).map(rest).collect();
-    all.push(named("flight", DVec3::new(0.1, 1.0, 0.0)));
-    all.push(named("hammer", DVec3::new(0.3, 0.5, 0.0)));
-    all.push(named("nothing", DVec3::ZERO));
     let stick = tube(rings);
     let mut binding = Binding::default();
     for p in &stick.positions {
@@ -60,27 +42,30 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
         parent: None,
     };
     Film {
-        joints: all,
+        joints: rest_joints(joints),
         pieces: vec![
-            Skinned {
+            SkinnedMesh {
                 name: "stick".to_owned(),
                 mesh: stick,
                 binding,
                 extras,
-                ..Skinned::default()
+                ..SkinnedMesh::default()
             },
-            Skinned {
+            SkinnedMesh {
                 name: "half".to_owned(),
                 mesh: half,
                 binding: rigid,
-                ..Skinned::default()
+                ..SkinnedMesh::default()
             },
         ],
         fixed: vec![node(
             "anvil",
             DAffine3::from_translation(DVec3::new(0.0, -1.5, 0.0)),
         )],
-        bodies: vec![(node("hammer", place), joints as u32 + 1)],
+        bodies: vec![RigidBody {
+            node: node("hammer", place),
+            joint: joints as u32 + 1,
+        }],
         materials: materials(),
         textures: vec![Texture {
             image: Some(0),
@@ -94,6 +79,29 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
         }],
         frames_per_second: 30.0,
     }
+}
+
+/// The joints at rest.
+fn rest_joints(joints: usize) -> Vec<Joint> {
+    let rest = |k: usize| Joint {
+        name: format!("j{k}"),
+        rest: Pose {
+            translation: DVec3::new(0.0, along(k, joints), 0.0),
+            rotation: DQuat::from_rotation_y(0.1 * k as f64),
+        },
+    };
+    let named = |name: &str, translation| Joint {
+        name: name.to_owned(),
+        rest: Pose {
+            translation,
+            rotation: DQuat::from_rotation_x(0.4),
+        },
+    };
+    let mut all: Vec<Joint> = (0..joints).map(rest).collect();
+    all.push(named("flight", DVec3::new(0.1, 1.0, 0.0)));
+    all.push(named("hammer", DVec3::new(0.3, 0.5, 0.0)));
+    all.push(named("nothing", DVec3::ZERO));
+    all
 }
 
 fn materials() -> Vec<Material> {
@@ -122,7 +130,7 @@ fn along(k: usize, joints: usize) -> f64 {
     k as f64 / (joints - 1).max(1) as f64
 }
 
-/// Weights of the nearest joints that fall off with the distance.
+/// Weights of the nearest joints, which decrease with the distance.
 fn hats(y: f64, joints: usize, influences: usize) -> Vec<(u32, f64)> {
     let mut near: Vec<(f64, u32)> = (0..joints)
         .map(|k| ((y - along(k, joints)).abs(), k as u32))
@@ -134,7 +142,7 @@ fn hats(y: f64, joints: usize, influences: usize) -> Vec<(u32, f64)> {
     raw.map(|(k, w)| (k, w / sum)).collect()
 }
 
-/// A closed tube of radius [`RADIUS`] from y = 0 to 1, its ends of another material.
+/// A closed tube of radius [`RADIUS`] from y = 0 to 1 with another material at its ends.
 fn tube(rings: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let (mut normals, mut places) = (Vec::new(), Vec::new());
@@ -169,7 +177,7 @@ fn tube(rings: usize) -> Mesh {
     mesh
 }
 
-/// The stick bends ever more, the half tumbles, the hammer slides along x.
+/// The stick bends more and more, the half tumbles, the hammer slides along x.
 pub struct Bend {
     pub joints: usize,
     pub frames: usize,
@@ -177,7 +185,7 @@ pub struct Bend {
 }
 
 impl Bend {
-    pub fn of(film: &Film, frames: usize) -> Self {
+    pub fn new(film: &Film, frames: usize) -> Self {
         Bend {
             joints: film.joints.len() - 3,
             frames,
@@ -201,7 +209,7 @@ impl Motion for Bend {
         let t = self.time(frame);
         for (k, pose) in poses.iter_mut().enumerate() {
             let rest = self.rest[k].rest;
-            // The stick lies on an arc; its first joint stands still.
+            // The stick lies on an arc; its first joint does not move.
             let (s, bend) = (along(k, self.joints), 0.6 * t);
             let (turn, place) = match k.checked_sub(self.joints) {
                 None if bend > 0.0 => {
@@ -209,7 +217,7 @@ impl Motion for Bend {
                     (DQuat::from_rotation_z(bend * s), round)
                 }
                 None => (DQuat::IDENTITY, DVec3::Y * s),
-                // More than a whole turn, so that signs of quaternions flip.
+                // More than a full turn, so that the signs of quaternions flip.
                 Some(0) => (
                     DQuat::from_rotation_z(3.0 * t),
                     rest.translation + DVec3::new(t, -0.5 * t * t, 0.0),

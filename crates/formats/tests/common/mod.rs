@@ -2,6 +2,8 @@
 #![allow(dead_code)]
 
 pub mod bundle;
+#[path = "../../../../tests/support/data.rs"]
+pub mod data;
 
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_formats::{Encoded, Format, FormatError, LengthUnit, read, write};
@@ -9,49 +11,25 @@ use greenstick_geometry::{
     Attribute, Image, ImageSource, Material, Mesh, Node, Scene, Texture, TextureReference,
 };
 use std::io::{Error, ErrorKind};
-use std::path::PathBuf;
+use std::path::Path;
 
-/// A file of the test data: in `tests/data`, where those lie that may be handed on, or in `shared/data` beside the
-/// repository; `None` with a line that says so where it is in neither.
-pub fn data(path: &str) -> Option<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let own = root
-        .join("tests/data")
-        .join(PathBuf::from(path).file_name()?);
-    let beside = ["../shared/data", "../../shared/data"].map(|p| root.join(p).join(path));
-    let found = [own].into_iter().chain(beside).find(|p| p.exists());
-    if found.is_none() {
-        println!("skipped: there is no shared/data/{path} beside the repository");
-    }
-    found
-}
-
-/// Reads a file of the shared test data with its companions.
-pub fn read_data(path: &str) -> Option<Scene> {
-    let path = data(path)?;
-    let bytes = std::fs::read(&path).unwrap();
+/// Reads a file with its companions.
+pub fn read_file(path: &Path) -> Scene {
+    let bytes = std::fs::read(path).unwrap();
     let folder = path.parent().unwrap();
     let resolve = |name: &str| std::fs::read(folder.join(name));
-    let format = Format::of_path(&path).unwrap();
-    Some(
-        read(
-            format,
-            &bytes,
-            &path.file_name().unwrap().to_string_lossy(),
-            None,
-            &resolve,
-        )
-        .unwrap(),
-    )
+    let format = Format::from_path(path).unwrap();
+    let name = path.file_name().unwrap().to_string_lossy();
+    read(format, &bytes, &name, None, &resolve).unwrap()
 }
 
-/// Reads bytes that have no companions.
+/// Reads bytes without companions.
 pub fn read_alone(format: Format, bytes: &[u8]) -> Result<Scene, FormatError> {
     let resolve = |_: &str| Err(Error::from(ErrorKind::NotFound));
     read(format, bytes, "sample", None, &resolve)
 }
 
-/// Reads what was written, in the same unit.
+/// Reads files that were written in the given unit.
 pub fn read_back(format: Format, files: &[Encoded], unit: LengthUnit) -> Scene {
     let resolve = |name: &str| {
         let file = files.iter().find(|f| f.name == name);
@@ -64,11 +42,11 @@ pub fn read_back(format: Format, files: &[Encoded], unit: LengthUnit) -> Scene {
 
 /// Writes and reads.
 pub fn round_trip(format: Format, scene: &Scene, unit: LengthUnit) -> Scene {
-    let name = format!("a b.{}", format.ending());
+    let name = format!("a b.{}", format.extension());
     read_back(format, &write(format, scene, &name, unit).unwrap(), unit)
 }
 
-/// All triangles in the world, in order.
+/// All triangles in world coordinates, in order.
 pub fn world_triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
     let of_node = |node: &Node| {
         let mesh = node.mesh.transformed(&node.transform);
@@ -87,7 +65,7 @@ pub fn distance(a: &Scene, b: &Scene) -> f64 {
     corners.map(|(p, q)| p.distance(*q)).fold(0.0, f64::max)
 }
 
-/// A unit cube of 24 vertices with everything that a vertex can carry.
+/// A unit cube with 24 vertices and every kind of attribute.
 pub fn cube() -> Mesh {
     let mut mesh = Mesh::default();
     let (mut normals, mut uvs, mut colors, mut rings, mut tangents) =
@@ -132,7 +110,7 @@ pub fn cube() -> Mesh {
     mesh
 }
 
-/// Two cubes, one carried by the other, with two materials and both kinds of images.
+/// Two cubes, one the child of the other, with two materials and both kinds of images.
 pub fn two_cubes() -> Scene {
     let texture = |texture| TextureReference {
         texture,
@@ -197,7 +175,7 @@ pub fn two_cubes() -> Scene {
     }
 }
 
-/// A PNG of one grey pixel.
+/// A PNG image of one grey pixel.
 pub fn png_pixel() -> Vec<u8> {
     let hex = "89504e470d0a1a0a0000000d49484452000000010000000108000000003a7e9b55\
                0000000a4944415478da6368000000820081da45083b0000000049454e44ae426082";

@@ -6,69 +6,83 @@
 //! grain space no wall of a groove can cross anything. In the world the chords of a bent stem's facets stray from their
 //! places there, so walls of narrow grooves may cross. Where grooves overlap, the deeper one counts at each node.
 
+use super::end_face::EndFace;
+use super::error::CrackError;
+use super::plan::{CrackPlan, PlannedCrack};
+use super::profile::{relative_depth, relative_opening};
 use super::refine::Refined;
-use super::{CrackError, CrackPlan, Direction, PlannedCrack, depth};
-use crate::surface::{Layout, Surface};
-use glam::{DVec2, DVec3};
+use crate::surface::{FractureSurface, SectionLayout};
+use glam::DVec2;
 use greenstick_wood::rings::RingField;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
+/// The direction in which grooves run from the face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// To smaller lengths: the piece below the face cracks.
+    Down,
+    /// To greater lengths: the piece above the face cracks.
+    Up,
+}
+
 /// The stem that grooves are made in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
+pub struct CrackSite {
     /// Radius of the stem, m.
     pub radius: f64,
     /// Lengths along the axis that grooves must keep within, m.
     pub usable: (f64, f64),
-    /// Height (m) along the grain after which the walls of a groove are parted, so that they can follow a bent stem;
+    /// Height (m) along the grain after which the walls of a groove are split, so that they can follow a bent stem;
     /// infinite for a straight one.
     pub level: f64,
 }
 
 /// A surface with grooves.
 #[derive(Debug, Clone)]
-pub struct Grooved {
+pub struct GroovedSurface {
     /// The surface. Nodes of the surface it was made from keep their numbers; new ones follow them.
-    pub surface: Surface,
+    pub surface: FractureSurface,
     /// Number of the first node that is new.
     pub first_node: usize,
     /// Cells from this number on are walls of grooves, two for each crack of the plan in its order: right of its
     /// course, then left of it.
     pub first_cell: u32,
-    /// Cracks that were made.
+    /// Number of cracks made.
     pub cracks: usize,
-    /// Cracks that would not have opened visibly: no shrinkage, or too short.
+    /// Number of cracks that would not open visibly: without shrinkage, or too short.
     pub closed: usize,
-    /// Cracks whose place lies outside of the section.
+    /// Number of cracks outside the section.
     pub outside: usize,
-    /// Cracks left out because the face's facets are too thin or folded where they run.
+    /// Number of cracks left out because the face's facets are too thin or folded where they run.
     pub undrawn: usize,
-    /// Corners of facets whose depth was limited to the usable length.
+    /// Number of corners of facets whose depth was limited to the usable length.
     pub limited: usize,
-    /// Deepest place below (or above) the face, m.
+    /// Greatest depth below (or above) the face, m.
     pub deepest: f64,
     /// Widest opening at the face, m.
     pub widest: f64,
 }
 
 /// Lines closer than this part of the radius to a node run through it.
-const NEAR: f64 = 1e-7;
+const SNAP_DISTANCE: f64 = 1e-7;
 /// Rows of a strip narrower than this part of the radius are left out; only its tips are narrower.
-const THINNEST: f64 = 2e-4;
+const MIN_ROW_WIDTH: f64 = 2e-4;
 /// Openings narrower than this part of the radius are not made.
-const NARROWEST: f64 = 4e-4;
-/// Strips of a wall are parted into no more than so many parts.
-const MOST_PARTS: usize = 12;
+const MIN_OPENING: f64 = 4e-4;
+/// Greatest number of strips of a wall.
+const MAX_WALL_STRIPS: usize = 12;
 /// Parts of the way from the outline to the layout's border at which an open crack ends and has run out.
-const BEYOND: [f64; 2] = [0.55, 0.85];
-/// Share of the free length within which depths are left alone, and that they never pass.
-const FREE: f64 = 0.75;
-const MOST: f64 = 0.97;
+const END_BEYOND: [f64; 2] = [0.55, 0.85];
+/// Share of the free length within which depths stay as they are.
+const UNLIMITED_SHARE: f64 = 0.75;
+/// Share of the free length that depths never exceed.
+const MAX_SHARE: f64 = 0.97;
 
 /// A strip: points across the groove, row by row along its course, with the depth of each.
 struct Strip {
     rows: Vec<Vec<(DVec2, f64)>>,
+    /// Low and high corner of the box around it, m.
     bounds: (DVec2, DVec2),
 }
 
@@ -80,119 +94,11 @@ struct Strip {
 pub fn grooves(
     plan: &CrackPlan,
     field: &RingField,
-    surface: &Surface,
+    surface: &FractureSurface,
     direction: Direction,
-    setting: &Setting,
-) -> Result<Grooved, CrackError> {
-    sink(plan, field, surface, direction, setting, 0.0)
-}
-
-/// An end of a stem, as a plane across the grain.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndFace {
-    /// Whether it is the far end (greater lengths).
-    pub far: bool,
-    /// Length along the axis (m) over the origin of the section.
-    pub height: f64,
-    /// Rise of the plane along x and y.
-    pub slope: DVec2,
-    /// Distance (m) beyond the plane at which there is no wood.
-    pub clearance: f64,
-}
-
-/// Cosine to the grain above which a triangle of the skin may be end face.
-const FACING: f64 = 0.5;
-/// How far from the farthest point (in radii) end face may lie.
-const END_ZONE: f64 = 1.5;
-/// Clearance beside what the end's roughness needs, in radii.
-const CLEAR: f64 = 0.01;
-
-impl EndFace {
-    /// A far end sawn straight at a length along the axis, m.
-    pub fn level(height: f64) -> Self {
-        EndFace {
-            far: true,
-            height,
-            slope: DVec2::ZERO,
-            clearance: 0.0,
-        }
-    }
-
-    /// The plane nearest to the skin's triangles that face the end (`corners` are point numbers of the triangles in
-    /// `limb`, `points` grain coordinates, `radius` the stem's, m).
-    ///
-    /// # Errors
-    /// [`CrackError::NoEnd`] where nothing faces the end.
-    pub fn fit(
-        corners: &[[u32; 3]],
-        limb: &[u32],
-        points: &[DVec3],
-        far: bool,
-        radius: f64,
-    ) -> Result<Self, CrackError> {
-        let sign = if far { 1.0 } else { -1.0 };
-        let triangles = || {
-            limb.iter()
-                .map(|&t| corners[t as usize].map(|p| points[p as usize]))
-        };
-        let outmost = triangles()
-            .flatten()
-            .map(|p| sign * p.z)
-            .fold(f64::NEG_INFINITY, f64::max);
-        let mut facing: Vec<(DVec3, f64)> = Vec::new();
-        for [a, b, c] in triangles() {
-            let normal = (b - a).cross(c - a);
-            let near = [a, b, c]
-                .iter()
-                .all(|p| sign * p.z > outmost - END_ZONE * radius);
-            if near && sign * normal.z > FACING * normal.length() {
-                // Midpoints of the sides integrate a square exactly.
-                facing.extend(
-                    [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0].map(|m| (m, normal.z.abs())),
-                );
-            }
-        }
-        let found = facing.len() / 3;
-        let none = CrackError::NoEnd {
-            which: if far { "far" } else { "near" },
-            found,
-        };
-        let total: f64 = facing.iter().map(|f| f.1).sum();
-        if total <= 0.0 {
-            return Err(none);
-        }
-        let mean = facing.iter().map(|f| f.0 * f.1).sum::<DVec3>() / total;
-        let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (p, w) in &facing {
-            let d = *p - mean;
-            xx += w * d.x * d.x;
-            xy += w * d.x * d.y;
-            yy += w * d.y * d.y;
-            xz += w * d.x * d.z;
-            yz += w * d.y * d.z;
-        }
-        let det = xx * yy - xy * xy;
-        if det <= 1e-12 * (xx + yy) * (xx + yy) {
-            return Err(none);
-        }
-        let slope = DVec2::new(xz * yy - yz * xy, yz * xx - xz * xy) / det;
-        let height = mean.z - slope.dot(mean.truncate());
-        let over = triangles()
-            .flatten()
-            .map(|p| sign * (p.z - height - slope.dot(p.truncate())))
-            .fold(0.0, f64::max);
-        Ok(EndFace {
-            far,
-            height,
-            slope,
-            clearance: over + CLEAR * radius,
-        })
-    }
-
-    /// Length along the axis (m) of the plane at a point of the section.
-    pub fn at(&self, p: DVec2) -> f64 {
-        self.height + self.slope.dot(p)
-    }
+    site: &CrackSite,
+) -> Result<GroovedSurface, CrackError> {
+    sink(plan, field, surface, direction, site, 0.0)
 }
 
 /// A surface that lies beyond the end of a stem but for the grooves of its cracks. Cutting along it leaves the stem
@@ -203,17 +109,17 @@ impl EndFace {
 pub fn end_grooves(
     plan: &CrackPlan,
     field: &RingField,
-    layout: &Arc<Layout>,
+    layout: &Arc<SectionLayout>,
     end: &EndFace,
-    setting: &Setting,
-) -> Result<Grooved, CrackError> {
+    site: &CrackSite,
+) -> Result<GroovedSurface, CrackError> {
     let (direction, beyond) = if end.far {
         (Direction::Down, end.clearance)
     } else {
         (Direction::Up, -end.clearance)
     };
     let heights: Vec<f64> = layout.nodes.iter().map(|&p| end.at(p) + beyond).collect();
-    let surface = Surface {
+    let surface = FractureSurface {
         layout: layout.clone(),
         heights: layout
             .facets
@@ -221,27 +127,27 @@ pub fn end_grooves(
             .map(|f| f.map(|n| heights[n as usize]))
             .collect(),
     };
-    sink(plan, field, &surface, direction, setting, end.clearance)
+    sink(plan, field, &surface, direction, site, end.clearance)
 }
 
 fn sink(
     plan: &CrackPlan,
     field: &RingField,
-    surface: &Surface,
+    surface: &FractureSurface,
     direction: Direction,
-    setting: &Setting,
+    site: &CrackSite,
     clearance: f64,
-) -> Result<Grooved, CrackError> {
-    let (low, high) = setting.usable;
-    if !(setting.radius > 0.0 && setting.radius.is_finite() && low < high && setting.level > 0.0) {
+) -> Result<GroovedSurface, CrackError> {
+    let (low, high) = site.usable;
+    if !(site.radius > 0.0 && site.radius.is_finite() && low < high && site.level > 0.0) {
         return Err(CrackError::Stem {
-            radius: setting.radius,
+            radius: site.radius,
             low,
             high,
         });
     }
-    let mut grooved = Grooved {
-        surface: Surface::default(),
+    let mut grooved = GroovedSurface {
+        surface: FractureSurface::default(),
         first_node: surface.layout.nodes.len(),
         first_cell: surface.layout.cells.iter().max().map_or(0, |c| c + 1),
         cracks: 0,
@@ -252,15 +158,15 @@ fn sink(
         deepest: 0.0,
         widest: 0.0,
     };
-    let mut refined = Refined::new(surface, NEAR * setting.radius);
+    let mut refined = Refined::new(surface, SNAP_DISTANCE * site.radius);
     let mut drawn: Vec<(usize, Strip, FxHashMap<u32, f64>)> = Vec::new();
     for (number, crack) in plan.cracks.iter().enumerate() {
-        let widest = widest(crack, field, setting.radius);
-        if widest < NARROWEST * setting.radius || crack.depth <= 0.0 {
+        let widest = widest(crack, field, site.radius);
+        if widest < MIN_OPENING * site.radius || crack.depth <= 0.0 {
             grooved.closed += 1;
             continue;
         }
-        let Some(strip) = strip(crack, field, setting, clearance, &mut refined) else {
+        let Some(strip) = strip(crack, field, site, clearance, &mut refined) else {
             grooved.outside += 1;
             continue;
         };
@@ -272,7 +178,7 @@ fn sink(
         grooved.cracks += 1;
         grooved.widest = grooved.widest.max(widest);
     }
-    lower(&mut refined, &drawn, direction, setting, &mut grooved);
+    lower(&mut refined, &drawn, direction, site, &mut grooved);
     grooved.deepest = (grooved.deepest - clearance).max(0.0);
     grooved.surface = refined.finish();
     Ok(grooved)
@@ -282,7 +188,7 @@ fn widest(crack: &PlannedCrack, field: &RingField, radius: f64) -> f64 {
     crack
         .course
         .iter()
-        .zip(&crack.parts)
+        .zip(&crack.fractions)
         .map(|(&(rho, phi), &t)| {
             let r = field.point(rho, phi).distance(field.pith()) / radius;
             crack.width(t, r) * radius
@@ -294,26 +200,26 @@ fn widest(crack: &PlannedCrack, field: &RingField, radius: f64) -> f64 {
 fn strip(
     crack: &PlannedCrack,
     field: &RingField,
-    setting: &Setting,
+    site: &CrackSite,
     clearance: f64,
     refined: &mut Refined,
 ) -> Option<Strip> {
-    let radius = setting.radius;
+    let radius = site.radius;
     // Part of the course, point of it, and factor on opening and depth.
     let mut course: Vec<(f64, DVec2, f64)> = crack
         .course
         .iter()
-        .zip(&crack.parts)
+        .zip(&crack.fractions)
         .map(|(&(rho, phi), &t)| (t, field.point(rho, phi), 1.0))
         .collect();
     let most = crack.depth * radius + clearance;
-    let parts = ((most / setting.level).ceil() as usize).clamp(1, MOST_PARTS);
+    let parts = ((most / site.level).ceil() as usize).clamp(1, MAX_WALL_STRIPS);
     let &(rho, phi) = crack.course.last()?;
     let mut reach = border(field, phi, rho, refined)? - rho;
     for _ in 0..8 {
-        if crack.open {
+        if crack.open_at_bark {
             course.truncate(crack.course.len());
-            for (i, beyond) in BEYOND.iter().enumerate() {
+            for (i, beyond) in END_BEYOND.iter().enumerate() {
                 let p = field.point(rho + beyond * reach, phi);
                 course.push((1.0, p, 1.0 - i as f64));
             }
@@ -322,7 +228,7 @@ fn strip(
         if strip.rows.iter().flatten().all(|p| refined.holds(p.0)) {
             return Some(strip);
         }
-        if !crack.open {
+        if !crack.open_at_bark {
             return None;
         }
         reach *= 0.9;
@@ -368,7 +274,10 @@ fn rows(
             let left = ahead.perp().normalize_or_zero();
             let r = p.distance(field.pith()) / radius;
             let half = 0.5 * crack.width(t, r) * radius * factor;
-            let face = crack.depth * radius * depth(super::opening(t, crack.open)) * factor;
+            let face = crack.depth
+                * radius
+                * relative_depth(relative_opening(t, crack.open_at_bark))
+                * factor;
             // Beyond an end face the walls go on as they are, so that the opening is right at the face.
             let (half, deep) = if face > 0.0 && half > 0.0 {
                 (half * (face + clearance) / face, face + clearance)
@@ -388,7 +297,7 @@ fn rows(
         .collect();
     let rows: Vec<Vec<(DVec2, f64)>> = rows;
     let wide = |i: usize, row: &[(DVec2, f64)]| {
-        i == 0 || i == last || row[0].0.distance(row[parts].0) > THINNEST * radius
+        i == 0 || i == last || row[0].0.distance(row[parts].0) > MIN_ROW_WIDTH * radius
     };
     let rows = rows
         .into_iter()
@@ -493,8 +402,8 @@ fn lower(
     refined: &mut Refined,
     drawn: &[(usize, Strip, FxHashMap<u32, f64>)],
     direction: Direction,
-    setting: &Setting,
-    grooved: &mut Grooved,
+    site: &CrackSite,
+    grooved: &mut GroovedSurface,
 ) {
     let depths: Vec<f64> = refined
         .nodes
@@ -519,15 +428,15 @@ fn lower(
             let wanted = depths[n as usize];
             let h = refined.heights[f][k];
             let free = match direction {
-                Direction::Down => h - setting.usable.0,
-                Direction::Up => setting.usable.1 - h,
+                Direction::Down => h - site.usable.0,
+                Direction::Up => site.usable.1 - h,
             }
             .max(0.0);
-            let over = wanted - FREE * free;
+            let over = wanted - UNLIMITED_SHARE * free;
             let deep = if over > 0.0 {
                 grooved.limited += 1;
-                let room = (MOST - FREE) * free;
-                FREE * free + room * over / (over + room)
+                let clearance = (MAX_SHARE - UNLIMITED_SHARE) * free;
+                UNLIMITED_SHARE * free + clearance * over / (over + clearance)
             } else {
                 wanted
             };

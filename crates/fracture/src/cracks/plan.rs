@@ -1,7 +1,9 @@
-//! Which cracks a face has: groups drawn at random, courses distorted, crossings avoided.
+//! The plan of a face's cracks: groups drawn at random, courses distorted, crossings avoided.
 
-use super::opening;
-use crate::parameters::{Crack, CrackGroup, CrackParameters, RadialCrack, TangentialCrack};
+use super::profile::relative_opening;
+use crate::parameters::{
+    Crack, CrackGroup, CrackKind, CrackParameters, RadialCrack, TangentialCrack,
+};
 use glam::DVec2;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
@@ -17,26 +19,17 @@ mod purpose {
     pub const ACROSS: u64 = 0xc4ac;
 }
 
-/// Whether a crack runs along a ray or along a ring.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
-    /// Along a ray.
-    Radial,
-    /// Along a ring.
-    Tangential,
-}
-
-/// A crack that is to be made.
+/// A planned crack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedCrack {
-    /// Its way.
-    pub way: Way,
+    /// Its kind.
+    pub kind: CrackKind,
     /// Ring coordinate and angle (rad) along its course.
     pub course: Vec<(f64, f64)>,
-    /// Part of the course, 0 to 1, that each of these has.
-    pub parts: Vec<f64>,
+    /// Fraction (0 to 1) of the course at each of these points.
+    pub fractions: Vec<f64>,
     /// Whether its end is open at the bark.
-    pub open: bool,
+    pub open_at_bark: bool,
     /// Depth along the grain from the face, in radii.
     pub depth: f64,
     /// Range σ of the wood that gives way on either side: rad for a radial crack, in radii for a tangential one.
@@ -48,36 +41,37 @@ pub struct PlannedCrack {
 /// The cracks of a face.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CrackPlan {
-    /// Cracks to be made; none crosses another.
+    /// The cracks; none crosses another.
     pub cracks: Vec<PlannedCrack>,
-    /// How many were made shorter so that they cross no other.
+    /// Number of cracks shortened so that they cross no other.
     pub shortened: usize,
-    /// How many were left out because they would have crossed others.
+    /// Number of cracks left out because they would have crossed others.
     pub skipped: usize,
 }
 
 /// Steps along a course.
 const STEPS: usize = 28;
 /// Ring coordinate from which on a crack's end counts as open at the bark.
-const OPEN: f64 = 0.999;
+const OPEN_END: f64 = 0.999;
 /// Distance (in radii) that cracks keep from each other beside their own openings.
-const APART: f64 = 0.012;
-/// Parts of its course that a crack is tried with before it is left out.
-const TRIES: [f64; 5] = [1.0, 0.85, 0.7, 0.55, 0.4];
-/// Waves of the distortion along one radius; each octave has twice as many.
-const WAVES: f64 = 3.5;
+const MIN_DISTANCE: f64 = 0.012;
+/// Shares of its course that a crack is tried with before it is left out.
+const LENGTH_ATTEMPTS: [f64; 5] = [1.0, 0.85, 0.7, 0.55, 0.4];
+/// Waves of the distortion per radius; each octave has twice as many.
+const WAVES_PER_RADIUS: f64 = 3.5;
 
 impl PlannedCrack {
-    /// Width of the opening at the face in radii, at a part of the course and a distance from the pith in radii.
-    pub fn width(&self, part: f64, radius: f64) -> f64 {
-        let across = match self.way {
-            Way::Radial => radius,
-            Way::Tangential => 1.0,
+    /// Returns the width of the opening at the face, radii, at a fraction of the course and a distance from the pith in radii.
+    pub fn width(&self, fraction: f64, radius: f64) -> f64 {
+        let across = match self.kind {
+            CrackKind::Radial => radius,
+            CrackKind::Tangential => 1.0,
         };
-        self.shrinkage * self.range * across * opening(part, self.open)
+        self.shrinkage * self.range * across * relative_opening(fraction, self.open_at_bark)
     }
 
-    fn unit(&self) -> Vec<DVec2> {
+    /// Returns the course in ring coordinates.
+    fn points(&self) -> Vec<DVec2> {
         self.course
             .iter()
             .map(|&(rho, phi)| {
@@ -87,11 +81,11 @@ impl PlannedCrack {
             .collect()
     }
 
-    /// Greatest half of the width, in radii.
-    fn half(&self) -> f64 {
+    /// Returns half the greatest width, radii.
+    fn half_width(&self) -> f64 {
         self.course
             .iter()
-            .zip(&self.parts)
+            .zip(&self.fractions)
             .map(|(&(rho, _), &t)| self.width(t, rho) / 2.0)
             .fold(0.0, f64::max)
     }
@@ -100,7 +94,7 @@ impl PlannedCrack {
 /// A straight course before it is distorted: from (ring coordinate, angle) to the same.
 #[derive(Clone, Copy)]
 struct Straight {
-    way: Way,
+    kind: CrackKind,
     from: (f64, f64),
     to: (f64, f64),
     depth: f64,
@@ -108,8 +102,18 @@ struct Straight {
     shrinkage: f64,
 }
 
-/// Draws the cracks. `shrinkage` is that of the wood along and across its rings (ε_tangential, ε_radial, parts of 1) at
-/// its moisture; cracks with a shrinkage of their own take that.
+/// Plans the cracks of a face.
+///
+/// `shrinkage` is that of the wood along and across its rings (ε_tangential, ε_radial, parts of 1) at its moisture. Cracks
+/// with a shrinkage of their own take that.
+///
+/// ```
+/// use greenstick_fracture::cracks::plan;
+/// use greenstick_fracture::parameters::CrackParameters;
+///
+/// let none = plan(&CrackParameters::default(), (0.08, 0.04), 1);
+/// assert!(none.cracks.is_empty());
+/// ```
 pub fn plan(parameters: &CrackParameters, shrinkage: (f64, f64), seed: u64) -> CrackPlan {
     let mut all: Vec<Straight> = parameters
         .cracks
@@ -126,12 +130,12 @@ pub fn plan(parameters: &CrackParameters, shrinkage: (f64, f64), seed: u64) -> C
     let mut plan = CrackPlan::default();
     let mut taken: Vec<(Vec<DVec2>, f64)> = Vec::new();
     for (number, straight) in all.iter().enumerate() {
-        let fits = TRIES.iter().find_map(|&part| {
-            let crack = distorted(&shorter(straight, part), s.distortion, seed, number);
-            let (course, half) = (crack.unit(), crack.half());
+        let fits = LENGTH_ATTEMPTS.iter().find_map(|&part| {
+            let crack = distorted(&shortened(straight, part), s.distortion, seed, number);
+            let (course, half) = (crack.points(), crack.half_width());
             let free = taken
                 .iter()
-                .all(|(other, h)| distance(&course, other) > half + h + APART);
+                .all(|(other, h)| distance(&course, other) > half + h + MIN_DISTANCE);
             free.then_some((crack, course, half, part))
         });
         match fits {
@@ -149,7 +153,7 @@ pub fn plan(parameters: &CrackParameters, shrinkage: (f64, f64), seed: u64) -> C
 fn radial(c: &RadialCrack, shrinkage: f64) -> Straight {
     let phi = c.angle.to_radians();
     Straight {
-        way: Way::Radial,
+        kind: CrackKind::Radial,
         from: (c.begin, phi),
         to: (c.end, phi),
         depth: c.depth,
@@ -162,7 +166,7 @@ fn tangential(c: &TangentialCrack, shrinkage: f64) -> Straight {
     // An end below the beginning lies past 360°.
     let turn = if c.end < c.begin { 360.0 } else { 0.0 };
     Straight {
-        way: Way::Tangential,
+        kind: CrackKind::Tangential,
         from: (c.ring, c.begin.to_radians()),
         // A crack all around would meet itself.
         to: (c.ring, (c.end + turn).min(c.begin + 350.0).to_radians()),
@@ -180,7 +184,7 @@ fn drawn(group: &CrackGroup, which: usize, i: u32, shrinkage: f64, seed: u64) ->
     let begin = between(purpose::BEGIN, group.begin_min, group.begin_max);
     let end = begin + between(purpose::LENGTH, group.length_min, group.length_max);
     Straight {
-        way: Way::Radial,
+        kind: CrackKind::Radial,
         from: (begin, phi),
         to: (end.min(1.0), phi),
         depth: between(purpose::DEPTH, group.depth_min, group.depth_max),
@@ -189,12 +193,13 @@ fn drawn(group: &CrackGroup, which: usize, i: u32, shrinkage: f64, seed: u64) ->
     }
 }
 
-/// Keeps a part of a course: a radial crack's outer one, where it is widest and seen most, a tangential one's middle.
-fn shorter(s: &Straight, part: f64) -> Straight {
+/// Shortens a course to a share of it: for a radial crack the outer one, where it is widest and most visible, for a tangential one the
+/// middle.
+fn shortened(s: &Straight, part: f64) -> Straight {
     let mut s = *s;
-    match s.way {
-        Way::Radial => s.from.0 = s.to.0 - part * (s.to.0 - s.from.0),
-        Way::Tangential => {
+    match s.kind {
+        CrackKind::Radial => s.from.0 = s.to.0 - part * (s.to.0 - s.from.0),
+        CrackKind::Tangential => {
             let cut = 0.5 * (1.0 - part) * (s.to.1 - s.from.1);
             s.from.1 += cut;
             s.to.1 -= cut;
@@ -203,11 +208,11 @@ fn shorter(s: &Straight, part: f64) -> Straight {
     s
 }
 
-/// The course with its random displacement (Fig. 12(b)), both ways at most `amount` radii. Where the opening would
-/// fold over itself in a tight bend, the displacement is halved.
+/// Returns the crack with the random displacement of its course (Fig. 12(b)), at most `amount` radii in both directions. Where
+/// the opening would fold over itself in a tight bend, the displacement is halved.
 fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrack {
-    let open = s.way == Way::Radial && s.to.0 >= OPEN;
-    let parts: Vec<f64> = (0..=STEPS)
+    let open = s.kind == CrackKind::Radial && s.to.0 >= OPEN_END;
+    let fractions: Vec<f64> = (0..=STEPS)
         .map(|i| {
             // Closer together at closed ends, where the bottom rises steeply.
             let t = i as f64 / STEPS as f64;
@@ -221,13 +226,13 @@ fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrac
     let mut amount = amount;
     loop {
         let crack = PlannedCrack {
-            way: s.way,
-            course: parts
+            kind: s.kind,
+            course: fractions
                 .iter()
                 .map(|&t| displaced(s, t, amount, seed, number))
                 .collect(),
-            parts: parts.clone(),
-            open,
+            fractions: fractions.clone(),
+            open_at_bark: open,
             depth: s.depth,
             range: s.range,
             shrinkage: s.shrinkage,
@@ -242,24 +247,24 @@ fn distorted(s: &Straight, amount: f64, seed: u64, number: usize) -> PlannedCrac
 fn displaced(s: &Straight, t: f64, amount: f64, seed: u64, number: usize) -> (f64, f64) {
     let mix = |a: f64, b: f64| a + (b - a) * t;
     let (rho, phi) = (mix(s.from.0, s.to.0), mix(s.from.1, s.to.1));
-    let along = match s.way {
-        Way::Radial => rho,
-        Way::Tangential => rho * phi,
+    let along = match s.kind {
+        CrackKind::Radial => rho,
+        CrackKind::Tangential => rho * phi,
     };
     let wander = |purpose: u64| {
         let seed = (seed ^ purpose << 20) + ((number as u64) << 8);
         (0..3).fold(0.0, |sum, octave: u64| {
             let scale = (1u64 << octave) as f64;
-            sum + noise::value_1d(seed + octave, along * WAVES * scale) / (1.75 * scale)
+            sum + noise::value_1d(seed + octave, along * WAVES_PER_RADIUS * scale) / (1.75 * scale)
         })
     };
-    // The ends of a radial crack and the depth below the bark stay where they were asked for.
-    let (radial, tangential) = match s.way {
-        Way::Radial => (
+    // The ends of a crack keep their position along it.
+    let (radial, tangential) = match s.kind {
+        CrackKind::Radial => (
             0.3 * amount * wander(purpose::ALONG) * (4.0 * t * (1.0 - t)),
             amount * wander(purpose::ACROSS),
         ),
-        Way::Tangential => (
+        CrackKind::Tangential => (
             amount * wander(purpose::ACROSS),
             0.3 * amount * wander(purpose::ALONG) * (4.0 * t * (1.0 - t)),
         ),
@@ -269,9 +274,9 @@ fn displaced(s: &Straight, t: f64, amount: f64, seed: u64, number: usize) -> (f6
     (rho + radial, phi + turn)
 }
 
-/// Whether a crack's flanks run backwards somewhere.
+/// Whether a crack's flanks run backwards anywhere.
 fn folds(crack: &PlannedCrack) -> bool {
-    let unit = crack.unit();
+    let unit = crack.points();
     let normal = |i: usize| {
         let d = unit[(i + 1).min(unit.len() - 1)] - unit[i.saturating_sub(1)];
         d.perp().normalize_or_zero()
@@ -280,14 +285,14 @@ fn folds(crack: &PlannedCrack) -> bool {
         let step = unit[i] - unit[i - 1];
         [-1.0, 1.0].iter().any(|side| {
             let flank = |j: usize| {
-                unit[j] + normal(j) * side * 0.5 * crack.width(crack.parts[j], unit[j].length())
+                unit[j] + normal(j) * side * 0.5 * crack.width(crack.fractions[j], unit[j].length())
             };
             (flank(i) - flank(i - 1)).dot(step) < 0.1 * step.length_squared()
         })
     })
 }
 
-/// Least distance between two courses; 0 where they cross.
+/// Returns the least distance between two courses; 0 where they cross.
 fn distance(a: &[DVec2], b: &[DVec2]) -> f64 {
     let to = |p: DVec2, q: &[DVec2]| {
         let d = q[1] - q[0];

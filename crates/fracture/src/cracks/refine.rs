@@ -1,7 +1,7 @@
 //! Drawing points and lines into the triangulation of a surface: facets and edges they meet are parted, heights of
 //! what is new lie on the facets they part.
 
-use crate::surface::{Layout, NONE, Surface};
+use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ enum Spot {
 }
 
 impl Refined {
-    pub fn new(surface: &Surface, near: f64) -> Self {
+    pub fn new(surface: &FractureSurface, near: f64) -> Self {
         let layout = &surface.layout;
         let across = layout
             .sides
@@ -58,9 +58,9 @@ impl Refined {
     }
 
     /// The surface as it is now.
-    pub fn finish(self) -> Surface {
-        Surface {
-            layout: Arc::new(Layout::new(self.nodes, self.facets, self.cells)),
+    pub fn finish(self) -> FractureSurface {
+        FractureSurface {
+            layout: Arc::new(SectionLayout::new(self.nodes, self.facets, self.cells)),
             heights: self.heights,
         }
     }
@@ -187,7 +187,7 @@ impl Refined {
         }
     }
 
-    /// Parts side `k` of facet `f` at the fraction `t` of it, with the facet beyond.
+    /// Splits side `k` of facet `f` at the fraction `t` of it, with the facet beyond.
     fn part_side(&mut self, f: u32, k: usize, t: f64) -> u32 {
         let [a, b] = [
             self.facets[f as usize][k],

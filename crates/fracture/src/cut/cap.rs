@@ -12,7 +12,7 @@ use super::ground::{Ground, NEAR};
 use super::overlay::Overlay;
 use super::polygon;
 use super::{CapFace, CutError};
-use crate::surface::{Edge, Layout, NONE, Surface};
+use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_geometry::triangulate::Triangulator;
 
@@ -30,7 +30,7 @@ pub(super) struct Cap {
 }
 
 pub(super) struct Builder<'a, 'b> {
-    surface: &'a Surface,
+    surface: &'a FractureSurface,
     ground: &'a Ground,
     overlay: &'b Overlay<'a>,
     /// Number of the first vertex in [`Cap::inside`].
@@ -71,7 +71,7 @@ const INSIDE: u8 = 2;
 
 /// Builds the broken face from the outline found by `overlay`.
 pub(super) fn build<'a>(
-    surface: &'a Surface,
+    surface: &'a FractureSurface,
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
 ) -> Result<Cap, CutError> {
@@ -138,7 +138,7 @@ pub(super) fn build<'a>(
 }
 
 /// The height at every node of a surface without steps.
-fn one_height_each(surface: &Surface) -> Option<Vec<f64>> {
+fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
     let layout = &surface.layout;
     let mut heights = vec![f64::NAN; layout.nodes.len()];
     for (facet, h) in layout.facets.iter().zip(&surface.heights) {
@@ -166,7 +166,7 @@ fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
 }
 
 impl<'a> Builder<'a, '_> {
-    fn layout(&self) -> &'a Layout {
+    fn layout(&self) -> &'a SectionLayout {
         &self.surface.layout
     }
 

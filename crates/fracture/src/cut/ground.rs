@@ -2,7 +2,7 @@
 //! layout lie near it.
 
 use super::{Side, Solid};
-use crate::surface::{Layout, NONE, Surface, range};
+use crate::surface::{FractureSurface, NONE, SectionLayout, range};
 use glam::DVec2;
 use greenstick_geometry::Unions;
 use std::ops::Range;
@@ -228,7 +228,7 @@ impl std::ops::Index<usize> for Sides {
 #[derive(Debug, Clone, Default)]
 pub struct Ground {
     /// The layout.
-    pub layout: Arc<Layout>,
+    pub layout: Arc<SectionLayout>,
     /// Halvings of the skin's finest grid.
     level: usize,
     size: usize,
@@ -290,7 +290,7 @@ impl Ground {
     }
 
     /// Lays out `layout` on `skin`.
-    pub fn new(skin: &Skin, layout: &Arc<Layout>) -> Self {
+    pub fn new(skin: &Skin, layout: &Arc<SectionLayout>) -> Self {
         let wanted = (layout.facets.len() as f64).sqrt() as usize;
         let mut level = 0;
         while level + 1 < LEVELS && FINEST >> level > wanted.max(1) {
@@ -416,7 +416,7 @@ impl Ground {
 pub(super) struct Relief<'a> {
     ground: &'a Ground,
     skin: &'a Skin,
-    surface: &'a Surface,
+    surface: &'a FractureSurface,
     /// Lowest and highest height over each cell; [`UNASKED`] for cells not asked for yet.
     cells: Vec<(f64, f64)>,
 }
@@ -424,7 +424,7 @@ pub(super) struct Relief<'a> {
 const UNASKED: (f64, f64) = (0.0, 0.0);
 
 impl<'a> Relief<'a> {
-    pub fn new(skin: &'a Skin, ground: &'a Ground, surface: &'a Surface) -> Self {
+    pub fn new(skin: &'a Skin, ground: &'a Ground, surface: &'a FractureSurface) -> Self {
         Relief {
             ground,
             skin,

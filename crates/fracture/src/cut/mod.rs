@@ -8,7 +8,7 @@ mod layers;
 mod overlay;
 mod polygon;
 
-use crate::surface::{Layout, NONE, Surface};
+use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_geometry::Unions;
 pub use ground::{Ground, Sides, Skin};
@@ -163,7 +163,7 @@ pub enum CutError {
 ///
 /// # Errors
 /// [`CutError`] where the skin is not a closed surface around the break.
-pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
+pub fn cut(solid: &Solid, surface: &FractureSurface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
     let ground = Ground::new(&skin, &surface.layout);
     cut_again(solid, &skin, &ground, surface, &mut CutWorkspace::default())
@@ -175,12 +175,12 @@ pub fn cut(solid: &Solid, surface: &Surface) -> Result<Cut, CutError> {
 pub struct CutWorkspace {
     clips: Clips,
     /// The skin and the layout that `clips` are of.
-    of: Option<(Arc<Vec<u32>>, Arc<Layout>)>,
+    of: Option<(Arc<Vec<u32>>, Arc<SectionLayout>)>,
 }
 
 impl CutWorkspace {
     /// The clips of a skin and a layout, those from before where they are of the same.
-    fn clips(&mut self, skin: &Skin, layout: &Arc<Layout>) -> &mut Clips {
+    fn clips(&mut self, skin: &Skin, layout: &Arc<SectionLayout>) -> &mut Clips {
         let same = self.of.as_ref().is_some_and(|(ranks, known)| {
             Arc::ptr_eq(ranks, &skin.ranks) && Arc::ptr_eq(known, layout)
         });
@@ -202,7 +202,7 @@ pub fn cut_again(
     solid: &Solid,
     skin: &Skin,
     ground: &Ground,
-    surface: &Surface,
+    surface: &FractureSurface,
     workspace: &mut CutWorkspace,
 ) -> Result<Cut, CutError> {
     let clips = workspace.clips(skin, &surface.layout);
@@ -230,7 +230,7 @@ fn lay(
     solid: &Solid,
     skin: &Skin,
     ground: &Ground,
-    surface: &Surface,
+    surface: &FractureSurface,
     clips: &mut Clips,
     overlay: &mut Overlay,
 ) -> Result<Sides, CutError> {

@@ -9,7 +9,7 @@ pub(super) mod clips;
 mod join;
 
 use super::{CutError, CutVertex, Host, SkinTriangle};
-use crate::surface::{NONE, Surface};
+use crate::surface::{FractureSurface, NONE};
 use clips::{Clips, Corner, Part, Slot, Support};
 use glam::DVec3;
 use greenstick_geometry::triangulate::Triangulator;
@@ -66,7 +66,7 @@ struct Scratch {
 /// The outline of the cut and everything found on the way. Vertex numbers below `points.len()` are the skin's points,
 /// the others index `vertices`.
 pub(super) struct Overlay<'a> {
-    surface: &'a Surface,
+    surface: &'a FractureSurface,
     /// Grain coordinates of the skin's points.
     points: &'a [DVec3],
     /// Vertices made by the cut.
@@ -113,7 +113,7 @@ fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
 
 impl<'a> Overlay<'a> {
     /// With room for about as many vertices as the break before had made.
-    pub fn new(surface: &'a Surface, points: &'a [DVec3], room: usize) -> Self {
+    pub fn new(surface: &'a FractureSurface, points: &'a [DVec3], room: usize) -> Self {
         Overlay {
             surface,
             points,
@@ -211,7 +211,7 @@ impl<'a> Overlay<'a> {
                         over(heights, &clips.weights[slot.vertex as usize]),
                     ),
                     Corner::Crossing(_, k) => {
-                        let [a, b] = self.surface.rail(part.facet, k);
+                        let [a, b] = self.surface.side_heights(part.facet, k);
                         let fixed = &clips.vertices[slot.vertex as usize];
                         (fixed.grain.z, a + (b - a) * fixed.fraction)
                     }
@@ -333,7 +333,8 @@ impl<'a> Overlay<'a> {
         let layout = &self.surface.layout;
         let edge = &layout.edges[layout.sides[facet as usize][usize::from(k)] as usize];
         let (other, side) = edge.facets[usize::from(edge.facets[0] == (facet, k))];
-        slot.beyond != NONE && self.surface.rail(facet, k) == self.surface.rail(other, side)
+        slot.beyond != NONE
+            && self.surface.side_heights(facet, k) == self.surface.side_heights(other, side)
     }
 
     /// The vertex at a corner of a part.

@@ -1,15 +1,16 @@
 //! The published grid of rings and sectors.
 
-use super::{Bundle, Bundles, LayoutOptions, Maker, TURN, directions};
-use crate::surface::Layout;
+use super::bundles::{FibreBundle, FibreBundles, LayoutOptions};
+use super::nodes::{NodeBuilder, RAY_OFFSET, directions};
+use crate::surface::SectionLayout;
 use greenstick_wood::rings::RingField;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// The published grid: a fan about the pith, then rings of quadrangles, each parted in two.
-pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
+pub fn smooth(field: &RingField, options: &LayoutOptions) -> FibreBundles {
     let (rings, sectors) = (options.rings, options.sectors);
-    let mut maker = Maker {
+    let mut maker = NodeBuilder {
         field,
         nodes: Vec::new(),
         addresses: Vec::new(),
@@ -17,7 +18,7 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
     let inner = options.reach.0.max(0.0);
     let around = options.arc.is_none();
     let (start, step) = match options.arc {
-        None => (TURN, TAU / sectors as f64),
+        None => (RAY_OFFSET, TAU / sectors as f64),
         Some((a, b)) => (a, (b - a) / sectors as f64),
     };
     let columns = if around { sectors } else { sectors + 1 };
@@ -44,7 +45,7 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
         for j in 0..sectors {
             let cell = bundles.len() as u32;
             let ring = i.min(rings - 1);
-            bundles.push(Bundle {
+            bundles.push(FibreBundle {
                 ring: ring as u32,
                 sector: j as u32,
                 rho: (rho(ring) + rho(ring + 1)) / 2.0,
@@ -63,8 +64,8 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> Bundles {
         }
     }
     let tips = vec![crate::surface::NONE; bundles.len()];
-    let layout = Layout::new(maker.nodes, facets, cells);
-    Bundles {
+    let layout = SectionLayout::new(maker.nodes, facets, cells);
+    FibreBundles {
         layout: Arc::new(layout),
         bundles,
         directions: directions(&maker.addresses),

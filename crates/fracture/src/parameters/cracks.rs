@@ -237,7 +237,7 @@ parameters! {
     pub struct CrackSettings {
         "cracks", "cut" {
             /// Which end carries the cracks: "break" or "sawn".
-            end: CrackEnd = CrackEnd::Break, choice(CrackEnd::CHOICES);
+            end: CrackEnd = CrackEnd::Break, choice(CrackEnd::CHOICES).stage("stem");
             /// Random displacement of the cracks' course, radial and tangential (section 4.1, Fig.
             /// 12(b)).
             distortion: f64 = 0.02, number(Radius, 0.0, 0.5);

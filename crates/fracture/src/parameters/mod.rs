@@ -3,6 +3,8 @@
 //!
 //! Heights are ratios to the stem's radius. Angles are degrees, counted about the pith from the
 //! section's first axis.
+//!
+//! The stage that a parameter names is that of a break with straight grain whose cracks, if any, are in the broken face.
 
 mod cracks;
 mod zone;

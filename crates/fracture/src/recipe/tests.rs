@@ -3,38 +3,16 @@
 use super::*;
 use crate::parameters::{Crack, CrackKind, CrackSettings};
 use crate::presets::PRESETS;
-use greenstick_schema::{Kind, ParameterInfo, Value};
-
-/// A value of a parameter other than its default.
-fn other(info: &ParameterInfo) -> Value {
-    match info.kind {
-        Kind::Number { min, max, .. } => {
-            let x = min + (max - min) / 3.0;
-            Value::Number(if Value::Number(x) == info.value {
-                min
-            } else {
-                x
-            })
-        }
-        Kind::Integer { min, max, .. } => Value::Integer(if info.value == Value::Integer(max) {
-            min
-        } else {
-            max
-        }),
-        Kind::Choice { options } => {
-            let words = options.iter().map(|o| Value::Text(o.word.to_owned()));
-            words.into_iter().find(|w| *w != info.value).unwrap()
-        }
-        _ => panic!("{} is of no kind that a recipe has", info.key),
-    }
-}
+use greenstick_schema::Value;
 
 #[test]
 fn every_parameter_round_trips_through_toml_by_itself() {
     for info in BreakParameters::table() {
         let mut recipe = Recipe::default();
-        // A third of pith, heartwood or phloem fits beside the default of the others.
-        recipe.face.set(&info.key, &other(&info)).unwrap();
+        recipe
+            .face
+            .set(&info.key, &info.neighbour().unwrap())
+            .unwrap();
         assert_ne!(recipe, Recipe::default(), "{}", info.key);
         assert_eq!(
             Recipe::from_toml(&recipe.to_toml()).unwrap(),
@@ -48,7 +26,7 @@ fn every_parameter_round_trips_through_toml_by_itself() {
         recipe
             .cracks
             .settings
-            .set(&info.key, &other(&info))
+            .set(&info.key, &info.neighbour().unwrap())
             .unwrap();
         // The least alone may be above the greatest, which is refused; then it is not a recipe.
         if recipe.check().is_ok() {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// An axis-aligned box, its faces included.
+/// An axis-aligned box that includes its faces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
     /// Smallest coordinates.
@@ -12,7 +12,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing and joins with any box to that box.
+    /// The box without points; its union with any box is that box.
     pub const EMPTY: Aabb = Aabb {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
@@ -26,7 +26,7 @@ impl Aabb {
         })
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     pub fn join(&self, other: &Aabb) -> Self {
         Aabb {
             low: self.low.min(other.low),
@@ -34,8 +34,8 @@ impl Aabb {
         }
     }
 
-    /// The part of both; `low` exceeds `high` somewhere where they do not meet.
-    pub fn common(&self, other: &Aabb) -> Self {
+    /// The intersection of both boxes. Where they do not meet, `low` exceeds `high` in some coordinate.
+    pub fn intersection(&self, other: &Aabb) -> Self {
         Aabb {
             low: self.low.max(other.low),
             high: self.high.min(other.high),
@@ -62,23 +62,23 @@ impl Aabb {
             & (other.low.z <= self.high.z)
     }
 
-    /// Middle of the box.
+    /// Centre of the box.
     pub fn centre(&self) -> DVec3 {
         (self.low + self.high) * 0.5
     }
 
-    /// Half the box's edge lengths.
+    /// Half the lengths of the box's edges.
     pub fn half_size(&self) -> DVec3 {
         (self.high - self.low) * 0.5
     }
 
-    /// Half the box's surface.
-    pub(super) fn surface(&self) -> f64 {
+    /// Half the area of the box's surface.
+    pub(super) fn half_area(&self) -> f64 {
         let d = self.high - self.low;
         d.x * d.y + d.y * d.z + d.z * d.x
     }
 
-    /// Squared distance of `point`, 0 inside.
+    /// Squared distance of `point` from the box, 0 inside.
     #[inline]
     pub fn distance_squared(&self, point: DVec3) -> f64 {
         (self.low - point)
@@ -87,19 +87,19 @@ impl Aabb {
             .length_squared()
     }
 
-    /// Where the ray from `origin` enters the box, in lengths of the direction whose reciprocal is `inverse`;
-    /// `None` where it misses the box or enters it beyond `limit`.
+    /// Returns where the ray from `origin` enters the box, in lengths of the direction whose reciprocal is `inverse`;
+    /// `None` if it misses the box or enters it beyond `limit`.
     #[inline]
-    pub fn ray_entry(&self, origin: DVec3, inverse: DVec3, limit: f64) -> Option<f64> {
+    pub(super) fn ray_entry(&self, origin: DVec3, inverse: DVec3, limit: f64) -> Option<f64> {
         let a = (self.low - origin) * inverse;
         let b = (self.high - origin) * inverse;
         let (mut enter, mut leave) = (0.0f64, limit);
         for k in 0..3 {
-            // 0 × ∞ is not a number: a ray within the plane of a face. `f64::min` and `max` then take the other one.
+            // 0 × ∞, for a ray in the plane of a face, is NaN: `f64::min` and `max` then return the other operand.
             enter = enter.max(a[k].min(b[k]));
             leave = leave.min(a[k].max(b[k]));
         }
-        // The widening makes up for the rounding of the six products (Ize 2013, Robust BVH Ray Traversal).
+        // The factor makes up for the rounding of the six products (Ize 2013, Robust BVH Ray Traversal).
         (enter <= leave * (1.0 + 4.0 * f64::EPSILON)).then_some(enter)
     }
 }

@@ -1,20 +1,21 @@
-//! Building the tree from the top down by binned surface-area splits (Wald 2007, On fast Construction of SAH-based
-//! Bounding Volume Hierarchies), along the longest axis of the boxes' centres.
+//! Top-down construction by binned surface-area splits (Wald 2007, On fast Construction of SAH-based Bounding Volume
+//! Hierarchies) along the longest axis of the boxes' centres.
 
-use super::{Aabb, Bvh, Node};
+use super::Aabb;
+use super::tree::{Bvh, Node};
 use glam::{Vec3, Vec4};
 
 /// Most items in a leaf.
-const LEAF: usize = 4;
-/// Places tried for a split.
+const LEAF_SIZE: usize = 4;
+/// Bins along an axis: the planes between them are the splits that are tried.
 const BINS: usize = 16;
-/// Below this depth items are halved by count, which bounds the depth for any input.
-const BINNED_DEPTH: usize = 48;
-/// No node lies deeper: halving ends after 32 levels for any number of items that `u32` counts.
-pub(super) const DEPTH: usize = BINNED_DEPTH + 32;
+/// Beyond this depth items are halved by count, which bounds the depth for any input.
+const MAX_BINNED_DEPTH: usize = 48;
+/// No node lies deeper: halving ends after 32 levels for any number of items that `u32` can count.
+pub(super) const MAX_DEPTH: usize = MAX_BINNED_DEPTH + 32;
 
-/// What the build moves about: single precision is enough to choose a split, the tree's boxes are exact. The index is
-/// kept in the bits of the fourth coordinate, so that minima and maxima are one instruction for a whole corner.
+/// A box while the tree is built. Single precision is enough to choose a split; the boxes of the tree are exact. The
+/// index is stored in the bits of the fourth coordinate, so that minima and maxima are one instruction for a corner.
 #[derive(Clone, Copy)]
 struct Item {
     low: Vec4,
@@ -32,7 +33,7 @@ impl Item {
     }
 }
 
-/// A box in single precision that grows. The fourth coordinate means nothing.
+/// A growing box in single precision. The fourth coordinate is meaningless.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: Vec4,
@@ -57,8 +58,29 @@ impl Bounds {
     }
 }
 
-pub(super) fn build(boxes: &[Aabb]) -> Bvh {
-    // What is not a box, by a coordinate that is not a number, would spread to every box above it.
+/// The items of one bin.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Bin = Bin {
+        bounds: Bounds::EMPTY,
+        count: 0,
+    };
+}
+
+impl Bvh {
+    /// Builds the tree over `boxes`. Empty boxes and boxes with a coordinate that is not a number are never found.
+    pub fn new(boxes: &[Aabb]) -> Self {
+        build(boxes)
+    }
+}
+
+fn build(boxes: &[Aabb]) -> Bvh {
+    // A coordinate that is not a number would spread to every box above it.
     let sound = |b: &Aabb| b.low.cmple(b.high).all();
     let all = boxes
         .iter()
@@ -69,7 +91,7 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh {
     let mut centres = Bounds::EMPTY;
     for (b, index) in boxes.iter().zip(0..) {
         if sound(b) {
-            // About the middle, so that a small mesh far from the origin keeps its digits.
+            // Relative to the middle, so that a small mesh far from the origin keeps its digits.
             let low = (b.low - middle).as_vec3().extend(f32::from_bits(index));
             let item = Item {
                 low,
@@ -86,7 +108,7 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh {
     subdivide(&mut items, centres, 0, 0, &mut nodes);
     let order: Vec<u32> = items.iter().map(|i| i.index()).collect();
     let boxes: Vec<Aabb> = order.iter().map(|&i| boxes[i as usize]).collect();
-    // Children come after their parent, so a backward pass finds them done.
+    // Children come after their parent, so a backward pass finds their boxes complete.
     for at in (0..nodes.len()).rev() {
         let node: Node = nodes[at];
         nodes[at].bounds = if node.count > 0 {
@@ -105,10 +127,10 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh {
     }
 }
 
-/// Appends the subtree of `items`, the box around whose (doubled) centres is `centres`.
+/// Appends the subtree of `items`; `centres` is the box around their doubled centres.
 fn subdivide(items: &mut [Item], centres: Bounds, first: u32, depth: usize, nodes: &mut Vec<Node>) {
     let at = nodes.len();
-    if items.len() <= LEAF {
+    if items.len() <= LEAF_SIZE {
         nodes.push(Node {
             bounds: Aabb::EMPTY,
             end: at as u32 + 1,
@@ -130,7 +152,7 @@ fn subdivide(items: &mut [Item], centres: Bounds, first: u32, depth: usize, node
     nodes[at].end = nodes.len() as u32;
 }
 
-/// Halves by count, along `axis` where there is an extent to halve.
+/// Halves the items by count, along `axis` if their centres extend along one.
 fn halve(items: &mut [Item], axis: Option<usize>) -> (usize, [Bounds; 2]) {
     let half = items.len() / 2;
     if let Some(axis) = axis {
@@ -149,8 +171,8 @@ fn halve(items: &mut [Item], axis: Option<usize>) -> (usize, [Bounds; 2]) {
     (half, [around(&items[..half]), around(&items[half..])])
 }
 
-/// Reorders the items and returns how many belong to the left child, at least one and not all, with the boxes around
-/// the centres of both children.
+/// Reorders the items. Returns how many belong to the left child, at least one and not all, and the boxes around the
+/// doubled centres of both children.
 fn split(items: &mut [Item], centres: Bounds, depth: usize) -> (usize, [Bounds; 2]) {
     let extent = (centres.high - centres.low).truncate();
     let axis = (0..3)
@@ -160,19 +182,19 @@ fn split(items: &mut [Item], centres: Bounds, depth: usize) -> (usize, [Bounds; 
     if !(scale.is_finite() && extent[axis] > 0.0) {
         return halve(items, None);
     }
-    if items.len() <= 2 * LEAF || depth >= BINNED_DEPTH {
+    if items.len() <= 2 * LEAF_SIZE || depth >= MAX_BINNED_DEPTH {
         return halve(items, Some(axis));
     }
     let low = centres.low[axis];
-    // The cast of what is not a number gives 0.
+    // Casting NaN gives 0.
     let bin_of = |item: &Item| (((item.centre()[axis] - low) * scale) as usize).min(BINS - 1);
-    let mut bins = [(Bounds::EMPTY, 0u32); BINS];
+    let mut bins = [Bin::EMPTY; BINS];
     for item in items.iter() {
         let bin = &mut bins[bin_of(item)];
-        bin.0.add(item.low, item.high);
-        bin.1 += 1;
+        bin.bounds.add(item.low, item.high);
+        bin.count += 1;
     }
-    let cut = cheapest(&bins);
+    let cut = cheapest_split(&bins);
     let mut middle = 0;
     let mut sides = [Bounds::EMPTY; 2];
     for i in 0..items.len() {
@@ -192,20 +214,20 @@ fn split(items: &mut [Item], centres: Bounds, depth: usize) -> (usize, [Bounds; 
     }
 }
 
-/// The first bin of the right side for the least sum of surface × items.
-fn cheapest(bins: &[(Bounds, u32); BINS]) -> usize {
+/// Returns the first bin of the right child for which the sum of surface × items over both children is least.
+fn cheapest_split(bins: &[Bin; BINS]) -> usize {
     let mut right_cost = [0.0f32; BINS];
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);
     for i in (1..BINS).rev() {
-        bounds.add(bins[i].0.low, bins[i].0.high);
-        count += bins[i].1;
+        bounds.add(bins[i].bounds.low, bins[i].bounds.high);
+        count += bins[i].count;
         right_cost[i] = bounds.surface() * count as f32;
     }
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);
     let mut best = (BINS / 2, f32::INFINITY);
     for i in 1..BINS {
-        bounds.add(bins[i - 1].0.low, bins[i - 1].0.high);
-        count += bins[i - 1].1;
+        bounds.add(bins[i - 1].bounds.low, bins[i - 1].bounds.high);
+        count += bins[i - 1].count;
         let cost = bounds.surface() * count as f32 + right_cost[i];
         if cost < best.1 {
             best = (i, cost);

@@ -1,8 +1,9 @@
-//! Every query against the same question asked of all items one by one.
+//! Every query against an exhaustive search.
 
-use super::*;
+use super::{Aabb, Bvh};
+use glam::DVec3;
 
-/// Numbers from 0 to 1 that look random.
+/// A generator of pseudo-random numbers from 0 to 1.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -35,9 +36,9 @@ fn collect(f: impl FnOnce(&mut dyn FnMut(usize))) -> Vec<usize> {
 }
 
 #[test]
-fn regions_find_what_a_full_search_finds() {
+fn region_queries_match_exhaustive_search() {
     let mesh = soup(500, 1);
-    let tree = Bvh::of_triangles(&mesh);
+    let tree = Bvh::from_mesh(&mesh);
     let boxes: Vec<Aabb> = (0..500).map(|t| Aabb::around(&mesh.corners(t))).collect();
     let all = |f: &dyn Fn(usize) -> bool| (0..500).filter(|&i| f(i)).collect::<Vec<_>>();
     let mut next = numbers(2);
@@ -80,7 +81,7 @@ fn regions_find_what_a_full_search_finds() {
     assert_eq!(pairs, expected);
     let other = soup(300, 7);
     let mut between = Vec::new();
-    tree.pairs(&Bvh::of_triangles(&other), |a, b| between.push((a, b)));
+    tree.pairs(&Bvh::from_mesh(&other), |a, b| between.push((a, b)));
     between.sort_unstable();
     let mut expected = Vec::new();
     for (a, first) in boxes.iter().enumerate() {
@@ -91,16 +92,16 @@ fn regions_find_what_a_full_search_finds() {
 }
 
 #[test]
-fn nearest_points_and_first_hits_are_those_of_a_full_search() {
+fn nearest_points_and_first_hits_match_exhaustive_search() {
     let mesh = soup(400, 3);
-    let tree = Bvh::of_triangles(&mesh);
+    let tree = Bvh::from_mesh(&mesh);
     let mut next = numbers(4);
     let mut hits = 0;
     for _ in 0..200 {
         let p = DVec3::new(next() * 2.0 - 0.5, next() * 2.0 - 0.5, next() * 5.0);
-        let found = tree.nearest_on(&mesh, p, f64::INFINITY).unwrap();
-        // Independent of the closest-point formula: a fine sampling of the triangle comes no nearer, and nearly as
-        // near for the triangle found.
+        let found = tree.nearest_on_mesh(&mesh, p, f64::INFINITY).unwrap();
+        // Independent of the closest-point formula: no sampled point of a triangle is nearer, and the samples of the
+        // triangle found are nearly as near.
         let sampled = |t: usize| {
             let [a, b, c] = mesh.corners(t);
             let mut best = f64::INFINITY;
@@ -118,7 +119,7 @@ fn nearest_points_and_first_hits_are_those_of_a_full_search() {
                 .all(|t| sampled(t) >= found.distance - 1e-12)
         );
         assert!(sampled(found.triangle) <= found.distance + 0.01);
-        let beyond = tree.nearest_on(&mesh, p, found.distance * 0.999);
+        let beyond = tree.nearest_on_mesh(&mesh, p, found.distance * 0.999);
         assert!(beyond.is_none() || found.distance == 0.0);
         let direction = DVec3::new(next() - 0.5, next() - 0.5, next() - 0.5);
         let first = tree.first_triangle(&mesh, p, direction, f64::INFINITY);
@@ -142,7 +143,7 @@ fn nearest_points_and_first_hits_are_those_of_a_full_search() {
 }
 
 #[test]
-fn boxes_at_one_place_and_boxes_that_are_not_numbers_do_no_harm() {
+fn coincident_infinite_and_nan_boxes_are_handled() {
     let same = vec![
         Aabb {
             low: DVec3::ONE,

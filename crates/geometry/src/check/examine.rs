@@ -1,12 +1,13 @@
-//! The examination that fills a report, one property after another.
+//! The examination of a mesh, one property after another.
 
-use super::{CheckOptions, PLACES, Report, SelfIntersections};
+use super::report::{CheckOptions, MAX_PLACES, Report, SelfIntersections};
 use crate::Unions;
 use crate::components::{Edges, Use, corner_points, number_points, shells};
 use crate::intersect::{Contact, collinear, contact_tree, self_contacts};
 use crate::{Aabb, Mesh};
 use glam::DVec3;
 
+/// Examines a mesh and reports what it found.
 pub(super) fn examine(mesh: &Mesh, options: CheckOptions) -> Report {
     let mut report = Report {
         vertices: mesh.positions.len(),
@@ -42,7 +43,7 @@ pub(super) fn examine(mesh: &Mesh, options: CheckOptions) -> Report {
             }
         }
     }
-    // From here on vertices are points, so that what follows need not look anything up.
+    // From here on vertices are points, so that the following steps need no lookup.
     sound.positions = vec![DVec3::ZERO; count];
     for (&p, &point) in mesh.positions.iter().zip(&points) {
         sound.positions[point as usize] = p;
@@ -60,7 +61,7 @@ pub(super) fn examine(mesh: &Mesh, options: CheckOptions) -> Report {
     report
 }
 
-/// Volume about the first triangle's corner; unused positions, which may be anywhere, play no part.
+/// Volume relative to a corner of the first triangle. Unused positions, which may be anywhere, have no influence.
 fn volume(mesh: &Mesh) -> f64 {
     let Some(first) = mesh.triangles.first() else {
         return 0.0;
@@ -75,16 +76,17 @@ fn volume(mesh: &Mesh) -> f64 {
     sum / 6.0
 }
 
+/// Adds a place to those of a defect, unless there are enough.
 fn note(places: &mut Vec<[f64; 3]>, place: DVec3) {
-    if places.len() < PLACES {
+    if places.len() < MAX_PLACES {
         places.push(place.to_array());
     }
 }
 
-/// Everything about edges, and about vertices by the fans that edges join.
+/// Examines edges, and vertices by the fans of triangles that edges connect.
 fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
     let edges = Edges::new(&mesh.triangles, numbers, numbers.len());
-    // Corners of triangles, joined to fans across edges.
+    // Corners of triangles, joined into fans across edges.
     let mut fans = Unions::new(3 * mesh.triangles.len());
     let mut boundary: Vec<[u32; 2]> = Vec::new();
     let mut opposites: Vec<u32> = Vec::new();
@@ -93,7 +95,7 @@ fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
         let ends = |u: usize| {
             let (t, k) = (uses[u].triangle(), uses[u].edge());
             let (start, end) = ((3 * t + k) as u32, (3 * t + (k + 1) % 3) as u32);
-            // The corner at the lower point first, and whether the edge runs from there.
+            // The corner at the lower point comes first; the flag says whether the edge starts there.
             if mesh.triangles[t][k] == low {
                 (start, end, true)
             } else {
@@ -113,7 +115,7 @@ fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
             forward += usize::from(next.2);
         }
         let middle = || (mesh.positions[low as usize] + mesh.positions[high as usize]) * 0.5;
-        // An odd number of triangles cannot balance; that is no fault of their orientation.
+        // An odd number of triangles cannot balance, whatever their orientation.
         if forward.abs_diff(uses.len() - forward) > 1 {
             report.misoriented_edges += 1;
             note(&mut report.misoriented_places, middle());
@@ -122,7 +124,7 @@ fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
             report.non_manifold_edges += 1;
             note(&mut report.non_manifold_edge_places, middle());
         }
-        // Triangles with the same points share all edges; the edge of the two lowest counts them.
+        // Triangles with the same points share all edges; they are counted at the edge of their two lowest points.
         opposites.clear();
         let opposite = |u: &Use| mesh.triangles[u.triangle()][(u.edge() + 2) % 3];
         opposites.extend(uses.iter().map(opposite).filter(|&p| p > high));
@@ -137,6 +139,7 @@ fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
     vertex_fans(mesh, &mut fans, report);
 }
 
+/// Counts the rims of holes.
 fn boundary_loops(mesh: &Mesh, boundary: &[[u32; 2]], report: &mut Report) {
     if boundary.is_empty() {
         return;
@@ -149,26 +152,26 @@ fn boundary_loops(mesh: &Mesh, boundary: &[[u32; 2]], report: &mut Report) {
     roots.sort_unstable();
     roots.dedup();
     report.boundary_loops = roots.len();
-    for &root in roots.iter().take(PLACES) {
+    for &root in roots.iter().take(MAX_PLACES) {
         note(&mut report.boundary_places, mesh.positions[root as usize]);
     }
 }
 
-/// Points at which corners belong to several fans.
+/// Counts the points whose corners belong to several fans.
 fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
-    const UNSEEN: u32 = u32::MAX;
+    const NONE: u32 = u32::MAX;
     const SEVERAL: u32 = u32::MAX - 1;
-    let mut fan_of_point = vec![UNSEEN; mesh.positions.len()];
+    let mut fan_of_point = vec![NONE; mesh.positions.len()];
     for (corner, &point) in (0u32..).zip(mesh.triangles.as_flattened()) {
-        let known = &mut fan_of_point[point as usize];
-        if *known == SEVERAL {
+        let first = &mut fan_of_point[point as usize];
+        if *first == SEVERAL {
             continue;
         }
         let fan = fans.root(corner);
-        if *known == UNSEEN {
-            *known = fan;
-        } else if *known != fan {
-            *known = SEVERAL;
+        if *first == NONE {
+            *first = fan;
+        } else if *first != fan {
+            *first = SEVERAL;
             report.non_manifold_vertices += 1;
             note(
                 &mut report.non_manifold_vertex_places,
@@ -178,13 +181,13 @@ fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
     }
 }
 
+/// Counts the pairs of triangles that touch or cross.
 fn self_intersections(mesh: &Mesh) -> SelfIntersections {
     let mut found = SelfIntersections::default();
-    // Most pairs are neighbours across an edge that is not folded flat, which the contact decides at once.
     self_contacts(mesh, &contact_tree(mesh), |s, t, kind| {
         let place = || {
             let [s, t] = [s, t].map(|t| Aabb::around(&mesh.corners(t)));
-            s.common(&t).centre()
+            s.intersection(&t).centre()
         };
         match kind {
             Contact::Apart => {}

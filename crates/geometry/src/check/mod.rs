@@ -1,123 +1,34 @@
-//! Whether a mesh is sound: closed, oriented, manifold, without degenerate, doubled or crossing triangles.
+//! Whether a mesh is sound: closed, oriented, manifold, without degenerate, duplicate or crossing triangles.
 
 mod examine;
+mod report;
 mod text;
 
+pub use report::{CheckOptions, Report, SelfIntersections};
+
 use crate::Mesh;
-use serde::Serialize;
-
-/// Most places that a report gives for each kind of defect.
-pub const PLACES: usize = 8;
-
-/// What [`Mesh::check_with`] looks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CheckOptions {
-    /// Whether to look for triangles that touch or cross, which takes most of the time.
-    pub self_intersections: bool,
-}
-
-impl Default for CheckOptions {
-    fn default() -> Self {
-        CheckOptions {
-            self_intersections: true,
-        }
-    }
-}
-
-/// What a check found. Edges and vertices are those of points: vertices at equal positions count as one. Triangles
-/// with an index out of range, with a corner that is not finite or with two corners at one point are counted as such
-/// and otherwise left out.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Report {
-    /// Vertices of the mesh.
-    pub vertices: usize,
-    /// Different positions among them.
-    pub points: usize,
-    /// Triangles of the mesh.
-    pub triangles: usize,
-    /// Shells: sets of triangles that share points.
-    pub components: usize,
-    /// Whether there are triangles and every edge has exactly two of them.
-    pub closed: bool,
-    /// Edges of one triangle.
-    pub boundary_edges: usize,
-    /// Sets of boundary edges that hang together: the holes' rims.
-    pub boundary_loops: usize,
-    /// A point of the first few boundary loops.
-    pub boundary_places: Vec<[f64; 3]>,
-    /// Whether the triangles at every edge use it equally often in both directions, boundaries aside. Closed and
-    /// oriented together mean: once in each direction.
-    pub oriented: bool,
-    /// Edges used more often in one direction than in the other, boundaries aside.
-    pub misoriented_edges: usize,
-    /// Middles of the first few of these edges.
-    pub misoriented_places: Vec<[f64; 3]>,
-    /// Edges of more than two triangles.
-    pub non_manifold_edges: usize,
-    /// Middles of the first few of these edges.
-    pub non_manifold_edge_places: Vec<[f64; 3]>,
-    /// Points whose triangles form several fans that share no edge there.
-    pub non_manifold_vertices: usize,
-    /// The first few of these points.
-    pub non_manifold_vertex_places: Vec<[f64; 3]>,
-    /// Triangles with two corners at one point, or with all three exactly on a line.
-    pub degenerate_triangles: usize,
-    /// Centres of the first few of these triangles.
-    pub degenerate_places: Vec<[f64; 3]>,
-    /// Triangles with the same three points as an earlier one, turned over or not.
-    pub duplicate_triangles: usize,
-    /// Vertices with a coordinate that is infinite or not a number.
-    pub non_finite_positions: usize,
-    /// Triangles with an index that names no vertex.
-    pub indices_out_of_range: usize,
-    /// Area of all triangles, m² where positions are in metres.
-    pub area_m2: f64,
-    /// Volume, m³ where positions are in metres, negative where the surface is inside out; none unless the mesh is
-    /// closed and oriented.
-    pub volume_m3: Option<f64>,
-    /// Triangles that touch or cross; none where that was not looked for.
-    pub self_intersections: Option<SelfIntersections>,
-}
-
-/// Pairs of triangles that meet elsewhere than in a shared vertex or edge (see [`crate::intersect::contact`]).
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct SelfIntersections {
-    /// Pairs of which one passes through the other, or which overlap in one plane.
-    pub crossing: usize,
-    /// Pairs that touch without crossing.
-    pub touching: usize,
-    /// Places of the first few crossing pairs.
-    pub crossing_places: Vec<[f64; 3]>,
-    /// Places of the first few touching pairs.
-    pub touching_places: Vec<[f64; 3]>,
-}
-
-impl Report {
-    /// Whether the mesh bounds a solid: closed, oriented, manifold, positive in volume, and free of every defect
-    /// looked for. Touching is allowed.
-    pub fn is_solid(&self) -> bool {
-        self.closed
-            && self.oriented
-            && self.volume_m3.is_some_and(|v| v > 0.0)
-            && self.non_manifold_vertices == 0
-            && self.degenerate_triangles == 0
-            && self.duplicate_triangles == 0
-            && self.non_finite_positions == 0
-            && self.indices_out_of_range == 0
-            && self
-                .self_intersections
-                .as_ref()
-                .is_none_or(|s| s.crossing == 0)
-    }
-}
 
 impl Mesh {
-    /// Everything that can be said about the soundness of the mesh. Any mesh may be asked, however broken.
+    /// Checks everything about the soundness of the mesh. Any mesh can be checked, however broken.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use greenstick_geometry::Mesh;
+    ///
+    /// let tetrahedron = Mesh {
+    ///     positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+    ///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    ///     ..Mesh::default()
+    /// };
+    /// let report = tetrahedron.check();
+    /// assert!(report.is_solid());
+    /// assert_eq!(report.volume_m3, Some(1.0 / 6.0));
+    /// ```
     pub fn check(&self) -> Report {
         self.check_with(CheckOptions::default())
     }
 
-    /// [`Mesh::check`], limited to what `options` names.
+    /// Checks the mesh as [`Mesh::check`] does, limited to what `options` selects.
     pub fn check_with(&self, options: CheckOptions) -> Report {
         examine::examine(self, options)
     }

@@ -1,6 +1,6 @@
 //! Meshes with one known defect each.
 
-use super::*;
+use crate::Mesh;
 use glam::{DAffine3, DVec3};
 
 /// The unit cube, every face with its own four vertices.
@@ -63,7 +63,7 @@ fn a_cube_with_seams_is_a_solid() {
 }
 
 #[test]
-fn one_defect_at_a_time_is_found_and_nothing_else() {
+fn each_defect_is_found_alone() {
     let none = cube().check();
     let mut open = cube();
     open.triangles.truncate(10);
@@ -132,7 +132,7 @@ fn one_defect_at_a_time_is_found_and_nothing_else() {
 }
 
 #[test]
-fn self_intersections_tell_crossing_from_touching() {
+fn crossing_and_touching_triangles_are_distinguished() {
     let report = joined(&[cube(), moved(&cube(), [0.5, 0.25, 0.125])]).check();
     let found = report.self_intersections.clone().unwrap();
     assert!(found.crossing > 0 && found.touching == 0, "{report}");

@@ -1,6 +1,6 @@
-//! A report in words.
+//! Reports as text.
 
-use super::{PLACES, Report};
+use super::report::{MAX_PLACES, Report, SelfIntersections};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Report {
@@ -33,118 +33,145 @@ impl Display for Report {
                 "not oriented"
             }
         )?;
-        defect(
-            f,
-            self.boundary_edges,
-            ["boundary edge", "boundary edges"],
-            &[],
-        )?;
-        defect(
-            f,
-            self.boundary_loops,
-            ["boundary loop", "boundary loops"],
-            &self.boundary_places,
-        )?;
-        defect(
-            f,
-            self.misoriented_edges,
-            [
-                "edge used twice in one direction",
-                "edges used twice in one direction",
-            ],
-            &self.misoriented_places,
-        )?;
-        defect(
-            f,
-            self.non_manifold_edges,
-            [
-                "edge of more than two triangles",
-                "edges of more than two triangles",
-            ],
-            &self.non_manifold_edge_places,
-        )?;
-        defect(
-            f,
-            self.non_manifold_vertices,
-            ["vertex of several fans", "vertices of several fans"],
-            &self.non_manifold_vertex_places,
-        )?;
-        defect(
-            f,
-            self.degenerate_triangles,
-            ["degenerate triangle", "degenerate triangles"],
-            &self.degenerate_places,
-        )?;
-        defect(
-            f,
-            self.duplicate_triangles,
-            ["duplicate triangle", "duplicate triangles"],
-            &[],
-        )?;
-        defect(
-            f,
-            self.non_finite_positions,
-            [
-                "vertex with a position that is not finite",
-                "vertices with a position that is not finite",
-            ],
-            &[],
-        )?;
-        defect(
-            f,
-            self.indices_out_of_range,
-            [
-                "triangle with an index out of range",
-                "triangles with an index out of range",
-            ],
-            &[],
-        )?;
+        for defect in self.defects() {
+            defect.write(f)?;
+        }
         match &self.self_intersections {
             None => writeln!(f, "self-intersections not looked for"),
             Some(s) if s.crossing + s.touching == 0 => writeln!(f, "no self-intersections"),
             Some(s) => {
-                defect(
-                    f,
-                    s.crossing,
-                    ["crossing pair of triangles", "crossing pairs of triangles"],
-                    &s.crossing_places,
-                )?;
-                defect(
-                    f,
-                    s.touching,
-                    ["touching pair of triangles", "touching pairs of triangles"],
-                    &s.touching_places,
-                )
+                for defect in s.defects() {
+                    defect.write(f)?;
+                }
+                Ok(())
             }
         }
     }
 }
 
-/// One line for a kind of defect, none where there are none of it.
-fn defect(f: &mut Formatter<'_>, found: usize, names: [&str; 2], places: &[[f64; 3]]) -> Result {
-    if found == 0 {
-        return Ok(());
-    }
-    write!(f, "{}", count(found, names))?;
-    for (i, p) in places.iter().enumerate() {
-        let [x, y, z] = p.map(number);
-        write!(f, "{} ({x}, {y}, {z})", if i == 0 { " at" } else { "," })?;
-    }
-    let more = !places.is_empty() && found > PLACES;
-    writeln!(
-        f,
-        "{}{}",
-        if places.is_empty() { "" } else { " m" },
-        if more { " …" } else { "" }
-    )
+/// A kind of defect, as reports print it.
+struct Defect<'a> {
+    found: usize,
+    /// Its name for one and for several.
+    names: [&'a str; 2],
+    /// Where the first few are; empty for kinds without a place.
+    places: &'a [[f64; 3]],
 }
 
-/// A number of things under their name for one and for several.
+impl Report {
+    /// The kinds of defects other than self-intersections, in the order in which they are printed.
+    fn defects(&self) -> [Defect<'_>; 9] {
+        let defect = |found, names, places| Defect {
+            found,
+            names,
+            places,
+        };
+        [
+            defect(
+                self.boundary_edges,
+                ["boundary edge", "boundary edges"],
+                &[][..],
+            ),
+            defect(
+                self.boundary_loops,
+                ["boundary loop", "boundary loops"],
+                &self.boundary_places,
+            ),
+            defect(
+                self.misoriented_edges,
+                [
+                    "edge used twice in one direction",
+                    "edges used twice in one direction",
+                ],
+                &self.misoriented_places,
+            ),
+            defect(
+                self.non_manifold_edges,
+                [
+                    "edge of more than two triangles",
+                    "edges of more than two triangles",
+                ],
+                &self.non_manifold_edge_places,
+            ),
+            defect(
+                self.non_manifold_vertices,
+                ["vertex of several fans", "vertices of several fans"],
+                &self.non_manifold_vertex_places,
+            ),
+            defect(
+                self.degenerate_triangles,
+                ["degenerate triangle", "degenerate triangles"],
+                &self.degenerate_places,
+            ),
+            defect(
+                self.duplicate_triangles,
+                ["duplicate triangle", "duplicate triangles"],
+                &[],
+            ),
+            defect(
+                self.non_finite_positions,
+                [
+                    "vertex with a position that is not finite",
+                    "vertices with a position that is not finite",
+                ],
+                &[],
+            ),
+            defect(
+                self.indices_out_of_range,
+                [
+                    "triangle with an index out of range",
+                    "triangles with an index out of range",
+                ],
+                &[],
+            ),
+        ]
+    }
+}
+
+impl SelfIntersections {
+    fn defects(&self) -> [Defect<'_>; 2] {
+        [
+            Defect {
+                found: self.crossing,
+                names: ["crossing pair of triangles", "crossing pairs of triangles"],
+                places: &self.crossing_places,
+            },
+            Defect {
+                found: self.touching,
+                names: ["touching pair of triangles", "touching pairs of triangles"],
+                places: &self.touching_places,
+            },
+        ]
+    }
+}
+
+impl Defect<'_> {
+    /// Writes one line, or nothing where there is no such defect.
+    fn write(&self, f: &mut Formatter<'_>) -> Result {
+        if self.found == 0 {
+            return Ok(());
+        }
+        write!(f, "{}", count(self.found, self.names))?;
+        for (i, p) in self.places.iter().enumerate() {
+            let [x, y, z] = p.map(number);
+            write!(f, "{} ({x}, {y}, {z})", if i == 0 { " at" } else { "," })?;
+        }
+        let more = !self.places.is_empty() && self.found > MAX_PLACES;
+        writeln!(
+            f,
+            "{}{}",
+            if self.places.is_empty() { "" } else { " m" },
+            if more { " …" } else { "" }
+        )
+    }
+}
+
+/// A number of things with their name for one or for several.
 fn count(n: usize, [one, several]: [&str; 2]) -> String {
     format!("{n} {}", if n == 1 { one } else { several })
 }
 
-/// Six significant digits at most.
+/// A number with at most six significant digits.
 fn number(x: f64) -> String {
     if x != 0.0 && x.is_finite() && !(1e-3..1e6).contains(&x.abs()) {
         let text = format!("{x:.5e}");

@@ -1,33 +1,36 @@
-//! Screened Poisson reconstruction (Kazhdan and Hoppe 2013) on a regular grid: the closed surface whose inside has an
-//! indicator with the gradient that the points' normals tell, and that passes through the points.
+//! Screened Poisson surface reconstruction (Kazhdan and Hoppe 2013) on a regular lattice: an indicator function is fitted
+//! whose gradient follows the points' normals and which vanishes at the points; the surface is its zero level.
 //!
-//! Differences of the indicator along the grid's edges are fitted to the normals, its values at the points to 0, by
-//! conjugate gradients from coarse grids to fine ones. The surface is cut out of the grid's tetrahedra (Doi and Koide 1991),
-//! so that it is closed and a manifold whatever its form.
+//! Differences of the indicator along the lattice's edges are fitted to the normals and its values at the points to 0, by
+//! conjugate gradients from coarse lattices to fine ones. The surface is extracted from tetrahedra (Doi and Koide 1991),
+//! so that it is a closed manifold whatever its shape.
 
+use super::lattice::Lattice;
 use super::tetrahedra::surface;
 use crate::{Cancelled, Context, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Weight of the points against their normals.
+/// Weight of the fit at the points relative to the fit of the normals.
 const SCREENING: f64 = 4.0;
-/// Cells about the points on every side, of the finest grid.
-const MARGIN: f64 = 6.0;
-/// Cells along the longest side of the coarsest grid, at least.
-const COARSEST: f64 = 12.0;
-/// Steps of conjugate gradients on one grid, at most, and the residual, of the right side's, at which they end.
-const STEPS: usize = 150;
-const RESIDUAL: f64 = 1e-3;
-/// Nodes of the finest grid, at most.
-pub const MOST_NODES: f64 = 8e6;
-/// Mean of the product of two linear hats across a surface: what turns points about a point into points of a cell's area.
-const HATS: f64 = 2.0 / 3.0;
+/// Cells of the finest lattice around the points on every side.
+const MARGIN_CELLS: f64 = 6.0;
+/// Fewest cells along the longest side of the coarsest lattice.
+const MIN_COARSE_CELLS: f64 = 12.0;
+/// Most steps of conjugate gradients on one lattice.
+const MAX_STEPS: usize = 150;
+/// Residual, relative to the right-hand side, at which the steps end.
+const RELATIVE_RESIDUAL: f64 = 1e-3;
+/// Most nodes of the finest lattice.
+pub const MAX_NODES: f64 = 8e6;
+/// Mean product of two linear hat functions across a surface: converts the density of points around a node to points for
+/// each cell's area.
+const MEAN_HAT_PRODUCT: f64 = 2.0 / 3.0;
 
-/// Why there is no surface.
+/// Why no surface can be reconstructed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PoissonError {
-    /// Lists of different lengths, or none.
+    /// The lists have different lengths or are empty.
     #[error("{points} points with {normals} normals; expected as many of both, and some")]
     Lists {
         /// Number of points.
@@ -35,76 +38,27 @@ pub enum PoissonError {
         /// Number of normals.
         normals: usize,
     },
-    /// Cells that are too small or no length.
+    /// The cells are too small, or their size is no length.
     #[error(
-        "cells of {cell} m make {nodes:.0} nodes about the points; expected at most {MOST_NODES:.0}"
+        "cells of {cell} m make {nodes:.0} nodes about the points; expected at most {MAX_NODES:.0}"
     )]
     Cell {
         /// Side of a cell, m.
         cell: f64,
-        /// Nodes.
+        /// Number of nodes that they make.
         nodes: f64,
     },
-    /// The caller stopped the work.
+    /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// Nodes at equal distances along all axes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lattice {
-    pub low: DVec3,
-    pub cell: f64,
-    /// Nodes along x, y, z.
-    pub size: [usize; 3],
-}
-
-impl Lattice {
-    fn nodes(&self) -> usize {
-        self.size.iter().product()
-    }
-
-    /// Steps from a node to the next along x, y, z.
-    pub fn strides(&self) -> [usize; 3] {
-        [1, self.size[0], self.size[0] * self.size[1]]
-    }
-
-    /// The eight nodes about a point with their weights; the lattice moved by half a cell along an axis, where one is given.
-    fn about(&self, p: DVec3, half: Option<usize>) -> [(usize, f64); 8] {
-        let mut q = ((p - self.low) / self.cell).to_array();
-        if let Some(axis) = half {
-            q[axis] -= 0.5;
-        }
-        let strides = self.strides();
-        let mut first = 0;
-        let mut part = [0.0; 3];
-        for k in 0..3 {
-            // Of edges there is one less than of nodes.
-            let last = self.size[k] - 2 - usize::from(half == Some(k));
-            let base = q[k].floor().clamp(0.0, last as f64);
-            part[k] = (q[k] - base).clamp(0.0, 1.0);
-            first += base as usize * strides[k];
-        }
-        std::array::from_fn(|corner| {
-            let (mut at, mut weight) = (first, 1.0);
-            for k in 0..3 {
-                if corner >> k & 1 == 1 {
-                    at += strides[k];
-                    weight *= part[k];
-                } else {
-                    weight *= 1.0 - part[k];
-                }
-            }
-            (at, weight)
-        })
-    }
-}
-
-/// The closed surface through `points` whose unit `normals` point out of it; `cell` is the side of a grid's cell, m, and what
-/// is smaller is smoothed away. It is cut off, and closed, where `inside` (a distance, m) falls below 0.
+/// Reconstructs the closed surface through `points` whose unit `normals` point outwards. `cell` is the side of a cell of
+/// the lattice, m; smaller features are smoothed away. The surface is cut off, and closed, where `inside` (a signed
+/// distance, m) falls below 0.
 ///
 /// # Errors
-/// [`PoissonError`] where lists do not fit together, cells are too many, or the caller stops the work.
+/// [`PoissonError`] where the lists do not match, the cells are too many, or the caller asked to stop.
 pub fn poisson(
     points: &[DVec3],
     normals: &[DVec3],
@@ -123,13 +77,13 @@ pub fn poisson(
         .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| {
             (a.min(*p), b.max(*p))
         });
-    let extent = high - low + 2.0 * MARGIN * cell;
+    let extent = high - low + 2.0 * MARGIN_CELLS * cell;
     let nodes = (extent / cell + 1.0).to_array().iter().product::<f64>();
-    if !(cell > 0.0 && nodes <= MOST_NODES) {
+    if !(cell > 0.0 && nodes <= MAX_NODES) {
         return Err(PoissonError::Cell { cell, nodes });
     }
     let mut halvings = 0;
-    while extent.max_element() / (cell * f64::from(2 << halvings)) >= COARSEST {
+    while extent.max_element() / (cell * f64::from(2 << halvings)) >= MIN_COARSE_CELLS {
         halvings += 1;
     }
     let coarse = cell * f64::from(1 << halvings);
@@ -148,92 +102,114 @@ pub fn poisson(
             size: cells.map(|n| n + 1),
         };
         let start = match &values {
-            Some((before, values)) => finer(before, values, &lattice),
+            Some((before, values)) => refined(before, values, &lattice),
             None => vec![0.0; lattice.nodes()],
         };
-        let system = System::new(lattice, points, normals);
-        values = Some((lattice, system.solved(start)));
+        let system = System::new(lattice, points, normals, context)?;
+        values = Some((lattice, system.solve(start, context)?));
     }
     let Some((lattice, values)) = values else {
         return Ok(Mesh::default());
     };
     let at = |p: &DVec3| -> f64 {
-        let about = lattice.about(*p, None);
-        about.iter().map(|(i, w)| w * values[*i]).sum()
+        let around = lattice.around(*p, None);
+        around.iter().map(|(i, w)| w * values[*i]).sum()
     };
     let level = points.iter().map(at).sum::<f64>() / points.len() as f64;
-    Ok(surface(&lattice, &values, level, inside))
+    Ok(surface(&lattice, &values, level, inside, context)?)
 }
 
-/// Values of a lattice at the nodes of one of half its cells.
-fn finer(coarse: &Lattice, values: &[f64], fine: &Lattice) -> Vec<f64> {
-    let [nx, ny, _] = fine.size;
+/// Interpolates the values of a lattice at the nodes of one with half its cells.
+fn refined(coarse: &Lattice, values: &[f64], fine: &Lattice) -> Vec<f64> {
     (0..fine.nodes())
         .into_par_iter()
         .map(|i| {
-            let at = [i % nx, i / nx % ny, i / (nx * ny)].map(|k| k as f64);
-            let about = coarse.about(fine.low + DVec3::from_array(at) * fine.cell, None);
-            about.iter().map(|(i, w)| w * values[*i]).sum()
+            let around = coarse.around(fine.position(i), None);
+            around.iter().map(|(i, w)| w * values[*i]).sum()
         })
         .collect()
 }
 
-/// What the indicator has to be: the normal equations of both fits.
+/// The normal equations of both fits, for the indicator at the nodes.
 struct System {
     lattice: Lattice,
-    right: Vec<f64>,
+    right_side: Vec<f64>,
     diagonal: Vec<f64>,
-    /// Nodes about each point with their weights, and the point's own weight.
-    screens: Vec<([(usize, f64); 8], f64)>,
+    screens: Vec<Screen>,
+}
+
+/// The term by which the indicator is fitted to 0 at a point.
+struct Screen {
+    /// Nodes around the point with their weights.
+    around: [(usize, f64); 8],
+    /// Weight of the point.
+    weight: f64,
 }
 
 impl System {
-    fn new(lattice: Lattice, points: &[DVec3], normals: &[DVec3]) -> Self {
+    fn new(
+        lattice: Lattice,
+        points: &[DVec3],
+        normals: &[DVec3],
+        context: &Context,
+    ) -> Result<Self, Cancelled> {
+        context.check()?;
         let strides = lattice.strides();
-        let abouts: Vec<_> = points.iter().map(|p| lattice.about(*p, None)).collect();
+        let arounds: Vec<_> = points.iter().map(|p| lattice.around(*p, None)).collect();
         let mut density = vec![0.0; lattice.nodes()];
-        for (i, w) in abouts.iter().flatten() {
+        for (i, w) in arounds.iter().flatten() {
             density[*i] += w;
         }
-        // The area, in cells' sides squared, that each point stands for.
-        let areas: Vec<f64> = abouts
+        context.check()?;
+        // The area that each point stands for, in squared sides of a cell.
+        let areas: Vec<f64> = arounds
             .iter()
-            .map(|about| HATS / about.iter().map(|(i, w)| w * density[*i]).sum::<f64>())
+            .map(|around| {
+                MEAN_HAT_PRODUCT / around.iter().map(|(i, w)| w * density[*i]).sum::<f64>()
+            })
             .collect();
-        let mut right = vec![0.0; lattice.nodes()];
+        context.check()?;
+        let mut right_side = vec![0.0; lattice.nodes()];
         for ((p, n), area) in points.iter().zip(normals).zip(&areas) {
             for axis in 0..3 {
-                for (i, w) in lattice.about(*p, Some(axis)) {
+                for (i, w) in lattice.around(*p, Some(axis)) {
                     // The indicator is higher inside.
                     let step = -n[axis] * area * w;
-                    right[i] -= step;
-                    right[i + strides[axis]] += step;
+                    right_side[i] -= step;
+                    right_side[i + strides[axis]] += step;
                 }
             }
         }
-        let screens: Vec<_> = abouts
+        let screens: Vec<Screen> = arounds
             .into_iter()
             .zip(areas)
-            .map(|(about, area)| (about, SCREENING * area))
+            .map(|(around, area)| Screen {
+                around,
+                weight: SCREENING * area,
+            })
             .collect();
-        let mut made = System {
+        let mut system = System {
             lattice,
-            right,
+            right_side,
             diagonal: Vec::new(),
             screens,
         };
-        let mut diagonal = made.rows(|_, neighbours, _| neighbours);
-        for (about, weight) in &made.screens {
-            about
-                .iter()
-                .for_each(|(i, w)| diagonal[*i] += weight * w * w);
+        context.check()?;
+        let mut diagonal = system.map_nodes(|_, neighbours, _| neighbours);
+        for Screen { around, weight } in &system.screens {
+            for (i, w) in around {
+                diagonal[*i] += weight * w * w;
+            }
         }
-        made.diagonal = diagonal;
-        made
+        system.diagonal = diagonal;
+        Ok(system)
     }
 
-    /// A number for every node from its own, the number of its neighbours and a way to sum over them.
-    fn rows(&self, of: impl Fn(usize, f64, &dyn Fn(&[f64]) -> f64) -> f64 + Sync) -> Vec<f64> {
+    /// Computes a value for every node from its number, the number of its neighbours, and a function that sums over them.
+    fn map_nodes(
+        &self,
+        value: impl Fn(usize, f64, &dyn Fn(&[f64]) -> f64) -> f64 + Sync,
+    ) -> Vec<f64> {
         let [nx, ny, nz] = self.lattice.size;
         let strides = self.lattice.strides();
         let mut out = vec![0.0; self.lattice.nodes()];
@@ -254,43 +230,49 @@ impl System {
                     }
                 }
                 let sum = |v: &[f64]| beside[..count].iter().map(|j| v[*j]).sum::<f64>();
-                *out = of(i, count as f64, &sum);
+                *out = value(i, count as f64, &sum);
             }
         });
         out
     }
 
-    fn applied(&self, v: &[f64]) -> Vec<f64> {
-        let mut out = self.rows(|i, count, sum| count * v[i] - sum(v));
-        for (about, weight) in &self.screens {
-            let at: f64 = about.iter().map(|(i, w)| w * v[*i]).sum();
-            about.iter().for_each(|(i, w)| out[*i] += weight * at * w);
+    /// Multiplies the matrix of the system by a vector.
+    fn multiply(&self, v: &[f64]) -> Vec<f64> {
+        let mut out = self.map_nodes(|i, count, sum| count * v[i] - sum(v));
+        for Screen { around, weight } in &self.screens {
+            let at: f64 = around.iter().map(|(i, w)| w * v[*i]).sum();
+            for (i, w) in around {
+                out[*i] += weight * at * w;
+            }
         }
         out
     }
 
-    /// Conjugate gradients, scaled by the diagonal.
-    fn solved(&self, mut x: Vec<f64>) -> Vec<f64> {
-        let scaled = |r: &[f64]| -> Vec<f64> {
+    /// Solves the system by conjugate gradients with a diagonal preconditioner, starting from `x`.
+    fn solve(&self, mut x: Vec<f64>, context: &Context) -> Result<Vec<f64>, Cancelled> {
+        let precondition = |r: &[f64]| -> Vec<f64> {
             let pairs = r.par_iter().zip(&self.diagonal);
             pairs.map(|(r, d)| r / d.max(1e-12)).collect()
         };
-        let applied = self.applied(&x);
+        let product = self.multiply(&x);
         let mut r: Vec<f64> = self
-            .right
+            .right_side
             .iter()
-            .zip(&applied)
+            .zip(&product)
             .map(|(b, a)| b - a)
             .collect();
-        let mut z = scaled(&r);
+        let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = dot(&r, &z);
-        let end = RESIDUAL * RESIDUAL * dot(&self.right, &scaled(&self.right));
-        for _ in 0..STEPS {
+        let end = RELATIVE_RESIDUAL
+            * RELATIVE_RESIDUAL
+            * dot(&self.right_side, &precondition(&self.right_side));
+        for _ in 0..MAX_STEPS {
+            context.check()?;
             if rz <= end {
                 break;
             }
-            let ap = self.applied(&p);
+            let ap = self.multiply(&p);
             let along = dot(&p, &ap);
             if along <= 0.0 {
                 break;
@@ -298,7 +280,7 @@ impl System {
             let alpha = rz / along;
             x.par_iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
             r.par_iter_mut().zip(&ap).for_each(|(r, a)| *r -= alpha * a);
-            z = scaled(&r);
+            z = precondition(&r);
             let next = dot(&r, &z);
             let beta = next / rz;
             p.par_iter_mut()
@@ -306,11 +288,11 @@ impl System {
                 .for_each(|(p, z)| *p = z + beta * *p);
             rz = next;
         }
-        x
+        Ok(x)
     }
 }
 
-/// The product of two lists, summed in parts of a fixed length, so that threads change no bit.
+/// The scalar product, summed in parts of a fixed length so that the number of threads does not change a bit.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const PART: usize = 4096;
     let parts: Vec<f64> = a
@@ -325,7 +307,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn made(points: &[DVec3], normals: &[DVec3], cell: f64) -> Mesh {
+    fn reconstruct(points: &[DVec3], normals: &[DVec3], cell: f64) -> Mesh {
         let mesh = poisson(points, normals, cell, |_| f64::INFINITY, &Context::quiet()).unwrap();
         let report = mesh.check();
         assert!(report.is_solid(), "{report}");
@@ -333,9 +315,9 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_comes_back_within_a_cell() {
+    fn a_sphere_is_reconstructed_within_half_a_cell() {
         let middle = DVec3::new(3.0, -2.0, 1.0);
-        // Fibonacci's lattice, and one side ten times as dense as the other.
+        // A Fibonacci lattice, and one side ten times as dense as the other.
         let normals: Vec<DVec3> = (0..20_000)
             .map(|i| {
                 let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 20_000.0;
@@ -348,7 +330,7 @@ mod tests {
             .map(|(_, n)| n)
             .collect();
         let points: Vec<DVec3> = normals.iter().map(|n| middle + 0.5 * *n).collect();
-        let mesh = made(&points, &normals, 0.05);
+        let mesh = reconstruct(&points, &normals, 0.05);
         for p in &mesh.positions {
             let off = p.distance(middle) - 0.5;
             assert!(off.abs() < 0.025, "{off}");
@@ -362,8 +344,8 @@ mod tests {
     }
 
     #[test]
-    fn a_long_body_comes_back_and_can_be_cut_off() {
-        // Twelve times as long as wide: thinner than a cell of the coarsest grid.
+    fn a_long_ellipsoid_is_reconstructed_and_can_be_cut_off() {
+        // Twelve times as long as wide: thinner than a cell of the coarsest lattice.
         let long = DVec3::new(1.0, 1.0, 12.0);
         let (points, normals): (Vec<DVec3>, Vec<DVec3>) = (0..30_000)
             .map(|i| {
@@ -374,7 +356,7 @@ mod tests {
                 (n * long, (n / long).normalize())
             })
             .unzip();
-        let mesh = made(&points, &normals, 0.15);
+        let mesh = reconstruct(&points, &normals, 0.15);
         let volume = 16.0 * std::f64::consts::PI;
         assert!(
             (mesh.volume() / volume - 1.0).abs() < 0.02,
@@ -392,11 +374,11 @@ mod tests {
     }
 
     #[test]
-    fn a_torus_comes_back_with_its_hole() {
+    fn a_torus_is_reconstructed_with_its_hole() {
         let (wide, thin, cell) = (1.0, 0.35, 0.06);
-        let form: Vec<(DVec3, DVec3)> = (0..15_000)
+        let torus: Vec<(DVec3, DVec3)> = (0..15_000)
             .map(|i| {
-                // Two numbers far from fractions cover both angles evenly.
+                // Two badly approximable numbers cover both angles evenly.
                 let turn = |step: f64| std::f64::consts::TAU * (step * f64::from(i)).fract();
                 let (a, b) = (turn(0.754_877_666_246_692_8), turn(0.569_840_290_998_053_3));
                 let out = DVec3::new(a.cos(), a.sin(), 0.0);
@@ -404,8 +386,8 @@ mod tests {
                 (out * wide + n * thin, n)
             })
             .collect();
-        let (points, normals): (Vec<_>, Vec<_>) = form.into_iter().unzip();
-        let mesh = made(&points, &normals, cell);
+        let (points, normals): (Vec<_>, Vec<_>) = torus.into_iter().unzip();
+        let mesh = reconstruct(&points, &normals, cell);
         for p in &mesh.positions {
             let off = (p.truncate().length() - wide).hypot(p.z) - thin;
             assert!(off.abs() < 0.5 * cell, "{off}");
@@ -422,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_grid_is_refused() {
+    fn bad_cells_and_lists_are_refused() {
         let [p, n] = [[DVec3::ZERO, DVec3::ONE], [DVec3::Z; 2]];
         let quiet = Context::quiet();
         for cell in [0.0, -1.0, f64::NAN, 1e-6] {

@@ -1,8 +1,8 @@
-//! Edges of points with the triangles that use them, and sets that are joined step by step.
+//! Edges between points with the triangles that use them.
 
-use super::corner_points;
+use super::points::corner_points;
 
-/// Use of an edge by a triangle.
+/// The use of an edge by a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Use {
     /// The edge's point with the higher number.
@@ -24,13 +24,13 @@ impl Use {
 
 /// All edges of a mesh, grouped by their point with the lower number.
 pub(crate) struct Edges {
-    /// Where the uses of each lower point start; one more at the end.
+    /// Where the uses of each lower point start, and where those of the last one end.
     starts: Vec<u32>,
     uses: Vec<Use>,
 }
 
 impl Edges {
-    /// The edges of all triangles whose three corners lie at three points.
+    /// Collects the edges of all triangles whose three corners lie at three points.
     pub fn new(triangles: &[[u32; 3]], points: &[u32], count: usize) -> Self {
         let each = |visit: &mut dyn FnMut(u32, Use)| {
             for (t, &triangle) in triangles.iter().enumerate() {

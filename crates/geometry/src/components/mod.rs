@@ -1,13 +1,13 @@
-//! What hangs together: shells of triangles that share points, and neighbours across edges.
+//! Connectivity: shells of triangles that share points, and neighbours across edges.
 //!
-//! Triangles with an index out of range or with two corners at one point take no part: they have no neighbours, and
-//! each is a shell of its own where none of its points is used elsewhere.
+//! Triangles with an index out of range or with two corners at one point do not connect anything: they have no
+//! neighbours, and each is a shell of its own if none of its points is used elsewhere.
 
 mod edges;
 mod points;
 
 pub(crate) use edges::{Edges, Use};
-pub(crate) use points::number_points;
+pub(crate) use points::{corner_points, number_keys, number_points};
 
 use crate::Mesh;
 
@@ -24,34 +24,33 @@ pub struct Shells {
     pub count: usize,
 }
 
-/// Neighbours of triangles across their edges, by points.
+/// Neighbours of triangles across the edges of points.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Adjacency {
-    /// For each triangle the neighbours across its edges, the edge `k` running from corner `k` to corner `k + 1`.
-    /// [`NONE`] at a boundary and at an edge of more than two triangles.
+    /// For each triangle the neighbours across its edges; edge `k` runs from corner `k` to corner `k + 1`.
+    /// [`NONE`] at a boundary and at an edge with more than two triangles.
     pub neighbours: Vec<[u32; 3]>,
-    /// Every edge of more than two triangles: its points (numbered as by [`Mesh::points`]) and its triangles.
-    pub non_manifold: Vec<([u32; 2], Vec<u32>)>,
+    /// Every edge with more than two triangles.
+    pub non_manifold: Vec<NonManifoldEdge>,
 }
 
-/// Corners as points; `None` for a triangle with an index out of range.
-pub(crate) fn corner_points(triangle: [u32; 3], points: &[u32]) -> Option<[u32; 3]> {
-    let point = |i: u32| points.get(i as usize).copied();
-    Some([
-        point(triangle[0])?,
-        point(triangle[1])?,
-        point(triangle[2])?,
-    ])
+/// An edge with more than two triangles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NonManifoldEdge {
+    /// Its points, numbered as by [`Mesh::points`].
+    pub points: [u32; 2],
+    /// Its triangles.
+    pub triangles: Vec<u32>,
 }
 
 impl Mesh {
-    /// The shells of the mesh: triangles that share a point, be it only one, are of one shell.
+    /// Finds the shells of the mesh: triangles that share a point, even a single one, belong to one shell.
     pub fn shells(&self) -> Shells {
         let (points, count) = number_points(&self.positions);
         shells(&self.triangles, &points, count)
     }
 
-    /// The neighbours of every triangle across its edges.
+    /// Finds the neighbours of every triangle across its edges.
     pub fn adjacency(&self) -> Adjacency {
         let (points, count) = number_points(&self.positions);
         let edges = Edges::new(&self.triangles, &points, count);
@@ -66,7 +65,10 @@ impl Mesh {
             }
             [first, _, _, ..] => {
                 let triangles = uses.iter().map(|u| u.triangle() as u32).collect();
-                adjacency.non_manifold.push(([low, first.high], triangles));
+                adjacency.non_manifold.push(NonManifoldEdge {
+                    points: [low, first.high],
+                    triangles,
+                });
             }
             _ => {}
         });
@@ -74,7 +76,7 @@ impl Mesh {
     }
 }
 
-/// [`Mesh::shells`] for points numbered before.
+/// [`Mesh::shells`] for points that are numbered already.
 pub(crate) fn shells(triangles: &[[u32; 3]], points: &[u32], count: usize) -> Shells {
     let mut unions = crate::Unions::new(count);
     for &t in triangles {

@@ -1,32 +1,48 @@
-//! Numbering of points: what [`crate::Mesh::points`] defines, for meshes of millions of vertices.
+//! Numbering of points as [`crate::Mesh::points`] defines it, for meshes with millions of vertices.
 
 use glam::DVec3;
+use std::convert::Infallible;
 
-/// Slot of the table that holds no vertex.
-const FREE: u32 = u32::MAX;
+/// An empty slot of the table.
+const EMPTY: u32 = u32::MAX;
 
-/// The numbers of [`crate::Mesh::points`] by open addressing with a table of vertex indices, which fits the cache
-/// several times better than a map keyed by positions.
+/// Computes the numbers of [`crate::Mesh::points`].
 pub(crate) fn number_points(positions: &[DVec3]) -> (Vec<u32>, usize) {
-    let size = (positions.len() * 2).next_power_of_two().max(2);
-    let shift = 64 - size.trailing_zeros();
-    let mut table = vec![FREE; size];
-    let mut numbers = vec![0u32; positions.len()];
-    let mut count = 0;
     // Zero is added so that 0 and −0 have the same bits.
-    let bits = |i: usize| (positions[i] + DVec3::ZERO).to_array().map(f64::to_bits);
-    for i in 0..positions.len() {
-        let key = bits(i);
-        let mut slot = (hash(key) >> shift) as usize;
+    let key = |i: usize| (positions[i] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let numbered: Result<_, Infallible> = number_keys(positions.len(), key, |_| Ok(()));
+    match numbered {
+        Ok(numbered) => numbered,
+    }
+}
+
+/// Numbers `count` items so that items with equal keys share a number, counted from 0 in order of first appearance. Also
+/// returns how many numbers there are. `check` is called with each item and may stop the work.
+///
+/// Open addressing in a table of item numbers fits the cache several times better than a map keyed by the keys.
+pub(crate) fn number_keys<E>(
+    count: usize,
+    key: impl Fn(usize) -> [u64; 3],
+    check: impl Fn(usize) -> Result<(), E>,
+) -> Result<(Vec<u32>, usize), E> {
+    let size = (count * 2).next_power_of_two().max(2);
+    let shift = 64 - size.trailing_zeros();
+    let mut table = vec![EMPTY; size];
+    let mut numbers = vec![0u32; count];
+    let mut next = 0;
+    for i in 0..count {
+        check(i)?;
+        let own = key(i);
+        let mut slot = (hash(own) >> shift) as usize;
         loop {
             match table[slot] {
-                FREE => {
+                EMPTY => {
                     table[slot] = i as u32;
-                    numbers[i] = count;
-                    count += 1;
+                    numbers[i] = next;
+                    next += 1;
                     break;
                 }
-                other if bits(other as usize) == key => {
+                other if key(other as usize) == own => {
                     numbers[i] = numbers[other as usize];
                     break;
                 }
@@ -34,7 +50,17 @@ pub(crate) fn number_points(positions: &[DVec3]) -> (Vec<u32>, usize) {
             }
         }
     }
-    (numbers, count as usize)
+    Ok((numbers, next as usize))
+}
+
+/// The points of a triangle's corners; `None` for a triangle with an index out of range.
+pub(crate) fn corner_points(triangle: [u32; 3], points: &[u32]) -> Option<[u32; 3]> {
+    let point = |i: u32| points.get(i as usize).copied();
+    Some([
+        point(triangle[0])?,
+        point(triangle[1])?,
+        point(triangle[2])?,
+    ])
 }
 
 /// Mixes three coordinates into 64 bits, the upper ones best (multiplication by odd constants with folded halves).

@@ -1,4 +1,5 @@
-use super::*;
+use super::{NONE, NonManifoldEdge, Shells, number_points};
+use crate::Mesh;
 use glam::DVec3;
 
 fn mesh(positions: &[[i32; 3]], triangles: &[[u32; 3]]) -> Mesh {
@@ -33,7 +34,7 @@ fn points_are_numbered_as_the_mesh_defines_them() {
 }
 
 #[test]
-fn seams_do_not_part_shells_and_tips_join_them() {
+fn shells_connect_across_seams_and_at_single_points() {
     // Two triangles along a seam of doubled vertices, one joined tip to tip, one alone, one that is out of range.
     let m = mesh(
         &[
@@ -66,12 +67,18 @@ fn seams_do_not_part_shells_and_tips_join_them() {
 }
 
 #[test]
-fn an_edge_of_three_triangles_is_listed_and_joins_none() {
+fn an_edge_with_three_triangles_is_listed_and_connects_none() {
     let m = mesh(
         &[[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, -1, 0]],
         &[[0, 1, 2], [1, 0, 3], [0, 1, 4], [0, 0, 1]],
     );
     let adjacency = m.adjacency();
     assert_eq!(adjacency.neighbours, vec![[NONE; 3]; 4]);
-    assert_eq!(adjacency.non_manifold, vec![([0, 1], vec![0, 1, 2])]);
+    assert_eq!(
+        adjacency.non_manifold,
+        vec![NonManifoldEdge {
+            points: [0, 1],
+            triangles: vec![0, 1, 2]
+        }]
+    );
 }

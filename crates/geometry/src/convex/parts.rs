@@ -1,24 +1,23 @@
-//! A solid as a union of few convex shapes: cut by planes, always the part whose hull holds most that is no wood, where
-//! the hulls of both sides are smallest, and each part's hull with few vertices.
+//! Approximate convex decomposition: a solid as a union of a few convex shapes. Planes cut the solid, always the part
+//! whose hull exceeds its volume most, where the hulls of both sides are smallest; each part becomes a hull with few
+//! vertices.
 //!
-//! A part is kept as a chain of triangles that is closed in the sense of Stokes: where a plane cuts, every cut edge is
-//! joined with one point of the plane, once for each side. The signed volume is that of the solid in the part, whatever
-//! lies in the section.
+//! A part is stored as a closed chain of triangles: where a plane cuts, every cut edge is joined with one point of the
+//! plane, once for each side. Its signed volume is that of the solid in the part, whatever the section looks like.
 
-use super::{HullLimits, hull};
-use crate::bvh::closest_point_on_triangle;
-use crate::cloud::eigen;
-use crate::{Cancelled, Context, Mesh};
+use super::hull::{HullLimits, convex_hull};
+use crate::triangle::closest_point_on_triangle;
+use crate::{Cancelled, Context, Mesh, symmetric_eigen};
 use glam::{DMat3, DVec3};
 
-/// How finely a solid is taken apart.
+/// How finely a solid is decomposed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConvexOptions {
     /// Most convex shapes, 1 or more.
     pub shapes: usize,
     /// Most vertices of each, 4 or more.
     pub vertices: usize,
-    /// No more cuts where the hulls hold less than this over the solid's volume, as a share of it.
+    /// Cutting ends when the volume of the hulls exceeds that of the solid by less than this fraction of it.
     pub excess: f64,
 }
 
@@ -35,43 +34,43 @@ impl Default for ConvexOptions {
 /// Convex shapes that cover a solid.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ConvexParts {
-    /// The shapes, each convex exactly and with coordinates that `f32` holds exactly, so that files keep it so.
+    /// The shapes. Each is exactly convex, and its coordinates are exact in `f32`, so that it stays convex in files.
     pub shapes: Vec<Mesh>,
-    /// Largest distance of one of the solid's vertices from the nearest shape that it does not lie in, m.
+    /// Largest distance of a vertex of the solid from the nearest shape, m.
     pub uncovered: f64,
-    /// Sum of the shapes' volumes over the solid's.
+    /// Sum of the shapes' volumes over the volume of the solid.
     pub volume_ratio: f64,
 }
 
-/// Hulls that are only compared need no more than this.
-const ROUGH_VERTICES: usize = 24;
-/// Places of cuts along the three axes, in parts: few across, more along.
-const CUTS: [usize; 3] = [4, 4, 8];
-/// A cut is made where it takes away this share of a part's excess or more.
-const WORTH: f64 = 0.05;
-/// Points closer to a shape than this share of its size are no corners of it: nobody would see them.
-const LEFT_OUT: f64 = 1e-5;
+/// Most vertices of hulls that only serve to compare cuts.
+const TRIAL_VERTICES: usize = 24;
+/// Equal intervals along the three axes, shortest first, between which cuts are tried: few across, more along.
+const TRIAL_INTERVALS: [usize; 3] = [4, 4, 8];
+/// A cut is made if it removes at least this fraction of the part's excess volume.
+const MIN_IMPROVEMENT: f64 = 0.05;
+/// Points closer to a shape than this fraction of its size do not become its corners: the difference is invisible.
+const RELATIVE_TOLERANCE: f64 = 1e-5;
 
 /// A part of the solid.
 struct Part {
     points: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
-    /// Of the rough hull.
+    /// Volume of the trial hull.
     hull_volume: f64,
     volume: f64,
-    /// No plane makes it better.
-    done: bool,
+    /// Whether no cut improves it.
+    is_final: bool,
 }
 
 impl Part {
     fn new(points: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Option<Part> {
-        let hull_volume = rough(&points)?;
+        let hull_volume = trial_hull_volume(&points)?;
         let mut part = Part {
             volume: 0.0,
             hull_volume,
             points,
             triangles,
-            done: false,
+            is_final: false,
         };
         part.volume = part.solid_volume();
         Some(part)
@@ -86,21 +85,22 @@ impl Part {
         self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 
+    /// Volume by which the hull exceeds the solid.
     fn excess(&self) -> f64 {
         self.hull_volume - self.volume
     }
 
-    /// Directions that the points lie along, shortest first.
+    /// Principal axes of the points, the shortest first.
     fn axes(&self) -> [DVec3; 3] {
         let middle = self.points.iter().sum::<DVec3>() / self.points.len() as f64;
-        let spread = self.points.iter().fold(DMat3::ZERO, |sum, &p| {
+        let covariance = self.points.iter().fold(DMat3::ZERO, |sum, &p| {
             let d = p - middle;
             sum + DMat3::from_cols(d * d.x, d * d.y, d * d.z)
         });
-        eigen(spread).map(|(_, axis)| axis)
+        symmetric_eigen(covariance).map(|(_, axis)| axis)
     }
 
-    /// The points of each side of a plane and those where it cuts edges.
+    /// The points on each side of a plane, and those where it cuts edges.
     fn sides(&self, heights: &[f64]) -> [Vec<DVec3>; 2] {
         let mut sides = [Vec::new(), Vec::new()];
         for (&p, &h) in self.points.iter().zip(heights) {
@@ -118,19 +118,21 @@ impl Part {
         sides
     }
 
-    /// The plane that makes the hulls of both sides smallest: heights of all points over it.
+    /// Finds the plane for which the hulls of both sides are smallest. Returns the heights of all points above it.
     fn best_cut(&self, context: &Context) -> Result<Option<Vec<f64>>, Cancelled> {
         let mut best: Option<(f64, Vec<f64>)> = None;
-        for (axis, places) in self.axes().into_iter().zip(CUTS) {
+        for (axis, intervals) in self.axes().into_iter().zip(TRIAL_INTERVALS) {
             let along: Vec<f64> = self.points.iter().map(|p| axis.dot(*p)).collect();
             let low = along.iter().copied().fold(f64::INFINITY, f64::min);
             let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            for place in 1..places {
+            for place in 1..intervals {
                 context.check()?;
-                let at = low + (high - low) * place as f64 / places as f64;
+                let at = low + (high - low) * place as f64 / intervals as f64;
                 let heights: Vec<f64> = along.iter().map(|x| x - at).collect();
                 let [below, above] = self.sides(&heights);
-                let (Some(below), Some(above)) = (rough(&below), rough(&above)) else {
+                let (Some(below), Some(above)) =
+                    (trial_hull_volume(&below), trial_hull_volume(&above))
+                else {
                     continue;
                 };
                 let sum = below + above;
@@ -139,8 +141,8 @@ impl Part {
                 }
             }
         }
-        let worth = self.hull_volume - WORTH * self.excess();
-        Ok(best.filter(|b| b.0 < worth).map(|b| b.1))
+        let limit = self.hull_volume - MIN_IMPROVEMENT * self.excess();
+        Ok(best.filter(|b| b.0 < limit).map(|b| b.1))
     }
 
     /// The parts below and above a plane.
@@ -155,22 +157,22 @@ impl Part {
                 sides[usize::from(up[0])].add(t.map(|i| self.points[i]));
                 continue;
             }
-            // One corner lies alone on its side.
+            // One corner is alone on its side.
             let alone = (0..3).find(|&k| up[k] == (count == 1)).unwrap_or(0);
             let [l, m, n] = [t[alone], t[(alone + 1) % 3], t[(alone + 2) % 3]];
             let p = crossing(&self.points, heights, l, m);
             let q = crossing(&self.points, heights, l, n);
             let pivot = *pivot.get_or_insert(p);
             let [l, m, n] = [l, m, n].map(|i| self.points[i]);
-            let its = usize::from(up[alone]);
-            sides[its].add([l, p, q]);
-            sides[its].add([q, p, pivot]);
-            sides[1 - its].add([p, m, n]);
-            sides[1 - its].add([p, n, q]);
-            sides[1 - its].add([p, q, pivot]);
+            let own = usize::from(up[alone]);
+            sides[own].add([l, p, q]);
+            sides[own].add([q, p, pivot]);
+            sides[1 - own].add([p, m, n]);
+            sides[1 - own].add([p, n, q]);
+            sides[1 - own].add([p, q, pivot]);
         }
         let [below, above] = sides;
-        Some([below.part()?, above.part()?])
+        Some([below.into_part()?, above.into_part()?])
     }
 }
 
@@ -182,41 +184,41 @@ struct Side {
 
 impl Side {
     fn add(&mut self, corners: [DVec3; 3]) {
-        // What has no area adds nothing to a chain.
+        // A triangle without area adds nothing to a chain.
         if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
             self.corners.extend(corners);
         }
     }
 
-    fn part(self) -> Option<Part> {
+    fn into_part(self) -> Option<Part> {
         let corners = 0..self.corners.len() as u32;
         let mesh = Mesh {
             triangles: corners.collect::<Vec<_>>().as_chunks::<3>().0.to_vec(),
             positions: self.corners,
             ..Mesh::default()
         };
-        let (points, triangles) = welded(&mesh);
+        let (points, triangles) = weld(&mesh);
         Part::new(points, triangles)
     }
 }
 
-/// Where the plane cuts the edge of two points on different sides: the same bits whichever way the edge runs.
+/// The point where the plane cuts the edge between two points on different sides: the same bits in either direction.
 fn crossing(points: &[DVec3], heights: &[f64], i: usize, j: usize) -> DVec3 {
     let (i, j) = if heights[i] >= 0.0 { (i, j) } else { (j, i) };
     points[i].lerp(points[j], heights[i] / (heights[i] - heights[j]))
 }
 
-/// Volume of the hull of points with few vertices.
-fn rough(points: &[DVec3]) -> Option<f64> {
+/// The volume of a hull of the points with few vertices.
+fn trial_hull_volume(points: &[DVec3]) -> Option<f64> {
     let limits = HullLimits {
-        vertices: ROUGH_VERTICES,
+        vertices: TRIAL_VERTICES,
         tolerance: 0.0,
     };
-    Some(hull(points, &limits)?.volume())
+    Some(convex_hull(points, &limits)?.volume())
 }
 
-/// The points of a mesh with its triangles on them.
-fn welded(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// Merges vertices at equal positions. Returns the points and the triangles between them.
+fn weld(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (numbers, count) = mesh.points();
     let mut points = vec![DVec3::ZERO; count];
     for (&number, &p) in numbers.iter().zip(&mesh.positions) {
@@ -226,22 +228,22 @@ fn welded(mesh: &Mesh) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (points, mesh.triangles.iter().map(on).collect())
 }
 
-/// `mesh` as a union of convex shapes. A mesh that bounds no solid gives shapes that cover its vertices all the same, only
-/// not as few; one whose vertices lie in a plane, that has none, or has indices or numbers out of range gives none.
+/// Decomposes `mesh` into convex shapes. If the mesh does not bound a solid, the shapes still cover its vertices, but there
+/// may be more of them; a mesh without vertices, in one plane, or with indices or coordinates out of range gives none.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] where the caller asked to stop.
 pub fn convex_parts(
     mesh: &Mesh,
     options: &ConvexOptions,
     context: &Context,
 ) -> Result<ConvexParts, Cancelled> {
     let vertices = mesh.positions.len();
-    let named = |t: &[u32; 3]| t.iter().all(|&i| (i as usize) < vertices);
-    if !mesh.triangles.iter().all(named) || mesh.positions.iter().any(|p| !p.is_finite()) {
+    let in_range = |t: &[u32; 3]| t.iter().all(|&i| (i as usize) < vertices);
+    if !mesh.triangles.iter().all(in_range) || mesh.positions.iter().any(|p| !p.is_finite()) {
         return Ok(ConvexParts::default());
     }
-    let (points, triangles) = welded(mesh);
+    let (points, triangles) = weld(mesh);
     let all = points.clone();
     let Some(whole) = Part::new(points, triangles) else {
         return Ok(ConvexParts::default());
@@ -249,11 +251,11 @@ pub fn convex_parts(
     let solid = whole.volume;
     let mut parts = vec![whole];
     while parts.len() < options.shapes {
-        let over: f64 = parts.iter().map(Part::excess).sum();
-        if over <= options.excess * solid {
+        let excess: f64 = parts.iter().map(Part::excess).sum();
+        if excess <= options.excess * solid {
             break;
         }
-        let open = (0..parts.len()).filter(|&k| !parts[k].done);
+        let open = (0..parts.len()).filter(|&k| !parts[k].is_final);
         let Some(worst) = open.max_by(|&a, &b| {
             let (x, y) = (parts[a].excess(), parts[b].excess());
             x.total_cmp(&y).then(b.cmp(&a))
@@ -266,7 +268,7 @@ pub fn convex_parts(
                 parts[worst] = below;
                 parts.push(above);
             }
-            None => parts[worst].done = true,
+            None => parts[worst].is_final = true,
         }
     }
     let mut shapes = Vec::new();
@@ -276,11 +278,11 @@ pub fn convex_parts(
         let size = crate::Aabb::around(&single).half_size().length();
         let limits = HullLimits {
             vertices: options.vertices,
-            tolerance: LEFT_OUT * size,
+            tolerance: RELATIVE_TOLERANCE * size,
         };
-        shapes.extend(hull(&single, &limits));
+        shapes.extend(convex_hull(&single, &limits));
     }
-    let uncovered = all.iter().map(|&p| outside(&shapes, p));
+    let uncovered = all.iter().map(|&p| distance_outside(&shapes, p));
     let sum: f64 = shapes.iter().map(Mesh::volume).sum();
     Ok(ConvexParts {
         uncovered: uncovered.fold(0.0, f64::max),
@@ -293,8 +295,8 @@ pub fn convex_parts(
     })
 }
 
-/// Distance of a point from the nearest shape; 0 inside one.
-fn outside(shapes: &[Mesh], p: DVec3) -> f64 {
+/// The distance of a point from the nearest shape, 0 inside one.
+fn distance_outside(shapes: &[Mesh], p: DVec3) -> f64 {
     let mut least = f64::INFINITY;
     for shape in shapes {
         let Some((low, high)) = shape.bounds() else {
@@ -323,7 +325,7 @@ fn outside(shapes: &[Mesh], p: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::is_convex;
+    use super::super::hull::is_convex;
     use super::*;
 
     fn parts(mesh: &Mesh, shapes: usize, vertices: usize) -> ConvexParts {
@@ -335,9 +337,9 @@ mod tests {
         convex_parts(mesh, &options, &Context::quiet()).unwrap()
     }
 
-    /// Every vertex of the mesh must lie behind all planes of one shape, or as far outside as is told.
-    fn covers(made: &ConvexParts, mesh: &Mesh) {
-        assert!(made.shapes.iter().all(is_convex));
+    /// Asserts that every vertex of the mesh lies behind all planes of one shape, or no farther outside than reported.
+    fn assert_covers(found: &ConvexParts, mesh: &Mesh) {
+        assert!(found.shapes.iter().all(is_convex));
         let behind = |shape: &Mesh, p: DVec3| {
             let planes = (0..shape.triangles.len()).map(|t| {
                 let [a, b, c] = shape.corners(t);
@@ -346,17 +348,17 @@ mod tests {
             planes.fold(f64::NEG_INFINITY, f64::max)
         };
         for &p in &mesh.positions {
-            let nearest = made.shapes.iter().map(|s| behind(s, p));
+            let nearest = found.shapes.iter().map(|s| behind(s, p));
             let nearest = nearest.fold(f64::INFINITY, f64::min);
             assert!(
-                nearest <= made.uncovered + 1e-12,
+                nearest <= found.uncovered + 1e-12,
                 "{nearest} {}",
-                made.uncovered
+                found.uncovered
             );
         }
     }
 
-    /// A box on a grid of unit cubes' faces, without those between cubes: `cubes` as a closed mesh.
+    /// The boundary of the union of unit cubes, as a closed mesh.
     fn cubes(cubes: &[[i32; 3]]) -> Mesh {
         let mut mesh = Mesh::default();
         for cube in cubes {
@@ -390,21 +392,21 @@ mod tests {
     }
 
     #[test]
-    fn a_hammer_is_its_head_and_its_handle() {
+    fn a_hammer_is_decomposed_into_head_and_handle() {
         let head = (0..5).map(|x| [x, 3, 0]);
         let handle = (0..3).map(|y| [2, y, 0]);
         let mesh = cubes(&head.chain(handle).collect::<Vec<_>>());
         assert!((mesh.volume() - 8.0).abs() < 1e-12);
-        let made = parts(&mesh, 16, 32);
-        covers(&made, &mesh);
-        assert_eq!(made.shapes.len(), 2);
-        assert!((made.volume_ratio - 1.0).abs() < 1e-6);
-        assert!(made.uncovered < 1e-6);
+        let found = parts(&mesh, 16, 32);
+        assert_covers(&found, &mesh);
+        assert_eq!(found.shapes.len(), 2);
+        assert!((found.volume_ratio - 1.0).abs() < 1e-6);
+        assert!(found.uncovered < 1e-6);
         // One shape is the hull: a trapezoid of depth 1 with sides 5 and 1, and the head's height.
-        let made = parts(&mesh, 1, 32);
-        assert_eq!(made.shapes.len(), 1);
+        let found = parts(&mesh, 1, 32);
+        assert_eq!(found.shapes.len(), 1);
         let hull = 5.0 + 3.0 * (5.0 + 1.0) / 2.0;
-        assert!((made.volume_ratio - hull / 8.0).abs() < 1e-6);
+        assert!((found.volume_ratio - hull / 8.0).abs() < 1e-6);
     }
 
     /// A tube along an arc of 270° with closed ends.
@@ -441,25 +443,25 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_is_covered_by_few_shapes_better_by_more() {
+    fn more_shapes_cover_an_arc_more_closely() {
         let mesh = arc();
         assert!(mesh.check().is_solid());
         let mut last = f64::INFINITY;
         for shapes in [1, 4, 16] {
-            let made = parts(&mesh, shapes, 64);
-            covers(&made, &mesh);
-            assert!(made.shapes.len() <= shapes);
-            assert!(made.shapes.iter().all(|s| s.positions.len() <= 64));
+            let found = parts(&mesh, shapes, 64);
+            assert_covers(&found, &mesh);
+            assert!(found.shapes.len() <= shapes);
+            assert!(found.shapes.iter().all(|s| s.positions.len() <= 64));
             // A fifth of the tube.
-            assert!(made.uncovered < 0.03, "{}", made.uncovered);
-            assert!(made.volume_ratio < last, "{}", made.volume_ratio);
-            last = made.volume_ratio;
+            assert!(found.uncovered < 0.03, "{}", found.uncovered);
+            assert!(found.volume_ratio < last, "{}", found.volume_ratio);
+            last = found.volume_ratio;
         }
         assert!(last < 1.12, "{last}");
     }
 
     #[test]
-    fn what_is_no_solid_gives_no_shapes() {
+    fn meshes_without_a_solid_give_no_shapes() {
         let mut mesh = arc();
         mesh.positions[5].x = f64::INFINITY;
         assert_eq!(parts(&mesh, 8, 32), ConvexParts::default());

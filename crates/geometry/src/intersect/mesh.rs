@@ -1,18 +1,19 @@
-//! Contacts among all triangles of a mesh, or of two.
+//! Contacts among the triangles of a mesh, or between those of two meshes.
 
-use super::{Contact, contact};
+use super::Contact;
+use super::contact::contact;
 use crate::{Aabb, Bvh, Mesh};
 use glam::DVec3;
 
-/// Rounding error of a turned coordinate over the largest coordinate, several times over.
-const TURNING: f64 = 1e-14;
+/// Bound of the rounding error of a rotated coordinate, relative to the largest coordinate.
+const ROTATION_ERROR: f64 = 1e-14;
 
-/// A tree of the mesh's triangles for [`self_contacts`], whose boxes stand along the direction that most of its edges
-/// take, weighted by their length: about long triangles that are inclined to the axes they are far tighter than boxes
-/// along those. Of no use for queries by place.
+/// Builds a tree of the mesh's triangles for [`self_contacts`], in a frame along the direction of most edges, weighted
+/// by their length: around long triangles inclined to the axes its boxes are far tighter than axis-aligned ones. The tree
+/// is useless for queries by position.
 pub fn contact_tree(mesh: &Mesh) -> Bvh {
     let [x, y, z] = frame(mesh);
-    let turned: Vec<DVec3> = mesh
+    let rotated: Vec<DVec3> = mesh
         .positions
         .iter()
         .map(|&p| DVec3::new(x.dot(p), y.dot(p), z.dot(p)))
@@ -21,11 +22,11 @@ pub fn contact_tree(mesh: &Mesh) -> Bvh {
         .triangles
         .iter()
         .map(|t| {
-            let corners = t.map(|v| turned[v as usize]);
+            let corners = t.map(|v| rotated[v as usize]);
             let mut bounds = Aabb::around(&corners);
-            // A bound for the coordinates of any point as far from the origin.
+            // Bounds the coordinates in any frame.
             let size = corners.map(|p| p.abs().element_sum());
-            let margin = DVec3::splat(TURNING * size[0].max(size[1]).max(size[2]));
+            let margin = DVec3::splat(ROTATION_ERROR * size[0].max(size[1]).max(size[2]));
             (bounds.low, bounds.high) = (bounds.low - margin, bounds.high + margin);
             bounds
         })
@@ -33,7 +34,7 @@ pub fn contact_tree(mesh: &Mesh) -> Bvh {
     Bvh::new(&boxes)
 }
 
-/// Directions at right angles, the first of them that of most edges: the axis of greatest inertia, by iteration.
+/// An orthonormal frame whose first axis is the main direction of the edges, by power iteration.
 fn frame(mesh: &Mesh) -> [DVec3; 3] {
     let mut sums = [DVec3::ZERO; 3];
     for t in 0..mesh.triangles.len() {
@@ -59,8 +60,8 @@ fn frame(mesh: &Mesh) -> [DVec3; 3] {
     [x, y, z]
 }
 
-/// Visits every pair of triangles of `mesh`, of whose triangles `tree` is the tree, that touch or cross (see
-/// [`contact`]), the smaller index first.
+/// Visits every pair of triangles of `mesh` that touch or cross (see [`contact`]), the smaller index first. `tree` must
+/// be that of the mesh's triangles.
 pub fn self_contacts(mesh: &Mesh, tree: &Bvh, mut visit: impl FnMut(usize, usize, Contact)) {
     tree.self_pairs(|s, t| {
         let found = contact(mesh.corners(s), mesh.corners(t));
@@ -70,15 +71,23 @@ pub fn self_contacts(mesh: &Mesh, tree: &Bvh, mut visit: impl FnMut(usize, usize
     });
 }
 
-/// Visits every pair of a triangle of `first` and one of `second` that touch or cross (see [`contact`]). Each tree is
-/// that of the mesh's triangles.
+/// A mesh and the tree of its triangles.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleTree<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The tree of its triangles.
+    pub tree: &'a Bvh,
+}
+
+/// Visits every pair of a triangle of `first` and one of `second` that touch or cross (see [`contact`]).
 pub fn contacts_between(
-    (first, first_tree): (&Mesh, &Bvh),
-    (second, second_tree): (&Mesh, &Bvh),
+    first: TriangleTree,
+    second: TriangleTree,
     mut visit: impl FnMut(usize, usize, Contact),
 ) {
-    first_tree.pairs(second_tree, |s, t| {
-        let found = contact(first.corners(s), second.corners(t));
+    first.tree.pairs(second.tree, |s, t| {
+        let found = contact(first.mesh.corners(s), second.mesh.corners(t));
         if found != Contact::Apart {
             visit(s, t, found);
         }

@@ -1,12 +1,13 @@
 //! Contacts against cases known by construction and against a search over rational positions.
 
-use super::*;
+use super::{Contact, contact};
+use glam::DVec3;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// The contact, checked to be the same for every order of corners and triangles and under a rotation of the axes.
+/// The contact, which must be the same for every order of corners and triangles and under a rotation of the axes.
 fn contact_of(a: [DVec3; 3], b: [DVec3; 3]) -> Contact {
     let expected = contact(a, b);
     let orders = [
@@ -34,7 +35,7 @@ fn contact_of(a: [DVec3; 3], b: [DVec3; 3]) -> Contact {
 const O: DVec3 = DVec3::ZERO;
 
 #[test]
-fn neighbours_meet_only_elsewhere_than_in_what_they_share() {
+fn shared_vertices_and_edges_are_no_contact() {
     use Contact::*;
     let a = [O, v(4.0, 0.0, 0.0), v(0.0, 4.0, 0.0)];
     let x = a[1];
@@ -109,7 +110,7 @@ fn neighbours_meet_only_elsewhere_than_in_what_they_share() {
 }
 
 #[test]
-fn strangers_touch_or_cross() {
+fn triangles_without_shared_vertices_touch_or_cross() {
     use Contact::*;
     let a = [O, v(4.0, 0.0, 0.0), v(0.0, 4.0, 0.0)];
     for (b, expected, what) in [

@@ -1,11 +1,11 @@
-//! Bisecting the edges of triangles that cross once a curved map has moved their corners.
+//! Bisects the edges of triangles that cross after a curved map has moved their corners.
 //!
 //! A one-to-one map takes a surface that does not cross itself to another such surface; the straight triangles between
-//! the mapped corners may cross all the same. The smaller a triangle, the nearer it lies to the curved one it stands for,
+//! the mapped corners may still cross. The smaller a triangle, the nearer it lies to the curved one that it approximates,
 //! so the longest edges of crossing triangles are bisected, in both triangles beside each (M.-C. Rivara, *Algorithms for
 //! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
 
-use crate::intersect::{Contact, contact_tree, contacts_between, self_contacts};
+use crate::intersect::{Contact, TriangleTree, contact_tree, contacts_between, self_contacts};
 use crate::{Bvh, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -19,12 +19,12 @@ const NON_MANIFOLD: u32 = u32::MAX - 1;
 pub struct EdgeBisector {
     /// Vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle, the one of the original triangles that it is a part of.
+    /// The original triangle that each triangle is a part of.
     pub origins: Vec<u32>,
     /// Point of each vertex: vertices at one position share one.
     points: Vec<u32>,
     point_count: u32,
-    /// The two triangles beside every edge; an edge is named by its points.
+    /// The two triangles at each edge; the key of an edge is its two points.
     edges: FxHashMap<[u32; 2], [u32; 2]>,
 }
 
@@ -69,8 +69,8 @@ impl EdgeBisector {
         }
     }
 
-    /// The longest edge of triangle `t` that exactly two triangles share: its number in the triangle, and the other
-    /// triangle.
+    /// Finds the longest edge of triangle `t` that exactly two triangles share. Returns its index in the triangle, and the
+    /// other triangle.
     fn longest_shared_edge(
         &self,
         t: u32,
@@ -94,8 +94,9 @@ impl EdgeBisector {
         best.map(|(_, k, other)| (k, other))
     }
 
-    /// Bisects the longest edge of triangle `t` that two triangles share, and returns the four triangles that result.
-    /// `length` is that of an edge between two vertices; `midpoint` makes the vertex in the middle of two.
+    /// Bisects the longest edge of triangle `t` that exactly two triangles share. Returns the four resulting triangles, or
+    /// `None` if there is no such edge. `length` returns the length of the edge between two vertices; `midpoint` adds the
+    /// vertex in the middle of two and returns its index.
     pub fn bisect(
         &mut self,
         t: u32,
@@ -141,7 +142,7 @@ impl EdgeBisector {
     }
 }
 
-/// Pairs of triangles that cross, ascending. With `changed`, only pairs of which at least one is among `changed`.
+/// Returns the pairs of triangles that cross, ascending; with `changed`, only pairs with at least one of these.
 pub fn crossing_pairs(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
@@ -165,8 +166,16 @@ pub fn crossing_pairs(
         }),
         Some(changed) => {
             let some = submesh(changed.iter().map(|&t| triangles[t as usize]).collect());
-            let trees = [Bvh::of_triangles(&some), Bvh::of_triangles(&all)];
-            contacts_between((&some, &trees[0]), (&all, &trees[1]), |s, t, c| {
+            let [some_tree, all_tree] = [Bvh::from_mesh(&some), Bvh::from_mesh(&all)];
+            let some = TriangleTree {
+                mesh: &some,
+                tree: &some_tree,
+            };
+            let all = TriangleTree {
+                mesh: &all,
+                tree: &all_tree,
+            };
+            contacts_between(some, all, |s, t, c| {
                 add(changed[s], t as u32, c);
             });
         }

@@ -1,4 +1,4 @@
-//! Collapsing short edges of triangles that cross.
+//! Collapses short edges of triangles that cross.
 //!
 //! Collapsing an edge leaves a closed mesh closed and manifold where its ends have no neighbours in common but those
 //! beside it (T. K. Dey, H. Edelsbrunner, S. Guha and D. V. Nekhayev, *Topology preserving edge contraction*, 1999).
@@ -7,21 +7,21 @@ use crate::Mesh;
 use crate::intersect::collinear;
 use glam::DVec3;
 
-/// What [`EdgeCollapser::collapse_edges`] did.
+/// The outcome of [`super::resolve_self_intersections`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Collapsed {
-    /// Faults found at first: pairs of triangles that crossed, triangles without area, and triangles at an edge with
+    /// Faults found initially: pairs of triangles that crossed, triangles without area, and triangles at an edge with
     /// more than two.
     pub faults: usize,
     /// Edges collapsed.
     pub edges: usize,
-    /// Length of the longest of these, in the mesh's unit.
+    /// Length of the longest of these, in the unit of the mesh.
     pub longest: f64,
     /// Faults that remain.
     pub remaining: usize,
 }
 
-/// The triangles of a mesh by points: vertices at one position are one point.
+/// The triangles of a mesh on its points; vertices at one position share a point.
 pub struct EdgeCollapser {
     /// Point of every vertex.
     points: Vec<u32>,
@@ -29,9 +29,9 @@ pub struct EdgeCollapser {
     merged_into: Vec<u32>,
     /// Position of every point.
     pub(super) positions: Vec<DVec3>,
-    /// Points of every triangle; all equal where it has collapsed.
+    /// Points of every triangle; they are all equal once it has collapsed.
     pub triangles: Vec<[u32; 3]>,
-    /// Triangles about every point.
+    /// Triangles at every point.
     around: Vec<Vec<u32>>,
 }
 
@@ -50,7 +50,7 @@ impl EdgeCollapser {
         collapser
     }
 
-    /// Prepares triangles whose corners number `positions`, no two of which are equal.
+    /// Prepares triangles whose corners are indices into `positions`, no two of which are equal.
     pub fn new(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
         let count = positions.len();
         let mut collapser = EdgeCollapser {
@@ -68,9 +68,8 @@ impl EdgeCollapser {
         collapser
     }
 
-    /// Collapses those edges of the triangles of `pairs` that are no longer than `longest`, the shortest first. Where
-    /// `is_fixed` holds for one end, the other moves to it; where it holds for both, the edge stays. Returns the
-    /// triangles that changed, ascending.
+    /// Collapses the edges of the triangles in `pairs` that are no longer than `longest`, the shortest first. If one end
+    /// `is_fixed`, the other moves to it; if both are, the edge stays. Returns the changed triangles, ascending.
     pub fn collapse_edges(
         &mut self,
         pairs: &[[u32; 2]],
@@ -98,16 +97,16 @@ impl EdgeCollapser {
         changed
     }
 
-    /// Removes the pairs in which a triangle has collapsed or is among `changed` (ascending).
+    /// Removes the pairs with a triangle that has collapsed or is among `changed` (ascending).
     pub fn retain_unchanged(&self, pairs: &mut Vec<[u32; 2]>, changed: &[u32]) {
         let is_unchanged = |t: u32| {
-            let gone = (t as usize) < self.triangles.len() && self.is_collapsed(t as usize);
-            !gone && changed.binary_search(&t).is_err()
+            let collapsed = (t as usize) < self.triangles.len() && self.is_collapsed(t as usize);
+            !collapsed && changed.binary_search(&t).is_err()
         };
         pairs.retain(|p| p.iter().all(|&t| is_unchanged(t)));
     }
 
-    /// Edges of the triangles of `pairs` with their lengths, the shortest first.
+    /// Returns the edges of the triangles in `pairs` with their lengths, the shortest first.
     fn edges_of(&self, pairs: &[[u32; 2]]) -> Vec<(f64, u32, u32)> {
         let mut edges: Vec<(f64, u32, u32)> = pairs
             .iter()
@@ -144,7 +143,8 @@ impl EdgeCollapser {
         all
     }
 
-    /// Merges the second of two joined points into the first; false where that would not leave a manifold.
+    /// Merges the second of two adjacent points into the first. Returns false, and changes nothing, if the result would not
+    /// be a manifold.
     fn merge(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.current(a), self.current(b));
         if a == b {
@@ -161,11 +161,11 @@ impl EdgeCollapser {
         if common.count() != 2 || of_a.len() + of_b.len() <= 7 {
             return false;
         }
-        for gone in [s, t] {
-            for p in self.triangles[gone as usize] {
-                self.around[p as usize].retain(|&t| t != gone);
+        for collapsed in [s, t] {
+            for p in self.triangles[collapsed as usize] {
+                self.around[p as usize].retain(|&t| t != collapsed);
             }
-            self.triangles[gone as usize] = [a; 3];
+            self.triangles[collapsed as usize] = [a; 3];
         }
         let moved = std::mem::take(&mut self.around[b as usize]);
         for &t in &moved {
@@ -192,8 +192,8 @@ impl EdgeCollapser {
         (0..3).any(|k| {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let around = self.around[a as usize].iter();
-            let holds = |t: &&u32| self.triangles[**t as usize].contains(&b);
-            !self.is_collapsed(t as usize) && around.filter(holds).count() > 2
+            let contains_b = |t: &&u32| self.triangles[**t as usize].contains(&b);
+            !self.is_collapsed(t as usize) && around.filter(contains_b).count() > 2
         })
     }
 
@@ -202,7 +202,7 @@ impl EdgeCollapser {
         self.triangles[t][0] == self.triangles[t][1]
     }
 
-    /// Moves the vertices of the mesh to the positions of their points, and removes the triangles that have collapsed.
+    /// Moves the vertices of the mesh to the positions of their points and removes the collapsed triangles.
     pub(super) fn write_back(&self, mesh: &mut Mesh) {
         for (position, &point) in mesh.positions.iter_mut().zip(&self.points) {
             let current = self.current(point);

@@ -1,4 +1,5 @@
-//! Repairs of meshes: snapping to the precision of files, and removing self-intersections by refining or by collapsing.
+//! Repairs of meshes: snapping to the precision of files, and resolving self-intersections by bisecting or collapsing
+//! edges.
 
 mod bisection;
 mod collapse;

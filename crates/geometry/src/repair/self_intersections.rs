@@ -1,9 +1,9 @@
-//! Removing self-intersections that appear because files hold positions no finer than `f32`.
+//! Resolves self-intersections that appear because files store positions in `f32`.
 //!
-//! Where a crack closes, its walls approach each other closer than neighbouring numbers of `f32`, and once rounded they
-//! cross. There the crack ends instead: the shortest edges of crossing triangles are collapsed, the shortest of all
-//! first, with longer ones allowed from round to round, until nothing crosses. Triangles whose corners have come to lie
-//! on one line, and edges that have come to lie on each other, are removed in the same way.
+//! Where a crack closes, its walls approach each other to less than the spacing of `f32`, and once rounded they cross.
+//! There the crack ends instead: the shortest edges of crossing triangles are collapsed, with longer ones allowed from
+//! round to round, until nothing crosses. Triangles whose corners have come to lie on one line, and edges that have come
+//! to lie on each other, are removed in the same way.
 
 use super::bisection::crossing_pairs;
 use super::collapse::{Collapsed, EdgeCollapser};
@@ -12,18 +12,18 @@ use crate::intersect::{Contact, contact_tree, self_contacts};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-/// Length of the longest edge collapsed in the first round, as a part of the mesh's extent: about the spacing of `f32`
+/// Length of the longest edge collapsed in the first round, as a fraction of the extent of the mesh: about the spacing of `f32`
 /// there.
 const FIRST_LENGTH: f64 = 1e-7;
-/// Rounds; from one to the next, edges may be twice as long.
+/// Most rounds; from one to the next, edges may be twice as long.
 const ROUNDS: i32 = 11;
 
-/// Positions, as files hold them, of points whose faults are none of ours.
+/// Positions, rounded to `f32`, of points whose faults the input brought along and that are left as they are.
 #[derive(Debug, Clone, Default)]
 pub struct KnownPositions(FxHashSet<[u32; 3]>);
 
 impl KnownPositions {
-    /// The positions of a mesh.
+    /// Returns the positions of a mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         KnownPositions(mesh.positions.iter().map(|&p| position_key(p)).collect())
     }
@@ -39,7 +39,7 @@ fn position_key(p: DVec3) -> [u32; 3] {
 }
 
 /// Collapses short edges until no triangle crosses another, is degenerate or shares an edge with more than one other.
-/// Triangles with all corners at `known` positions are left alone. Positions should be those of files already
+/// Triangles with all corners at `known` positions are left as they are. Snap positions to `f32` first
 /// ([`super::snap_to_f32`]).
 pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
     let (low, high) = mesh
@@ -99,7 +99,7 @@ pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Co
     done
 }
 
-/// Pairs of crossing triangles among those that are `chosen`.
+/// Returns the pairs of crossing triangles among those that are `chosen`.
 fn crossing_among(mesh: &Mesh, chosen: &[bool]) -> Vec<[u32; 2]> {
     let chosen: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
     let part = Mesh {

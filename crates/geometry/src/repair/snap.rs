@@ -1,11 +1,12 @@
-//! Snapping a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
+//! Snaps a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
 
 use crate::Mesh;
 use rustc_hash::FxHashMap;
 
 /// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
-/// then lie back to back if at least one of the two has the material `inner`; pairs that the input brought along stay.
-/// Each step leaves every edge with as many triangles one way as the other, so a closed mesh stays closed.
+/// then lie back to back if at least one of the two has the material `inner`; other such pairs come from the input and
+/// stay. Each step leaves every edge with as many triangles in one direction as in the other, so a closed mesh stays
+/// closed.
 pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
     for p in &mut mesh.positions {
         *p = p.as_vec3().as_dvec3();
@@ -13,7 +14,7 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
     let (points, _) = mesh.points();
     let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
     let mut keep = vec![true; mesh.triangles.len()];
-    // Triangles met so far without one back to back with them, by their points.
+    // Triangles so far without one back to back with them, by their points.
     let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
     for (i, t) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = corners(t);
@@ -26,10 +27,10 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let forward = turns.contains(&sorted);
         let list = single.entry(sorted).or_default();
-        let of_wood = |i: usize| mesh.material(i) == inner;
+        let is_inner = |i: usize| mesh.material(i) == inner;
         match list
             .iter()
-            .position(|o| o.1 != forward && (of_wood(o.0) || of_wood(i)))
+            .position(|o| o.1 != forward && (is_inner(o.0) || is_inner(i)))
         {
             Some(n) => {
                 keep[list.swap_remove(n).0] = false;

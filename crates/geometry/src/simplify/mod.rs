@@ -1,40 +1,44 @@
-//! Fewer triangles for the same shape, in all poses of a mesh that moves: edges collapse onto one of their ends, those
-//! first that cost least by quadrics (Garland & Heckbert 1997) added up over the poses.
+//! Mesh simplification in all poses of a moving mesh: edges collapse onto one of their ends, those with the least quadric
+//! error (Garland & Heckbert 1997), summed over the poses, first.
 //!
-//! Vertices that stay keep all they have: texture coordinates, normals, what they follow. A point goes only where every
-//! corner at it has a corner with the same seam side at the other end, so that seams and borders of materials stay seams
-//! and borders (normals up to 45° apart and other values within 0.001 are no seam), and only where the surface stays a surface (Dey et al. 1999), so that what is closed stays closed. The
-//! volume of what is closed changes by 1 % at most.
+//! Vertices that remain keep all their attributes and the joints that they follow. A point is removed only if every
+//! corner at it has a corner on the same side of seams at the other end, so that seams and borders of materials remain
+//! (normals up to 45° apart and other values within 0.001 form no seam), and only if the surface remains a manifold (Dey
+//! et al. 1999, Topology Preserving Edge Contraction), so that a closed mesh stays closed. The volume of a closed mesh
+//! changes by at most 1 %.
 
+mod collapse;
 mod quadric;
-mod work;
 
 #[cfg(test)]
 mod tests;
 
 use crate::{Attribute, Bvh, Cancelled, Context, Mesh};
+use collapse::{Collapse, RemainingTriangle};
 use glam::DVec3;
-use work::Work;
 
-/// A mesh with fewer triangles.
+/// Steps after which a loop asks whether to stop.
+const CHECK_INTERVAL: usize = 4096;
+
+/// The outcome of [`simplify`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Simplified {
-    /// The mesh.
+    /// The simplified mesh.
     pub mesh: Mesh,
-    /// For each of its vertices that of the mesh before, ascending.
-    pub kept: Vec<u32>,
-    /// Largest distance of a vertex of the mesh before from the surface, over all poses, m.
+    /// For each of its vertices the vertex of the original mesh, ascending.
+    pub original_vertices: Vec<u32>,
+    /// Largest distance of an original vertex from the simplified surface, over all poses, m.
     pub error: f64,
 }
 
-/// `mesh` with as few as `triangles` triangles, or more where no other edge can go. `poses` are places of all its
-/// vertices besides those that it has, each list as long as `mesh.positions`; vertices at one place are so in all of
-/// them. Surfaces that pass through each other are not looked for.
+/// Simplifies `mesh` to `triangles` triangles, or to more if no other edge can collapse. `poses` are further positions of
+/// all vertices, each list as long as `mesh.positions`; vertices that coincide must do so in every pose. Surfaces may
+/// come to intersect.
 ///
-/// A mesh with indices or numbers out of range, or poses of other lengths, comes back as it is.
+/// A mesh with indices or coordinates out of range, or with poses of other lengths, is returned unchanged.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] where the caller asked to stop.
 pub fn simplify(
     mesh: &Mesh,
     poses: &[Vec<DVec3>],
@@ -42,43 +46,42 @@ pub fn simplify(
     context: &Context,
 ) -> Result<Simplified, Cancelled> {
     let count = mesh.positions.len();
-    let named = |t: &[u32; 3]| t.iter().all(|&i| (i as usize) < count);
+    let in_range = |t: &[u32; 3]| t.iter().all(|&i| (i as usize) < count);
     let finite = |list: &[DVec3]| list.len() == count && list.iter().all(|p| p.is_finite());
-    let sound = mesh.triangles.iter().all(named)
+    let sound = mesh.triangles.iter().all(in_range)
         && finite(&mesh.positions)
         && poses.iter().all(|pose| finite(pose));
     if !sound || mesh.triangles.len() <= triangles {
         return Ok(Simplified {
             mesh: mesh.clone(),
-            kept: (0..count as u32).collect(),
+            original_vertices: (0..count as u32).collect(),
             error: 0.0,
         });
     }
-    let mut work = Work::new(mesh, poses);
-    work.run(triangles, context)?;
-    let (mesh_after, kept) = pick(mesh, &work.triangles());
+    let mut collapse = Collapse::new(mesh, poses, context)?;
+    collapse.run(triangles, context)?;
+    let (simplified, kept) = remaining_mesh(mesh, &collapse.triangles());
     let mut error = 0.0f64;
     for pose in std::iter::once(&mesh.positions).chain(poses) {
-        context.report(0.0)?;
-        error = error.max(farthest(pose, &mesh_after, &kept));
+        error = error.max(largest_distance(pose, &simplified, &kept, context)?);
     }
     Ok(Simplified {
-        mesh: mesh_after,
-        kept,
+        mesh: simplified,
+        original_vertices: kept,
         error,
     })
 }
 
-/// The mesh of some triangles, given as the corners and the triangle that they are of before.
-fn pick(mesh: &Mesh, triangles: &[([u32; 3], u32)]) -> (Mesh, Vec<u32>) {
-    let mut kept: Vec<u32> = triangles.iter().flat_map(|t| t.0).collect();
+/// Builds the mesh of the remaining triangles. Also returns the original vertex of each of its vertices.
+fn remaining_mesh(mesh: &Mesh, triangles: &[RemainingTriangle]) -> (Mesh, Vec<u32>) {
+    let mut kept: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
     kept.sort_unstable();
     kept.dedup();
     let mut numbers = vec![0; mesh.positions.len()];
     for (new, &old) in kept.iter().enumerate() {
         numbers[old as usize] = new as u32;
     }
-    let some = |attribute: &Attribute| Attribute {
+    let remaining = |attribute: &Attribute| Attribute {
         width: attribute.width,
         data: (kept.iter())
             .flat_map(|&v| attribute.at(v as usize).iter().copied())
@@ -89,29 +92,39 @@ fn pick(mesh: &Mesh, triangles: &[([u32; 3], u32)]) -> (Mesh, Vec<u32>) {
     let out = Mesh {
         positions: kept.iter().map(|&v| mesh.positions[v as usize]).collect(),
         triangles: (triangles.iter())
-            .map(|(corners, _)| corners.map(|v| numbers[v as usize]))
+            .map(|t| t.corners.map(|v| numbers[v as usize]))
             .collect(),
-        attributes: attributes.map(|(n, a)| (n.clone(), some(a))).collect(),
-        materials: materials.map(|&(_, t)| mesh.material(t as usize)).collect(),
+        attributes: attributes.map(|(n, a)| (n.clone(), remaining(a))).collect(),
+        materials: materials
+            .map(|t| mesh.material(t.original as usize))
+            .collect(),
     };
     (out, kept)
 }
 
-/// Largest distance of points from the surface whose vertices are the `kept` ones of them.
-fn farthest(points: &[DVec3], mesh: &Mesh, kept: &[u32]) -> f64 {
+/// The largest distance of points from the surface whose vertices are those with the numbers `kept`.
+fn largest_distance(
+    points: &[DVec3],
+    mesh: &Mesh,
+    kept: &[u32],
+    context: &Context,
+) -> Result<f64, Cancelled> {
     let posed = Mesh {
         positions: kept.iter().map(|&v| points[v as usize]).collect(),
         triangles: mesh.triangles.clone(),
         ..Mesh::default()
     };
-    let tree = Bvh::of_triangles(&posed);
+    let tree = Bvh::from_mesh(&posed);
     let mut kept = kept.iter().peekable();
     let mut most = 0.0f64;
     for (v, &p) in points.iter().enumerate() {
+        if v.is_multiple_of(CHECK_INTERVAL) {
+            context.check()?;
+        }
         if kept.next_if(|&&k| k as usize == v).is_none() {
-            let nearest = tree.nearest_on(&posed, p, f64::INFINITY);
+            let nearest = tree.nearest_on_mesh(&posed, p, f64::INFINITY);
             most = most.max(nearest.map_or(0.0, |n| n.distance));
         }
     }
-    most
+    Ok(most)
 }

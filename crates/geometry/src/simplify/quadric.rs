@@ -1,11 +1,11 @@
-//! Quadrics: the sum of squared distances from planes (Garland & Heckbert 1997).
+//! Quadric error metrics (Garland & Heckbert 1997, Surface Simplification Using Quadric Error Metrics).
 
 use glam::{DMat3, DVec3};
 use std::ops::AddAssign;
 
-/// A sum of weighted squared distances from planes, as a function of the place.
+/// A sum of weighted squared distances from planes, as a function of position.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Quadric {
+pub(super) struct Quadric {
     matrix: DMat3,
     vector: DVec3,
     constant: f64,
@@ -14,15 +14,15 @@ pub struct Quadric {
 }
 
 impl Quadric {
-    pub const NONE: Quadric = Quadric {
+    pub const ZERO: Quadric = Quadric {
         matrix: DMat3::ZERO,
         vector: DVec3::ZERO,
         constant: 0.0,
         weight: 0.0,
     };
 
-    /// Of the plane through `point` across the unit vector `normal`.
-    pub fn of_plane(normal: DVec3, point: DVec3, weight: f64) -> Quadric {
+    /// The weighted squared distance from the plane through `point` with the unit normal `normal`.
+    pub fn from_plane(normal: DVec3, point: DVec3, weight: f64) -> Quadric {
         let offset = -normal.dot(point);
         let scaled = normal * weight;
         Quadric {
@@ -33,8 +33,8 @@ impl Quadric {
         }
     }
 
-    /// The sum at `p`, not below 0.
-    pub fn at(&self, p: DVec3) -> f64 {
+    /// Evaluates the sum at `p`; rounding never makes it negative.
+    pub fn evaluate(&self, p: DVec3) -> f64 {
         (p.dot(self.matrix * p) + 2.0 * self.vector.dot(p) + self.constant).max(0.0)
     }
 }

@@ -2,8 +2,8 @@ use super::simplify;
 use crate::{Attribute, Context, Mesh};
 use glam::DVec3;
 
-/// A log along z: its side with texture coordinates from a seam on, its two faces in another material with vertices of
-/// their own.
+/// A log along z. Its side has texture coordinates with a seam; its end faces have another material and vertices of their
+/// own.
 fn log(rings: usize, around: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let mut coordinates = Vec::new();
@@ -51,45 +51,46 @@ fn log(rings: usize, around: usize) -> Mesh {
 }
 
 fn area_of(mesh: &Mesh, material: u32) -> f64 {
-    let its = (0..mesh.triangles.len()).filter(|&t| mesh.material(t) == material);
-    its.map(|t| {
-        let [a, b, c] = mesh.corners(t);
-        0.5 * (b - a).cross(c - a).length()
-    })
-    .sum()
+    let triangles = (0..mesh.triangles.len()).filter(|&t| mesh.material(t) == material);
+    triangles
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            0.5 * (b - a).cross(c - a).length()
+        })
+        .sum()
 }
 
 #[test]
-fn a_log_stays_closed_full_and_in_its_materials() {
+fn a_log_keeps_its_volume_materials_and_seams() {
     let mesh = log(81, 48);
     assert!(mesh.check().is_solid());
     for share in [0.5, 0.25, 0.1] {
         let target = (share * mesh.triangles.len() as f64) as usize;
-        let made = simplify(&mesh, &[], target, &Context::quiet()).unwrap();
-        let report = made.mesh.check();
+        let simplified = simplify(&mesh, &[], target, &Context::quiet()).unwrap();
+        let report = simplified.mesh.check();
         assert!(report.closed && report.oriented);
         assert_eq!(
             report.non_manifold_vertices + report.degenerate_triangles,
             0
         );
-        assert!(made.mesh.triangles.len() <= target);
-        assert!((made.mesh.volume() / mesh.volume() - 1.0).abs() < 0.01);
+        assert!(simplified.mesh.triangles.len() <= target);
+        assert!((simplified.mesh.volume() / mesh.volume() - 1.0).abs() < 0.01);
         // A twentieth of the thinner end.
-        assert!(made.error < 0.01, "{share}: {}", made.error);
+        assert!(simplified.error < 0.01, "{share}: {}", simplified.error);
         for material in [0, 1] {
-            let [old, new] = [&mesh, &made.mesh].map(|m| area_of(m, material));
+            let [old, new] = [&mesh, &simplified.mesh].map(|m| area_of(m, material));
             assert!((new / old - 1.0).abs() < 0.02, "{material}: {old} {new}");
         }
         // Vertices are some of those before, with what they had; no triangle reaches over the seam.
-        let coordinates = &made.mesh.attributes["TEXCOORD_0"];
-        for (new, &old) in made.kept.iter().enumerate() {
-            assert_eq!(made.mesh.positions[new], mesh.positions[old as usize]);
+        let coordinates = &simplified.mesh.attributes["TEXCOORD_0"];
+        for (new, &old) in simplified.original_vertices.iter().enumerate() {
+            assert_eq!(simplified.mesh.positions[new], mesh.positions[old as usize]);
             assert_eq!(
                 coordinates.at(new),
                 mesh.attributes["TEXCOORD_0"].at(old as usize)
             );
         }
-        let covered: f64 = (made.mesh.triangles.iter())
+        let covered: f64 = (simplified.mesh.triangles.iter())
             .map(|t| {
                 let [a, b, c] = t.map(|v| coordinates.at(v as usize));
                 let [a, b, c] = [a, b, c].map(|x| [f64::from(x[0]), f64::from(x[1])]);
@@ -107,14 +108,14 @@ fn thin_pieces_keep_their_volume() {
     mesh.positions
         .iter_mut()
         .for_each(|p| *p *= DVec3::new(0.02, 0.02, 1.0));
-    let made = simplify(&mesh, &[], 1, &Context::quiet()).unwrap();
-    assert!(made.mesh.check().closed && made.mesh.triangles.len() < 300);
-    let ratio = made.mesh.volume() / mesh.volume();
+    let simplified = simplify(&mesh, &[], 1, &Context::quiet()).unwrap();
+    assert!(simplified.mesh.check().closed && simplified.mesh.triangles.len() < 300);
+    let ratio = simplified.mesh.volume() / mesh.volume();
     assert!((ratio - 1.0).abs() < 0.01 + 1e-12, "{ratio}");
 }
 
 #[test]
-fn what_bends_in_another_pose_keeps_vertices_there() {
+fn bends_in_another_pose_keep_their_vertices() {
     let mesh = log(81, 24);
     // The pose has a kink in the middle, where the mesh at rest has none.
     let kinked: Vec<DVec3> = (mesh.positions.iter())
@@ -127,8 +128,16 @@ fn what_bends_in_another_pose_keeps_vertices_there() {
     let context = Context::quiet();
     let blind = simplify(&mesh, &[], target, &context).unwrap();
     let seeing = simplify(&mesh, std::slice::from_ref(&kinked), target, &context).unwrap();
-    // Told by brute force: the distance of the pose's points at the kink from the surface.
-    let off = |made: &super::Simplified| super::farthest(&kinked, &made.mesh, &made.kept);
+    // The exact distance of the pose's points from the surface.
+    let off = |simplified: &super::Simplified| {
+        super::largest_distance(
+            &kinked,
+            &simplified.mesh,
+            &simplified.original_vertices,
+            &context,
+        )
+        .unwrap()
+    };
     assert!(off(&seeing) <= seeing.error);
     assert!(
         off(&seeing) < 0.7 * off(&blind),
@@ -139,7 +148,7 @@ fn what_bends_in_another_pose_keeps_vertices_there() {
 }
 
 #[test]
-fn a_mesh_that_cannot_be_simplified_comes_back() {
+fn a_mesh_that_cannot_be_simplified_is_returned() {
     let context = Context::quiet();
     let mesh = log(3, 4);
     let least = simplify(&mesh, &[], 0, &context).unwrap();
@@ -147,9 +156,11 @@ fn a_mesh_that_cannot_be_simplified_comes_back() {
     let mut wrong = mesh.clone();
     wrong.positions[3].z = f64::NAN;
     let same = simplify(&wrong, &[], 2, &context).unwrap();
-    assert_eq!(same.kept.len(), wrong.positions.len());
+    assert_eq!(same.original_vertices.len(), wrong.positions.len());
     assert_eq!(
-        simplify(&Mesh::default(), &[], 2, &context).unwrap().kept,
+        simplify(&Mesh::default(), &[], 2, &context)
+            .unwrap()
+            .original_vertices,
         []
     );
 }

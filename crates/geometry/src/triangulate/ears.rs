@@ -1,36 +1,38 @@
-//! Clipping ears off a ring, and flipping diagonals afterwards.
+//! Ear clipping, followed by flips of diagonals.
 
-use super::{TriangulateError, better_flipped};
+use super::error::TriangulateError;
+use super::quad::better_flipped;
 use crate::intersect::orient2d;
 use glam::DVec2;
 
-/// No triangle lies behind this edge: it is the polygon's own.
+/// No triangle lies behind this edge: it is an edge of the polygon.
 const OUTSIDE: u32 = u32::MAX;
 
-/// A corner of the ring that is left, linked to its neighbours.
+/// A corner of the remaining ring, linked to its neighbours.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
     point: u32,
     before: u32,
     after: u32,
-    /// The half-edge (three times a triangle, plus its edge) behind the ring's edge from here to the next corner.
+    /// The half-edge (three times the triangle plus the edge) behind the ring's edge from here to the next corner.
     behind: u32,
-    /// Whether the ring turns left here, by less than a half turn.
+    /// Whether the ring turns left here, by less than half a turn.
     convex: bool,
 }
 
-/// Memory for the clipping.
+/// Working memory of the clipping.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Ears {
     ring: Vec<Corner>,
-    /// For each half-edge of the new triangles the one on its other side.
+    /// For each half-edge of the new triangles its twin on the other side.
     twins: Vec<u32>,
-    /// Half-edges to look at for a flip.
+    /// Half-edges that may have to be flipped.
     pending: Vec<u32>,
 }
 
 impl Ears {
-    /// Fills the ring of `points` in `order`, counter-clockwise. `bridged` tells that points occur several times.
+    /// Triangulates the ring of `points` in `order`, which must be counter-clockwise. `bridged` says that points may occur
+    /// several times.
     pub fn fill(
         &mut self,
         points: &[DVec2],
@@ -50,26 +52,26 @@ impl Ears {
         }));
         self.twins.clear();
         for i in 0..n {
-            self.turn(points, i);
+            self.update_convexity(points, i);
         }
         let mut at = 0;
-        // Corners looked at since the last ear.
+        // Corners examined since the last ear.
         let mut idle = 0;
-        let mut left = n;
-        while left > 3 {
+        let mut remaining = n;
+        while remaining > 3 {
             if self.is_ear(points, at, bridged) {
                 let Corner { before, after, .. } = self.ring[at as usize];
                 self.clip(at, first, triangles);
-                self.turn(points, before);
-                self.turn(points, after);
-                left -= 1;
+                self.update_convexity(points, before);
+                self.update_convexity(points, after);
+                remaining -= 1;
                 idle = 0;
-                // Going on beyond the new edge spreads the ears around the ring.
+                // Continuing beyond the new edge spreads the ears around the ring.
                 at = self.ring[after as usize].after;
             } else {
                 at = self.ring[at as usize].after;
                 idle += 1;
-                if idle > left {
+                if idle > remaining {
                     triangles.truncate(first);
                     return Err(TriangulateError::Stuck(points.len()));
                 }
@@ -81,22 +83,23 @@ impl Ears {
         }
         let after = self.ring[at as usize].after;
         self.clip(at, first, triangles);
-        // The diagonal of the last ear is the ring's last edge.
+        // The diagonal of the last ear is the last edge of the ring.
         let diagonal = self.twins.len() as u32 - 1;
         self.pair(diagonal, self.ring[after as usize].behind);
         self.flip(points, &mut triangles[first..]);
         Ok(())
     }
 
-    fn turn(&mut self, points: &[DVec2], at: u32) {
+    /// Updates whether the corner is convex.
+    fn update_convexity(&mut self, points: &[DVec2], at: u32) {
         let corner = self.ring[at as usize];
         let point = |i: u32| points[self.ring[i as usize].point as usize];
         self.ring[at as usize].convex =
             orient2d(point(corner.before), point(at), point(corner.after)) > 0.0;
     }
 
-    /// Whether the corner can be clipped: it is convex, and its closed triangle holds no other corner. In a simple ring
-    /// only corners that are not convex can be the first to lie in it.
+    /// Whether the corner can be clipped: it is convex, and its closed triangle contains no other corner. In a simple ring
+    /// it suffices to test the corners that are not convex.
     fn is_ear(&self, points: &[DVec2], at: u32, bridged: bool) -> bool {
         let corner = &self.ring[at as usize];
         if !corner.convex {
@@ -110,7 +113,7 @@ impl Ears {
             let entry = &self.ring[other as usize];
             let p = points[entry.point as usize];
             if bridged && (p == a || p == c || p == b) {
-                // A bridge between the ends of the diagonal already: what lies beyond would be a ring without area.
+                // A bridge already joins the ends of the diagonal: the ring beyond would have no area.
                 let next = point(entry.after);
                 if (p == a && next == c) || (p == c && next == a) {
                     return false;
@@ -129,7 +132,7 @@ impl Ears {
         true
     }
 
-    /// Writes the triangle of a corner and takes the corner out of the ring.
+    /// Appends the triangle of a corner and removes the corner from the ring.
     fn clip(&mut self, at: u32, first: usize, triangles: &mut Vec<[u32; 3]>) {
         let Corner {
             point,
@@ -152,6 +155,7 @@ impl Ears {
         self.ring[after as usize].before = before;
     }
 
+    /// Makes two half-edges twins.
     fn pair(&mut self, a: u32, b: u32) {
         if b != OUTSIDE {
             self.twins[a as usize] = b;
@@ -159,8 +163,8 @@ impl Ears {
         }
     }
 
-    /// Flips diagonals until each has the circle of either triangle empty of the other's corner, as far as it may be
-    /// flipped. This ends because every flip lowers the surface lifted to the paraboloid.
+    /// Flips diagonals until, wherever a flip is possible, the circumcircle of either triangle does not contain the
+    /// opposite corner. This terminates because every flip lowers the surface lifted to the paraboloid.
     fn flip(&mut self, points: &[DVec2], triangles: &mut [[u32; 3]]) {
         self.pending.clear();
         self.pending

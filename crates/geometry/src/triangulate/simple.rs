@@ -1,11 +1,14 @@
-//! Whether rings of edges meet nowhere but at common ends.
+//! Whether the edges of rings meet only at common ends, and the orientation of rings.
 
 use crate::intersect::orient2d;
 use glam::DVec2;
 
-/// The point after `i` in its ring.
-pub(super) fn next(i: usize, count: usize, hole_starts: &[usize]) -> usize {
-    // Rings are few: a linear search is quicker than a table.
+/// Most points of polygons whose edges are all compared with each other: sorting does not pay.
+const MAX_EXHAUSTIVE: usize = 24;
+
+/// The index of the point after `i` in its ring.
+pub(super) fn next_in_ring(i: usize, count: usize, hole_starts: &[usize]) -> usize {
+    // There are few rings: a linear search is faster than a table.
     let mut start = 0;
     for &hole in hole_starts {
         if i + 1 == hole {
@@ -19,31 +22,36 @@ pub(super) fn next(i: usize, count: usize, hole_starts: &[usize]) -> usize {
     if i + 1 == count { start } else { i + 1 }
 }
 
-/// Two edges, named by their first points, that meet elsewhere than in a common end.
-pub(super) fn crossing(
+/// Finds two edges, given by their first points, that meet elsewhere than at a common end.
+pub(super) fn find_crossing(
     points: &[DVec2],
     hole_starts: &[usize],
     by_left: &mut Vec<u32>,
 ) -> Option<(usize, usize)> {
     let count = points.len();
-    let ends = |i: usize| {
+    let edge = |i: usize| {
         let j = if hole_starts.is_empty() && i + 1 < count {
             i + 1
         } else {
-            next(i, count, hole_starts)
+            next_in_ring(i, count, hole_starts)
         };
-        (points[i], points[j], j)
+        Edge {
+            first: i,
+            last: j,
+            from: points[i],
+            to: points[j],
+        }
     };
-    if count <= 24 {
+    if count <= MAX_EXHAUSTIVE {
         return (0..count).find_map(|i| {
             (0..i)
-                .find(|&j| meet(i, ends(i), j, ends(j)))
+                .find(|&j| meet_wrongly(&edge(i), &edge(j)))
                 .map(|j| (j, i))
         });
     }
     let left = |i: usize| {
-        let (p, q, _) = ends(i);
-        p.x.min(q.x)
+        let Edge { from, to, .. } = edge(i);
+        from.x.min(to.x)
     };
     by_left.clear();
     by_left.extend(0..count as u32);
@@ -54,14 +62,14 @@ pub(super) fn crossing(
     });
     for (k, &i) in by_left.iter().enumerate() {
         let i = i as usize;
-        let (p, q, _) = ends(i);
-        let right = p.x.max(q.x);
+        let Edge { from, to, .. } = edge(i);
+        let right = from.x.max(to.x);
         for &j in &by_left[k + 1..] {
             let j = j as usize;
             if left(j) > right {
                 break;
             }
-            if meet(i, ends(i), j, ends(j)) {
+            if meet_wrongly(&edge(i), &edge(j)) {
                 return Some((i.min(j), i.max(j)));
             }
         }
@@ -69,13 +77,19 @@ pub(super) fn crossing(
     None
 }
 
-/// Whether edges `i` and `j`, given with their ends and the number of the second one, meet where they should not.
-fn meet(
-    i: usize,
-    (a, b, after_i): (DVec2, DVec2, usize),
-    j: usize,
-    (c, d, after_j): (DVec2, DVec2, usize),
-) -> bool {
+/// An edge of a ring.
+struct Edge {
+    /// Indices of its end points.
+    first: usize,
+    last: usize,
+    /// Their positions.
+    from: DVec2,
+    to: DVec2,
+}
+
+/// Whether two different edges meet elsewhere than at a common end.
+fn meet_wrongly(first: &Edge, second: &Edge) -> bool {
+    let ([a, b], [c, d]) = ([first.from, first.to], [second.from, second.to]);
     if a.x.max(b.x) < c.x.min(d.x)
         || c.x.max(d.x) < a.x.min(b.x)
         || a.y.max(b.y) < c.y.min(d.y)
@@ -86,8 +100,8 @@ fn meet(
     if a == b || c == d {
         return true;
     }
-    match (after_i == j, after_j == i) {
-        // A triangle's ring has no such pair; two edges that are both before and after each other are one.
+    match (first.last == second.first, second.last == first.first) {
+        // Two edges that each start where the other ends coincide.
         (true, true) => true,
         (true, false) => folds_back(a, b, d),
         (false, true) => folds_back(c, d, b),
@@ -97,8 +111,8 @@ fn meet(
 
 /// Whether the edge from `b` to `c` runs back along that from `a` to `b`.
 fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
-    let way = |to: DVec2| (to.x.partial_cmp(&b.x), to.y.partial_cmp(&b.y));
-    way(a) == way(c) && orient2d(a, b, c) == 0.0
+    let direction = |to: DVec2| (to.x.partial_cmp(&b.x), to.y.partial_cmp(&b.y));
+    direction(a) == direction(c) && orient2d(a, b, c) == 0.0
 }
 
 /// Whether two segments share a point.
@@ -111,34 +125,42 @@ pub(super) fn segments_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
     if (u > 0.0 && v > 0.0) || (u < 0.0 && v < 0.0) {
         return false;
     }
-    // On one line they meet where their boxes do; otherwise both have been found to reach the other's line.
+    // On one line they meet if their boxes do; otherwise each reaches the line of the other.
     a.x.min(b.x) <= c.x.max(d.x)
         && c.x.min(d.x) <= a.x.max(b.x)
         && a.y.min(b.y) <= c.y.max(d.y)
         && c.y.min(d.y) <= a.y.max(b.y)
 }
 
-/// Two points at one position.
-pub(super) fn repeated(points: &[DVec2]) -> Option<(usize, usize)> {
+/// Finds two points at one position.
+pub(super) fn find_repeated(points: &[DVec2]) -> Option<(usize, usize)> {
     (0..points.len()).find_map(|i| (0..i).find(|&j| points[i] == points[j]).map(|j| (j, i)))
 }
 
-/// Whether a simple ring runs clockwise: exactly, by the turn at its lowest point.
-pub(super) fn clockwise(ring: &[DVec2]) -> bool {
+/// Whether a simple ring runs clockwise, decided exactly by the turn at its leftmost point.
+pub(super) fn is_clockwise(ring: &[DVec2]) -> bool {
     let n = ring.len();
-    let below = |&a: &usize, &b: &usize| {
+    let left_of = |&a: &usize, &b: &usize| {
         ring[a]
             .x
             .total_cmp(&ring[b].x)
             .then(ring[a].y.total_cmp(&ring[b].y))
     };
-    let Some(lowest) = (0..n).min_by(below) else {
+    let Some(leftmost) = (0..n).min_by(left_of) else {
         return false;
     };
-    // Neighbours in a straight run through the extreme point do not occur: the point would not be extreme.
+    // No straight run passes through the leftmost point.
     orient2d(
-        ring[(lowest + n - 1) % n],
-        ring[lowest],
-        ring[(lowest + 1) % n],
+        ring[(leftmost + n - 1) % n],
+        ring[leftmost],
+        ring[(leftmost + 1) % n],
     ) < 0.0
+}
+
+/// Whether all points lie exactly on one line.
+pub(super) fn are_collinear(points: &[DVec2]) -> bool {
+    let Some(&other) = points.iter().find(|&&p| p != points[0]) else {
+        return true;
+    };
+    points.iter().all(|&p| orient2d(points[0], other, p) == 0.0)
 }

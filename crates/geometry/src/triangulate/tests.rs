@@ -1,6 +1,8 @@
-//! Triangulations against what every triangulation of a polygon must be, counted in whole numbers.
+//! Triangulations against the properties of every triangulation of a polygon, in exact integers.
 
-use super::*;
+use super::{TriangulateError, Triangulator, triangulate};
+use crate::intersect::orient2d;
+use glam::DVec2;
 use std::collections::BTreeMap;
 
 type Point = [i64; 2];
@@ -31,7 +33,7 @@ fn on_segment(p: Point, a: Point, b: Point) -> bool {
     turn(a, b, p) == 0 && (0..2).all(|k| p[k] >= a[k].min(b[k]) && p[k] <= a[k].max(b[k]))
 }
 
-/// Whether no two edges share a point but for neighbours, which share their one end.
+/// Whether no two edges share a point, except neighbours, which share an end.
 fn is_simple(ring: &[Point]) -> bool {
     let n = ring.len();
     let edge = |i: usize| (ring[i % n], ring[(i + 1) % n]);
@@ -148,7 +150,7 @@ fn star(random: &mut Random, centre: Point, count: usize, size: i64) -> Vec<Poin
 }
 
 /// A random tour of points on a small grid with crossings undone: full of straight runs and narrow necks.
-fn untangled(random: &mut Random, count: usize, grid: Point) -> Vec<Point> {
+fn tour(random: &mut Random, count: usize, grid: Point) -> Vec<Point> {
     let mut ring: Vec<Point> = Vec::new();
     while ring.len() < count {
         let p = [random.below(grid[0]), random.below(grid[1])];
@@ -170,7 +172,7 @@ fn untangled(random: &mut Random, count: usize, grid: Point) -> Vec<Point> {
 }
 
 #[test]
-fn random_polygons_are_filled_and_crossing_ones_refused() {
+fn random_polygons_are_triangulated_and_crossing_ones_refused() {
     let mut random = Random(11);
     let (mut simple, mut crossing) = (0, 0);
     for round in 0..6000 {
@@ -178,7 +180,7 @@ fn random_polygons_are_filled_and_crossing_ones_refused() {
         let grid = [count as i64 + random.below(20), 3 + random.below(9)];
         let ring = match round % 3 {
             0 => star(&mut random, [0, 0], count, 1000),
-            1 => untangled(&mut random, count, grid),
+            1 => tour(&mut random, count, grid),
             _ => (0..count)
                 .map(|_| [random.below(5), random.below(5)])
                 .collect(),
@@ -207,7 +209,7 @@ fn random_polygons_are_filled_and_crossing_ones_refused() {
 }
 
 #[test]
-fn polygons_with_holes_are_filled() {
+fn polygons_with_holes_are_triangulated() {
     let mut random = Random(3);
     for round in 0..600 {
         let mut rings = vec![vec![[0, 0], [4000, 0], [4000, 3000], [0, 3000]]];
@@ -266,7 +268,7 @@ fn thin_and_flat_polygons_keep_their_edges() {
 }
 
 #[test]
-fn what_is_no_polygon_is_refused_with_its_place() {
+fn invalid_polygons_are_refused_with_the_place() {
     let p = |x: f64, y: f64| DVec2::new(x, y);
     let square = vec![p(0.0, 0.0), p(9.0, 0.0), p(9.0, 9.0), p(0.0, 9.0)];
     let with_hole = |hole: &[DVec2]| {

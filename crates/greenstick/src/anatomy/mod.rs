@@ -8,15 +8,16 @@ mod volume;
 
 pub use greenstick_wood::anatomy::{RingColouring, RingMethod};
 pub use report::{ANATOMY_FILE, AnatomyReport, RingRows, SectionReport, SegmentReport};
-pub use request::{AnatomyOutput, AnatomyRequest};
+pub use request::{AnatomyFile, AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
-use crate::session::appearance::looks;
 use glam::DAffine3;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Material, Mesh, Node, Scene, Stage};
+use greenstick_schema::Parameters;
 use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, ParticleLayers, SurfaceColouring};
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, find_stem};
 use report::Findings;
@@ -64,7 +65,7 @@ pub fn anatomy<E: From<Error>>(
     mut sink: impl FnMut(Encoded) -> Result<(), E>,
 ) -> Result<AnatomyReport, E> {
     let stages = Stages::new(request, context);
-    request.check()?;
+    request.check().map_err(Error::from)?;
     stages.stem.report(0.0).map_err(Error::from)?;
     let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
     let found =
@@ -174,18 +175,20 @@ fn model<'a>(
 ) -> Result<Anatomy<'a>, Error> {
     let species = request.species.as_deref().map(Species::find).transpose()?;
     let parameters = BreakParameters::default();
-    let wood = looks(&found.stem, &parameters, species, BARK).wood;
+    let proportions = parameters.proportions();
+    let seed = parameters.seed;
+    let wood = StemAppearance::new(&found.stem, &proportions, seed, species, BARK).wood;
     let ring_count = request.ring_count.unwrap_or(wood.rings.round() as u16);
-    if request.ring_method == RingMethod::Field {
+    if request.ring_method() == RingMethod::Field {
         request.check_rings(ring_count)?;
     }
     context.report(0.0)?;
     let options = AnatomyOptions {
         resolution: request.resolution,
-        rings: request.ring_method.clone(),
+        rings: request.ring_method(),
         ring_count,
         colouring: request.colouring,
-        proportions: parameters.proportions(),
+        proportions,
     };
     let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
     request.check_rings(anatomy.ring_count())?;
@@ -198,10 +201,10 @@ fn write_particles<E: From<Error>>(
     sink: &mut dyn FnMut(Encoded) -> Result<(), E>,
 ) -> Result<(), E> {
     let table = layers.table();
-    for (i, format) in TableFormat::ALL.into_iter().enumerate() {
+    for (i, &format) in TableFormat::ALL.iter().enumerate() {
         let done = i as f64 / TableFormat::ALL.len() as f64;
         context.report(done).map_err(Error::from)?;
-        let name = format!("particles.{}", format.ending());
+        let name = format!("particles.{}", format.extension());
         let file = greenstick_formats::write_table(format, &table, &name);
         sink(file.map_err(Error::from)?)?;
     }

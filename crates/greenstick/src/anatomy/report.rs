@@ -164,7 +164,7 @@ impl Findings<'_> {
             mesh_volume_m3: mesh_volume,
             voxel_volume_m3: voxel_volume,
             rings: self.anatomy.ring_count(),
-            rings_by: self.request.ring_method.to_string(),
+            rings_by: self.request.ring_method().to_string(),
             sectors: self.layers.layout.sectors.clone(),
             layers: self.layers.layers.len(),
             layer_distance_m: self.layers.spacing,

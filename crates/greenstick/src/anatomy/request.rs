@@ -1,24 +1,32 @@
 //! What is wanted of a stem's inside.
 
 use crate::Error;
-use greenstick_wood::anatomy::{
-    LayerOptions, MAX_PARTICLES, RingColouring, RingMethod, SectorDivision,
+use crate::scanning::ScanParameters;
+use greenstick_formats::LengthUnit;
+use greenstick_fracture::recipe::SPECIES_NAME;
+use greenstick_schema::{
+    FILE_NAME, Kind, ParameterError, choice, choices, count, list, parameters, text,
 };
-use greenstick_wood::stem::{StemLocation, StemOptions};
+use greenstick_wood::anatomy::{
+    LayerOptions, MAX_PARTICLES, RESOLUTION_RANGE, RingColouring, RingMethod, RingMethodChoice,
+    RingParameters, SectorDivision,
+};
+use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
-/// A kind of output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AnatomyOutput {
-    /// Pictures of sections: contour, rings and tissues.
-    Sections,
-    /// A picture along the pith.
-    Longitudinal,
-    /// Voxels with ring, tissue and colour.
-    Volume,
-    /// Particles as PLY, VTK, CSV and Parquet.
-    Particles,
-    /// The surface reconstructed from particles, coloured by ring and by sector.
-    Surface,
+choices! {
+    /// A kind of output.
+    pub enum AnatomyOutput {
+        /// Pictures of sections: contour, rings and tissues.
+        Sections = "sections",
+        /// A picture along the pith.
+        Longitudinal = "longitudinal",
+        /// Voxels with ring, tissue and colour.
+        Volume = "volume",
+        /// Particles as PLY, VTK, CSV and Parquet.
+        Particles = "particles",
+        /// The surface reconstructed from particles, coloured by ring and by sector.
+        Surface = "surface",
+    }
 }
 
 impl AnatomyOutput {
@@ -32,59 +40,83 @@ impl AnatomyOutput {
     ];
 }
 
-/// What is wanted of a stem's inside.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AnatomyRequest {
-    /// Which stem or limb, and where the first pictured section lies.
-    pub location: StemLocation,
-    /// What is known of the stem.
-    pub stem: StemOptions,
-    /// Species, by common or scientific name.
-    pub species: Option<String>,
-    /// Voxels along each side of a segment, 32 to 512.
-    pub resolution: usize,
-    /// Where rings come from.
-    pub ring_method: RingMethod,
-    /// Number of rings; by the usual width where absent. Erosion makes its own.
-    pub ring_count: Option<u16>,
-    /// Sectors of every ring, or of the outermost.
-    pub sectors: u32,
-    /// Layers of particles along the stem; as far apart as the outermost sectors are wide where absent.
-    pub layers: Option<u32>,
-    /// How rings are divided into sectors.
-    pub division: SectorDivision,
-    /// Sections that are pictured.
-    pub sections: u32,
-    /// Ring whose surface is reconstructed, from 1 at the pith; the outermost where absent.
-    pub surface_ring: Option<u16>,
-    /// Colours of rings.
-    pub colouring: RingColouring,
-    /// What is made. The numbers (`anatomy.json`) always are.
-    pub outputs: Vec<AnatomyOutput>,
+/// A kind of output, in lists.
+const OUTPUT: Kind = choice(AnatomyOutput::CHOICES).kind;
+
+parameters! {
+    /// What is wanted of a stem's inside.
+    pub struct AnatomyRequest {
+        "Input", "stem" {
+            /// Which stem or limb, and where the first pictured section lies: a fraction of the stem's length from its base,
+            /// a length, or a point in the world.
+            location as "at": StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
+            /// Make only these. The numbers (anatomy.json) always are.
+            outputs as "only": Vec<AnatomyOutput> = AnatomyOutput::ALL.to_vec(), list(&OUTPUT, 1, AnatomyOutput::ALL.len());
+        }
+        "How finely", "rings" {
+            /// Voxels along each side of a segment, which is slightly longer than the stem is wide.
+            resolution: usize = 128, count(*RESOLUTION_RANGE.start() as i128, *RESOLUTION_RANGE.end() as i128);
+            /// Annual rings; "auto" makes rings of the usual width. An erosion makes its own number.
+            ring_count as "rings": Option<u16> = None, count(1, 1000).auto();
+            /// Sectors of every ring; with equal-area bundles, of the outermost.
+            sectors: u32 = LayerOptions::default().sectors, count(3, 10_000);
+            /// Layers of particles along the stem; "auto" sets them as far apart as the outermost sectors are wide.
+            layers: Option<u32> = None, count(2, 1_000_000).auto();
+            /// How rings are divided into sectors.
+            division as "bundles": SectorDivision = LayerOptions::default().division, choice(SectorDivision::CHOICES);
+            /// Sections that are pictured: one at the place, the others at equal distances.
+            sections: u32 = 3, count(1, 1000);
+            /// Ring whose surface is reconstructed, from 1 at the pith; "auto" is the outermost.
+            surface_ring: Option<u16> = None, count(1, 1000).auto();
+        }
+        "What it is", "rings" {
+            /// Species, by common or scientific name.
+            species: Option<String> = None, text(SPECIES_NAME).auto();
+            /// Colours of rings.
+            colouring as "colours": RingColouring = RingColouring::Wood, choice(RingColouring::CHOICES);
+        }
+    }
+    include {
+        /// What is known of the stem.
+        stem: StemOptions = StemOptions::default();
+        /// Where rings come from.
+        ring_source: RingParameters = RingParameters::default();
+    }
+    check |p| {
+        if p.ring_source.rings_by == RingMethodChoice::Erosion && p.ring_count.is_some() {
+            return Err(ParameterError::Conflict(
+                "a number of rings for an erosion, whose kernels and resolution make their number; expected only one of the two"
+                    .to_owned(),
+            ));
+        }
+        Ok(())
+    };
 }
 
-impl Default for AnatomyRequest {
-    fn default() -> Self {
-        let layers = LayerOptions::default();
-        AnatomyRequest {
-            location: StemLocation::Fraction(0.5),
-            stem: StemOptions::default(),
-            species: None,
-            resolution: 128,
-            ring_method: RingMethod::Field,
-            ring_count: None,
-            sectors: layers.sectors,
-            layers: layers.layers,
-            division: layers.division,
-            sections: 3,
-            surface_ring: None,
-            colouring: RingColouring::Wood,
-            outputs: AnatomyOutput::ALL.to_vec(),
+parameters! {
+    /// Everything that decides what is made of a stem's inside.
+    pub struct AnatomyFile {
+        "Input", "input" {
+            /// The mesh or point cloud; without it, the branch that comes with the program.
+            input: Option<String> = None, text(FILE_NAME).auto();
+            /// Unit of length in the input, where its format has none.
+            unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
         }
+    }
+    include {
+        /// What is wanted.
+        request: AnatomyRequest = AnatomyRequest::default();
+        /// How a point cloud becomes the bark of a stem.
+        scan: ScanParameters = ScanParameters::default();
     }
 }
 
 impl AnatomyRequest {
+    /// Where rings come from.
+    pub(super) fn ring_method(&self) -> RingMethod {
+        self.ring_source.method()
+    }
+
     /// Whether an output is wanted.
     pub(super) fn wants(&self, output: AnatomyOutput) -> bool {
         self.outputs.contains(&output)
@@ -97,19 +129,6 @@ impl AnatomyRequest {
             layers: self.layers,
             division: self.division,
         }
-    }
-
-    /// Refuses numbers that are out of range.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        if self.ring_method != RingMethod::Field && self.ring_count.is_some() {
-            return Err(Error::Amount(
-                "a number of rings for an erosion, whose schedule makes their number; expected only one of the two"
-                    .into(),
-            ));
-        }
-        check_amount("sectors", self.sectors, 3, 10_000)?;
-        check_amount("layers", self.layers.unwrap_or(2), 2, 1_000_000)?;
-        check_amount("sections", self.sections, 1, 1000)
     }
 
     /// Refuses a number of rings that is out of range or does not suit the other numbers.

@@ -9,7 +9,7 @@ use crate::Error;
 use glam::DVec3;
 use greenstick_formats::Encoded;
 use greenstick_formats::vtk::{
-    Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
+    Block, Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
 };
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::anatomy::{Anatomy, Segment, VoxelSlice};
@@ -62,7 +62,10 @@ pub(super) fn volume<E: From<Error>>(
         reports.push(report(anatomy, segment, &slices, &name));
         let file = write_image(&image(anatomy, segment, slices), &name);
         sink(file.map_err(Error::from)?)?;
-        blocks.push((format!("segment {i}"), name));
+        blocks.push(Block {
+            name: format!("segment {i}"),
+            file: name,
+        });
     }
     if blocks.len() > 1 {
         sink(write_multiblock(&blocks, "volume.vtm"))?;

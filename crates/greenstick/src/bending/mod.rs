@@ -1,6 +1,6 @@
 //! Bending tests of species as in ASTM D143 on the fibre model, against the tables that the wood's numbers are from.
 //!
-//! Modulus of elasticity and modulus of rupture go into the wood, by one rule for all species ([`WoodMaterial::of`]): that
+//! Modulus of elasticity and modulus of rupture go into the wood, by one rule for all species ([`WoodMaterial::from_species`]): that
 //! they come out again checks the model and its numbers. Work to maximum load goes into nothing: there the test predicts.
 //!
 //! ```

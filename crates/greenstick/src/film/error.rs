@@ -38,6 +38,7 @@ pub enum FilmError {
     #[error(transparent)]
     Write(greenstick_formats::film::FilmError),
     /// The file cannot be written.
+    #[cfg(feature = "files")]
     #[error(transparent)]
     File(#[from] crate::files::FileError),
     /// The caller stopped the work.

@@ -2,7 +2,8 @@
 
 use super::{FilmError, SkinnedFilm};
 use greenstick_geometry::{
-    Binding, Cancelled, Context, Earlier, Film, Motion, Pose, Simplified, Skinned, simplify,
+    Binding, Cancelled, Context, EarlierBindings, Film, Motion, Pose, Simplified, SkinnedMesh,
+    simplify,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,10 +43,10 @@ pub fn level(
     frames.dedup();
     for frame in frames.into_iter().filter(|&f| f > 0) {
         made.motion.poses(frame - 1, &mut poses)?;
-        film.maps(&poses, &mut maps);
+        film.joint_maps(&poses, &mut maps);
         for (piece, looks) in looks.iter_mut().enumerate() {
             let mut placed = Vec::new();
-            film.place_piece(piece, &maps, &mut placed);
+            film.deform_positions(piece, &maps, &mut placed);
             looks.push(placed);
         }
     }
@@ -67,19 +68,19 @@ pub fn level(
             report.vertices[k] += mesh.positions.len();
         }
         report.error_m = report.error_m.max(simpler.error);
-        piece.binding = some(piece, &simpler.kept);
+        piece.binding = some(piece, &simpler.original_vertices);
         piece.mesh = simpler.mesh;
         // Levels are for engines, whose skins have fixed weights.
-        piece.earlier = Earlier::default();
+        piece.earlier = EarlierBindings::default();
     }
     Ok((out, report))
 }
 
 /// The binding of some vertices.
-fn some(piece: &Skinned, kept: &[u32]) -> Binding {
+fn some(piece: &SkinnedMesh, kept: &[u32]) -> Binding {
     let mut binding = Binding::default();
     for &v in kept {
-        binding.push(piece.binding.of(v as usize));
+        binding.push(piece.binding.influences(v as usize));
     }
     binding
 }

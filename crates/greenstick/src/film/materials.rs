@@ -1,9 +1,9 @@
 //! The materials of a film: ours, then those of the input.
 
 use super::{FilmError, FilmOptions, Run};
-use crate::rods::body_material;
 use crate::session::materials;
 use greenstick_geometry::{Context, Material, Scene};
+use greenstick_skin::rods_scene::body_material;
 
 /// Places in the list of materials.
 pub(super) const INNER_MATERIAL: u32 = 0;
@@ -22,10 +22,10 @@ impl Run {
         if options.texture_width > 0 {
             let width = options.texture_width;
             let stem = &self.grown.stem;
-            let baked = materials::bake(stem, self.square, &self.looks, width, context)?;
+            let baked = materials::bake(stem, self.square, &self.appearance.wood, width, context)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
-            let [r, g, b] = self.looks.wood.sapwood_color.map(|c| c as f32);
+            let [r, g, b] = self.appearance.wood.sapwood_color.map(|c| c as f32);
             out.materials.push(Material {
                 name: "inner_wood".into(),
                 base_color: [r, g, b, 1.0],

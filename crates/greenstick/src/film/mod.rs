@@ -24,9 +24,6 @@ use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::rods::bodies;
-use crate::session::Looks;
-use crate::session::appearance::looks;
 use crate::simulate::{
     FilledStem, PositionedBundle, SceneMeshes, body_shapes, fill_scene_stem, position_bundle,
 };
@@ -38,13 +35,18 @@ use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, Scene, Stage};
+use greenstick_geometry::{
+    Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, RigidBody, Scene, Stage,
+};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::remainder::{CarriedParts, pose_followers};
 use greenstick_skin::rods::{
-    Materials, Parting, RodSkin, RodSkinOptions, Wood, frame_poses, rod_skin, rod_skin_over_time,
+    FractureState, Materials, RodSkin, RodSkinOptions, Wood, frame_poses, rod_skin,
+    rod_skin_over_time,
 };
+use greenstick_skin::rods_scene::{BodyNode, body_nodes};
 use greenstick_skin::texture::SectionSquare;
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::BARK_START;
@@ -91,7 +93,7 @@ pub struct Run {
     source: Arc<dyn RunSource>,
     frames: FrameTimes,
     causes: BTreeMap<u32, Cause>,
-    looks: Looks,
+    appearance: StemAppearance,
     bark: Mesh,
     tree: Bvh,
     square: SectionSquare,
@@ -141,8 +143,8 @@ impl SkinnedFilm {
         let mut nodes = posed(film, number, &poses);
         nodes.extend(film.fixed.iter().cloned());
         let mut maps = Vec::new();
-        film.maps(&poses, &mut maps);
-        nodes.extend(film.bodies.iter().map(|(node, joint)| Node {
+        film.joint_maps(&poses, &mut maps);
+        nodes.extend(film.bodies.iter().map(|RigidBody { node, joint }| Node {
             transform: maps[*joint as usize] * node.transform,
             ..node.clone()
         }));
@@ -163,7 +165,7 @@ impl SkinnedFilm {
         let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
         let mut maps = Vec::new();
         let rigid: Vec<(usize, [DVec3; 8])> = (self.film.pieces.iter())
-            .filter_map(|piece| match piece.binding.used()[..] {
+            .filter_map(|piece| match piece.binding.used_joints()[..] {
                 [joint] => Some((joint as usize, corners(piece.mesh.bounds()?))),
                 _ => None,
             })
@@ -175,7 +177,7 @@ impl SkinnedFilm {
                 low = low.min(pose.translation);
                 high = high.max(pose.translation);
             }
-            self.film.maps(&poses, &mut maps);
+            self.film.joint_maps(&poses, &mut maps);
             for p in rigid.iter().flat_map(|(joint, corners)| {
                 let map = maps[*joint];
                 corners.map(move |p| map.transform_point3(p))
@@ -198,17 +200,17 @@ fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
 /// The pieces of a film in a frame, where its joints have these poses.
 fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     let (mut maps, mut normals) = (Vec::new(), Vec::new());
-    film.maps(poses, &mut maps);
-    let piece = |(number, piece): (usize, &greenstick_geometry::Skinned)| {
+    film.joint_maps(poses, &mut maps);
+    let piece = |(number, piece): (usize, &greenstick_geometry::SkinnedMesh)| {
         let mut mesh = piece.mesh.clone();
-        film.place_piece_at(frame, number, &maps, &mut mesh.positions);
-        film.place_normals_at(frame, number, &maps, &mut normals);
+        film.deform_positions_at(frame, number, &maps, &mut mesh.positions);
+        film.deform_normals_at(frame, number, &maps, &mut normals);
         if let Some(attribute) = mesh.attributes.get_mut("TANGENT") {
             let at_rest: Vec<[f32; 3]> = (attribute.data.as_chunks::<4>().0.iter())
                 .map(|&[x, y, z, _]| [x, y, z])
                 .collect();
             let mut turned = Vec::new();
-            film.turn_directions_at(frame, number, &maps, &at_rest, &mut turned);
+            film.deform_directions_at(frame, number, &maps, &at_rest, &mut turned);
             for (to, t) in attribute.data.chunks_exact_mut(4).zip(turned) {
                 to[..3].copy_from_slice(&t.as_vec3().to_array());
             }
@@ -266,11 +268,9 @@ impl Run {
         } = position_bundle(&grown, meshes, context)?;
         let causes = causes(&source.events()?);
         let species = Species::find(&scene.wood.species).ok();
-        let parameters = BreakParameters {
-            seed: scene.seed,
-            ..BreakParameters::default()
-        };
-        let looks = looks(&grown.stem, &parameters, species, BARK_START);
+        let tissues = BreakParameters::default().proportions();
+        let appearance =
+            StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK_START);
         let node = &grown.scene.nodes[grown.node];
         let shell = grown.shell.iter().map(|&t| t as usize);
         let mut bark = node.mesh.submesh(shell).transformed(&node.transform);
@@ -278,7 +278,7 @@ impl Run {
         let listed = grown.scene.materials.len();
         let unlisted = bark.materials.iter_mut().filter(|m| **m as usize >= listed);
         unlisted.for_each(|m| *m = NO_MATERIAL);
-        let tree = Bvh::of_triangles(&bark);
+        let tree = Bvh::from_mesh(&bark);
         let outline = &grown.placed.outline;
         let low = outline.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = outline
@@ -298,7 +298,7 @@ impl Run {
             source,
             frames,
             causes,
-            looks,
+            appearance,
             bark,
             tree,
         })
@@ -309,9 +309,9 @@ impl Run {
         self.frames.count()
     }
 
-    /// What its wood looks like.
-    pub fn looks(&self) -> &Looks {
-        &self.looks
+    /// The appearance of its wood and bark.
+    pub fn appearance(&self) -> &StemAppearance {
+        &self.appearance
     }
 
     /// The stem that its rods fill.
@@ -333,7 +333,7 @@ impl Run {
         let wood = &self.grown.wood;
         Wood {
             stem: &self.grown.stem,
-            laid: self.laid,
+            stem_to_rods: self.laid,
             bundle: &self.bundle,
             along: &self.grown.placed.along,
             cells: &self.grown.placed.cells,
@@ -345,8 +345,8 @@ impl Run {
 
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
-        let parting = Parting::of(&self.wood(), frame, &self.causes)?;
-        Ok(self.with_materials(|wood, materials| rod_skin(wood, &parting, materials, options))?)
+        let state = FractureState::from_frame(&self.wood(), frame, &self.causes)?;
+        Ok(self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))?)
     }
 
     /// What is made of its wood with the materials that it has here.
@@ -358,7 +358,7 @@ impl Run {
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
             bark: u32::from(!board) * BARK_MATERIAL,
-            own: OWN_MATERIALS,
+            bark_mesh_offset: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
@@ -417,7 +417,7 @@ impl Run {
         scene.nodes = posed(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
-            for (mut node, _) in bodies(&frame, &self.shapes, BODY_MATERIAL) {
+            for BodyNode { mut node, .. } in body_nodes(&frame, &self.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
                 scene.nodes.push(node);
             }
@@ -443,7 +443,7 @@ impl Run {
         crate::picture_of_skin(
             scene,
             &self.grown.stem,
-            &self.looks,
+            &self.appearance,
             inner,
             options,
             context,
@@ -516,16 +516,20 @@ impl Run {
     fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
         let up = upright();
         let mut moving = Vec::new();
-        for (mut node, number) in bodies(first, &self.shapes, BODY_MATERIAL) {
+        for body in body_nodes(first, &self.shapes, BODY_MATERIAL) {
+            let BodyNode { mut node, follows } = body;
             node.transform = DAffine3::from_quat(up) * node.transform;
-            let Some(number) = number else {
+            let Some(number) = follows else {
                 film.fixed.push(node);
                 continue;
             };
             let body = first.bodies[number];
             let named = self.scene.body.get(number);
             node.name = named.map_or(node.name, |b| b.name.clone());
-            film.bodies.push((node, film.joints.len() as u32));
+            film.bodies.push(RigidBody {
+                node,
+                joint: film.joints.len() as u32,
+            });
             let rest = Pose {
                 translation: body.centre,
                 rotation: body.rotation,

@@ -4,7 +4,7 @@
 use super::pieces::Following;
 use super::{FilmError, Run, SkinReport};
 use greenstick_geometry::Context;
-use greenstick_skin::rods::{Gape, History, Part, RodSkin};
+use greenstick_skin::rods::{BreakHistory, CrackOpening, RodPart, RodSkin};
 use std::ops::Range;
 
 impl Run {
@@ -13,13 +13,13 @@ impl Run {
         &mut self,
         range: Range<usize>,
         context: &Context,
-    ) -> Result<History, FilmError> {
-        let mut history = History::new(&self.wood());
+    ) -> Result<BreakHistory, FilmError> {
+        let mut history = BreakHistory::new(&self.wood());
         let frames = range.len() as f64;
         for (done, number) in range.enumerate() {
             context.report(done as f64 / frames)?;
             let frame = self.frame(number)?;
-            history.see(&self.wood(), &frame, &self.causes)?;
+            history.push_frame(&self.wood(), &frame, &self.causes)?;
         }
         Ok(history)
     }
@@ -32,15 +32,15 @@ impl Run {
         report: &mut SkinReport,
         context: &Context,
     ) -> Result<(), FilmError> {
-        let edge = |parts: &Vec<(u32, Part)>| skin.joints.first_edge(parts[0].0, parts[0].1);
+        let edge = |parts: &Vec<(u32, RodPart)>| skin.joints.first_edge(parts[0].0, parts[0].1);
         let mut following = Following::new(skin.parts.iter().map(edge).collect());
-        let mut gapes = vec![Gape::default(); skin.pieces.len()];
+        let mut gapes = vec![CrackOpening::default(); skin.pieces.len()];
         let frames = range.len() as f64;
         for (done, number) in range.enumerate() {
             context.report(done as f64 / frames)?;
             let frame = self.frame(number)?;
             following.see(&frame);
-            (skin.gapes).see(&skin.joints, done as u32, &frame, &mut gapes);
+            (skin.closed_cracks).measure(&skin.joints, done as u32, &frame, &mut gapes);
         }
         let names: Vec<String> = report.pieces.iter().map(|p| p.name.clone()).collect();
         for (piece, parted) in report.pieces.iter_mut().zip(following.parted()) {

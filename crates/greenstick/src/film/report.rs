@@ -3,7 +3,7 @@
 use super::RestReport;
 use greenstick_fibre::store::FrameTimes;
 use greenstick_geometry::film::Extra;
-use greenstick_skin::rods::{Part, RodSkin};
+use greenstick_skin::rods::{RodPart, RodSkin};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
@@ -62,7 +62,7 @@ pub struct SkinReport {
 }
 
 /// How many rods parts are of; those of one rod follow each other.
-fn rods(parts: &[(u32, Part)]) -> usize {
+fn rods(parts: &[(u32, RodPart)]) -> usize {
     let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
     rods.dedup();
     rods.len()
@@ -92,7 +92,10 @@ impl SkinReport {
             time_s: [frames.times[range.start], frames.times[range.end - 1]],
             bytes_left: frames.trailing_bytes,
             joints: skin.joints.count(),
-            parted: [skin.mended.0, skin.mended.1],
+            parted: [
+                skin.nonmanifold_splits.edges,
+                skin.nonmanifold_splits.vertices,
+            ],
             gape: None,
             pieces: pieces.collect(),
             rest: RestReport::default(),

@@ -3,7 +3,7 @@
 use super::{Begun, FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_skin::rods::{Part, Parting};
+use greenstick_skin::rods::{FractureState, RodPart};
 
 /// A piece that has this part of the rods at an end of the wood holds that end; one with fewer has a splinter of it.
 const HOLDS: f64 = 0.25;
@@ -13,10 +13,10 @@ impl Run {
     ///
     /// # Errors
     /// [`FilmError`].
-    pub fn parting(&mut self, number: usize) -> Result<(Parting, f64), FilmError> {
+    pub fn fracture_state(&mut self, number: usize) -> Result<(FractureState, f64), FilmError> {
         let frame = self.frame(number)?;
-        let parting = Parting::of(&self.wood(), &frame, &self.causes)?;
-        Ok((parting, frame.time))
+        let state = FractureState::from_frame(&self.wood(), &frame, &self.causes)?;
+        Ok((state, frame.time))
     }
 
     /// The scene that its stem was found in.
@@ -87,7 +87,7 @@ impl Run {
     fn name(
         &self,
         nodes: &mut [Node],
-        parts: &[Vec<(u32, Part)>],
+        parts: &[Vec<(u32, RodPart)>],
         report: &mut SkinReport,
     ) -> bool {
         let axis = self.grown.stem.grain.axis();
@@ -119,15 +119,15 @@ impl Run {
 }
 
 /// For each piece the part of all rods whose beginnings it has, and of those whose ends.
-fn held_ends(parts: &[Vec<(u32, Part)>], rods: usize) -> Vec<[f64; 2]> {
-    let mut last: Vec<Part> = vec![0; rods];
+fn held_ends(parts: &[Vec<(u32, RodPart)>], rods: usize) -> Vec<[f64; 2]> {
+    let mut last: Vec<RodPart> = vec![0; rods];
     for &(rod, part) in parts.iter().flatten() {
         let known = &mut last[rod as usize];
         *known = part.max(*known);
     }
-    let share = |piece: &Vec<(u32, Part)>| {
+    let share = |piece: &Vec<(u32, RodPart)>| {
         let count = |end: usize| {
-            let there = |&&(rod, part): &&(u32, Part)| part == [0, last[rod as usize]][end];
+            let there = |&&(rod, part): &&(u32, RodPart)| part == [0, last[rod as usize]][end];
             piece.iter().filter(there).count() as f64 / rods as f64
         };
         [count(0), count(1)]

@@ -24,7 +24,7 @@ impl SkinnedFilm {
     ) -> Result<usize, FilmError> {
         let film = &self.film;
         let whole = film.pieces.iter().enumerate().filter_map(|(piece, p)| {
-            let joints = p.binding.used();
+            let joints = p.binding.used_joints();
             let corners = super::corners(p.mesh.bounds()?);
             (joints.len() > 1).then_some(Whole {
                 piece,
@@ -42,7 +42,7 @@ impl SkinnedFilm {
             }
             context.report(frame as f64 / frames as f64)?;
             self.motion.poses(frame, &mut poses)?;
-            film.maps(&poses, &mut maps);
+            film.joint_maps(&poses, &mut maps);
             whole.retain(|w| {
                 let places =
                     |joint: u32| w.corners.map(|p| maps[joint as usize].transform_point3(p));

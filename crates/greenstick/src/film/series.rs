@@ -4,7 +4,7 @@ use super::{FilmError, Run};
 use glam::DVec3;
 use greenstick_fibre::store::Frame;
 use greenstick_formats::Encoded;
-use greenstick_formats::vtk::{Field, Polylines, collection, lines};
+use greenstick_formats::vtk::{Field, Polylines, TimedFile, collection, write_lines};
 use greenstick_geometry::{Context, Values};
 use std::ops::Range;
 
@@ -32,7 +32,10 @@ impl Run {
                 self.rods(&frame, &format!("{name}_{number:05}_rods.vtp"))?,
                 self.bonds(&frame, &format!("{name}_{number:05}_bonds.vtp"))?,
             ] {
-                files.push((frame.time, file.name.clone()));
+                files.push(TimedFile {
+                    time: frame.time,
+                    file: file.name.clone(),
+                });
                 put(file)?;
             }
         }
@@ -69,7 +72,7 @@ impl Run {
             point_data: &point_data,
             line_data: &line_data,
         };
-        Ok(lines(&rods, name).map_err(crate::Error::from)?)
+        Ok(write_lines(&rods, name).map_err(crate::Error::from)?)
     }
 
     /// Mean strain of each vertex's edges.
@@ -114,7 +117,7 @@ impl Run {
             point_data: &[],
             line_data: &line_data,
         };
-        Ok(lines(&made, name).map_err(crate::Error::from)?)
+        Ok(write_lines(&made, name).map_err(crate::Error::from)?)
     }
 }
 

@@ -28,8 +28,8 @@ parameters! {
             unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
         }
         "What comes out", "finish" {
-            /// Width of the baked textures, pixels, an even number; they are half as high.
-            texture_width as "texture_size": u32 = 2048, count(8, 16_384).unit(Unit::Pixel).logarithmic();
+            /// Width of the baked textures, pixels; they are half as high.
+            texture_width as "texture_size": u32 = 2048, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic();
         }
     }
     include {
@@ -46,17 +46,6 @@ parameters! {
         /// Breaks of one stem; each has all keys of a break and starts from those at the top.
         breaks: Break = |file| file.common.clone();
     }
-    check |file| {
-        if file.texture_width.is_multiple_of(2) {
-            Ok(())
-        } else {
-            Err(ParameterError::Kind {
-                key: "texture_size".to_owned(),
-                found: file.texture_width.to_string(),
-                expected: "an even number of pixels".to_owned(),
-            })
-        }
-    };
 }
 
 impl HasRecipe for RequestFile {

@@ -501,7 +501,7 @@ fn layout(
 fn cut_stage(
     stage: &StemStage,
     layout: &FaceLayout,
-    surface: &greenstick_fracture::surface::Surface,
+    surface: &greenstick_fracture::surface::FractureSurface,
     cracks: Option<&Cracks>,
     inner: &InnerWood,
     workspace: &mut CutWorkspace,

@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::branch::bark_material;
-use crate::session::appearance::Looks;
 use glam::DVec2;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{
@@ -10,6 +9,7 @@ use greenstick_geometry::{
 };
 use greenstick_skin::broken::lacks_material;
 use greenstick_skin::texture::{self, SectionSquare, WoodTextures};
+use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::stem::Stem;
 
 /// Gives bark to the triangles of a scene that have no material.
@@ -30,7 +30,7 @@ pub(crate) fn add_missing_bark(scene: &mut Scene) {
 pub(crate) fn bake(
     stem: &Stem,
     square: SectionSquare,
-    looks: &Looks,
+    appearance: &WoodAppearance,
     width: u32,
     context: &Context,
 ) -> Result<WoodTextures, Error> {
@@ -39,7 +39,7 @@ pub(crate) fn bake(
         width,
         square.side,
         &section,
-        &looks.wood,
+        appearance,
         context,
     )?)
 }

@@ -5,7 +5,6 @@
 //! drawn ([`BreakSession::stages`]), meshes ([`BreakSession::pieces`]) and the scene that files hold
 //! ([`BreakSession::broken`]).
 
-pub(crate) mod appearance;
 mod chain;
 pub(crate) mod materials;
 mod notes;
@@ -16,7 +15,6 @@ mod scene;
 mod slot;
 mod stages;
 
-pub use appearance::Looks;
 pub use notes::BreakNote;
 pub use pieces::{Piece, PieceRole, Pieces};
 pub use scene::NodeRole;
@@ -25,13 +23,13 @@ pub use stages::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, Stem
 use crate::Error;
 use crate::report::BreakReport;
 use crate::request::{Break, BreakRequest, BreakStage};
-use appearance::looks;
 use chain::{Chain, ChainInput, Changes, LowestAbove};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::prepared::volume_scale;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
 use order::BreakOrder;
 use scene::{Assembled, assemble};
@@ -58,7 +56,7 @@ struct Input {
 struct TextureKey {
     stem: Stem,
     square: SectionSquare,
-    looks: Looks,
+    appearance: StemAppearance,
     width: u32,
 }
 
@@ -104,8 +102,8 @@ pub struct BrokenWood {
     pub material: u32,
     /// The stem that was broken, placed at the break.
     pub stem: Stem,
-    /// What its wood and bark look like.
-    pub looks: Looks,
+    /// The appearance of its wood and bark.
+    pub appearance: StemAppearance,
     /// Side of the square that holds the section, m.
     pub width: f64,
 }
@@ -336,22 +334,24 @@ impl BreakSession {
         let recipe = &one.made.recipe;
         let prepared = one.stages.stem.stem();
         let (stem, square) = (&prepared.found.stem, prepared.square);
-        let looks = looks(stem, &recipe.face, recipe.species()?, prepared.extent.bark);
+        let face = &recipe.face;
+        let (tissues, bark) = (face.proportions(), prepared.extent.bark);
+        let appearance = StemAppearance::new(stem, &tissues, face.seed, recipe.species()?, bark);
         let key = TextureKey {
             stem: stem.clone(),
             square,
-            looks: looks.clone(),
+            appearance: appearance.clone(),
             width,
         };
         let slot = &mut self.breaks[at].textures;
         let baked = slot.get(key, &mut self.ids, |_| {
-            materials::bake(stem, square, &looks, width, context)
+            materials::bake(stem, square, &appearance.wood, width, context)
         })?;
         self.changes.note(BreakStage::Finish, baked.is_new);
         let wood = BrokenWood {
             material: one.stages.stem.inner_material,
             stem: stem.clone(),
-            looks,
+            appearance,
             width: square.side,
         };
         Ok((wood, baked.value))

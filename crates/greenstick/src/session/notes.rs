@@ -1,6 +1,6 @@
 //! What is worth saying about a break beside its figures.
 
-use greenstick_fracture::cracks::{CrackPlan, Grooved};
+use greenstick_fracture::cracks::{CrackPlan, GroovedSurface};
 use greenstick_fracture::recipe::CrackShrinkage;
 use greenstick_geometry::repair::Collapsed;
 use greenstick_skin::broken::SpiralRepair;
@@ -111,7 +111,7 @@ pub enum BreakNote {
 
 impl BreakNote {
     /// Notes on the cracks of a face.
-    pub(super) fn on_grooves(face: &'static str, made: &Grooved) -> Vec<BreakNote> {
+    pub(super) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
         let mut notes = vec![BreakNote::CracksMade {
             face,
             cracks: made.cracks,

@@ -1,6 +1,6 @@
 //! Simulation: a stem filled with rods, moved by a solver, recorded as it runs.
 //!
-//! A run is recorded in a [`RunStore`]: a folder ([`crate::files::run::RunFolder`]) or memory ([`MemoryRun`]). Tables and frames only
+//! A run is recorded in a [`RunStore`]: a folder (`files::run::RunFolder`, with the feature `files`) or memory ([`MemoryRun`]). Tables and frames only
 //! grow, and a checkpoint says how long they were when it was made. A run is resumed by cutting them to that length and
 //! continuing, so that a run that was stopped anywhere ends in the same bytes.
 //!

@@ -1,6 +1,9 @@
 //! What tests of breaks share.
 #![allow(dead_code)] // Each test file uses a part of it.
 
+#[path = "../../../../tests/support/data.rs"]
+mod data;
+
 use greenstick::fracture::parameters::BreakParameters;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
@@ -47,7 +50,6 @@ pub fn pieces(stages: &BreakStages, face: &BreakParameters) -> [Mesh; 2] {
 
 /// The scanned pole, which comes with the project, in metres.
 pub fn scanned_pole() -> Scene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/pole.ply");
     let unit = Some(greenstick::formats::LengthUnit::Millimetre);
-    greenstick::files::read(&path, unit).unwrap()
+    greenstick::files::read(&data::data("pole.ply"), unit).unwrap()
 }

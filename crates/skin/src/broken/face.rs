@@ -5,18 +5,19 @@
 //! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
 //! therefore serves both, with the scale (1/2W, 1/W).
 
-use super::pieces::{InnerWood, Source};
+use super::inner_wood::InnerWood;
+use crate::source::Source;
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host};
-use greenstick_fracture::layout::wrap;
+use greenstick_fracture::layout::wrap_angle;
 use greenstick_fracture::surface::NONE;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
 /// How fast side grain drifts across the texture along a ring, so that tangential faces are not one flat colour.
-const DRIFT: f64 = 0.12;
+const RING_DRIFT: f64 = 0.12;
 /// Walls of no more triangles than this have one normal; longer ones follow the bend of the stem.
-const FLAT: usize = 8;
+const MAX_FLAT_WALL: usize = 8;
 
 /// The broken face, oriented for the lower piece; the upper piece has it turned over, its normals reversed.
 /// Positions are in the node's coordinates.
@@ -38,7 +39,7 @@ pub struct Face {
     pub places: Vec<DVec3>,
 }
 
-/// Where vertex `id` of a cut on the skin lies.
+/// Returns the position of a vertex of a cut on the skin.
 fn on_skin(source: &Source, host: Host) -> DVec3 {
     let point = |p: u32| source.mesh.positions[source.vertices[p as usize] as usize];
     match host {
@@ -55,23 +56,24 @@ fn on_skin(source: &Source, host: Host) -> DVec3 {
     }
 }
 
-/// Normals of one vertex of one bundle's top, and the mesh vertices made for it on side and on end grain.
+/// The normal of one vertex of one bundle's top, and the mesh vertices made for it on side and on end grain.
 #[derive(Clone, Copy)]
 struct Slot {
     normal: DVec3,
     made: [u32; 2],
 }
 
-/// Where a vertex of the cut lies about the pith.
+/// The position of a vertex of the cut about the pith.
 #[derive(Clone, Copy)]
 struct Polar {
-    /// Angle, rad; no number where it has not been asked for.
+    /// Angle, rad; NaN until it is needed.
     phi: f64,
     /// Distance, m.
     r: f64,
 }
 
-struct Maker<'a> {
+/// A face while it is made.
+struct FaceBuilder<'a> {
     cut: &'a Cut,
     source: &'a Source<'a>,
     inner: &'a InnerWood<'a>,
@@ -99,36 +101,36 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     }
     let corners = cut.cap.len();
     let tops = cut.walls.first().map_or(corners, |&w| w as usize);
-    let room = if inner.smooth {
+    let capacity = if inner.smooth {
         places.len()
     } else {
         3 * corners
     };
-    let mut maker = Maker {
+    let mut builder = FaceBuilder {
         cut,
         source,
         inner,
         runs: Vec::new(),
         polar: polar(source, cut, inner, places.len()),
-        ends: Vec::with_capacity(room.min(3 * tops)),
+        ends: Vec::with_capacity(capacity.min(3 * tops)),
         face: Face {
-            normals: Vec::with_capacity(room),
+            normals: Vec::with_capacity(capacity),
             triangles: Vec::with_capacity(corners),
-            ids: Vec::with_capacity(room),
-            cells: Vec::with_capacity(room),
+            ids: Vec::with_capacity(capacity),
+            cells: Vec::with_capacity(capacity),
             places,
             ..Face::default()
         },
         corner: inner.square.middle - inner.square.side / 2.0,
         pith: inner.stem.rings.pith(),
     };
-    let run = maker.tops(tops);
-    maker.walls(tops, run);
-    maker.place();
-    maker.face
+    let run = builder.tops(tops);
+    builder.walls(tops, run);
+    builder.place();
+    builder.face
 }
 
-/// Where the first `count` vertices of a cut lie about the pith.
+/// Returns the positions of the first `count` vertices of a cut about the pith.
 fn polar(source: &Source, cut: &Cut, inner: &InnerWood, count: usize) -> Vec<Polar> {
     let pith = inner.stem.rings.pith();
     let lie = |grain: DVec3, phi: f64| Polar {
@@ -158,7 +160,7 @@ fn grain(source: &Source, cut: &Cut, index: usize) -> DVec3 {
     }
 }
 
-impl Maker<'_> {
+impl FaceBuilder<'_> {
     fn index(&self, id: u32) -> usize {
         match (id as usize).checked_sub(self.cut.points) {
             Some(i) => i,
@@ -173,10 +175,10 @@ impl Maker<'_> {
             self.smooth_tops(count);
             return 1;
         }
-        self.parted_tops(count)
+        self.split_tops(count)
     }
 
-    /// [`Maker::tops`] where all of them are one run, so that every vertex of the cut has one normal.
+    /// [`FaceBuilder::tops`] where all of them are one run, so that every vertex of the cut has one normal.
     fn smooth_tops(&mut self, count: usize) {
         let none = Slot {
             normal: DVec3::ZERO,
@@ -187,7 +189,7 @@ impl Maker<'_> {
         for t in 0..count {
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, end) = self.lie(at);
+            let (normal, end) = self.normal_and_end_grain(at);
             let cell = self.cut.faces[t].cell;
             let corners = [0, 1, 2].map(|k| {
                 let slot = &mut slots[at[k]];
@@ -208,7 +210,7 @@ impl Maker<'_> {
 
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
     #[inline]
-    fn lie(&self, at: [usize; 3]) -> (DVec3, bool) {
+    fn normal_and_end_grain(&self, at: [usize; 3]) -> (DVec3, bool) {
         let [a, b, c] = at.map(|i| grain(self.source, self.cut, i));
         let across = (b - a).cross(c - a);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
@@ -216,8 +218,8 @@ impl Maker<'_> {
         ((b - a).cross(c - a), end)
     }
 
-    /// [`Maker::tops`] where cells part them into runs.
-    fn parted_tops(&mut self, count: usize) -> u32 {
+    /// [`FaceBuilder::tops`] where cells split them into runs.
+    fn split_tops(&mut self, count: usize) -> u32 {
         self.runs = vec![(0, 0); self.polar.len()];
         // Those of one run.
         let mut slots: Vec<Slot> = Vec::new();
@@ -238,7 +240,7 @@ impl Maker<'_> {
             cell = face.cell;
             let ids = self.cut.cap[t];
             let at = ids.map(|id| self.index(id));
-            let (normal, end) = self.lie(at);
+            let (normal, end) = self.normal_and_end_grain(at);
             let corners = [0, 1, 2].map(|k| {
                 let known = self.runs[at[k]];
                 let slot = if known.0 == run {
@@ -277,7 +279,7 @@ impl Maker<'_> {
         let mut from = first;
         for to in ends {
             run += 1;
-            let flat = to - from <= FLAT;
+            let flat = to - from <= MAX_FLAT_WALL;
             let start = self.face.ids.len();
             let mut normal = DVec3::ZERO;
             for t in from..to {
@@ -346,7 +348,7 @@ impl Maker<'_> {
                 }
                 let phi = polar.phi;
                 let middle = bundles.get(cell as usize);
-                let phi = middle.map_or(phi, |m| m.phi + wrap(phi - m.phi));
+                let phi = middle.map_or(phi, |m| m.phi + wrap_angle(phi - m.phi));
                 along_grain(width, polar.r, phi, grain.z)
             };
             (to_f32(places[index]), coordinates.as_vec2().to_array())
@@ -357,16 +359,17 @@ impl Maker<'_> {
 
 /// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
 fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
-    DVec2::new(width + r * (1.0 + DRIFT * phi), s)
+    DVec2::new(width + r * (1.0 + RING_DRIFT * phi), s)
 }
 
 /// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
 /// behind the pith. `width` is the side of the texture's square, m.
+#[cfg(feature = "rods")]
 pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
     let out = grain.truncate() - pith;
     let angle = |d: DVec2| libm::atan2(d.y, d.x);
     let about = angle(middle - pith);
-    let phi = about + wrap(angle(out) - about);
+    let phi = about + wrap_angle(angle(out) - about);
     along_grain(width, out.length(), phi, grain.z)
 }
 

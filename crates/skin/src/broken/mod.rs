@@ -1,21 +1,25 @@
 //! The broken faces of a stem: its mesh cut along a fracture surface, the face that results, and the pieces.
 
 mod face;
+mod inner_wood;
 mod pieces;
 mod spiral;
 
+pub use crate::source::Source;
 pub use face::Face;
+#[cfg(feature = "rods")]
 pub(crate) use face::side_grain;
-pub use pieces::{InnerWood, Patch, PatchVertex, Source, lacks_material};
+pub use inner_wood::InnerWood;
+pub use pieces::{Patch, PatchVertex, lacks_material};
 pub use spiral::SpiralRepair;
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
 use greenstick_fracture::heights::Setting;
-use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
-use greenstick_fracture::surface::Surface;
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
@@ -24,12 +28,12 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct FaceLayout {
     /// The fibre bundles.
-    pub bundles: Arc<Bundles>,
+    pub bundles: Arc<FibreBundles>,
     /// Their facets on the skin.
     pub ground: Ground,
 }
 
-/// What a layout is made from beside the stem.
+/// Everything that a layout depends on besides the stem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutKey {
     style: Style,
@@ -37,7 +41,7 @@ pub struct LayoutKey {
 }
 
 impl LayoutKey {
-    /// What the layout of a break with these parameters is made from.
+    /// Returns what the layout of a break with these parameters depends on.
     pub fn new(stem: &PreparedStem, p: &BreakParameters) -> Self {
         let board = stem.found.stem.kind == StemKind::Board;
         LayoutKey {
@@ -74,7 +78,7 @@ impl FaceLayout {
     }
 }
 
-/// The stem as heights are made for it. `relief` is the factor that a species puts on the torn relief.
+/// Returns the stem as heights are made for it. `relief` is the factor of the species on the torn relief.
 pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> Setting {
     let found = &stem.found.stem;
     Setting {
@@ -87,7 +91,7 @@ pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> 
     }
 }
 
-/// A stem cut along a fracture surface: everything that is drawn of a break and changes with it.
+/// A stem cut along a fracture surface: everything visible that changes with the break.
 ///
 /// Each piece consists of the skin that the break does not come near ([`BrokenFace::skin_below`] and
 /// [`BrokenFace::skin_above`]), the skin about the break, whole triangles and parts of cut ones ([`BrokenFace::patch`]),
@@ -106,7 +110,7 @@ pub struct BrokenFace {
     pub spiral: Option<SpiralRepair>,
 }
 
-/// How a stem is cut.
+/// Cuts a stem along fracture surfaces.
 #[derive(Clone, Copy)]
 pub struct Cutter<'a> {
     /// The stem.
@@ -127,7 +131,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn cut(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
         let solid = self.stem.solid();
@@ -148,7 +152,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn break_along(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         inner: &InnerWood,
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {
@@ -162,7 +166,7 @@ impl Cutter<'_> {
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
     pub fn break_spiral_grain(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         inner: &InnerWood,
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {

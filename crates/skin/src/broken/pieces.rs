@@ -1,47 +1,13 @@
 //! The pieces of a cut as meshes: skin with its attributes carried over, broken faces with their own.
 
 use super::face::Face;
-use crate::texture::SectionSquare;
+use super::inner_wood::InnerWood;
+use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
-use greenstick_fracture::layout::Bundles;
 use greenstick_fracture::surface::NONE;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
-use greenstick_wood::stem::{LayeredGrain, Stem};
-use greenstick_wood::tissue::Proportions;
 use std::collections::BTreeMap;
-
-/// The mesh that was cut.
-#[derive(Clone, Copy)]
-pub struct Source<'a> {
-    /// The mesh, in its node's coordinates.
-    pub mesh: &'a Mesh,
-    /// Point number of each vertex.
-    pub points: &'a [u32],
-    /// A vertex of each point.
-    pub vertices: &'a [u32],
-    /// Grain coordinates of each point, NaN off the limb.
-    pub grain: &'a [DVec3],
-    /// Grain coordinates to the node's.
-    pub chart: &'a LayeredGrain,
-}
-
-/// What the broken face shows.
-#[derive(Clone, Copy)]
-pub struct InnerWood<'a> {
-    /// The stem that was cut.
-    pub stem: &'a Stem,
-    /// Its fibre bundles.
-    pub bundles: &'a Bundles,
-    /// Proportions of the tissues.
-    pub proportions: Proportions,
-    /// Material of the broken face.
-    pub material: u32,
-    /// The square of the section that the texture covers.
-    pub square: SectionSquare,
-    /// Whether the surface is smooth across cells.
-    pub smooth: bool,
-}
 
 /// A vertex between those of the source mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@
 //! and their new corners placed by the curved map. What still crosses is finer than the skin is off its own curve; there
 //! short edges of the face are collapsed. The face is changed before the pieces are made of it, so both have the same.
 
-use super::pieces::Source;
+use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::NONE;

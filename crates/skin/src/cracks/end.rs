@@ -1,17 +1,17 @@
 //! Cracks in an end of a stem. An end that is no cut face itself, as that of most scans, which is torn or slanted, and of
 //! limbs, which is a tip, is sawn off straight first.
 
-use super::{cut_along, fitted};
+use super::face::{cut_along, fit_to_section};
 use crate::broken::InnerWood;
 use crate::error::BreakError;
 use crate::prepared::{PreparedStem, world_meshes};
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cracks::{
-    CrackError, CrackPlan, Direction, EndFace, Grooved, Setting, end_grooves, grooves,
+    CrackError, CrackPlan, CrackSite, Direction, EndFace, GroovedSurface, end_grooves, grooves,
 };
-use greenstick_fracture::layout::{self, Bundles, LayoutOptions};
+use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_fracture::surface::Surface;
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
 use greenstick_wood::stem::{
     CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
@@ -26,7 +26,7 @@ pub struct CrackedEnd {
     /// The end that was found.
     pub end: EndFace,
     /// The surface that was cut along, what was made and what was limited.
-    pub grooves: Grooved,
+    pub grooves: GroovedSurface,
     /// Volume of the cracks, in cubic units of the node's coordinates.
     pub void: f64,
 }
@@ -58,7 +58,7 @@ const BREAK_CLEARANCE: f64 = 0.05;
 /// Step by which the stem is looked for back from the saw, in radii.
 const SEARCH_STEP: f64 = 0.25;
 
-fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> Bundles {
+fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> FibreBundles {
     let options = LayoutOptions {
         rings: END_RINGS,
         sectors: END_SECTORS,
@@ -75,7 +75,7 @@ fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> Bundles {
 fn end_wood<'a>(
     stem: &'a PreparedStem,
     p: &BreakParameters,
-    bundles: &'a Bundles,
+    bundles: &'a FibreBundles,
     material: u32,
 ) -> InnerWood<'a> {
     InnerWood {
@@ -119,13 +119,13 @@ pub fn crack_end(
         let nearest = place - CRACKS_REACH * (place - beyond);
         (low.min(beyond - end.clearance), high.min(nearest))
     };
-    let setting = Setting {
+    let site = CrackSite {
         radius: found.radius,
         usable,
         level: f64::INFINITY,
     };
-    let plan = fitted(stem, plan);
-    let made = end_grooves(&plan, &found.rings, &bundles.layout, &end, &setting)?;
+    let plan = fit_to_section(stem, plan);
+    let made = end_grooves(&plan, &found.rings, &bundles.layout, &end, &site)?;
     let whole = shell_volume(stem);
     let inner = end_wood(stem, p, &bundles, material);
     // What is cut out of an end is nothing but chips.
@@ -163,11 +163,11 @@ pub fn saw_and_crack_end(
         .into());
     }
     let bundles = end_layout(stem, p);
-    let flat = Surface {
+    let flat = FractureSurface {
         heights: vec![[level; 3]; bundles.layout.facets.len()],
         layout: Arc::clone(&bundles.layout),
     };
-    let setting = Setting {
+    let site = CrackSite {
         radius: found.radius,
         usable: (
             low.max(found.location + CRACKS_REACH * (level - found.location)),
@@ -175,10 +175,10 @@ pub fn saw_and_crack_end(
         ),
         level: f64::INFINITY,
     };
-    let plan = fitted(stem, plan);
+    let plan = fit_to_section(stem, plan);
     let inner = end_wood(stem, p, &bundles, material);
-    let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, Grooved), BreakError> {
-        let made = grooves(plan, &found.rings, &flat, Direction::Down, &setting)?;
+    let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, GroovedSurface), BreakError> {
+        let made = grooves(plan, &found.rings, &flat, Direction::Down, &site)?;
         let cracked = cut_along(stem, made, &inner, true)?;
         Ok((cracked.piece(stem, &inner, false), cracked.grooves))
     };
@@ -213,7 +213,7 @@ pub struct OpenedEnd {
     /// Where the end lies.
     pub end: EndOfStem,
     /// What was made and what was limited.
-    pub grooves: Grooved,
+    pub grooves: GroovedSurface,
     /// Volume of the cracks, m³.
     pub void: f64,
     /// Whether the end was sawn off straight first.

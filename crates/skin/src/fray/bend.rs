@@ -4,9 +4,10 @@
 //! along a smooth random field without sources. The map is one to one, so nothing tears, and it preserves volume; straight
 //! triangles deviate a little from the curved map, and those that would cross because of it are bisected.
 
-use super::FrayedBreak;
 use super::levels::{push_vertex_between, split_at_levels};
+use crate::prepared::PreparedStem;
 use glam::{DAffine3, DVec2, DVec3};
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::repair::{EdgeBisector, crossing_pairs};
 use greenstick_geometry::{Aabb, Mesh};
 use greenstick_wood::noise::{self, smoothstep};
@@ -65,14 +66,15 @@ pub struct Bend<'a> {
 }
 
 impl<'a> Bend<'a> {
-    pub(super) fn new(frayed: &FrayedBreak<'a>, seed: u64, upper: bool) -> Self {
-        let prepared = frayed.stem;
-        let mut sorted: Vec<f64> = (frayed.heights.surface)
-            .heights
-            .iter()
-            .flatten()
-            .copied()
-            .collect();
+    /// Returns the bend of the lower or the upper piece of a break along `surface`, by `amount` (0 to 1).
+    pub(super) fn new(
+        prepared: &'a PreparedStem,
+        surface: &FractureSurface,
+        amount: f64,
+        seed: u64,
+        upper: bool,
+    ) -> Self {
+        let mut sorted: Vec<f64> = surface.heights.iter().flatten().copied().collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let sign = if upper { -1.0 } else { 1.0 };
         let part = if upper { 1.0 - FIRM_SHARE } else { FIRM_SHARE };
@@ -88,7 +90,7 @@ impl<'a> Bend<'a> {
             reach: prepared.square.side / 2.0,
             firm: sorted.get(at).copied().unwrap_or(stem.location),
             sign,
-            amount: frayed.amount,
+            amount,
             seed: seed + u64::from(upper),
         }
     }

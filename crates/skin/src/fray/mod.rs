@@ -11,8 +11,8 @@ use crate::prepared::PreparedStem;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, CutWorkspace};
 use greenstick_fracture::heights::Heights;
-use greenstick_fracture::splinters::{Loosened, SplinterOptions, column, loosen};
-use greenstick_fracture::surface::Surface;
+use greenstick_fracture::splinters::{Loosened, SplinterOptions, loosen, splinter_solid};
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
@@ -113,7 +113,7 @@ impl FrayedBreak<'_> {
 
     fn cut_along(
         &self,
-        surface: &Surface,
+        surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<Cut, BreakError> {
         let cutter = self.cutter();
@@ -131,7 +131,13 @@ impl FrayedBreak<'_> {
 
     /// The bend of the lower or the upper piece.
     pub fn bend(&self, upper: bool) -> Bend<'_> {
-        Bend::new(self, self.seed ^ purpose::BEND, upper)
+        Bend::new(
+            self.stem,
+            &self.heights.surface,
+            self.amount,
+            self.seed ^ purpose::BEND,
+            upper,
+        )
     }
 
     /// Takes splinters off both pieces, without moving anything.
@@ -144,8 +150,8 @@ impl FrayedBreak<'_> {
         let whole = self.cut_along(surface, &mut workspace)?;
         let loose = self.loose_cells(&whole);
         let options = SplinterOptions {
-            count: (self.amount.clamp(0.0, 1.0) * MAX_SPLINTERS).ceil() as usize,
-            least: MIN_SPLINTER_LENGTH * self.stem.found.stem.radius,
+            max_count: (self.amount.clamp(0.0, 1.0) * MAX_SPLINTERS).ceil() as usize,
+            min_length: MIN_SPLINTER_LENGTH * self.stem.found.stem.radius,
             seed: self.seed ^ purpose::CHOICE,
         };
         let bundles = &self.layout.bundles;
@@ -156,7 +162,7 @@ impl FrayedBreak<'_> {
             splinters,
         } = &loosened;
         let source = self.stem.source();
-        let mut piece = |own: &Surface, side: bool| {
+        let mut piece = |own: &FractureSurface, side: bool| {
             let as_it_is = self.pieces[usize::from(side)];
             if splinters.iter().all(|s| s.upper != side) {
                 return Ok(as_it_is.clone());
@@ -174,7 +180,7 @@ impl FrayedBreak<'_> {
                 [lower, surface]
             };
             let skin = &self.stem.skin;
-            let mut cut = column(&self.stem.solid(), skin, &whole, faces, s.cell);
+            let mut cut = splinter_solid(&self.stem.solid(), skin, &whole, faces, s.cell);
             cut.part_at(&self.stem.grain, &self.stem.levels);
             let face = BrokenFace::within_the_wood(&source, cut, &self.inner);
             Splinter {

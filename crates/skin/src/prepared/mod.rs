@@ -7,8 +7,8 @@ mod orientation;
 pub use extent::SectionExtent;
 pub use orientation::unmirror;
 
-use crate::broken::Source;
 use crate::error::BreakError;
+use crate::source::Source;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
@@ -53,24 +53,40 @@ pub struct PreparedStem {
 }
 
 impl PreparedStem {
-    /// Finds the stem at `place` and brings it to grain space.
+    /// Finds the stem at `location` and maps it to grain space.
     ///
     /// # Errors
     /// [`StemError`] where there is no stem that can be broken.
+    ///
+    /// # Examples
+    /// ```
+    /// use greenstick_geometry::{Context, Node, Scene};
+    /// use greenstick_skin::prepared::PreparedStem;
+    /// use greenstick_wood::stem::{StemLocation, StemOptions};
+    ///
+    /// let mesh = greenstick_wood::primitive::cylinder(0.02, 0.3, 24);
+    /// let mut scene = Scene::default();
+    /// scene.nodes.push(Node::new("branch", glam::DAffine3::IDENTITY, mesh));
+    /// let middle = StemLocation::Fraction(0.5);
+    /// let stem =
+    ///     PreparedStem::find(scene, &middle, &StemOptions::default(), &Context::quiet())?;
+    /// assert!((stem.found.stem.radius - 0.02).abs() < 1e-3);
+    /// # Ok::<(), greenstick_wood::stem::StemError>(())
+    /// ```
     pub fn find(
         mut scene: Scene,
-        place: &StemLocation,
+        location: &StemLocation,
         options: &StemOptions,
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let mut found = find_stem(&world_meshes(&scene), place, options, context)?;
+        let mut found = find_stem(&world_meshes(&scene), location, options, context)?;
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
         Ok(PreparedStem::from_found(scene, found, layers))
     }
 
-    /// Brings a stem that was found in a scene to grain space.
+    /// Maps a stem that was found in a scene to grain space.
     pub fn from_found(
         mut scene: Scene,
         mut found: FoundStem,
@@ -176,7 +192,7 @@ impl PreparedStem {
         }
     }
 
-    /// The mesh as pieces are made of it.
+    /// Returns the mesh as the source of pieces.
     pub fn source(&self) -> Source<'_> {
         Source {
             mesh: &self.node().mesh,

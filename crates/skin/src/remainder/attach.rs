@@ -36,7 +36,7 @@ type Contact = (f64, Attachment);
 impl Wood {
     pub fn new(mesh: Mesh, attachments: Vec<Option<Attachment>>) -> Self {
         Wood {
-            tree: Bvh::of_triangles(&mesh),
+            tree: Bvh::from_mesh(&mesh),
             mesh,
             attachments,
         }
@@ -67,7 +67,7 @@ impl Wood {
         let mut best: Option<Contact> = None;
         for p in examined().flatten() {
             let within = best.map_or(limit, |b| b.0);
-            if let Some(near) = self.tree.nearest_on(&self.mesh, p, within)
+            if let Some(near) = self.tree.nearest_on_mesh(&self.mesh, p, within)
                 && best.is_none_or(|b| near.distance < b.0)
             {
                 best = Some((near.distance, self.attachment(near.triangle, near.point)));

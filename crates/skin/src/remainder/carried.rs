@@ -4,11 +4,13 @@ use super::attach::Attachment;
 use super::follower::Follower;
 use super::split::{CUT_FACE_MATERIAL, Remainder, StemMesh};
 use super::tangents::add_tangents;
-use crate::rods::{Materials, Part, RodSkin, Wood};
+use crate::rods::{Materials, RodPart, RodSkin, Wood};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Binding, Cancelled, Context, Film, Joint, Mesh, Node, Pose, Skinned};
+use greenstick_geometry::{
+    Binding, Cancelled, Context, Film, Joint, Mesh, Node, Pose, SkinnedMesh,
+};
 use std::collections::BTreeMap;
 
 /// Rods whose joints are no farther than this many of their distances behind the nearest one carry what hangs there.
@@ -146,12 +148,12 @@ impl CarriedParts {
                 None => {
                     (film.fixed).push(Node::new(part.name, DAffine3::IDENTITY, mesh));
                 }
-                Some(carrier) => film.pieces.push(Skinned {
+                Some(carrier) => film.pieces.push(SkinnedMesh {
                     binding: Binding::rigid(mesh.positions.len(), first + carrier as u32),
                     name: part.name,
                     mesh,
                     extras: BTreeMap::from([("input".into(), Extra::Text(part.input))]),
-                    ..Skinned::default()
+                    ..SkinnedMesh::default()
                 }),
             }
         }
@@ -165,7 +167,7 @@ fn part_mesh(mesh: &Mesh, triangles: &[u32], listed: usize, materials: &Material
     for material in &mut part.materials {
         *material = match *material {
             CUT_FACE_MATERIAL => materials.inner,
-            m if m != NO_MATERIAL && (m as usize) < listed => materials.own + m,
+            m if m != NO_MATERIAL && (m as usize) < listed => materials.bark_mesh_offset + m,
             _ => materials.bark,
         };
     }
@@ -190,17 +192,17 @@ fn find_carrier(wood: &Wood, skin: &RodSkin, attachment: Attachment) -> (Group, 
 
 /// Returns the last joints of the rods at an end, of that piece that has most rods there.
 fn end_carrier(wood: &Wood, skin: &RodSkin, end: usize) -> Carrier {
-    let mut last: Vec<Part> = vec![0; wood.bundle.rods()];
+    let mut last: Vec<RodPart> = vec![0; wood.bundle.rods()];
     for &(rod, part) in skin.parts.iter().flatten() {
         let known = &mut last[rod as usize];
         *known = part.max(*known);
     }
-    let joints_at_end = |piece: &Vec<(u32, Part)>| -> Vec<u32> {
-        let is_last = |&&(rod, part): &&(u32, Part)| part == [0, last[rod as usize]][end];
-        let joint = |&(rod, part): &(u32, Part)| {
+    let joints_at_end = |piece: &Vec<(u32, RodPart)>| -> Vec<u32> {
+        let is_last = |&&(rod, part): &&(u32, RodPart)| part == [0, last[rod as usize]][end];
+        let joint = |&(rod, part): &(u32, RodPart)| {
             let vertices = wood.bundle.rod(rod as usize);
             let s = wood.along[[vertices.start, vertices.end - 1][end]];
-            heavier_joint(skin.joints.at(rod, part, s))
+            heavier_joint(skin.joints.weights_at(rod, part, s))
         };
         piece.iter().filter(is_last).map(joint).collect()
     };
@@ -215,12 +217,12 @@ fn end_carrier(wood: &Wood, skin: &RodSkin, end: usize) -> Carrier {
 /// Returns the joint nearest to a point on the stem, and those beside it in the same piece.
 fn nearest_carrier(wood: &Wood, skin: &RodSkin, point: DVec3) -> (u32, Carrier) {
     let s = wood.stem.grain.axis().length_at(point);
-    let point = wood.laid.transform_point3(point);
+    let point = wood.stem_to_rods.transform_point3(point);
     let distance = |joint: u32| (skin.joints.rest[joint as usize].translation).distance(point);
     let mut joints: Vec<(f64, usize, u32)> = Vec::new();
     for (piece, parts) in skin.parts.iter().enumerate() {
         for &(rod, part) in parts {
-            let joint = heavier_joint(skin.joints.at(rod, part, s));
+            let joint = heavier_joint(skin.joints.weights_at(rod, part, s));
             joints.push((distance(joint), piece, joint));
         }
     }

@@ -1,7 +1,8 @@
-//! Joints: a frame at each vertex of each rod, two at a vertex that is broken, one of each part.
+//! The joints of a skin: a frame at each vertex of each rod, and two at a broken vertex, one for each part.
 
-use super::parting::{Part, Parting};
-use super::{RodSkinError, Wood};
+use super::error::RodSkinError;
+use super::fracture_state::{FractureState, RodPart};
+use super::wood::Wood;
 use glam::{DMat3, DQuat, DVec3};
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::Pose;
@@ -11,35 +12,35 @@ use greenstick_geometry::Pose;
 pub struct Joints {
     /// Poses at rest.
     pub rest: Vec<Pose>,
-    /// For each rod of the unbroken bundle its parts, each a run of joints with their lengths along the axis (m).
+    /// The parts of each rod of the unbroken bundle: runs of joints with their lengths along the axis, m.
     parts: Vec<Vec<Vec<(u32, f64)>>>,
-    /// The joint of each vertex of the unbroken bundle, at a broken one that of the part before.
-    own: Vec<u32>,
-    /// The broken vertices, ascending, with the joint of the part behind.
-    behind: Vec<(u32, u32)>,
-    /// Whether each joint follows the edge before it, and the one behind.
-    edges: Vec<[bool; 2]>,
-    /// For each of `behind` the turn from the vertex's frame at rest while it is whole to that of the part before, and to
-    /// that of the part behind.
-    parted: Vec<[DQuat; 2]>,
+    /// The joint of each vertex of the unbroken bundle; at a broken one that of the part before.
+    joint_of_vertex: Vec<u32>,
+    /// The broken vertices, ascending, each with the joint of the part behind.
+    joints_behind: Vec<(u32, u32)>,
+    /// Whether each joint follows the edge before it, and whether it follows the one behind.
+    follows_edges: Vec<[bool; 2]>,
+    /// For each of `joints_behind` the rotation from the frame of the unbroken vertex at rest to that of the part before,
+    /// and to that of the part behind.
+    break_rotations: Vec<[DQuat; 2]>,
 }
 
 impl Joints {
-    /// The joints of `wood` with the breaks of `parting`.
-    pub fn new(wood: &Wood, parting: &Parting) -> Self {
+    /// Returns the joints of `wood` with the breaks of `state`.
+    pub fn new(wood: &Wood, state: &FractureState) -> Self {
         let bundle = wood.bundle;
-        let mut made = Joints {
+        let mut joints = Joints {
             rest: Vec::new(),
             parts: Vec::new(),
-            own: (0..bundle.vertices() as u32).collect(),
-            behind: Vec::new(),
-            edges: vec![[true; 2]; bundle.vertices()],
-            parted: Vec::new(),
+            joint_of_vertex: (0..bundle.vertices() as u32).collect(),
+            joints_behind: Vec::new(),
+            follows_edges: vec![[true; 2]; bundle.vertices()],
+            break_rotations: Vec::new(),
         };
-        for (rod, breaks) in parting.breaks.iter().enumerate() {
+        for (rod, breaks) in state.breaks.iter().enumerate() {
             let vertices = bundle.rod(rod);
-            made.edges[vertices.start][0] = false;
-            made.edges[vertices.end - 1][1] = false;
+            joints.follows_edges[vertices.start][0] = false;
+            joints.follows_edges[vertices.end - 1][1] = false;
             let mut parts: Vec<Vec<(u32, f64)>> = vec![Vec::new()];
             let mut breaks = breaks.iter().map(|b| b.vertex).peekable();
             for v in vertices {
@@ -48,36 +49,36 @@ impl Joints {
                     last.push((v as u32, at));
                 }
                 if breaks.next_if_eq(&(v as u32)).is_some() {
-                    let joint = made.edges.len() as u32;
-                    made.behind.push((v as u32, joint));
-                    made.edges[v][1] = false;
-                    made.edges.push([false, true]);
+                    let joint = joints.follows_edges.len() as u32;
+                    joints.joints_behind.push((v as u32, joint));
+                    joints.follows_edges[v][1] = false;
+                    joints.follows_edges.push([false, true]);
                     parts.push(vec![(joint, at)]);
                 }
             }
-            made.parts.push(parts);
+            joints.parts.push(parts);
         }
         let frame = rest_frame(wood);
-        let whole = frame_poses(&made, &frame);
-        made.rest = poses(&made, &frame, true);
-        let both = made.behind.iter().map(|&(v, behind)| {
-            let joints = [made.own[v as usize], behind];
-            joints.map(|j| {
+        let whole = frame_poses(&joints, &frame);
+        joints.rest = poses(&joints, &frame, true);
+        let rotations = joints.joints_behind.iter().map(|&(v, behind)| {
+            [joints.joint_of_vertex[v as usize], behind].map(|j| {
                 let back = whole[j as usize].rotation.conjugate();
-                (back * made.rest[j as usize].rotation).normalize()
+                (back * joints.rest[j as usize].rotation).normalize()
             })
         });
-        made.parted = both.collect();
-        made
+        joints.break_rotations = rotations.collect();
+        joints
     }
 
-    /// How many there are.
+    /// Returns the number of joints.
     pub fn count(&self) -> usize {
-        self.edges.len()
+        self.follows_edges.len()
     }
 
-    /// The joints between which length `s` (m) of a part of a rod lies, with their weights; one beyond its ends.
-    pub fn at(&self, rod: u32, part: Part, s: f64) -> [(u32, f64); 2] {
+    /// Returns the joints on both sides of length `s` (m) of a part of a rod, with their weights. Beyond the part's ends the
+    /// weight of one is 0.
+    pub fn weights_at(&self, rod: u32, part: RodPart, s: f64) -> [(u32, f64); 2] {
         let parts = &self.parts[rod as usize];
         let run = &parts[usize::from(part).min(parts.len() - 1)];
         let k = run
@@ -88,18 +89,20 @@ impl Joints {
         [(a.0, 1.0 - t), (b.0, t)]
     }
 
-    /// As [`Self::at`] for parts of a rod that are still one. A vertex that will break there counts with the part before.
-    pub(super) fn along(
+    /// As [`Self::weights_at`] for the range of parts of a rod that are `together` still. A vertex between them, which will
+    /// break, counts with the part before.
+    pub(super) fn weights_while_together(
         &self,
         rod: u32,
-        together: std::ops::RangeInclusive<Part>,
+        together: std::ops::RangeInclusive<RodPart>,
         s: f64,
     ) -> [(u32, f64); 2] {
         let parts = &self.parts[rod as usize];
         let (low, high) = (*together.start(), *together.end());
-        let begun = |part: &Part| parts[usize::from(*part)].first().is_some_and(|j| j.1 <= s);
-        let part = (low + 1..=high).rev().find(begun).unwrap_or(low);
-        let mut joints = self.at(rod, part, s);
+        let has_begun =
+            |part: &RodPart| parts[usize::from(*part)].first().is_some_and(|j| j.1 <= s);
+        let part = (low + 1..=high).rev().find(has_begun).unwrap_or(low);
+        let mut joints = self.weights_at(rod, part, s);
         let first = parts[usize::from(part)].first().map(|j| j.0);
         if part > low && first == Some(joints[0].0) {
             let before = parts[usize::from(part) - 1].last();
@@ -108,25 +111,25 @@ impl Joints {
         joints
     }
 
-    /// The vertex of the unbroken bundle with which the first edge of a part of a rod begins.
-    pub fn first_edge(&self, rod: u32, part: Part) -> u32 {
+    /// Returns the vertex of the unbroken bundle with which the first edge of a part of a rod begins.
+    pub fn first_edge(&self, rod: u32, part: RodPart) -> u32 {
         let joint = self.parts[rod as usize][usize::from(part)][0].0 as usize;
-        match joint.checked_sub(self.own.len()) {
-            Some(k) => self.behind[k].0,
+        match joint.checked_sub(self.joint_of_vertex.len()) {
+            Some(k) => self.joints_behind[k].0,
             None => joint as u32,
         }
     }
 
-    /// The original vertex of each joint.
+    /// Returns the vertex of the unbroken bundle of each joint.
     pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        self.own
+        self.joint_of_vertex
             .iter()
             .copied()
-            .chain(self.behind.iter().map(|b| b.0))
+            .chain(self.joints_behind.iter().map(|b| b.0))
     }
 }
 
-/// The unbroken bundle at rest as a frame.
+/// Returns the unbroken bundle at rest as a frame.
 fn rest_frame(wood: &Wood) -> Frame {
     let bundle = wood.bundle;
     let single = |v: DVec3| v.as_vec3().to_array();
@@ -140,13 +143,13 @@ fn rest_frame(wood: &Wood) -> Frame {
     }
 }
 
-/// The poses of all joints in a frame of the same bundle. A vertex that is not broken yet moves its two joints alike.
+/// Returns the poses of all joints in a frame of the same bundle. A vertex that is not broken yet moves its two joints alike.
 pub fn frame_poses(joints: &Joints, frame: &Frame) -> Vec<Pose> {
     poses(joints, frame, false)
 }
 
-/// The poses of all joints in a frame; with `parted` as though every vertex were broken that will be.
-fn poses(joints: &Joints, frame: &Frame, parted: bool) -> Vec<Pose> {
+/// Returns the poses of all joints in a frame. With `all_broken` every vertex counts as broken that will break.
+fn poses(joints: &Joints, frame: &Frame, all_broken: bool) -> Vec<Pose> {
     let mut poses = vec![Pose::IDENTITY; joints.count()];
     let place = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
     for ends in frame.rod_offsets.windows(2) {
@@ -159,24 +162,25 @@ fn poses(joints: &Joints, frame: &Frame, parted: bool) -> Vec<Pose> {
             let origin = frame.origin[i];
             let before = (i > from).then(|| edge(i - 1));
             let behind = (i + 1 < to).then(|| edge(i));
-            let broken = joints.behind.binary_search_by_key(&origin, |b| b.0);
+            let broken = joints.joints_behind.binary_search_by_key(&origin, |b| b.0);
             // Of a vertex's two copies the first ends a rod, the second begins one.
             let (ends, begins) = (behind.is_none(), before.is_none());
-            let mut put = |joint: u32, side: usize| {
-                let wanted = joints.edges[joint as usize];
-                let pick =
-                    |edge: Option<(DVec3, DVec3)>, wanted: bool| edge.filter(|_| wanted || !parted);
-                let (a, b) = (pick(before, wanted[0]), pick(behind, wanted[1]));
+            let mut set_pose = |joint: u32, side: usize| {
+                let followed = joints.follows_edges[joint as usize];
+                let pick = |edge: Option<(DVec3, DVec3)>, followed: bool| {
+                    edge.filter(|_| followed || !all_broken)
+                };
+                let (a, b) = (pick(before, followed[0]), pick(behind, followed[1]));
                 let mut rotation = match (a, b) {
-                    (Some(a), Some(b)) => turn(a.0 + b.0, a.1 + b.1),
-                    (Some(a), None) | (None, Some(a)) => turn(a.0, a.1),
+                    (Some(a), Some(b)) => frame_rotation(a.0 + b.0, a.1 + b.1),
+                    (Some(a), None) | (None, Some(a)) => frame_rotation(a.0, a.1),
                     (None, None) => DQuat::IDENTITY,
                 };
                 // It moves as the whole vertex does, from where it is at rest by itself.
                 if let Ok(k) = broken
                     && !ends
                     && !begins
-                    && let Some(off) = joints.parted.get(k)
+                    && let Some(off) = joints.break_rotations.get(k)
                 {
                     rotation = (rotation * off[side]).normalize();
                 }
@@ -186,20 +190,20 @@ fn poses(joints: &Joints, frame: &Frame, parted: bool) -> Vec<Pose> {
                 };
             };
             if broken.is_err() || !begins {
-                put(joints.own[origin as usize], 0);
+                set_pose(joints.joint_of_vertex[origin as usize], 0);
             }
             if let Ok(k) = broken
                 && !ends
             {
-                put(joints.behind[k].1, 1);
+                set_pose(joints.joints_behind[k].1, 1);
             }
         }
     }
     poses
 }
 
-/// The turn of a frame whose third axis is `tangent` and whose first lies next to `director`.
-fn turn(tangent: DVec3, director: DVec3) -> DQuat {
+/// Returns the rotation of a frame whose third axis is `tangent` and whose first axis is nearest to `director`.
+fn frame_rotation(tangent: DVec3, director: DVec3) -> DQuat {
     let z = tangent.normalize_or(DVec3::Z);
     let x = director
         .reject_from_normalized(z)
@@ -208,18 +212,18 @@ fn turn(tangent: DVec3, director: DVec3) -> DQuat {
 }
 
 impl Joints {
-    /// Whether a frame is of a bundle with as many vertices.
+    /// Checks that a frame is of a bundle with as many vertices.
     ///
     /// # Errors
     /// [`RodSkinError::OtherBundle`] where it is not.
     pub fn check(&self, frame: &Frame) -> Result<(), RodSkinError> {
-        let most = frame.origin.iter().max().map_or(0, |&m| m as usize + 1);
-        if most == self.own.len() {
+        let count = frame.origin.iter().max().map_or(0, |&m| m as usize + 1);
+        if count == self.joint_of_vertex.len() {
             return Ok(());
         }
         Err(RodSkinError::OtherBundle {
             what: "the number of vertices",
-            problem: format!("it has {most}, the skin {}", self.own.len()),
+            problem: format!("it has {count}, the skin {}", self.joint_of_vertex.len()),
         })
     }
 }

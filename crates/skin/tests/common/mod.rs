@@ -41,7 +41,7 @@ pub fn grown(mesh: Mesh, rods: u32) -> Grown {
 pub fn wood(grown: &Grown) -> Wood<'_> {
     Wood {
         stem: &grown.stem,
-        laid: DAffine3::IDENTITY,
+        stem_to_rods: DAffine3::IDENTITY,
         bundle: &grown.placed.bundle,
         along: &grown.placed.along,
         cells: &grown.placed.cells,
@@ -54,7 +54,7 @@ pub fn wood(grown: &Grown) -> Wood<'_> {
 pub const MATERIALS: Materials = Materials {
     inner: 0,
     bark: 1,
-    own: 2,
+    bark_mesh_offset: 2,
     square: SectionSquare {
         middle: DVec2::ZERO,
         side: 0.1,

@@ -7,14 +7,14 @@ use crate::rings::RingPart;
 use crate::tissue::Zone;
 use glam::DVec3;
 
-/// Colours of rings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RingColouring {
-    /// Those of the species' wood, tissue by tissue.
-    #[default]
-    Wood,
-    /// The two browns of Forests 2023 §3.3.
-    Published,
+greenstick_schema::choices! {
+    /// Colours of rings.
+    pub enum RingColouring {
+        /// Those of the species' wood, tissue by tissue.
+        Wood = "wood",
+        /// The two browns of Forests 2023 §3.3.
+        Published = "published",
+    }
 }
 
 /// Colours of tissues from the pith outwards, chosen to be distinguishable with colour vision deficiencies (Okabe and Ito

@@ -7,14 +7,14 @@
 use crate::rings::{ConcentricRings, RingField};
 use std::f64::consts::TAU;
 
-/// How rings are divided into sectors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SectorDivision {
-    /// The same number of sectors in every ring, at equal angles.
-    #[default]
-    EqualAngle,
-    /// As many sectors as make the cross-sections of bundles equal.
-    EqualArea,
+greenstick_schema::choices! {
+    /// How rings are divided into sectors.
+    pub enum SectorDivision {
+        /// The same number of sectors in every ring, at equal angles, as published.
+        EqualAngle = "fixed",
+        /// As many sectors as make the cross-sections of bundles equal.
+        EqualArea = "equal-area",
+    }
 }
 
 /// Numbers of sectors by ring; the same in all layers, so that particles of one address follow each other along the

@@ -9,9 +9,11 @@
 mod bark;
 mod figures;
 mod mix;
+mod stem;
 mod surface;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
+pub use stem::StemAppearance;
 pub use surface::WoodSurface;
 pub use wood::{WoodAppearance, WoodPoint};

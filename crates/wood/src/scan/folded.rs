@@ -7,8 +7,8 @@ use super::report::{ScanError, ScanOptions, ScanReport, ScannedBark};
 use super::traced::TracedStem;
 use crate::stem::StemLocation;
 use glam::DVec3;
-use greenstick_geometry::cloud::{MOST_NODES, Neighbours, normals, orient_along_tree, poisson};
-use greenstick_geometry::{Attribute, Bvh, Context, Mesh, PointCloud};
+use greenstick_geometry::cloud::{KdTree, MAX_NODES, orient_along_tree, poisson, try_normals};
+use greenstick_geometry::{Attribute, Bvh, Cancelled, Context, Mesh, PointCloud};
 use std::f64::consts::PI;
 
 /// Points in a cell on average, at least.
@@ -49,7 +49,7 @@ pub(super) fn bark(
         .map(|p| cloud.points[p.number as usize])
         .collect();
     context.check()?;
-    let directions = outward_normals(&points, &positions);
+    let directions = outward_normals(&points, &positions, context)?;
     let mean_coverage = mean_coverage(&coverage, length);
     let cell = cell_width(&positions, stem, to - from, mean_coverage);
     let [base, end] = [from, to].map(|s| stem.axis.frame(s));
@@ -114,7 +114,7 @@ fn cell_width(positions: &[DVec3], stem: &TracedStem, length: f64, coverage: f64
         });
     let volume: f64 = (high - low + 2.0 * radius).to_array().iter().product();
     let by_points = (MIN_POINTS_PER_CELL * area / positions.len().max(1) as f64).sqrt();
-    by_points.max((volume / (NODE_BUDGET * MOST_NODES)).cbrt())
+    by_points.max((volume / (NODE_BUDGET * MAX_NODES)).cbrt())
 }
 
 /// The vertex nearest to the bark at length `at` (m) and angle 0.
@@ -131,7 +131,7 @@ fn vertex_at(mesh: &Mesh, stem: &TracedStem, at: f64) -> DVec3 {
 
 /// Colours of the nearest points.
 fn colours(mesh: &Mesh, positions: &[DVec3], points: &StemPoints) -> Attribute {
-    let tree = Neighbours::new(positions);
+    let tree = KdTree::new(positions);
     let data = mesh.positions.iter().flat_map(|p| {
         let near = tree.nearest(*p, 1).first().map_or(0, |n| n.1 as usize);
         let number = points.points[near].number as usize;
@@ -144,16 +144,26 @@ fn colours(mesh: &Mesh, positions: &[DVec3], points: &StemPoints) -> Attribute {
 }
 
 /// Normals that point out of the wood: the cloud's own, or those of the points' neighbourhoods.
-fn outward_normals(points: &StemPoints, positions: &[DVec3]) -> Vec<DVec3> {
+fn outward_normals(
+    points: &StemPoints,
+    positions: &[DVec3],
+    context: &Context,
+) -> Result<Vec<DVec3>, Cancelled> {
     let own = &points.cloud.normals;
     if !own.is_empty() {
         let numbers = points.points.iter().map(|p| p.number as usize);
-        return numbers.map(|n| own[n]).collect();
+        return Ok(numbers.map(|n| own[n]).collect());
     }
-    let tree = Neighbours::new(positions);
-    let mut found = normals(positions, &tree, NORMAL_NEIGHBOURS);
-    orient_along_tree(positions, &mut found, &tree, ORIENTATION_NEIGHBOURS);
-    found
+    let tree = KdTree::try_new(positions, context)?;
+    let mut found = try_normals(positions, &tree, NORMAL_NEIGHBOURS, context)?;
+    orient_along_tree(
+        positions,
+        &mut found,
+        &tree,
+        ORIENTATION_NEIGHBOURS,
+        context,
+    )?;
+    Ok(found)
 }
 
 /// The connected part of a closed mesh with the largest volume.
@@ -185,12 +195,12 @@ fn largest_shell(mesh: Mesh) -> Mesh {
 
 /// Standard deviation of the points within `span` (m) from the surface.
 fn noise(mesh: &Mesh, positions: &[DVec3], points: &StemPoints, span: (f64, f64)) -> f64 {
-    let bvh = Bvh::of_triangles(mesh);
+    let bvh = Bvh::from_mesh(mesh);
     let stride = positions.len().div_ceil(MAX_NOISE_SAMPLES).max(1);
     let (mut squares, mut count) = (0.0, 0usize);
     for (p, a) in positions.iter().zip(&points.points).step_by(stride) {
         if (span.0..=span.1).contains(&a.s)
-            && let Some(near) = bvh.nearest_on(mesh, *p, f64::INFINITY)
+            && let Some(near) = bvh.nearest_on_mesh(mesh, *p, f64::INFINITY)
         {
             squares += near.point.distance_squared(*p);
             count += 1;

@@ -22,7 +22,7 @@ pub use report::{Coverage, ScanError, ScanOptions, ScanReport, ScannedBark};
 use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
 use crate::stem::{Axis, StemLocation};
 use glam::DVec3;
-use greenstick_geometry::cloud::{Neighbours, spacing};
+use greenstick_geometry::cloud::{KdTree, spacing};
 use greenstick_geometry::{Context, PointCloud};
 use points::StemPoints;
 use shape::SectionShape;
@@ -110,12 +110,11 @@ fn round_stem(
 ) -> Result<Option<(TracedStem, Vec<String>)>, ScanError> {
     let stride = cloud.points.len().div_ceil(MAX_SEARCHED).max(1);
     let points: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
-    let tree = Neighbours::new(&points);
-    context.check()?;
+    let tree = KdTree::try_new(&points, context)?;
     let searched = Searched {
         points: &points,
         tree: &tree,
-        spacing: spacing(&points),
+        spacing: spacing(&points, context)?,
     };
     let Some(mut limb) = trace::limb(&searched, location, context)? else {
         return Ok(None);

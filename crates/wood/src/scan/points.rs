@@ -6,7 +6,7 @@ use super::traced::TracedStem;
 use crate::stem::Frame;
 use crate::tissue::MIN_BARK_START;
 use glam::{DVec2, DVec3};
-use greenstick_geometry::cloud::{Neighbours, normals};
+use greenstick_geometry::cloud::{KdTree, normals};
 use greenstick_geometry::{Cancelled, Context, PointCloud};
 use rayon::prelude::*;
 
@@ -77,7 +77,7 @@ pub(super) struct StemPoints<'a> {
 /// The frames of an axis at equal steps, to find lengths quickly.
 struct Frames {
     frames: Vec<Frame>,
-    tree: Neighbours,
+    tree: KdTree,
     step: f64,
     shape: SectionShape,
 }
@@ -97,7 +97,7 @@ impl Frames {
         let origins: Vec<DVec3> = frames.iter().map(|f| f.origin).collect();
         Frames {
             frames,
-            tree: Neighbours::new(&origins),
+            tree: KdTree::new(&origins),
             step,
             shape: stem.shape,
         }
@@ -197,7 +197,7 @@ impl<'a> StemPoints<'a> {
                 .iter()
                 .map(|p| cloud.points[p.number as usize])
                 .collect();
-            normals(&positions, &Neighbours::new(&positions), NORMAL_NEIGHBOURS)
+            normals(&positions, &KdTree::new(&positions), NORMAL_NEIGHBOURS)
         } else {
             let numbers = self.points.iter().map(|p| p.number as usize);
             numbers.map(|n| cloud.normals[n]).collect()

@@ -7,8 +7,8 @@ use super::shape::SectionShape;
 use super::traced::{RadiusAt, TracedStem};
 use crate::stem::Axis;
 use glam::{DMat3, DVec2, DVec3};
-use greenstick_geometry::PointCloud;
-use greenstick_geometry::cloud::{Neighbours, eigen, normals};
+use greenstick_geometry::cloud::{KdTree, normals};
+use greenstick_geometry::{PointCloud, symmetric_eigen};
 
 /// Most points that are used.
 const MAX_POINTS: usize = 20_000;
@@ -59,7 +59,7 @@ struct Samples {
 pub(super) fn find_timber(cloud: &PointCloud) -> Option<Timber> {
     let samples = Samples::new(cloud)?;
     // The grain runs along one of the directions in which normals vary: the one along which the piece is longest.
-    let mut grains = eigen(spread(samples.normals.iter())).map(|e| e.1);
+    let mut grains = symmetric_eigen(spread(samples.normals.iter())).map(|e| e.1);
     let length = |along: DVec3| {
         let coordinates: Vec<f64> = samples.points.iter().map(|p| p.dot(along)).collect();
         let (low, high) = quantiles(coordinates, 0.02);
@@ -86,7 +86,7 @@ impl Samples {
             return None;
         }
         let normals = if cloud.normals.is_empty() {
-            normals(&points, &Neighbours::new(&points), NORMAL_NEIGHBOURS)
+            normals(&points, &KdTree::new(&points), NORMAL_NEIGHBOURS)
         } else {
             cloud.normals.iter().step_by(stride).copied().collect()
         };
@@ -201,7 +201,7 @@ fn fit_side(points: &[DVec3], first: &[DVec3], outward: DVec3, grain: DVec3) -> 
         }
         let mean = on.iter().sum::<DVec3>() / on.len() as f64;
         let around: Vec<DVec3> = on.iter().map(|p| *p - mean).collect();
-        let normal = eigen(spread(around.iter()))[0].1;
+        let normal = symmetric_eigen(spread(around.iter()))[0].1;
         let normal = normal * normal.dot(outward).signum();
         if normal.dot(outward) < PARALLEL_COSINE {
             return None;
@@ -234,7 +234,7 @@ fn frame_of_sides(sides: &[Side], frame: DMat3) -> Option<DMat3> {
     for side in sides {
         matrix += spread([side.normal].iter()) * side.count as f64;
     }
-    let grain = eigen(matrix)[0].1;
+    let grain = symmetric_eigen(matrix)[0].1;
     let grain = grain * grain.dot(frame.z_axis).signum();
     let mut first = DVec3::ZERO;
     for (side, sign) in sides.iter().zip([1.0, -1.0, 1.0, -1.0]) {

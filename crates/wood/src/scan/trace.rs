@@ -7,8 +7,8 @@ use super::circle::{Circle, Expected, Prior, fit};
 use crate::noise;
 use crate::stem::StemLocation;
 use glam::{DMat3, DVec2, DVec3};
-use greenstick_geometry::cloud::{Neighbours, eigen, normals};
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::cloud::{KdTree, normals};
+use greenstick_geometry::{Cancelled, Context, symmetric_eigen};
 use rayon::prelude::*;
 
 /// A section of a limb as a circle.
@@ -27,7 +27,7 @@ pub(super) struct Ring {
 /// Points that are searched for a stem.
 pub(super) struct Searched<'a> {
     pub points: &'a [DVec3],
-    pub tree: &'a Neighbours,
+    pub tree: &'a KdTree,
     pub spacing: f64,
 }
 
@@ -211,7 +211,7 @@ impl Searched<'_> {
         let mut reach = 6.0 * self.spacing;
         while reach < largest {
             context.check()?;
-            let ball = self.tree.around(at, reach);
+            let ball = self.tree.within_unordered(at, reach);
             if ball.len() >= MIN_POINTS {
                 found.extend(self.ring_of(at, &ball, reach, seed));
             }
@@ -229,9 +229,9 @@ impl Searched<'_> {
             .map(|&i| self.points[i as usize])
             .collect();
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-        let own = Neighbours::new(&points);
-        let by_normals = eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
-        let by_length = eigen(spread(points.iter().map(|p| *p - mean)))[2].1;
+        let own = KdTree::new(&points);
+        let by_normals = symmetric_eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
+        let by_length = symmetric_eigen(spread(points.iter().map(|p| *p - mean)))[2].1;
         let mut best: Option<Ring> = None;
         for along in [by_normals, by_length] {
             let (x, y) = along.any_orthonormal_pair();
@@ -276,7 +276,7 @@ impl Searched<'_> {
             radius,
         } = near;
         let (x, y) = along.any_orthonormal_pair();
-        let ball = self.tree.around(centre, 2.2 * radius);
+        let ball = self.tree.within_unordered(centre, 2.2 * radius);
         for half in [0.25, 0.5, 1.0] {
             let slab: Vec<DVec3> = ball
                 .iter()

@@ -10,7 +10,7 @@ use super::seed;
 use super::surface::Surface;
 use super::trace::{AtForks, StationState, Trace, trace};
 use glam::DVec3;
-use greenstick_geometry::bvh::closest_point_on_triangle;
+use greenstick_geometry::closest_point_on_triangle;
 use greenstick_geometry::{Cancelled, Context};
 
 /// Most shells that are tried for the main stem.

@@ -9,7 +9,7 @@
 use super::shells::{Shell, WeldedMesh};
 use super::slice::{Segment, SliceLine, chain, cut_triangle};
 use glam::{DVec3, UVec3};
-use greenstick_geometry::bvh::closest_point_on_triangle;
+use greenstick_geometry::closest_point_on_triangle;
 use greenstick_geometry::{Cancelled, Context};
 use std::ops::Range;
 

@@ -2,24 +2,10 @@
 
 use glam::DVec3;
 use greenstick_geometry::Mesh;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A file of `tests/data`.
-pub fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../tests/data")
-        .join(name)
-}
-
-/// A file of the data that may not be handed on with the repository, in the folder that the environment variable
-/// `GREENSTICK_DATA` names. Tests that need one are ignored; `cargo test -- --include-ignored` runs them.
-pub fn outside_data(name: &str) -> PathBuf {
-    let folder = std::env::var_os("GREENSTICK_DATA")
-        .expect("GREENSTICK_DATA must name the folder of the test data");
-    let path = Path::new(&folder).join(name);
-    assert!(path.exists(), "{} is not there", path.display());
-    path
-}
+#[path = "../../../../tests/support/data.rs"]
+pub mod data;
 
 fn fan(mesh: &mut Mesh, corners: &[u32]) {
     for k in 1..corners.len() - 1 {

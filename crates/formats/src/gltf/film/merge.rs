@@ -1,36 +1,41 @@
-//! Fewer joints for a piece: some are kept, the others move as a blend of two of those.
+//! Reduction of the joints of a piece: some are kept, and each of the others is replaced by a blend of two of those.
 
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::Skinned;
+use greenstick_geometry::SkinnedMesh;
 use std::collections::BTreeMap;
 
-/// The joints that stand for one, and their shares, which add up to 1.
-pub type Shares = [(usize, f64); 2];
+/// Two joints that replace one, with their weights, which add up to 1.
+pub(super) type Blend = [(usize, f64); 2];
 
-/// Joints among which the second of a blend is sought.
-const NEAR: usize = 8;
+/// Number of nearest joints among which the second one of a blend is chosen.
+const BLEND_CANDIDATES: usize = 8;
 
-/// How often the chosen joints are moved to the middle of those they stand for, and among how many of those it is
-/// sought.
-const ROUNDS: usize = 4;
-const CANDIDATES: usize = 32;
+/// Most rounds in which the chosen joints are moved to the centres of their clusters.
+const MAX_ROUNDS: usize = 4;
+/// Most joints of a cluster among which its centre is chosen.
+const CENTRE_CANDIDATES: usize = 32;
 
-/// For each joint in `used` those that stand for it, so that at most `most` are left.
+/// Replaces each joint in `used` by a blend, so that at most `max_joints` are left.
 ///
-/// The joints whose motion differs most from those chosen before are chosen one by one (Gonzalez 1985, "Clustering to
-/// minimize the maximum intercluster distance"), then moved to the middle of those that are nearest to them. Each other
-/// one moves as that blend of the nearest and one more which fits it best in the samples: along a rod that is what lies
-/// between two joints.
-pub fn merge(piece: &Skinned, used: &[u32], most: usize, samples: &[Vec<DAffine3>]) -> Vec<Shares> {
-    let crowd = Crowd::new(probes(piece, used), used, samples);
+/// Joints are chosen one by one, always that whose motion differs most from all chosen before (Gonzalez 1985, Clustering
+/// to Minimize the Maximum Intercluster Distance), then moved to the centres of their clusters. Each other joint becomes
+/// the blend of the nearest chosen joint and one more that fits its motion in the samples best: along a rod, the blend of
+/// its two neighbours.
+pub(super) fn merge(
+    piece: &SkinnedMesh,
+    used: &[u32],
+    max_joints: usize,
+    samples: &[Vec<DAffine3>],
+) -> Vec<Blend> {
+    let joints = Joints::new(probes(piece, used), used, samples);
     let first = (0..used.len())
         .rev()
-        .max_by(|&a, &b| crowd.probes[a].total.total_cmp(&crowd.probes[b].total))
+        .max_by(|&a, &b| joints.probes[a].total.total_cmp(&joints.probes[b].total))
         .unwrap_or(0);
-    let mut near: Vec<Near> = vec![Vec::new(); used.len()];
+    let mut near: Vec<Nearest> = vec![Vec::new(); used.len()];
     let mut chosen = vec![first];
-    crowd.meet(first, &mut near);
-    while chosen.len() < most {
+    joints.add_chosen(first, &mut near);
+    while chosen.len() < max_joints {
         let farthest = (0..used.len())
             .rev()
             .max_by(|&a, &b| near[a][0].0.total_cmp(&near[b][0].0))
@@ -39,100 +44,109 @@ pub fn merge(piece: &Skinned, used: &[u32], most: usize, samples: &[Vec<DAffine3
             break;
         }
         chosen.push(farthest);
-        crowd.meet(farthest, &mut near);
+        joints.add_chosen(farthest, &mut near);
     }
-    for _ in 0..ROUNDS {
-        let better = crowd.middles(&chosen, &near);
-        let mut nearer: Vec<Near> = vec![Vec::new(); used.len()];
-        better.iter().for_each(|&j| crowd.meet(j, &mut nearer));
-        if worst(&nearer) >= worst(&near) {
+    for _ in 0..MAX_ROUNDS {
+        let better = joints.centres(&chosen, &near);
+        let mut nearer: Vec<Nearest> = vec![Vec::new(); used.len()];
+        better
+            .iter()
+            .for_each(|&j| joints.add_chosen(j, &mut nearer));
+        if largest_distance(&nearer) >= largest_distance(&near) {
             break;
         }
         (chosen, near) = (better, nearer);
     }
-    (0..used.len()).map(|k| crowd.blend(k, &near[k])).collect()
+    (0..used.len()).map(|k| joints.blend(k, &near[k])).collect()
 }
 
-/// The chosen joints that move most as one does, with how far from it, the nearest first.
-type Near = Vec<(f64, usize)>;
+/// The chosen joints whose motion is closest to that of a joint, with their distances, the closest first.
+type Nearest = Vec<(f64, usize)>;
 
-fn worst(near: &[Near]) -> f64 {
+/// The largest distance of a joint from the nearest chosen one.
+fn largest_distance(near: &[Nearest]) -> f64 {
     near.iter().map(|n| n[0].0).fold(0.0, f64::max)
 }
 
-/// Joints with what tells how they move.
-struct Crowd<'a> {
+/// The joints of a piece with their motion.
+struct Joints<'a> {
     probes: Vec<Probe>,
     used: &'a [u32],
     samples: &'a [Vec<DAffine3>],
-    /// Where the probes of each joint are in all samples.
+    /// Positions of the probe of each joint in all samples.
     own: Vec<Vec<[DVec3; 4]>>,
 }
 
-impl<'a> Crowd<'a> {
+impl<'a> Joints<'a> {
     fn new(probes: Vec<Probe>, used: &'a [u32], samples: &'a [Vec<DAffine3>]) -> Self {
-        let of_joint = |(probe, &j): (&Probe, &u32)| {
-            let of_sample = |maps: &Vec<DAffine3>| probe.under(&maps[j as usize]);
+        let positions = |(probe, &j): (&Probe, &u32)| {
+            let of_sample = |maps: &Vec<DAffine3>| probe.moved_by(&maps[j as usize]);
             samples.iter().map(of_sample).collect()
         };
-        Crowd {
-            own: probes.iter().zip(used).map(of_joint).collect(),
+        Joints {
+            own: probes.iter().zip(used).map(positions).collect(),
             probes,
             used,
             samples,
         }
     }
 
-    /// How far what follows `k` would move at most if it followed `j`.
+    /// The largest distance by which points that follow `k` would be displaced if they followed `j`.
     fn distance(&self, k: usize, j: usize) -> f64 {
         if k == j {
             return 0.0;
         }
         let (probe, joint) = (&self.probes[k], self.used[j] as usize);
-        let mut away: f64 = 0.0;
+        let mut squared: f64 = 0.0;
         for (own, maps) in self.own[k].iter().zip(self.samples) {
-            let other = probe.under(&maps[joint]);
+            let other = probe.moved_by(&maps[joint]);
             for (p, q) in own.iter().zip(other) {
-                away = away.max(p.distance_squared(q));
+                squared = squared.max(p.distance_squared(q));
             }
         }
-        probe.weight * away.sqrt()
+        probe.weight * squared.sqrt()
     }
 
-    /// Adds a chosen joint to what is near to each.
-    fn meet(&self, chosen: usize, near: &mut [Near]) {
+    /// Adds a chosen joint to the nearest ones of each joint.
+    fn add_chosen(&self, chosen: usize, near: &mut [Nearest]) {
         for (k, near) in near.iter_mut().enumerate() {
             let distance = self.distance(k, chosen);
             let at = near.partition_point(|n| n.0 <= distance);
-            if at < NEAR {
+            if at < BLEND_CANDIDATES {
                 near.insert(at, (distance, chosen));
-                near.truncate(NEAR);
+                near.truncate(BLEND_CANDIDATES);
             }
         }
     }
 
-    /// For each chosen joint the one among those nearest to it that is least far from all of them.
-    fn middles(&self, chosen: &[usize], near: &[Near]) -> Vec<usize> {
+    /// For each chosen joint the centre of its cluster: the joint with the smallest largest distance from the others.
+    fn centres(&self, chosen: &[usize], near: &[Nearest]) -> Vec<usize> {
         let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (k, near) in near.iter().enumerate() {
             members.entry(near[0].1).or_default().push(k);
         }
-        let middle = |&j: &usize| {
+        let centre = |&j: &usize| {
             let Some(members) = members.get(&j) else {
                 return j;
             };
-            let some = || members.iter().step_by(members.len().div_ceil(CANDIDATES));
-            let farthest = |c: usize| some().map(|&k| self.distance(k, c)).fold(0.0, f64::max);
-            let measured = some().map(|&c| (farthest(c), c)).chain([(farthest(j), j)]);
+            let sample = || {
+                members
+                    .iter()
+                    .step_by(members.len().div_ceil(CENTRE_CANDIDATES))
+            };
+            let farthest = |c: usize| sample().map(|&k| self.distance(k, c)).fold(0.0, f64::max);
+            let measured = sample()
+                .map(|&c| (farthest(c), c))
+                .chain([(farthest(j), j)]);
             measured
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .map_or(j, |m| m.1)
         };
-        chosen.iter().map(middle).collect()
+        chosen.iter().map(centre).collect()
     }
 
-    /// The blend of the nearest and one other of `near` that is nearest to `k` in the mean.
-    fn blend(&self, k: usize, near: &[(f64, usize)]) -> Shares {
+    /// The blend of the nearest and one other of `near` that is closest to `k` in the mean.
+    fn blend(&self, k: usize, near: &Nearest) -> Blend {
         let Some(&(distance, nearest)) = near.first() else {
             return [(k, 1.0), (k, 0.0)];
         };
@@ -140,16 +154,16 @@ impl<'a> Crowd<'a> {
         if distance == 0.0 {
             return best.1;
         }
-        let places = |j: usize| {
+        let positions = |j: usize| {
             let joint = self.used[j] as usize;
-            let of_sample = move |maps: &Vec<DAffine3>| self.probes[k].under(&maps[joint]);
+            let of_sample = move |maps: &Vec<DAffine3>| self.probes[k].moved_by(&maps[joint]);
             self.samples.iter().flat_map(of_sample)
         };
         let own = self.own[k].as_flattened().iter().copied();
-        let own: Vec<(DVec3, DVec3)> = own.zip(places(nearest)).collect();
+        let own: Vec<(DVec3, DVec3)> = own.zip(positions(nearest)).collect();
         for &(_, other) in &near[1..] {
             let (mut along, mut length, mut square) = (0.0, 0.0, 0.0);
-            for ((p, a), b) in own.iter().zip(places(other)) {
+            for ((p, a), b) in own.iter().zip(positions(other)) {
                 let (to, step) = (*p - *a, b - *a);
                 along += to.dot(step);
                 length += step.length_squared();
@@ -160,39 +174,40 @@ impl<'a> Crowd<'a> {
             } else {
                 0.0
             };
-            let left = square + share * (share * length - 2.0 * along);
-            if left < best.0 {
-                best = (left, [(nearest, 1.0 - share), (other, share)]);
+            let residual = square + share * (share * length - 2.0 * along);
+            if residual < best.0 {
+                best = (residual, [(nearest, 1.0 - share), (other, share)]);
             }
         }
         best.1
     }
 }
 
-/// Where a joint has its say.
+/// The region of the vertices that follow a joint.
 #[derive(Clone, Copy, Default)]
 struct Probe {
-    /// The middle of its vertices, and points beside it as far as they are wide: four points tell a map.
+    /// The centroid of its vertices, and points beside it at the radius of the region: four points determine a map.
     points: [DVec3; 4],
-    /// Its largest weight in a vertex.
+    /// Largest weight of the joint for a vertex.
     weight: f64,
-    /// Its weights in all.
+    /// Sum of its weights.
     total: f64,
 }
 
 impl Probe {
-    /// Its points where a joint has this map.
-    fn under(&self, map: &DAffine3) -> [DVec3; 4] {
+    /// Its points moved by the map of a joint.
+    fn moved_by(&self, map: &DAffine3) -> [DVec3; 4] {
         self.points.map(|p| map.transform_point3(p))
     }
 }
 
-fn probes(piece: &Skinned, used: &[u32]) -> Vec<Probe> {
+/// Computes the regions of the joints in `used`.
+fn probes(piece: &SkinnedMesh, used: &[u32]) -> Vec<Probe> {
     let mut probes = vec![Probe::default(); used.len()];
     let mut squares = vec![0.0; used.len()];
     let entries = |v: usize| {
         let known = move |(j, w): (u32, f64)| Some((used.binary_search(&j).ok()?, w));
-        piece.binding.of(v).filter_map(known)
+        piece.binding.influences(v).filter_map(known)
     };
     for (v, &p) in piece.mesh.positions.iter().enumerate() {
         for (k, w) in entries(v) {

@@ -1,169 +1,193 @@
-//! Writing a film as one GLB: pieces with skins (§3.7.3), nodes that move (§3.11), the still rest as the still writer
-//! does it. The frames are walked through twice, or three times where joints have to be merged.
+//! Writing a film as one GLB: pieces with skins (§3.7.3), animated nodes (§3.11), and static nodes. The frames are
+//! requested twice, or three times where joints have to be merged.
 
 mod channels;
 mod merge;
 mod skin;
 
-use super::write::{Builder, write_mesh, write_nodes};
+use super::builder::Builder;
+use super::write_mesh::{write_decorated_mesh, write_mesh};
+use super::write_node::write_nodes;
 use super::{container, write_material};
-use crate::assemble::Surfaces;
+use crate::check::Surfaces;
 use crate::error::FormatError;
-use crate::film::{FilmError, FilmReport, GlbOptions, Reel, Sink};
-use channels::Channels;
+use crate::film::{FilmError, FilmReport, Frames, GlbOptions};
+use crate::sink::Sink;
+use channels::{AnimatedNode, Channels};
 use glam::DAffine3;
-use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, Skinned};
+use greenstick_geometry::{Context, Extra, Film, Mesh, Pose, RigidBody, SkinnedMesh};
 use serde_json::{Map, Value, json};
-use skin::{Bound, Follow, Limits, Skin};
+use skin::{BoundPiece, Limits, Skin, Target};
 use std::collections::BTreeMap;
 
-/// Frames by which joints are compared.
-const SAMPLES: usize = 16;
+/// Frames in which the motion of joints is compared.
+const SAMPLE_FRAMES: usize = 16;
 
 /// Writes the film.
 pub(crate) fn write_film(
     film: &Film,
-    reel: &mut Reel,
+    frames: &mut Frames,
     options: &GlbOptions,
     out: &mut dyn Sink,
     context: &Context,
 ) -> Result<FilmReport, FilmError> {
-    let limits = limits(options, reel)?;
-    let mut bound = bind(film, reel, limits)?;
-    let mut channels = survey(film, reel, &mut bound, &context.part(0.0, 0.5))?;
-    let still = channels.leave_out_still(&of_skins(film, &bound));
+    let limits = limits(options, frames)?;
+    let mut bound = bind(film, frames, limits)?;
+    let mut channels = find_motion(film, frames, &mut bound, &context.part(0.0, 0.5))?;
+    let constant = channels.remove_constant(&joints_of_skins(film, &bound));
     let mut builder = Builder::default();
-    let mut nodes = Nodes::write(film, &bound, &still, reel, &mut builder)?;
+    let mut nodes = Nodes::write(film, &bound, &constant, frames, &mut builder)?;
     builder.push("scenes", json!({ "nodes": nodes.roots }));
-    write_material::write(Surfaces::of_film(film), &mut builder, None);
-    let plan = channels.plan(&reel.times, &nodes.moving, &mut builder);
-    let further = plan.length();
+    write_material::write(Surfaces::from_film(film), &mut builder, None);
+    let animation = channels.lay_out(&frames.times, &nodes.animated, &mut builder);
+    let further = animation.length();
     let finished = builder.finish(None, further);
-    let head = container::head(finished.json, finished.binary.len() + further, reel.file())?;
-    let bytes = plan.write(reel, &head, &finished.binary, out, &context.part(0.5, 1.0))?;
+    let head = container::head(
+        finished.json,
+        finished.binary.len() + further,
+        frames.file(),
+    )?;
+    let bytes = animation.write(
+        frames,
+        &head,
+        &finished.binary,
+        out,
+        &context.part(0.5, 1.0),
+    )?;
     nodes.report.bytes = bytes;
-    nodes.report.frames = reel.frames();
-    (nodes.report.channels, nodes.report.constant) = plan.counts();
-    let reductions = bound.into_iter().filter_map(|(_, b)| b.reduction);
+    nodes.report.frames = frames.count();
+    (nodes.report.channels, nodes.report.constant) = animation.counts();
+    let reductions = bound.into_iter().filter_map(|b| b.reduction);
     nodes.report.reductions = reductions.collect();
     Ok(nodes.report)
 }
 
-fn limits(options: &GlbOptions, reel: &Reel) -> Result<Limits, FormatError> {
+/// The limits of skins, if the options are valid.
+fn limits(options: &GlbOptions, frames: &Frames) -> Result<Limits, FormatError> {
     let joints = options.max_joints.unwrap_or(usize::MAX);
     if joints == 0 || !(1..=8).contains(&options.max_influences) {
         let found = format!(
-            "{joints} joints for a skin and {} for a vertex at most",
+            "at most {joints} joints for a skin and {} for a vertex",
             options.max_influences
         );
         let right = "at least one joint for a skin, and 1 to 8 for a vertex";
-        return Err(reel.file().unwritable(found, right));
+        return Err(frames.file().unwritable(found, right));
     }
     Ok(Limits {
-        // Vertices name joints by 16 bits.
+        // Vertices refer to joints by 16 bits.
         joints: joints.min(usize::from(u16::MAX)),
         influences: options.max_influences,
     })
 }
 
-/// Binds the pieces that have triangles; gives them with their numbers.
-fn bind(film: &Film, reel: &mut Reel, limits: Limits) -> Result<Vec<(usize, Bound)>, FilmError> {
-    let shown = |p: &usize| !film.pieces[*p].mesh.triangles.is_empty();
-    let pieces: Vec<usize> = (0..film.pieces.len()).filter(shown).collect();
+/// Binds the pieces that have triangles.
+fn bind(film: &Film, frames: &mut Frames, limits: Limits) -> Result<Vec<BoundPiece>, FilmError> {
+    let is_visible = |p: &usize| !film.pieces[*p].mesh.triangles.is_empty();
+    let pieces: Vec<usize> = (0..film.pieces.len()).filter(is_visible).collect();
     let mut samples = Vec::new();
-    let many = |&p: &usize| film.pieces[p].binding.used().len() > limits.joints;
-    if pieces.iter().any(many) {
-        let (frames, count) = (reel.frames(), reel.frames().min(SAMPLES));
+    let exceeds = |&p: &usize| film.pieces[p].binding.used_joints().len() > limits.joints;
+    if pieces.iter().any(exceeds) {
+        let count = frames.count().min(SAMPLE_FRAMES);
         for sample in 0..count {
             // The last frame is always among them.
-            let frame = (sample + 1) * frames / count - 1;
+            let frame = (sample + 1) * frames.count() / count - 1;
             let mut maps = Vec::new();
-            film.maps(reel.at(frame)?, &mut maps);
+            film.joint_maps(frames.poses(frame)?, &mut maps);
             samples.push(maps);
         }
     }
-    let bind = |p| (p, skin::bind(film, p, limits, &samples));
+    let bind = |p| skin::bind(film, p, limits, &samples);
     Ok(pieces.into_iter().map(bind).collect())
 }
 
-/// Walks through all frames: which joints move, and how far reduced pieces are from what they should be.
-fn survey(
+/// Finds the joints that move in any frame, and measures the errors of pieces that were reduced.
+fn find_motion(
     film: &Film,
-    reel: &mut Reel,
-    bound: &mut [(usize, Bound)],
+    frames: &mut Frames,
+    bound: &mut [BoundPiece],
     context: &Context,
 ) -> Result<Channels, FilmError> {
     let mut used = vec![false; film.joints.len()];
-    for (_, bound) in bound.iter() {
-        match &bound.follow {
-            Follow::One(joint) => used[*joint as usize] = true,
-            Follow::Skin(skin) => skin.joints.iter().for_each(|&j| used[j as usize] = true),
+    for piece in bound.iter() {
+        match &piece.target {
+            Target::Joint(joint) => used[*joint as usize] = true,
+            Target::Skin(skin) => skin.joints.iter().for_each(|&j| used[j as usize] = true),
         }
     }
     let bodies = film.bodies.iter();
-    let shown = bodies.filter(|(node, _)| !node.mesh.triangles.is_empty());
-    shown.for_each(|(_, j)| used[*j as usize] = true);
+    let visible = bodies.filter(|body| !body.node.mesh.triangles.is_empty());
+    visible.for_each(|body| used[body.joint as usize] = true);
     let joints = (0..used.len() as u32).filter(|&j| used[j as usize]);
     let mut channels = Channels::new(joints.collect());
-    let frames = reel.frames();
-    let reduced = bound.iter().any(|(_, b)| b.reduction.is_some());
+    let count = frames.count();
+    let is_reduced = bound.iter().any(|b| b.reduction.is_some());
     let mut maps: Vec<DAffine3> = Vec::new();
-    for frame in 0..frames {
-        context.report(frame as f64 / frames as f64)?;
-        let poses = reel.at(frame)?;
-        channels.look(frame, poses);
-        if reduced {
-            film.maps(poses, &mut maps);
-            for (_, bound) in bound.iter_mut() {
-                skin::measure(film, bound, &maps, frame);
+    for frame in 0..count {
+        context.report(frame as f64 / count as f64)?;
+        let poses = frames.poses(frame)?;
+        channels.observe(frame, poses);
+        if is_reduced {
+            film.joint_maps(poses, &mut maps);
+            for piece in bound.iter_mut() {
+                skin::measure(film, piece, &maps, frame);
             }
         }
     }
     Ok(channels)
 }
 
-/// Whether each joint is one of a skin.
-fn of_skins(film: &Film, bound: &[(usize, Bound)]) -> Vec<bool> {
+/// For each joint, whether a skin refers to it.
+fn joints_of_skins(film: &Film, bound: &[BoundPiece]) -> Vec<bool> {
     let mut used = vec![false; film.joints.len()];
-    for (_, bound) in bound {
-        if let Follow::Skin(skin) = &bound.follow {
+    for piece in bound {
+        if let Target::Skin(skin) = &piece.target {
             skin.joints.iter().for_each(|&j| used[j as usize] = true);
         }
     }
     used
 }
 
+/// A mesh that moves rigidly.
+struct RigidMesh<'a> {
+    name: &'a str,
+    mesh: &'a Mesh,
+    /// Its transform to the world when its joint is at rest.
+    at_rest: DAffine3,
+    joint: u32,
+    extras: &'a BTreeMap<String, Extra>,
+}
+
 /// The nodes of the document.
 struct Nodes {
     roots: Vec<usize>,
-    /// Nodes that move, with the joint that they follow.
-    moving: Vec<(usize, u32)>,
+    animated: Vec<AnimatedNode>,
     report: FilmReport,
 }
 
 impl Nodes {
+    /// Writes all nodes; `constant` are the poses of joints that never move.
     fn write(
         film: &Film,
-        bound: &[(usize, Bound)],
-        still: &BTreeMap<u32, Pose>,
-        reel: &Reel,
+        bound: &[BoundPiece],
+        constant: &BTreeMap<u32, Pose>,
+        frames: &Frames,
         builder: &mut Builder,
     ) -> Result<Self, FormatError> {
         let mut nodes = Nodes {
-            roots: write_nodes(&film.fixed, &film.materials, builder, reel.file())?,
-            moving: Vec::new(),
+            roots: write_nodes(&film.fixed, &film.materials, builder, frames.file())?,
+            animated: Vec::new(),
             report: FilmReport::default(),
         };
-        let skins = bound.iter().filter_map(|(p, b)| match &b.follow {
-            Follow::Skin(skin) => Some((&film.pieces[*p], skin)),
-            Follow::One(_) => None,
+        let skins = bound.iter().filter_map(|b| match &b.target {
+            Target::Skin(skin) => Some((&film.pieces[b.piece], skin)),
+            Target::Joint(_) => None,
         });
-        let skins: Vec<(&Skinned, &Skin)> = skins.collect();
+        let skins: Vec<(&SkinnedMesh, &Skin)> = skins.collect();
         let joint_nodes = nodes.write_joints(film, &skins, builder);
         for (piece, skin) in skins {
             let index = write_skin(film, skin, &joint_nodes, builder);
-            let mesh = write_skinned(film, piece, skin, builder, reel)?;
-            let mut out = named(&piece.name);
+            let mesh = write_skinned_mesh(film, piece, skin, builder, frames)?;
+            let mut out = named_node(&piece.name);
             out.insert("mesh".to_owned(), json!(mesh));
             out.insert("skin".to_owned(), json!(index));
             put_extras(&mut out, &piece.extras);
@@ -171,28 +195,42 @@ impl Nodes {
             nodes.report.skinned += 1;
             nodes.report.joints += skin.joints.len();
         }
-        let none = BTreeMap::new();
-        for (p, bound) in bound {
-            if let Follow::One(joint) = bound.follow {
-                let piece = &film.pieces[*p];
-                let body = (piece.name.as_str(), &piece.mesh, DAffine3::IDENTITY);
-                nodes.write_body(film, body, (joint, still), &piece.extras, builder, reel)?;
+        let no_extras = BTreeMap::new();
+        let rigid_pieces = bound.iter().filter_map(|b| match b.target {
+            Target::Joint(joint) => {
+                let piece = &film.pieces[b.piece];
+                Some(RigidMesh {
+                    name: &piece.name,
+                    mesh: &piece.mesh,
+                    at_rest: DAffine3::IDENTITY,
+                    joint,
+                    extras: &piece.extras,
+                })
             }
-        }
-        for (node, joint) in &film.bodies {
-            if !node.mesh.triangles.is_empty() {
-                let body = (node.name.as_str(), &*node.mesh, node.transform);
-                nodes.write_body(film, body, (*joint, still), &none, builder, reel)?;
-            }
+            Target::Skin(_) => None,
+        });
+        let bodies = film
+            .bodies
+            .iter()
+            .map(|RigidBody { node, joint }| RigidMesh {
+                name: &node.name,
+                mesh: &node.mesh,
+                at_rest: node.transform,
+                joint: *joint,
+                extras: &no_extras,
+            });
+        let visible = bodies.filter(|body| !body.mesh.triangles.is_empty());
+        for mesh in rigid_pieces.chain(visible) {
+            nodes.write_rigid(film, &mesh, constant, builder, frames)?;
         }
         Ok(nodes)
     }
 
-    /// Nodes of the joints that skins name, all below one that stands still (skins need a common root, §3.7.3.2).
+    /// Writes the nodes of the joints that skins refer to. All have one parent, because skins need a common root (§3.7.3.2).
     fn write_joints(
         &mut self,
         film: &Film,
-        skins: &[(&Skinned, &Skin)],
+        skins: &[(&SkinnedMesh, &Skin)],
         builder: &mut Builder,
     ) -> BTreeMap<u32, usize> {
         let mut joints: BTreeMap<u32, usize> = BTreeMap::new();
@@ -201,10 +239,13 @@ impl Nodes {
         }
         for (&j, node) in &mut joints {
             let joint = &film.joints[j as usize];
-            let mut out = named(&joint.name);
+            let mut out = named_node(&joint.name);
             put_pose(&mut out, &joint.rest);
             *node = builder.push("nodes", Value::Object(out));
-            self.moving.push((*node, j));
+            self.animated.push(AnimatedNode {
+                node: *node,
+                joint: j,
+            });
         }
         if !joints.is_empty() {
             let children: Vec<usize> = joints.values().copied().collect();
@@ -214,43 +255,36 @@ impl Nodes {
         joints
     }
 
-    /// A mesh that moves as a whole: (name, mesh, its place at rest), its joint and where joints stand that never move. It is
-    /// written as its joint sees it.
-    fn write_body(
+    /// Writes a mesh that moves rigidly, in the coordinates of its joint; `constant` are the poses of joints that never
+    /// move.
+    fn write_rigid(
         &mut self,
         film: &Film,
-        (name, mesh, place): (&str, &Mesh, DAffine3),
-        (joint, still): (u32, &BTreeMap<u32, Pose>),
-        extras: &BTreeMap<String, Extra>,
+        rigid: &RigidMesh,
+        constant: &BTreeMap<u32, Pose>,
         builder: &mut Builder,
-        reel: &Reel,
+        frames: &Frames,
     ) -> Result<(), FormatError> {
+        let joint = rigid.joint;
         let rest = &film.joints[joint as usize].rest;
-        let seen = mesh.transformed(&(rest.inverse() * place));
-        let materials = &film.materials;
-        let index = write_mesh(
-            &seen,
-            name,
-            materials,
-            builder,
-            reel.file(),
-            &mut |_, _, _| {},
-        )?;
-        let mut out = named(name);
-        out.insert("mesh".to_owned(), json!(index));
-        put_pose(&mut out, still.get(&joint).unwrap_or(rest));
-        put_extras(&mut out, extras);
+        let local = rigid.mesh.transformed(&(rest.inverse() * rigid.at_rest));
+        let mesh = write_mesh(&local, rigid.name, &film.materials, builder, frames.file())?;
+        let mut out = named_node(rigid.name);
+        out.insert("mesh".to_owned(), json!(mesh));
+        put_pose(&mut out, constant.get(&joint).unwrap_or(rest));
+        put_extras(&mut out, rigid.extras);
         let node = builder.push("nodes", Value::Object(out));
         self.roots.push(node);
-        if !still.contains_key(&joint) {
-            self.moving.push((node, joint));
+        if !constant.contains_key(&joint) {
+            self.animated.push(AnimatedNode { node, joint });
         }
         self.report.rigid += 1;
         Ok(())
     }
 }
 
-fn named(name: &str) -> Map<String, Value> {
+/// Starts the description of a node.
+fn named_node(name: &str) -> Map<String, Value> {
     let mut out = Map::new();
     if !name.is_empty() {
         out.insert("name".to_owned(), json!(name));
@@ -258,7 +292,7 @@ fn named(name: &str) -> Map<String, Value> {
     out
 }
 
-/// What is said besides; numbers that are not finite are no JSON and become null.
+/// Adds further properties. Numbers that are not finite become null, because JSON has none.
 fn put_extras(out: &mut Map<String, Value>, extras: &BTreeMap<String, Extra>) {
     if extras.is_empty() {
         return;
@@ -274,6 +308,7 @@ fn put_extras(out: &mut Map<String, Value>, extras: &BTreeMap<String, Extra>) {
     out.insert("extras".to_owned(), Value::Object(all));
 }
 
+/// Adds the transform of a pose.
 fn put_pose(out: &mut Map<String, Value>, pose: &Pose) {
     out.insert("translation".to_owned(), json!(pose.translation.to_array()));
     out.insert(
@@ -282,6 +317,7 @@ fn put_pose(out: &mut Map<String, Value>, pose: &Pose) {
     );
 }
 
+/// Writes a skin. Returns its index.
 fn write_skin(
     film: &Film,
     skin: &Skin,
@@ -301,22 +337,23 @@ fn write_skin(
     )
 }
 
-fn write_skinned(
+/// Writes a mesh with the joints and weights of its skin. Returns its index.
+fn write_skinned_mesh(
     film: &Film,
-    piece: &Skinned,
+    piece: &SkinnedMesh,
     skin: &Skin,
     builder: &mut Builder,
-    reel: &Reel,
+    frames: &Frames,
 ) -> Result<usize, FormatError> {
-    let sets = skin.influences.div_ceil(4);
+    let sets = skin.max_influences.div_ceil(4);
     let mut decorate =
         |builder: &mut Builder, used: &[u32], attributes: &mut Map<String, Value>| {
             for set in 0..sets {
                 let mut slots = vec![[0_u16; 4]; used.len()];
                 let mut weights = vec![[0.0_f32; 4]; used.len()];
                 for (new, &old) in used.iter().enumerate() {
-                    let own = skin.of(old as usize).skip(4 * set).take(4);
-                    for (k, (slot, weight)) in own.enumerate() {
+                    let influences = skin.influences(old as usize).skip(4 * set).take(4);
+                    for (k, (slot, weight)) in influences.enumerate() {
                         (slots[new][k], weights[new][k]) = (slot, weight);
                     }
                 }
@@ -327,12 +364,12 @@ fn write_skinned(
             }
         };
     let (name, materials) = (&piece.name, &film.materials);
-    write_mesh(
+    write_decorated_mesh(
         &piece.mesh,
         name,
         materials,
         builder,
-        reel.file(),
+        frames.file(),
         &mut decorate,
     )
 }

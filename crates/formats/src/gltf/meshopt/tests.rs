@@ -157,7 +157,7 @@ fn index_sequences() {
 
 fn filtered(filter: &str, stride: usize, hex: &str) -> Vec<u8> {
     let mut data = unhex(hex);
-    apply(Filter::named(filter).unwrap(), &mut data, stride).unwrap();
+    undo(Filter::from_name(filter).unwrap(), &mut data, stride).unwrap();
     data
 }
 

@@ -3,7 +3,7 @@
 
 use super::super::ground::{Ground, Skin};
 use super::super::{Host, Solid};
-use crate::surface::{Layout, NONE};
+use crate::surface::{NONE, SectionLayout};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::intersect::orient2d as orientation;
 use rustc_hash::FxHashMap;
@@ -158,7 +158,7 @@ impl Clips {
     }
 
     /// Finds what lies beyond the edges of the parts from number `from` on, which are one triangle's.
-    fn join(&mut self, from: usize, layout: &Layout) {
+    fn join(&mut self, from: usize, layout: &SectionLayout) {
         let parts = &self.parts[from..];
         for part in parts {
             for slot in &mut self.slots[part.slots.0 as usize..part.slots.1 as usize] {
@@ -247,7 +247,7 @@ impl Clips {
 
 /// A triangle over a layout.
 struct Over<'a> {
-    layout: &'a Layout,
+    layout: &'a SectionLayout,
     points: [u32; 3],
     flat: [DVec2; 3],
 }

@@ -66,7 +66,7 @@ fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
     let check = bark.mesh.check();
     assert!(check.is_solid(), "{check}");
     // One-sided distances both ways: of the points to the surface about the noise, of the vertices to the true surface less.
-    let bvh = greenstick_geometry::Bvh::of_triangles(&bark.mesh);
+    let bvh = greenstick_geometry::Bvh::from_mesh(&bark.mesh);
     let inner = |p: &&DVec3| {
         let s = (**p - base).dot(along);
         (0.2..2.8).contains(&s)
@@ -75,7 +75,7 @@ fn a_cylinder_gives_back_its_radius_its_axis_and_lies_within_its_noise() {
     let mean = chosen
         .iter()
         .map(|p| {
-            let near = bvh.nearest_on(&bark.mesh, **p, f64::INFINITY);
+            let near = bvh.nearest_on_mesh(&bark.mesh, **p, f64::INFINITY);
             near.map_or(f64::INFINITY, |n| n.point.distance(**p))
         })
         .sum::<f64>()

@@ -85,13 +85,13 @@ fn squared_timber_keeps_its_sides_and_its_corners() {
         // A cell may hold one point, and the largest of ten thousand normal numbers is near four.
         assert!(most < 4.5 * noise, "{what}: {most} off a side");
         // The true edges against the surface: a rounded corner would be far from them.
-        let bvh = Bvh::of_triangles(&bark.mesh);
+        let bvh = Bvh::from_mesh(&bark.mesh);
         let mut edges = 0.0;
         for k in 0..400 {
             let [x, y] = [k & 1, k >> 1 & 1].map(|b| 2.0 * f64::from(b) - 1.0);
             let z = 0.9 * (f64::from(k) / 200.0 - 1.0);
             let edge = piece.at + piece.turned * (piece.half * DVec3::new(x, y, z));
-            let near = bvh.nearest_on(&bark.mesh, edge, f64::INFINITY);
+            let near = bvh.nearest_on_mesh(&bark.mesh, edge, f64::INFINITY);
             edges += near.map_or(f64::INFINITY, |n| n.point.distance(edge)) / 400.0;
         }
         assert!(edges < noise, "{what}: {edges} off the edges");

@@ -1,0 +1,66 @@
+//! Parts of a mesh with the vertices that they use.
+
+use greenstick_geometry::{Attribute, Mesh};
+
+/// Returns the vertices that `triangles` use, ascending, and the triangles renumbered accordingly. `slots` is working
+/// memory with one `u32::MAX` for each vertex and is restored.
+pub(crate) fn compact(
+    triangles: impl Iterator<Item = [u32; 3]> + Clone,
+    slots: &mut [u32],
+) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut used = Vec::new();
+    for i in triangles.clone().flatten() {
+        if slots[i as usize] == u32::MAX {
+            slots[i as usize] = 0;
+            used.push(i);
+        }
+    }
+    used.sort_unstable();
+    for (new, &old) in used.iter().enumerate() {
+        slots[old as usize] = new as u32;
+    }
+    let renumbered = triangles.map(|t| t.map(|i| slots[i as usize])).collect();
+    for &old in &used {
+        slots[old as usize] = u32::MAX;
+    }
+    (used, renumbered)
+}
+
+/// Returns the values of an attribute at the vertices `used`.
+pub(crate) fn gather(attribute: &Attribute, used: &[u32]) -> Vec<f32> {
+    let mut data = Vec::with_capacity(used.len() * attribute.width);
+    for &i in used {
+        data.extend_from_slice(attribute.at(i as usize));
+    }
+    data
+}
+
+/// Extracts the part of `mesh` that consists of the given triangles.
+pub(crate) fn extract(mesh: &Mesh, triangles: &[u32], slots: &mut [u32]) -> Mesh {
+    let (used, renumbered) = compact(triangles.iter().map(|&t| mesh.triangles[t as usize]), slots);
+    Mesh {
+        positions: used.iter().map(|&i| mesh.positions[i as usize]).collect(),
+        triangles: renumbered,
+        attributes: mesh
+            .attributes
+            .iter()
+            .map(|(name, a)| {
+                (
+                    name.clone(),
+                    Attribute {
+                        width: a.width,
+                        data: gather(a, &used),
+                    },
+                )
+            })
+            .collect(),
+        materials: if mesh.materials.is_empty() {
+            Vec::new()
+        } else {
+            triangles
+                .iter()
+                .map(|&t| mesh.material(t as usize))
+                .collect()
+        },
+    }
+}

@@ -1,0 +1,107 @@
+//! Every parameter of a break starts at the stage that its declaration names: never before it, and at it in some break.
+
+use greenstick::fracture::recipe::apply_setting;
+use greenstick::geometry::Context;
+use greenstick::schema::{Parameters, Value};
+use greenstick::{Break, BreakRequest, BreakSession, BreakStage, built_in_branch};
+
+/// Breaks that between them use every parameter: with straight grain, which spiral grain follows the broken face of, and
+/// with cracks in the broken face, as those at a sawn end belong to the stem.
+const BREAKS: [&[&str]; 4] = [
+    &["surface=fibrous", "split=0.5"],
+    &[
+        "surface=fibrous",
+        "hang=30",
+        "inclination=20",
+        "fray=0.4",
+        "species=temple juniper",
+    ],
+    &[
+        "surface=smooth",
+        "inclination=20",
+        "high.height=1",
+        "high.angle=90",
+        "high.rings=0.6",
+        "low.height=-1",
+        "low.angle=90",
+        "low.rings=0.6",
+        "ductile.thorn_length=1",
+        "ductile.thorn_probability=0.3",
+        "brittle.thorn_length=0.5",
+        "brittle.thorn_probability=0.3",
+        "fray=0.4",
+    ],
+    &[
+        "surface=smooth",
+        "crack_groups.large.count=2",
+        "crack_groups.medium.count=2",
+        "crack_groups.small.count=2",
+        "species=white oak",
+    ],
+];
+
+fn request(settings: &[&str]) -> BreakRequest {
+    let mut one = Break::default();
+    for setting in ["rings=10", "sectors=24"].iter().chain(settings) {
+        apply_setting(&mut one, setting).unwrap();
+    }
+    one.check().unwrap();
+    BreakRequest {
+        texture_width: 8,
+        ..BreakRequest::single(one)
+    }
+}
+
+/// The stage that a change starts at; `None` where nothing up to the pieces has changed.
+fn started(
+    session: &BreakSession,
+    before: &BreakRequest,
+    after: &BreakRequest,
+) -> Option<BreakStage> {
+    let context = Context::quiet();
+    let mut session = session.fork();
+    session.stages(before, &context).unwrap();
+    session.stages(after, &context).unwrap();
+    if session.started_at().is_none() {
+        session.pieces(before, &context).unwrap();
+        session.pieces(after, &context).unwrap();
+    }
+    session.started_at()
+}
+
+#[test]
+fn every_parameter_starts_at_its_declared_stage() {
+    let mut session = BreakSession::new(built_in_branch());
+    session.stem(&request(&[]), &Context::quiet()).unwrap();
+    for info in Break::table() {
+        let mut earliest = None;
+        for settings in BREAKS {
+            let before = request(settings);
+            let mut after = before.clone();
+            let one = &mut after.breaks[0];
+            let own = one.list().into_iter().find(|p| p.key == info.key).unwrap();
+            let value = own.neighbour().unwrap_or_else(|| {
+                Value::Text(
+                    if info.key == "at" {
+                        "0.51"
+                    } else {
+                        "Ash, white"
+                    }
+                    .into(),
+                )
+            });
+            one.set(&info.key, &value).unwrap();
+            // Two parameters that must be in order are.
+            if one.check().is_err() {
+                continue;
+            }
+            let found = started(&session, &before, &after);
+            earliest = match (earliest, found) {
+                (Some(a), Some(b)) => Some(BreakStage::min(a, b)),
+                (a, b) => a.or(b),
+            };
+        }
+        let earliest = earliest.map(BreakStage::name);
+        assert_eq!(earliest, Some(info.stage), "{}", info.key);
+    }
+}

@@ -1,0 +1,91 @@
+//! The appearance of a whole stem: the species gives the wood its structure, the size of the stem its rings and its bark.
+
+use super::{BarkAppearance, WoodAppearance};
+use crate::species::{HeartwoodColour, RingCharacter, Species};
+use crate::stem::{Stem, StemKind};
+use crate::tissue::Proportions;
+
+/// The appearance of a stem's wood and bark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StemAppearance {
+    /// The wood inside.
+    pub wood: WoodAppearance,
+    /// The bark.
+    pub bark: BarkAppearance,
+}
+
+/// Width of an annual ring where nothing else is known, m.
+const RING_WIDTH: f64 = 2.2e-3;
+/// Fewest and most rings drawn: fewer look like a target, more are finer than textures.
+const RING_COUNT: (f64, f64) = (5.0, 60.0);
+/// Radius above which bark is furrowed, m.
+const FURROWED_BARK_RADIUS: f64 = 0.06;
+/// How much darker heartwood is than sapwood in species whose heartwood is light.
+const LIGHT_HEARTWOOD: f64 = 0.93;
+/// Ring coordinates between which the outer bark may begin.
+const CORK_START: (f64, f64) = (0.6, 0.99);
+/// Least ring coordinate at which the inner bark begins.
+const MIN_PHLOEM_START: f64 = 0.3;
+/// A ring coordinate beyond all wood: the tissue is absent.
+const ABSENT: f64 = 2.0;
+
+impl StemAppearance {
+    /// The appearance of `stem`, a softwood where no species is given.
+    ///
+    /// `proportions` are those of the tissues in the section, `bark` is the ring coordinate at which the outer bark begins,
+    /// and `seed` decides what is random. A board has neither bark nor pith, and one colour of wood.
+    pub fn new(
+        stem: &Stem,
+        proportions: &Proportions,
+        seed: u64,
+        species: Option<&Species>,
+        bark: f64,
+    ) -> StemAppearance {
+        let mut wood = wood_of(species);
+        wood.seed = seed;
+        let board = stem.kind == StemKind::Board;
+        wood.radius = if board {
+            stem.rings.outer_radius(0.0)
+        } else {
+            stem.radius
+        };
+        wood.rings = (wood.radius / RING_WIDTH).clamp(RING_COUNT.0, RING_COUNT.1);
+        if board {
+            (wood.pith, wood.heartwood, wood.phloem, wood.cork) = (0.0, 0.0, ABSENT, ABSENT);
+        } else {
+            wood.cork = bark.clamp(CORK_START.0, CORK_START.1);
+            wood.pith = proportions.pith;
+            wood.heartwood = if proportions.heartwood > 0.0 {
+                proportions.pith + proportions.heartwood
+            } else {
+                0.0
+            };
+            let wood_end = wood.heartwood.max(MIN_PHLOEM_START);
+            wood.phloem = (wood.cork - proportions.phloem).max(wood_end);
+        }
+        let mut bark = if stem.radius > FURROWED_BARK_RADIUS {
+            BarkAppearance::furrowed(stem.radius)
+        } else {
+            BarkAppearance::young(stem.radius)
+        };
+        bark.seed = seed;
+        StemAppearance { wood, bark }
+    }
+}
+
+/// The structure and colours of a species' wood.
+fn wood_of(species: Option<&Species>) -> WoodAppearance {
+    let mut wood = match species.and_then(|s| s.ring_character) {
+        Some(RingCharacter::RingPorous | RingCharacter::SemiRingPorous) => {
+            WoodAppearance::ring_porous()
+        }
+        Some(RingCharacter::DiffusePorous) => WoodAppearance::hardwood(),
+        Some(RingCharacter::AbruptLatewood | RingCharacter::GradualLatewood) | None => {
+            WoodAppearance::softwood()
+        }
+    };
+    if species.and_then(|s| s.heartwood_colour) == Some(HeartwoodColour::Light) {
+        wood.heartwood_color = wood.sapwood_color.map(|c| c * LIGHT_HEARTWOOD);
+    }
+    wood
+}
