@@ -8,7 +8,7 @@ use crate::progress::{Progress, StageTime};
 use greenstick::bending::{
     BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
 };
-use greenstick::fibre::{BendError, BendSection, BendTest, HowMany, PlacementError};
+use greenstick::fibre::{BendError, BendSection, BendTest, PlacementError, RodCount};
 use greenstick::files;
 use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
@@ -70,8 +70,8 @@ fn test(options: &BendTestOptions) -> BendTest {
     let standard = specimen(section, options.length, options.span);
     BendTest {
         rods: match options.spacing {
-            Some(spacing) => HowMany::Spacing(spacing),
-            None => HowMany::Number(options.rods),
+            Some(spacing) => RodCount::Spacing(spacing),
+            None => RodCount::Number(options.rods),
         },
         edge: options.edge.unwrap_or(standard.edge),
         seed: options.seed,

@@ -1,24 +1,29 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{Asked, asked, size, targets, use_threads};
+use crate::break_wood::{Asked, Targets, asked, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::{scan, simulate, skin, values};
-use greenstick::fibre::scene::{Scene as Setting, StemWord};
+use crate::{scan, simulate, values};
+use greenstick::fibre::scene::{Scene as Setting, StemChoice};
+use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::schema::Field;
-use greenstick::simulate::{Origin, SimulateError, SimulateReport, SimulateRequest};
+use greenstick::simulate::{
+    MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
+    simulate as simulate_scene,
+};
 use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
@@ -32,36 +37,13 @@ struct FullReport<'a> {
     stages: &'a [StageTime],
 }
 
-/// A folder that goes with its content.
-struct Temporary(PathBuf);
-
-impl Temporary {
-    fn new() -> Result<Self, Failure> {
-        let path = std::env::temp_dir().join(format!("greenstick-break-{}", std::process::id()));
-        std::fs::create_dir(&path).map_err(|e| {
-            Failure::work(format!(
-                "{}: cannot be made for the simulation: {e}",
-                path.display()
-            ))
-        })?;
-        Ok(Temporary(path))
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        // What cannot be removed stays for the system to clear.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let Asked { file, input } = asked(options)?;
-    let unit = file.unit;
+    let asked = asked(options)?;
+    let unit = asked.file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
     if options.request.text("break.seed").is_some() {
-        setting.seed = file.common.recipe.face.seed;
+        setting.seed = asked.file.common.recipe.face.seed;
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
@@ -74,55 +56,33 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         ("write", 0.1),
     ]);
     read.report(0.0)?;
-    let inputs: Vec<PathBuf> = input.iter().cloned().collect();
-    let at = options.request.text("at");
+    let inputs: Vec<PathBuf> = asked.input.iter().cloned().collect();
     targets.check(&inputs)?;
-    let mut mesh = None;
-    let mut scan = None;
-    if let (None, Some(at)) = (&input, at)
-        && setting.stem.kind != StemWord::Input
-    {
-        return Err(Failure::request(format!(
-            "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
-        ))
-        .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4"));
-    }
-    if let Some(path) = &input {
-        let at = match at {
-            Some(_) => file.common.place,
-            None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
-        };
-        let loaded = scan::load(path, at, unit, &file.scan, &read)?;
-        setting.stem.at = loaded.place.to_value().to_string();
-        scan = loaded.scan;
-        let mut scene = loaded.scene;
-        if let Some(pieces) = &targets.pieces {
-            files::carry_images(&mut scene, path, pieces);
-        }
-        setting.stem.kind = StemWord::Input;
-        mesh = Some(scene);
-    }
-    // The run reads from the folder, and so is dropped before it.
-    let (report, _folder, mut run) = simulated(setting, &beside, mesh.as_ref(), &simulation)?;
+    let (mesh, scan) = read_mesh(options, &asked, &mut setting, &targets, &read)?;
+    let meshes = SceneMeshes {
+        input: mesh,
+        bodies: read_body_meshes(&setting, &beside)?,
+    };
+    let (report, mut run) = simulate_in_memory(setting, meshes, &simulation)?;
     let how = FilmOptions {
         skin: RodSkinOptions {
             seed: run.scene.seed,
             ..RodSkinOptions::default()
         },
-        texture_width: file.texture_width,
+        texture_width: asked.file.texture_width,
         bodies: false,
         rest: true,
     };
     let last = run.frames() - 1;
-    let mut still = run.at_rest(last, &how, &skin).map_err(skin::failure)?;
-    part(&mut still, &run, file.common.separation);
+    let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
+    part(&mut still, &run, asked.file.common.separation);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
         outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
-        let shot = file.picture.options();
+        let shot = asked.file.picture.options();
         let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
@@ -146,38 +106,64 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The part of a simulated break that the simulation takes; opening what it left is the rest.
+/// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
+fn read_mesh(
+    options: &BreakOptions,
+    asked: &Asked,
+    setting: &mut Setting,
+    targets: &Targets,
+    context: &Context,
+) -> Result<(Option<Scene>, Option<ScannedReport>), Failure> {
+    let at = options.request.text("at");
+    let Some(path) = &asked.input else {
+        return match at {
+            Some(at) if setting.stem.kind != StemChoice::Input => Err(Failure::request(format!(
+                "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
+            ))
+            .hint("name a mesh to break: greenstick break pole.ply --simulate scene.toml --at 0.4")),
+            _ => Ok((None, None)),
+        };
+    };
+    let at = match at {
+        Some(_) => asked.file.common.place,
+        None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
+    };
+    let loaded = scan::load(path, at, asked.file.unit, &asked.file.scan, context)?;
+    setting.stem.at = loaded.place.to_value().to_string();
+    setting.stem.kind = StemChoice::Input;
+    let mut scene = loaded.scene;
+    if let Some(pieces) = &targets.pieces {
+        files::carry_images(&mut scene, path, pieces);
+    }
+    Ok((Some(scene), loaded.scan))
+}
+
+/// The fraction of a simulated break that the simulation takes; the rest is opening the run.
 const SIMULATED: f64 = 0.98;
 
-/// Runs the scene in a folder of its own and opens what it left.
-fn simulated(
+/// Runs the scene in memory, and opens the run.
+fn simulate_in_memory(
     scene: Setting,
-    beside: &Path,
-    mesh: Option<&Scene>,
+    meshes: SceneMeshes,
     context: &Context,
-) -> Result<(SimulateReport, Temporary, Run), Failure> {
-    let folder = Temporary::new()?;
+) -> Result<(SimulateReport, Run), Failure> {
     let request = SimulateRequest {
         scene,
-        origin: Origin::of(None, beside),
-        folder: folder.0.clone(),
+        meshes,
         resume: false,
     };
-    let report = greenstick::simulate::simulate(mesh, &request, &context.part(0.0, SIMULATED))
-        .map_err(|error| match error {
-            SimulateError::Cancelled(cancelled) => cancelled.into(),
-            SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
-                .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
-            SimulateError::File(error) => error.into(),
-            SimulateError::Solver { .. }
-            | SimulateError::Placement(_)
-            | SimulateError::Unwritable { .. } => Failure::work(error),
-            _ => Failure::request(error),
-        })?;
-    let beside = request.origin.beside;
-    let run = Run::open(&folder.0, mesh, &beside, &context.part(SIMULATED, 1.0))
-        .map_err(skin::failure)?;
-    Ok((report, folder, run))
+    let mut store = MemoryRun::new();
+    let simulated = simulate_scene(&request, &mut store, &context.part(0.0, SIMULATED));
+    let report = simulated.map_err(|error| match error {
+        SimulateError::Cancelled(cancelled) => cancelled.into(),
+        SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
+            .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
+        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
+        _ => Failure::request(error),
+    })?;
+    let opening = context.part(SIMULATED, 1.0);
+    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
+    Ok((report, run))
 }
 
 /// Moves what lies beyond the break apart from the lower piece, with all that it carries.

@@ -2,12 +2,14 @@
 //! the user stopped it.
 
 use greenstick::files::FileError;
+use greenstick::film::FilmError;
 use greenstick::formats::FormatError;
 use greenstick::fracture::cracks::CrackError;
 use greenstick::geometry::Cancelled;
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
+use greenstick::simulate::{RunError, SimulateError};
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
@@ -176,6 +178,27 @@ impl From<greenstick::Error> for Failure {
             Error::Crack(CrackError::TooShort { .. }) => Failure::work(&error)
                 .hint("a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself"),
             _ => Failure::work(&error),
+        }
+    }
+}
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Cancelled(cancelled) => cancelled.into(),
+            FilmError::File(error) => error.into(),
+            FilmError::Write(_) => Failure::work(error),
+            FilmError::Work(error) => error.into(),
+            FilmError::Simulate(SimulateError::NoInput) => {
+                Failure::request("the run was of a mesh, and it is not known which")
+                    .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
+            }
+            FilmError::Run(RunError::NoRun { .. }) => {
+                Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
+            }
+            FilmError::NoFrames { .. } => Failure::request(error)
+                .hint("the command that simulated it, with --resume, goes on with the run"),
+            _ => Failure::request(error),
         }
     }
 }

@@ -69,22 +69,23 @@ impl Progress {
     }
 
     fn clear(&self) {
-        let state = self.state.lock().unwrap_or_else(|e| e.into_inner());
-        if let Some(bar) = &state.bar {
+        let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
+        if let Some(bar) = state.bar.take() {
             bar.finish_and_clear();
         }
     }
 
-    /// Takes the bar away; all stages, those of one name together, in the order in which they began.
+    /// Takes the bar away. Returns the stages since the start or the last call, those of one name together, in the order in
+    /// which they began.
     pub fn finish(&self) -> Vec<StageTime> {
         self.clear();
         let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
         state.end_stage(Instant::now());
         let mut stages: Vec<StageTime> = Vec::new();
-        for stage in &state.stages {
+        for stage in std::mem::take(&mut state.stages) {
             match stages.iter_mut().find(|s| s.name == stage.name) {
                 Some(same) => same.seconds += stage.seconds,
-                None => stages.push(stage.clone()),
+                None => stages.push(stage),
             }
         }
         stages

@@ -1,24 +1,27 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
-use crate::arguments::{SimulateOptions, SkinOptions};
+use crate::arguments::{SimulateOptions, Telling};
 use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
-use crate::skin::{self, is_film};
-use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverWord};
+use crate::skin::{self, FilmPlan, is_film};
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverChoice, StemChoice};
+use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Output};
+use greenstick::film::Run;
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::simulate::{
-    Origin, SimulateError, SimulateReport, SimulateRequest, body_shapes, energy_chart, frames,
-    load_chart, scene_of, simulate,
+    RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, body_shapes,
+    energy_chart, load_chart, simulate,
 };
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
@@ -70,61 +73,88 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.telling.threads)?;
     let progress = Progress::start(options.telling.quiet);
-    let [read, work, shots] = progress.split([
+    let [read, work, shots, filming] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
         ("pictures", if options.no_pictures { 0.0 } else { 20.0 }),
+        ("film", if film.is_some() { 10.0 } else { 0.0 }),
     ]);
     let unit = options.mesh.unit.map(LengthUnit::from);
-    let input = match &options.mesh.input {
-        Some(path) => {
-            read.report(0.0)?;
-            scene.stem.kind = greenstick::fibre::scene::StemWord::Input;
-            Some(files::read(path, unit)?)
-        }
-        None => None,
-    };
+    let mut meshes = SceneMeshes::default();
+    if let Some(path) = &options.mesh.input {
+        read.report(0.0)?;
+        scene.stem.kind = StemChoice::Input;
+        meshes.input = Some(files::read(path, unit)?);
+    }
+    meshes.bodies = read_body_meshes(&scene, &beside)?;
     let named = options.mesh.input.as_deref().map(|path| (path, unit));
-    let request = SimulateRequest {
+    let mut run = RunFolder::new(folder, Origin::new(named, &beside));
+    let mut request = SimulateRequest {
         scene,
-        origin: Origin::of(named, &beside),
-        folder: folder.clone(),
+        meshes,
         resume: options.resume,
     };
-    let report = simulate(input.as_ref(), &request, &work).map_err(|e| failure(e, folder))?;
-    let pictures = pictures(&request, options, &shots).map_err(|e| {
+    let report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
+    let pictures = pictures(&run, &request.meshes, options, &shots).map_err(|e| {
         e.or_stopped(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
             folder.display()
         ))
     })?;
-    let stages = progress.finish();
-    let text = if options.telling.json {
-        let full = FullReport {
-            report: &report,
-            pictures: &pictures,
-            stages: &stages,
-        };
-        let text = serde_json::to_string_pretty(&full)
+    let full = FullReport {
+        report: &report,
+        pictures: &pictures,
+        stages: &progress.finish(),
+    };
+    print_report(&full, &options.telling)?;
+    if film.is_some() {
+        if let (Some(path), Some(mesh)) = (&options.mesh.input, &mut request.meshes.input) {
+            files::carry_images(mesh, path, output);
+        }
+        make_film(run, &request.meshes, options, output, (&progress, &filming))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn print_report(full: &FullReport, telling: &Telling) -> Result<(), Failure> {
+    if !telling.reports() {
+        return Ok(());
+    }
+    let text = if telling.json {
+        let text = serde_json::to_string_pretty(full)
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         text + "\n"
     } else {
-        let mut text = report.to_string();
-        for file in report.files.iter().chain(&pictures) {
+        let mut text = full.report.to_string();
+        for file in full.report.files.iter().chain(full.pictures) {
             let _ = writeln!(text, "wrote    {file}");
         }
-        let _ = writeln!(text, "took     {} s", spent(&stages));
+        let _ = writeln!(text, "took     {} s", spent(full.stages));
         text
     };
-    if options.telling.reports() {
-        print(&text)?;
-    }
-    // One report in JSON is enough.
-    let quiet = options.telling.quiet || options.telling.json;
-    match film.and_then(|run| SkinOptions::film(&run, output, quiet)) {
-        Some(film) => skin::run(&film),
-        None => Ok(ExitCode::SUCCESS),
-    }
+    print(&text)
+}
+
+/// Makes the skin of a run as a film in the file `output`.
+fn make_film(
+    run: RunFolder,
+    meshes: &SceneMeshes,
+    options: &SimulateOptions,
+    output: &Path,
+    (progress, context): (&Progress, &Context),
+) -> Result<(), Failure> {
+    let [opening, filming] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
+    opening.report(0.0)?;
+    let run = Run::open(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
+    let shot = options.picture_parameters.set()?.options();
+    let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
+    let telling = Telling {
+        // One report in JSON is enough.
+        quiet: options.telling.quiet || options.telling.json,
+        json: false,
+        ..options.telling.clone()
+    };
+    skin::run_plan(run, &plan, &telling, progress, &filming)
 }
 
 fn list(json: bool) -> Result<ExitCode, Failure> {
@@ -176,9 +206,9 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
         scene.step = Some(step);
     }
     if let Some(word) = &options.solver {
-        let found = SolverWord::ALL.into_iter().find(|s| s.name() == word);
+        let found = SolverChoice::ALL.into_iter().find(|s| s.name() == word);
         let found = found.ok_or_else(|| {
-            let names: Vec<&str> = SolverWord::ALL.iter().map(|s| s.name()).collect();
+            let names: Vec<&str> = SolverChoice::ALL.iter().map(|s| s.name()).collect();
             Failure::request(format!("there is no solver \"{word}\""))
                 .hint(format!("there is {}", names.join(", ")))
         })?;
@@ -197,8 +227,7 @@ fn failure(error: SimulateError, folder: &Path) -> Failure {
         SimulateError::Cancelled(_) => {
             Failure::stopped(format!("stopped; {resume} in {}", folder.display()))
         }
-        SimulateError::File(e) => e.into(),
-        SimulateError::Unwritable { .. } => Failure::work(error).hint(resume),
+        SimulateError::Run(RunError::Unwritable { .. }) => Failure::work(error).hint(resume),
         SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
         SimulateError::Taken { .. } => Failure::request(error).hint(resume),
         _ => Failure::request(error),
@@ -207,7 +236,8 @@ fn failure(error: SimulateError, folder: &Path) -> Failure {
 
 /// Pictures of the first, the middle and the last frame.
 fn pictures(
-    request: &SimulateRequest,
+    run: &RunFolder,
+    meshes: &SceneMeshes,
     options: &SimulateOptions,
     context: &Context,
 ) -> Result<Vec<String>, Failure> {
@@ -215,22 +245,19 @@ fn pictures(
         return Ok(Vec::new());
     }
     context.report(0.0)?;
-    let folder = &request.folder;
-    let all = frames(folder).map_err(|e| failure(e, folder))?;
-    let ran = SimulateRequest {
-        scene: scene_of(folder).map_err(|e| failure(e, folder))?,
-        ..request.clone()
-    };
-    let shapes = body_shapes(&ran).map_err(|e| failure(e, folder))?;
-    let mut numbers = vec![0, all.len() / 2, all.len().saturating_sub(1)];
+    let folder = run.path();
+    let fail = |error: RunError| failure(error.into(), folder);
+    let all = run.frames().map_err(fail)?.count();
+    let scene = run.scene().map_err(fail)?;
+    let shapes = body_shapes(&scene, meshes).map_err(|e| failure(e, folder))?;
+    let mut numbers = vec![0, all / 2, all.saturating_sub(1)];
+    numbers.retain(|&number| number < all);
     numbers.dedup();
     let mut outputs = Vec::new();
     let count = numbers.len();
     for (done, number) in numbers.into_iter().enumerate() {
-        let Some(frame) = all.get(number) else {
-            continue;
-        };
-        let scene = greenstick::rods_scene(frame, &shapes);
+        let frame = run.frame(number).map_err(fail)?;
+        let scene = greenstick::rods_scene(&frame, &shapes);
         let how = PictureOptions {
             up: greenstick::simulate::UP,
             ..options.picture_parameters.set()?.options()
@@ -242,12 +269,12 @@ fn pictures(
             bytes: picture.png(),
         });
     }
-    let chart = energy_chart(folder).map_err(|e| failure(e, folder))?;
+    let chart = energy_chart(&run.energies().map_err(fail)?);
     outputs.push(Output {
         path: folder.join("energy.png"),
         bytes: chart.png(),
     });
-    if let Some(chart) = load_chart(folder).map_err(|e| failure(e, folder))? {
+    if let Some(chart) = load_chart(&run.forces().map_err(fail)?) {
         outputs.push(Output {
             path: folder.join("load-deflection.png"),
             bytes: chart.png(),

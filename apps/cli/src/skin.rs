@@ -1,27 +1,30 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
 mod engines;
+mod plan;
 
-use crate::arguments::{MeshOf, SkinOptions};
+use crate::arguments::{MeshOf, SkinOptions, Telling};
 use crate::break_wood::{check_png, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
+use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Batch, Output};
-use greenstick::film::{FilmError, FilmOptions, Run, SkinReport, SkinnedFilm};
-use greenstick::formats::film::{FilmReport, GlbOptions, write_glb, write_usd};
+use greenstick::film::{FilmError, Run, SkinReport, SkinnedFilm};
+use greenstick::formats::film::{FilmReport, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::{Context, Scene, Stage};
-use greenstick::simulate::Origin;
-use greenstick::skin::rods::RodSkinOptions;
+use greenstick::simulate::{RunSource, SceneMeshes};
+pub use plan::FilmPlan;
 use serde::Serialize;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 #[derive(Serialize)]
 struct FullReport<'a> {
@@ -65,13 +68,35 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         options.output.as_deref(),
         &read,
     )?;
-    let (skin, film, mut files, engines) = match options.frame {
-        Some(number) => still(run, number, options, &work)?,
-        None => film(run, options, &work)?,
+    let plan = FilmPlan::from_options(options, run.scene.seed)?;
+    let made = match options.frame {
+        Some(number) => still(run, number, options, &plan, &work)?,
+        None => film(run, &plan, &work)?,
     };
+    report(made, &options.telling, &progress.finish())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Makes the film of a plan, and prints its report.
+pub fn run_plan(
+    run: Run,
+    plan: &FilmPlan,
+    telling: &Telling,
+    progress: &Progress,
+    context: &Context,
+) -> Result<(), Failure> {
+    let made = film(run, plan, context)?;
+    report(made, telling, &progress.finish())
+}
+
+/// Prints what was made.
+fn report(made: Made, telling: &Telling, stages: &[StageTime]) -> Result<(), Failure> {
+    if !telling.reports() {
+        return Ok(());
+    }
+    let (skin, film, mut files, engines) = made;
     files.extend(engines.files.iter().cloned());
-    let stages = progress.finish();
-    let text = if options.telling.json {
+    let text = if telling.json {
         let film = film.map(|f| FilmPart {
             skinned: f.skinned,
             rigid: f.rigid,
@@ -83,16 +108,13 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
             film,
             engines: &engines,
             files: &files,
-            stages: &stages,
+            stages,
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
-        words(skin.as_ref(), film.as_ref(), &engines, &files, &stages)
+        words(skin.as_ref(), film.as_ref(), &engines, &files, stages)
     };
-    if options.telling.reports() {
-        print(&text)?;
-    }
-    Ok(ExitCode::SUCCESS)
+    print(&text)
 }
 
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
@@ -107,7 +129,7 @@ pub fn open(
     let unit = mesh.unit.map(LengthUnit::from);
     let named = mesh.input.as_ref().map(|path| (path.clone(), unit));
     let input = named.or(origin.input_file());
-    let mesh = match &input {
+    let input = match &input {
         Some((path, unit)) => {
             let mut scene = files::read(path, *unit)?;
             if let Some(output) = output {
@@ -117,23 +139,14 @@ pub fn open(
         }
         None => None,
     };
-    Run::open(folder, mesh.as_ref(), &origin.beside, context).map_err(failure)
-}
-
-fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
-    FilmOptions {
-        skin: RodSkinOptions {
-            fibres: options.fibres,
-            splinters: options.splinters,
-            slabs: options.slabs,
-            keep_inner: options.keep_inner,
-            outline: options.outline.into(),
-            seed: run.scene.seed,
-        },
-        texture_width: options.texture_size,
-        bodies: !options.no_bodies,
-        rest: !options.only_rods,
-    }
+    let beside = origin.beside.clone();
+    let run = RunFolder::new(folder, origin);
+    let scene = run.scene().map_err(|e| Failure::from(FilmError::from(e)))?;
+    let meshes = SceneMeshes {
+        input,
+        bodies: read_body_meshes(&scene, &beside)?,
+    };
+    Run::open(Arc::new(run), &meshes, context).map_err(Failure::from)
 }
 
 /// The skin, the film's file, the files with their sizes in bytes, and what engines want.
@@ -148,6 +161,7 @@ fn still(
     mut run: Run,
     number: i64,
     options: &SkinOptions,
+    plan: &FilmPlan,
     context: &Context,
 ) -> Result<Made, Failure> {
     let [skin, picture, write] = context.split([
@@ -165,12 +179,12 @@ fn still(
             "there are {count} frames, counted from 0 or from −1 backwards"
         ))
     })?;
-    let how = film_options(options, &run);
-    let still = run.still(number, &how, &skin).map_err(failure)?;
+    let still = run
+        .still(number, &plan.film, &skin)
+        .map_err(Failure::from)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
-        let shot = options.picture_parameters.set()?.options();
-        let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
+        let picture = run.picture(&still.scene, still.inner, &plan.shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
@@ -199,13 +213,14 @@ fn still(
     ))
 }
 
-fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, Failure> {
-    let [skin, shots, video, write, extras] = context.split(film_stages(options));
-    let how = film_options(options, &run);
-    let (from, to) = options.frames.unwrap_or((0, run.frames()));
-    let Some(path) = &options.output else {
-        let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
-        let files = frame_pictures(&run, &mut made, options, &shots)?;
+fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failure> {
+    let [skin, shots, video, write, extras] = context.split(film_stages(plan));
+    let (from, to) = plan.frames.unwrap_or((0, run.frames()));
+    let Some(path) = &plan.output else {
+        let mut made = run
+            .film(from..to, &plan.film, &skin)
+            .map_err(Failure::from)?;
+        let files = frame_pictures(&run, &mut made, plan, &shots)?;
         return Ok((Some(made.report), None, files, Engines::default()));
     };
     let ending = ending(path);
@@ -217,7 +232,7 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
         ))
         .hint("a single frame, as --frame 10, can be written in every mesh format"));
     }
-    let beside = engines::paths(options, path)?;
+    let beside = engines::paths(plan, path)?;
     let mut outputs = vec![path.as_path()];
     outputs.extend(beside.iter().map(PathBuf::as_path));
     files::check_distinct(&outputs, &[])?;
@@ -234,14 +249,16 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
-    let mut shown = frame_pictures(&run, &mut made, options, &shots)?;
+    let mut made = run
+        .film(from..to, &plan.film, &skin)
+        .map_err(Failure::from)?;
+    let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
-        let folder = match &options.pictures {
+        let folder = match &plan.pictures {
             Some(folder) => folder.clone(),
             None => {
-                pictures(&run, &mut made, &scratch.0, options, &shots)?;
+                pictures(&run, &mut made, &scratch.0, &plan.shot, &shots)?;
                 scratch.0.clone()
             }
         };
@@ -250,8 +267,18 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
         shown.push((path.display().to_string(), bytes));
         return Ok((Some(made.report), None, shown, Engines::default()));
     }
+    write_film(made, shown, plan, (path, usd), [&write, &extras])
+}
+
+/// Writes a film, and all that the plan has beside it. `shown` lists what was written of it before.
+fn write_film(
+    mut made: SkinnedFilm,
+    mut shown: Vec<(String, usize)>,
+    plan: &FilmPlan,
+    (path, usd): (&Path, Option<UsdFormat>),
+    [write, extras]: [&Context; 2],
+) -> Result<Made, Failure> {
     write.report(0.0)?;
-    let glb = glb_options(options);
     let name = path
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
@@ -261,14 +288,14 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
     let (written, beside) = batch
         .stream(path, |file| -> Result<_, FilmError> {
             Ok(match usd {
-                Some(format) => write_usd(format, film, motion, &name, file, &write)?,
+                Some(format) => write_usd(format, film, motion, &name, file, write)?,
                 None => (
-                    write_glb(film, motion, &name, &glb, file, &write)?,
+                    write_glb(film, motion, &name, &plan.glb, file, write)?,
                     Vec::new(),
                 ),
             })
         })
-        .map_err(failure)?;
+        .map_err(Failure::from)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside: Vec<Output> = beside.into_iter().map(|f| in_folder(folder, f)).collect();
     beside.iter().try_for_each(|output| batch.add(output))?;
@@ -279,21 +306,14 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    let engines = engines::write(&mut made, options, path, &mut batch, &extras)?;
+    let engines = engines::write(&mut made, plan, path, &mut batch, extras)?;
     batch.finish()?;
     Ok((Some(made.report), Some(written), files, engines))
 }
 
-fn glb_options(options: &SkinOptions) -> GlbOptions {
-    GlbOptions {
-        max_joints: options.max_joints.map(|n| n as usize),
-        max_influences: usize::from(options.influences),
-    }
-}
-
 /// The stages of a film, by the seconds that they take.
-fn film_stages(options: &SkinOptions) -> [(Stage, f64); 5] {
-    let video = options
+fn film_stages(plan: &FilmPlan) -> [(Stage, f64); 5] {
+    let video = plan
         .output
         .as_deref()
         .is_some_and(|path| is_video(&ending(path)));
@@ -302,7 +322,7 @@ fn film_stages(options: &SkinOptions) -> [(Stage, f64); 5] {
         (Stage::new("skin"), 1.0),
         (
             Stage::new("pictures"),
-            on(video || options.pictures.is_some(), 100.0),
+            on(video || plan.pictures.is_some(), 100.0),
         ),
         (Stage::new("video"), on(video, 2.0)),
         (Stage::new("write"), on(!video, 1.0)),
@@ -314,15 +334,15 @@ fn film_stages(options: &SkinOptions) -> [(Stage, f64); 5] {
 fn frame_pictures(
     run: &Run,
     made: &mut SkinnedFilm,
-    options: &SkinOptions,
+    plan: &FilmPlan,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let Some(folder) = &options.pictures else {
+    let Some(folder) = &plan.pictures else {
         return Ok(Vec::new());
     };
     std::fs::create_dir_all(folder)
         .map_err(|e| Failure::work(format!("{}: cannot be made: {e}", folder.display())))?;
-    let all = pictures(run, made, folder, options, context)?;
+    let all = pictures(run, made, folder, &plan.shot, context)?;
     let bytes = all.iter().map(|f| f.1).sum();
     Ok(vec![(
         format!("{} pictures in {}", all.len(), folder.display()),
@@ -355,7 +375,9 @@ fn series(
         bytes += file.bytes.len();
         Ok(files::write_all(&[in_folder(folder, file)])?)
     };
-    let count = run.series(range, &name, put, context).map_err(failure)?;
+    let count = run
+        .series(range, &name, put, context)
+        .map_err(Failure::from)?;
     let told = format!(
         "{} with the {} files that it lists",
         path.display(),
@@ -386,25 +408,6 @@ fn in_folder(folder: &Path, file: Encoded) -> Output {
 fn ending(path: &Path) -> String {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     ending.unwrap_or_default()
-}
-
-pub fn failure(error: FilmError) -> Failure {
-    match error {
-        FilmError::Cancelled(_) => Failure::stopped("stopped; nothing was written"),
-        FilmError::File(e) => e.into(),
-        FilmError::Write(_) => Failure::work(error),
-        FilmError::Work(e) => e.into(),
-        FilmError::Simulate(greenstick::simulate::SimulateError::NoInput) => {
-            Failure::request("the run was of a mesh, and it is not known which")
-                .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
-        }
-        FilmError::NoRun { .. } => {
-            Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
-        }
-        FilmError::NoFrames { .. } => Failure::request(error)
-            .hint("the command that simulated it, with --resume, goes on with the run"),
-        _ => Failure::request(error),
-    }
 }
 
 fn words(

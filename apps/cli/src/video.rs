@@ -1,11 +1,10 @@
 //! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
 
-use crate::arguments::SkinOptions;
 use crate::failure::Failure;
-use crate::skin::failure;
 use greenstick::files::{self, Output};
 use greenstick::film::{Run, SkinnedFilm};
 use greenstick::geometry::Context;
+use greenstick::picture::PictureOptions;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -41,16 +40,18 @@ pub fn pictures(
     run: &Run,
     film: &mut SkinnedFilm,
     folder: &Path,
-    options: &SkinOptions,
+    shot: &PictureOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = options.picture_parameters.set()?.options();
-    shot.shown = film.bounds().map_err(failure)?;
+    let shot = PictureOptions {
+        shown: film.bounds().map_err(Failure::from)?,
+        ..shot.clone()
+    };
     let count = film.report.frames;
     let mut made = Vec::new();
     for number in 0..count {
         let shown = context.item(number, count);
-        let scene = film.at(number).map_err(failure)?;
+        let scene = film.at(number).map_err(Failure::from)?;
         let picture = run.picture(&scene, film.inner, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
         let bytes = picture.png();

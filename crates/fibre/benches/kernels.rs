@@ -1,15 +1,16 @@
-//! Speed of the explicit solver's kernels: vertex-steps and bond-steps a second, by instructions and threads.
+//! Speed of the explicit solver's kernels: vertex-steps and bond-steps per second, by instruction set and number of threads.
 //!
-//! `cargo bench -p greenstick-fibre [-- PART]`, PART of the lines wanted, such as `"bond-steps, Avx512"`
+//! `cargo bench -p greenstick-fibre [-- FILTER]` runs the lines that contain FILTER, such as `"bond-steps, Avx512"`.
 
 use glam::DVec3;
-use greenstick_fibre::energy::Forces;
 use greenstick_fibre::{
-    Bond, Bundle, Evaluator, Explicit, Level, NoContacts, Rod, RodMaterial, Solver, State, World,
+    Bond, Explicit, ForceEvaluator, Forces, NoContacts, Rod, RodBundle, RodMaterial, SimdLevel,
+    Solver, State, World,
 };
+use greenstick_geometry::Context;
 
-/// `side` × `side` rods of 30 vertices; with bonds to the four neighbours and two diagonal ones where asked.
-fn bundle(side: usize, bonded: bool) -> Bundle {
+/// `side` × `side` rods of 30 vertices; where `bonded`, with bonds to the four neighbours and two diagonal ones.
+fn bundle(side: usize, bonded: bool) -> RodBundle {
     let n = 30;
     let material = RodMaterial::solid(2.5e-5, 1e10, 1e9, 600.0);
     let rods: Vec<Rod> = (0..side * side)
@@ -23,7 +24,7 @@ fn bundle(side: usize, bonded: bool) -> Bundle {
             )
         })
         .collect();
-    let mut made = Bundle::new(&rods, false).unwrap();
+    let mut made = RodBundle::new(&rods, false).unwrap();
     if bonded {
         let near = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1)];
         let mut bonds = Vec::new();
@@ -58,10 +59,10 @@ fn bundle(side: usize, bonded: bool) -> Bundle {
     made
 }
 
-/// Which clock counts.
+/// The clock of a measurement.
 #[derive(Clone, Copy, PartialEq)]
 enum Clock {
-    /// That of this thread alone, which stands while others have its processor.
+    /// That of this thread alone, which stops while other threads have its processor.
     Thread,
     Wall,
 }
@@ -77,7 +78,7 @@ impl Clock {
     }
 }
 
-/// Seconds of one call: the least of many short repetitions, as other work on the machine only ever adds.
+/// Returns the seconds of one call: the least of many short repetitions, because other work on the machine only adds.
 fn time(clock: Clock, mut work: impl FnMut()) -> f64 {
     let mut sample = |calls: usize| {
         let start = clock.seconds();
@@ -112,28 +113,28 @@ fn clock(threads: usize) -> Clock {
     }
 }
 
-/// Million units a second of force evaluations.
-fn forces(made: &Bundle, level: Level, threads: usize) -> f64 {
+/// Returns the seconds of a force evaluation.
+fn forces(made: &RodBundle, level: SimdLevel, threads: usize) -> f64 {
     let state = State::at_rest(made);
     in_threads(threads, || {
-        let mut evaluator = Evaluator::with_level(made, level);
+        let mut evaluator = ForceEvaluator::with_level(made, level);
         let mut out = Forces::zeros(made.vertices());
         time(clock(threads), || evaluator.forces(made, &state, &mut out))
     })
 }
 
-/// Seconds of an explicit step, from runs of different lengths: what a run does once is left out.
-fn steps(made: &Bundle, threads: usize) -> f64 {
+/// Returns the seconds of an explicit step, from runs of different lengths, which excludes what a run does once.
+fn steps(made: &RodBundle, threads: usize) -> f64 {
     in_threads(threads, || {
         let mut world = World::new(made.clone());
         let mut solver = Explicit::new(None);
-        let step = solver.step(&world).unwrap();
+        let step = solver.step(&world, &Context::quiet()).unwrap();
         let size = made.vertices() + made.bonds.len();
         let count = (4e5 / size as f64).clamp(4.0, 100.0).ceil();
         let mut run = |count: f64| {
             time(clock(threads), || {
                 solver
-                    .advance(&mut world, &mut NoContacts, count * step)
+                    .advance(&mut world, &mut NoContacts, count * step, &Context::quiet())
                     .unwrap();
             })
         };
@@ -142,7 +143,8 @@ fn steps(made: &Bundle, threads: usize) -> f64 {
     })
 }
 
-/// Gigabytes a second of a = b + s c over arrays that no cache holds (three streams and what writing reads).
+/// Returns gigabytes per second of a = b + s c over arrays larger than the caches (three streams, and the reads that writes
+/// cause).
 fn stream(threads: usize) -> f64 {
     let n = 1 << 23;
     let (mut a, b, c) = (vec![0.0f64; n], vec![1.0f64; n], vec![2.0f64; n]);
@@ -169,36 +171,36 @@ fn stream(threads: usize) -> f64 {
     32.0 * n as f64 / seconds * 1e-9
 }
 
-/// Bytes that this process holds in memory, from Linux; 0 elsewhere.
-fn held() -> f64 {
+/// Returns the bytes that this process has in memory on Linux; 0 elsewhere.
+fn resident_bytes() -> f64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages = text.split_whitespace().nth(1).and_then(|p| p.parse().ok());
     pages.unwrap_or(0.0) * 4096.0
 }
 
-/// Time of a step and memory of a world and its solver, by the number of rods: both grow with it.
+/// Prints the time of a step and the memory of a world and its solver by the number of rods; both are proportional to it.
 fn growth() {
     println!(
         "\n{:<34}{:>9}{:>12}{:>12}{:>12}",
-        "all bonds, explicit steps", "rods", "ms a step", "us a rod", "kB a rod"
+        "all bonds, explicit steps", "rods", "ms per step", "us per rod", "kB per rod"
     );
     for side in [100, 173, 316] {
-        let before = held();
+        let before = resident_bytes();
         let made = bundle(side, true);
         let rods = (side * side) as f64;
         let mut world = World::new(made);
         let mut solver = Explicit::new(None);
-        let step = solver.step(&world).unwrap();
+        let step = solver.step(&world, &Context::quiet()).unwrap();
         let mut run = |count: f64| {
             let clock = Clock::Thread;
             let start = clock.seconds();
             solver
-                .advance(&mut world, &mut NoContacts, count * step)
+                .advance(&mut world, &mut NoContacts, count * step, &Context::quiet())
                 .unwrap();
             clock.seconds() - start
         };
         run(1.0);
-        let memory = held() - before;
+        let memory = resident_bytes() - before;
         let least = (0..5).fold(f64::INFINITY, |least, _| least.min(run(9.0) - run(1.0)));
         let a_step = least / 8.0;
         println!(
@@ -220,7 +222,7 @@ fn main() {
         stream(2)
     );
     println!(
-        "{:<34}{:>9}{:>10}{:>10}  million a second",
+        "{:<34}{:>9}{:>10}{:>10}  million per second",
         "", "rods", "1 thread", "2 threads"
     );
     for (bonded, what) in [(false, "vertex-steps"), (true, "bond-steps")] {
@@ -232,19 +234,19 @@ fn main() {
                 made.vertices()
             } as f64
                 * 1e-6;
-            let show = |name: String, by: &dyn Fn(usize) -> f64| {
+            let print = |name: String, by: &dyn Fn(usize) -> f64| {
                 if part.as_ref().is_some_and(|p| !name.contains(p.as_str())) {
                     return;
                 }
                 let [one, two] = [1, 2].map(|t| units / by(t));
                 println!("{name:<34}{:>9}{one:>10.1}{two:>10.1}", side * side);
             };
-            for level in [Level::Plain, Level::Avx2, Level::Avx512] {
-                show(format!("forces, {what}, {level:?}"), &|t| {
+            for level in [SimdLevel::Scalar, SimdLevel::Avx2, SimdLevel::Avx512] {
+                print(format!("forces, {what}, {level:?}"), &|t| {
                     forces(&made, level, t)
                 });
             }
-            show(format!("explicit steps, {what}"), &|t| steps(&made, t));
+            print(format!("explicit steps, {what}"), &|t| steps(&made, t));
         }
     }
     if part.is_none_or(|p| "growth".contains(p.as_str())) {

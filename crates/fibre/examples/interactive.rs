@@ -1,13 +1,13 @@
-//! The thesis's stick (15 cm, 100 rods of 30 edges) of white ash at real stiffness, both ends turned until it breaks, by
-//! the interactive solver: time of computing against time shown. Threads are those of `RAYON_NUM_THREADS`.
+//! The thesis's stick (15 cm, 100 rods of 30 edges) of white ash at real stiffness, both ends turned until it breaks, with
+//! the interactive solver: computing time against the time shown. `RAYON_NUM_THREADS` sets the number of threads.
 //!
 //! `cargo run --release -p greenstick-fibre --example interactive [-- STEP]`
 
 use glam::DQuat;
-use greenstick_fibre::placement::place;
+use greenstick_fibre::placement::fill_stem;
 use greenstick_fibre::{
-    BondCriterion, Clamp, EventKind, Failure, HowMany, Interactive, Motion, NoContacts, Placement,
-    Pose, Solver, WoodMaterial, World,
+    BondCriterion, Clamp, EventKind, FailureCriteria, Interactive, Keyframe, Motion, NoContacts,
+    PlacementOptions, Pose, RodCount, Solver, WoodMaterial, World,
 };
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
@@ -18,7 +18,7 @@ use std::time::Instant;
 
 fn stick() -> Option<World> {
     let ash = Species::find("white ash").ok()?;
-    let wood = WoodMaterial::of(ash, 12.0, Fallback::Refuse).ok()?;
+    let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).ok()?;
     let mesh = cylinder(5e-3, 0.15, 48);
     let options = StemOptions::default();
     let found = find_stem(
@@ -28,13 +28,12 @@ fn stick() -> Option<World> {
         &Context::quiet(),
     )
     .ok()?;
-    let placement = Placement {
-        rods: HowMany::Number(100),
-        edges: (4e-3, 6e-3),
+    let placement = PlacementOptions {
+        rods: RodCount::Number(100),
         weibull: 12.0,
-        ..Placement::default()
+        ..PlacementOptions::default()
     };
-    let placed = place(&found.stem, &wood, &placement).ok()?;
+    let placed = fill_stem(&found.stem, &wood, &placement, &Context::quiet()).ok()?;
     let mut world = World::new(placed.bundle);
     let (low, high) =
         (placed.along.iter()).fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(*s), h.max(*s)));
@@ -68,20 +67,23 @@ fn stick() -> Option<World> {
                 translation: along * (nearer * turn.signum()),
                 rotation: DQuat::from_axis_angle(across, angle * turn),
             };
-            (f64::from(k) / 20.0, pose)
+            Keyframe {
+                time: f64::from(k) / 20.0,
+                pose,
+            }
         });
-        Motion::Keys(frames.collect())
+        Motion::Keyframes(frames.collect())
     };
     world.loads.clamps = vec![
-        Clamp::of(bundle, end(0.0, 0.06), keys(1.0)),
-        Clamp::of(bundle, end(0.94, 1.0), keys(-1.0)),
+        Clamp::new(bundle, end(0.0, 0.06), keys(1.0)),
+        Clamp::new(bundle, end(0.94, 1.0), keys(-1.0)),
     ];
     world.loads.damping = 5.0;
-    world.failure = Failure {
+    world.failure = FailureCriteria {
         rods_break: true,
         rods_yield: true,
         bonds: BondCriterion::Stress,
-        ..Failure::default()
+        ..FailureCriteria::default()
     };
     Some(world)
 }
@@ -89,11 +91,11 @@ fn stick() -> Option<World> {
 fn main() {
     let step = std::env::args().nth(1).and_then(|s| s.parse().ok());
     let Some(mut world) = stick() else {
-        eprintln!("the stick cannot be made");
+        eprintln!("the stick cannot be built");
         return;
     };
     let mut solver = Interactive::new(step);
-    let dt = solver.step(&world).unwrap_or(1.0 / 60.0);
+    let dt = solver.step(&world, &Context::quiet()).unwrap_or(1.0 / 60.0);
     println!(
         "{} rods, {} vertices, {} bonds, step {dt:.4} s",
         world.bundle.rods(),
@@ -103,8 +105,8 @@ fn main() {
     let (mut all, mut worst) = (0.0, 0.0f64);
     while world.state.time < 1.0 {
         let start = Instant::now();
-        let told = match solver.advance(&mut world, &mut NoContacts, dt) {
-            Ok(told) => told,
+        let report = match solver.advance(&mut world, &mut NoContacts, dt, &Context::quiet()) {
+            Ok(report) => report,
             Err(error) => {
                 eprintln!("{error}");
                 return;
@@ -122,7 +124,7 @@ fn main() {
             count(EventKind::RodBroke),
             count(EventKind::BondBroke),
             count(EventKind::RodYielded),
-            told.work
+            report.work
         );
     }
     println!(

@@ -1,8 +1,8 @@
-//! What can be wrong with a bundle, with where wood is to be placed, and with a step of a solver.
+//! Errors of bundles, loads and solvers.
 
-/// Why a bundle of rods cannot be made.
+/// Why a bundle of rods cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BundleError {
+pub enum RodBundleError {
     /// No rods.
     #[error("a bundle needs at least one rod, but there is none")]
     NoRods,
@@ -14,7 +14,7 @@ pub enum BundleError {
         /// Vertices found.
         count: usize,
     },
-    /// More vertices or bonds than indices can tell apart.
+    /// More vertices or bonds than indices can number.
     #[error("{count} {what} are more than the {most} that can be numbered")]
     TooMany {
         /// Vertices or bonds.
@@ -24,7 +24,7 @@ pub enum BundleError {
         /// The largest number possible.
         most: usize,
     },
-    /// A number that is out of its range.
+    /// A number out of range.
     #[error("{what} of rod {rod} is {value}, but it must be {right}")]
     Rod {
         /// Rod.
@@ -33,10 +33,10 @@ pub enum BundleError {
         what: &'static str,
         /// The value found.
         value: f64,
-        /// What would be right.
+        /// The range that is valid.
         right: &'static str,
     },
-    /// Two vertices in one place.
+    /// Two vertices at the same position.
     #[error("vertices {vertex} and {} of rod {rod} lie {length} m apart, but an edge needs a length above 0", vertex + 1)]
     Edge {
         /// Rod.
@@ -58,7 +58,7 @@ pub enum BundleError {
     },
     /// Rods without twist have no material frame that could hold a natural curvature.
     #[error(
-        "rod {rod} is curved at its vertex {vertex} (by {angle} rad), so twist must be on: without it rods must be straight"
+        "rod {rod} is curved at its vertex {vertex} (by {angle} rad), so twist must be on; without twist rods must be straight"
     )]
     Curved {
         /// Rod.
@@ -77,7 +77,7 @@ pub enum BundleError {
         what: &'static str,
         /// The value found.
         value: f64,
-        /// What would be right.
+        /// The range that is valid.
         right: &'static str,
     },
 }
@@ -103,7 +103,7 @@ pub enum LoadError {
         /// The edge named.
         edge: u32,
     },
-    /// A clamp that holds nothing.
+    /// A clamp that holds no vertex.
     #[error("clamp {clamp} holds no vertex; it must hold at least one")]
     EmptyClamp {
         /// Number of the clamp.
@@ -116,7 +116,7 @@ pub enum LoadError {
         what: &'static str,
         /// The value found.
         value: f64,
-        /// What would be right.
+        /// The range that is valid.
         right: &'static str,
     },
 }
@@ -124,9 +124,9 @@ pub enum LoadError {
 /// Why a solver stopped.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SolverError {
-    /// A given step is too large.
+    /// The given step is too large.
     #[error(
-        "a step of {given} s is not stable: the limit is {limit} s (twice the inverse of the highest frequency); give a smaller step or none"
+        "a step of {given} s is not stable: the limit is {limit} s (twice the inverse of the highest frequency); give a smaller step, or none to have one chosen"
     )]
     UnstableStep {
         /// The step given, s.
@@ -141,7 +141,7 @@ pub enum SolverError {
         what: &'static str,
         /// The value found.
         value: f64,
-        /// What would be right.
+        /// The range that is valid.
         right: &'static str,
     },
     /// The motion grew without bound; the state is the one before this step.
@@ -156,14 +156,14 @@ pub enum SolverError {
         step: f64,
         /// Rod of the largest growth.
         rod: u32,
-        /// Which energy.
+        /// Name of that energy.
         energy: &'static str,
         /// That energy before, J.
         before: f64,
         /// That energy after, J.
         after: f64,
     },
-    /// Iterations did not settle; the state is the one before this step.
+    /// The iteration did not converge; the state is the one before this step.
     #[error(
         "no equilibrium at {time} s after {iterations} iterations: the residual is {residual} N, and must fall to {tolerance} N; use smaller load steps"
     )]
@@ -174,13 +174,13 @@ pub enum SolverError {
         iterations: usize,
         /// Largest unbalanced force, N.
         residual: f64,
-        /// What was aimed at, N.
+        /// The residual that counts as converged, N.
         tolerance: f64,
     },
     /// A load does not fit the bundle.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// The caller asked to stop.
+    /// The caller cancelled the work; the state is the one before this step.
     #[error(transparent)]
     Cancelled(#[from] greenstick_geometry::Cancelled),
 }

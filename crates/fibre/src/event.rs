@@ -1,4 +1,4 @@
-//! What happens to a bundle: breaks and yielding, as they are written to `events.csv`.
+//! What happens to a bundle: breaks and yielding, as `events.csv` lists them.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EventKind {
-    /// A rod broke at a vertex and is two rods now.
+    /// A rod broke at a vertex, and is two rods now.
     RodBroke,
     /// An edge of a rod began to yield in compression.
     RodYielded,
@@ -15,7 +15,7 @@ pub enum EventKind {
     BondBroke,
 }
 
-/// Which criterion was passed.
+/// The failure criterion that was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -23,32 +23,32 @@ pub enum Cause {
     Tension,
     /// Compression along the grain.
     Compression,
-    /// The bond's stored energy: the thesis's threshold.
+    /// The bond's stored energy against the thesis's threshold.
     Potential,
-    /// The bond's stored energy against its energy of fracture.
+    /// The bond's stored energy against its fracture energy.
     Griffith,
     /// Stress across and along the bond's facet.
     Stress,
 }
 
-/// One event. Rod and vertex are numbers of the unbroken bundle, so that they name the same wood at every time.
+/// One event. Rod and vertex are numbers of the unbroken bundle, so that they name the same wood at all times.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     /// Time, s.
     pub time: f64,
     /// What happened.
     pub kind: EventKind,
-    /// Rod of the unbroken bundle; of a bond the one whose vertex it holds.
+    /// Rod of the unbroken bundle; for a bond the rod of its vertex.
     pub rod: u32,
-    /// Vertex of the unbroken bundle; of yielding the first of the edge's.
+    /// Vertex of the unbroken bundle; for yielding the first vertex of the edge.
     pub vertex: u32,
     /// The other rod of a bond.
     pub other: Option<u32>,
-    /// Place, m.
-    pub place: DVec3,
-    /// Why.
+    /// Position, m.
+    pub position: DVec3,
+    /// The criterion that was exceeded.
     pub cause: Cause,
-    /// How far the criterion was passed: demand over strength.
+    /// Demand over strength.
     pub demand: f64,
     /// Energy that is no longer stored, J.
     pub energy: f64,

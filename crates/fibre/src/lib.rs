@@ -1,66 +1,76 @@
-//! Wood that moves and breaks: rods along the grain, bonded to each other (Sutherland 2012, corrected in `model.md` §3;
-//! natural curvature and twist after Bergou 2008 and 2010).
+//! Wood that moves and breaks: rods along the grain, bonded to each other (Sutherland 2012, corrected where the modules say
+//! so; natural curvature and twist after Bergou 2008 and 2010).
 //!
-//! | module | what is in it |
+//! | module | content |
 //! |---|---|
 //! | [`placement`] | from a stem and a species to a bundle: points, cells, rods, bonds, strengths |
-//! | [`bundle`] | [`Bundle`]: rods as arrays, their material and masses |
-//! | [`bodies`] | [`Bodies`]: rigid bodies, contacts with them and between rods |
-//! | [`bonds`] | [`Bonds`]: what joins a vertex to another rod's edge, and who gathers which force |
-//! | [`state`] | [`State`]: places, velocities, frames, permanent strain; apart from the bundle, so that solvers share it |
-//! | [`frames`] | parallel transport, curvature, twist |
-//! | [`energy`] | energies by kind, forces, and Hessians of single elements |
-//! | [`loads`] | [`Loads`]: clamps, forces, moments, gravity, damping, wind, snow |
-//! | [`failure`] | when rods and bonds fail; [`topology`]: what is left then |
-//! | [`event`] | [`Event`]: what happened when and where |
-//! | [`scene`] | [`Scene`]: a TOML file of all this, and those that come with the program |
-//! | [`solver`] | [`Solver`], [`World`], [`Contacts`]: the interface of all solvers |
-//! | [`explicit`] | symplectic Euler, the reference solver; [`stability`] finds its step |
-//! | [`kernel`] | [`Evaluator`]: the forces of whole bundles on wide registers and several threads |
+//! | [`RodBundle`], [`Bonds`] | rods and bonds as arrays, with their material and masses |
+//! | [`State`] | positions, velocities, frames and plastic strain, apart from the bundle |
+//! | [`energy`] | energies by kind, their forces, and Hessians of single elements |
+//! | [`ForceEvaluator`] | the forces of whole bundles on wide registers and several threads |
+//! | [`Loads`] | clamps, forces, moments, gravity, damping, wind, snow |
+//! | [`FailureCriteria`] | when rods and bonds fail; [`topology`]: what is left then |
+//! | [`bodies`] | rigid bodies, contacts with them and between rods |
+//! | [`solvers`] | methods that move a [`World`] through time |
+//! | [`scene`] | a TOML file of all this, and the built-in scenes |
 //! | [`store`] | frames, tables and checkpoints as bytes |
-//! | [`error`] | what can go wrong |
+//! | [`bend_test`] | three-point bending of clear wood |
 #![deny(missing_docs)]
 // Loops over vertices and edges index several arrays alike.
 #![allow(clippy::needless_range_loop)]
 
+// Unit tests share the bundles of the integration tests.
+#[cfg(test)]
+extern crate self as greenstick_fibre;
+#[cfg(test)]
+#[path = "../tests/support/mod.rs"]
+mod support;
+
 pub mod bend_test;
 pub mod bodies;
-pub mod bonds;
-pub mod bundle;
+mod bonds;
+mod contact;
 pub mod energy;
-pub mod error;
-pub mod event;
-pub mod explicit;
-pub mod failure;
-pub mod frames;
-pub mod kernel;
-pub mod loads;
+mod error;
+mod evaluator;
+mod event;
+mod failure;
+mod forces;
+mod loads;
+pub mod material_frame;
+mod parallel;
 pub mod placement;
+mod rod_bundle;
+mod rotation;
 pub mod scene;
-pub mod solver;
+mod simd;
 pub mod solvers;
-pub mod stability;
-pub mod state;
+mod state;
 pub mod store;
 pub mod topology;
-pub mod vectors;
+mod vectors;
+mod world;
 
 pub use bend_test::{BendError, BendEvent, BendOutcome, BendPoint, BendSection, BendTest};
 pub use bodies::{
     Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
-    Shape,
+    ContactsState, Shape,
 };
 pub use bonds::{Bond, Bonds, Incidence};
-pub use bundle::{Bundle, Rod, RodMaterial};
-pub use error::{BundleError, LoadError, SolverError};
+pub use contact::{ContactEnergy, ContactSpring, ContactStep, ContactTrial, Contacts, NoContacts};
+pub use error::{LoadError, RodBundleError, SolverError};
+pub use evaluator::ForceEvaluator;
 pub use event::{Cause, Event, EventKind};
-pub use explicit::Explicit;
-pub use failure::{BondCriterion, Failure};
-pub use kernel::{Evaluator, Level};
-pub use loads::{Clamp, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
-pub use placement::{Arrangement, HowMany, Placed, Placement, PlacementError, WoodMaterial};
+pub use failure::{BondCriterion, FailureCriteria};
+pub use forces::Forces;
+pub use loads::{Clamp, Keyframe, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
+pub use placement::{
+    Arrangement, EdgeLengths, PlacedRods, PlacementError, PlacementOptions, RodCount, WoodMaterial,
+};
+pub use rod_bundle::{Rod, RodBundle, RodMaterial};
 pub use scene::{Scene, SceneError};
-pub use solver::{Advance, ContactBook, Contacts, KnownLimit, NoContacts, Solver, Touch, World};
-pub use solvers::{Grip, Implicit, Interactive, QuasiStatic};
+pub use simd::SimdLevel;
+pub use solvers::{AdvanceReport, Explicit, Implicit, Interactive, QuasiStatic, Solver};
 pub use state::State;
 pub use vectors::Vectors;
+pub use world::{StabilityLimit, World};

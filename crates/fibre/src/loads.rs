@@ -1,66 +1,81 @@
-//! What acts on a bundle from outside: clamps, forces, moments, gravity, damping, wind and snow.
+//! External loads on a bundle: clamps, forces, moments, gravity, damping, wind and snow.
 
-use crate::bundle::Bundle;
 use crate::error::LoadError;
+use crate::forces::Forces;
+use crate::rod_bundle::RodBundle;
+use crate::rotation::{from_rotation_vector, to_rotation_vector};
 use crate::vectors::Vectors;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A place and an orientation.
+/// A displacement and a rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Displacement, m.
     pub translation: DVec3,
-    /// Rotation about the clamp's centre.
+    /// Rotation about the centre of what moves.
     pub rotation: DQuat,
 }
 
 impl Pose {
-    /// Nothing moved.
+    /// No displacement and no rotation.
     pub const REST: Pose = Pose {
         translation: DVec3::ZERO,
         rotation: DQuat::IDENTITY,
     };
 }
 
-/// How a clamp moves.
+/// The pose at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Keyframe {
+    /// Time, s; ascending within a motion.
+    pub time: f64,
+    /// Pose at that time.
+    pub pose: Pose,
+}
+
+/// The prescribed motion of a clamp or body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
-    /// Not at all.
+    /// It stays where it is.
     Fixed,
-    /// With constant velocity (m/s) and angular velocity (rad/s) from time 0.
+    /// Constant velocity and angular velocity from time 0.
     Steady {
         /// Velocity, m/s.
         velocity: DVec3,
-        /// Angular velocity about the clamp's centre, rad/s.
-        angular: DVec3,
+        /// Angular velocity about its centre, rad/s.
+        angular_velocity: DVec3,
     },
-    /// Through poses at given times (s, ascending), straight and evenly between them, at rest before and after.
-    Keys(Vec<(f64, Pose)>),
+    /// Poses at given times: straight and at constant rate between them, at rest before the first and after the last.
+    Keyframes(Vec<Keyframe>),
 }
 
 impl Motion {
-    /// The pose at a time, s.
+    /// Returns the pose at `time` (s).
     pub fn pose(&self, time: f64) -> Pose {
         match self {
             Motion::Fixed => Pose::REST,
-            Motion::Steady { velocity, angular } => Pose {
+            Motion::Steady {
+                velocity,
+                angular_velocity,
+            } => Pose {
                 translation: *velocity * time,
-                rotation: rotation_vector(*angular * time),
+                rotation: from_rotation_vector(*angular_velocity * time),
             },
-            Motion::Keys(keys) => {
-                let k = keys.partition_point(|(t, _)| *t <= time);
+            Motion::Keyframes(keys) => {
+                let k = keys.partition_point(|key| key.time <= time);
                 match (k.checked_sub(1).map(|i| keys[i]), keys.get(k)) {
-                    (Some((a, p)), Some(&(b, q))) => {
-                        let f = (time - a) / (b - a);
-                        let turn = q.rotation * p.rotation.conjugate();
+                    (Some(before), Some(after)) => {
+                        let (p, q) = (before.pose, after.pose);
+                        let f = (time - before.time) / (after.time - before.time);
+                        let turn = to_rotation_vector(q.rotation * p.rotation.conjugate());
                         Pose {
                             translation: p.translation.lerp(q.translation, f),
-                            rotation: rotation_vector(rotation_of(turn) * f) * p.rotation,
+                            rotation: from_rotation_vector(turn * f) * p.rotation,
                         }
                     }
-                    (Some((_, p)), None) => p,
-                    (None, Some(&(_, q))) => q,
+                    (Some(last), None) => last.pose,
+                    (None, Some(first)) => first.pose,
                     (None, None) => Pose::REST,
                 }
             }
@@ -68,56 +83,38 @@ impl Motion {
     }
 }
 
-/// The rotation by a vector's length (rad) about it, with the same bits on every machine.
-pub fn rotation_vector(v: DVec3) -> DQuat {
-    let angle = v.length();
-    if angle == 0.0 {
-        return DQuat::IDENTITY;
-    }
-    let (sin, cos) = libm::sincos(0.5 * angle);
-    let axis = v * (sin / angle);
-    DQuat::from_xyzw(axis.x, axis.y, axis.z, cos)
-}
-
-/// The vector of a rotation, of a length up to π.
-pub fn rotation_of(q: DQuat) -> DVec3 {
-    let q = if q.w < 0.0 { -q } else { q };
-    let axis = DVec3::new(q.x, q.y, q.z);
-    let sin = axis.length();
-    if sin == 0.0 {
-        return DVec3::ZERO;
-    }
-    axis * (2.0 * libm::atan2(sin, q.w) / sin)
-}
-
-/// Vertices, and the turn of edges, that are held or moved whatever acts on them.
+/// A clamp: vertices, and the twist of edges, whose motion is prescribed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Clamp {
-    /// Vertices held. Two next to each other hold the rod's direction too.
+    /// Vertices held. Two neighbours on a rod hold its direction too.
     pub vertices: Vec<u32>,
-    /// Where they are at the pose [`Pose::REST`], m; as many as vertices.
-    pub held: Vec<DVec3>,
-    /// Which directions of each vertex are held; all three for a grip, one for a sliding support.
+    /// Per vertex held: its position at [`Pose::REST`], m.
+    pub rest_positions: Vec<DVec3>,
+    /// Which axes are held: all three for a fixed end, one for a sliding support.
     pub axes: [bool; 3],
-    /// Edges whose material frame turns with the clamp; used where twist is on. Their vertices should be held too.
+    /// Edges whose material frame turns with the clamp, where twist is on. Their vertices should be held too.
     pub edges: Vec<u32>,
-    /// First material directors of those edges at [`Pose::REST`] (unit).
+    /// Per edge: its first material director at [`Pose::REST`] (unit).
     pub directors: Vec<DVec3>,
-    /// Point that it turns about, m.
+    /// Point about which the clamp turns, m.
     pub centre: DVec3,
     /// How it moves.
     pub motion: Motion,
 }
 
+fn mean(points: &[DVec3]) -> DVec3 {
+    points.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / points.len().max(1) as f64
+}
+
 impl Clamp {
-    /// A clamp that holds vertices where they are at rest and, where twist is on, the edges between them.
-    pub fn of(bundle: &Bundle, vertices: Vec<u32>, motion: Motion) -> Self {
-        let known = |v: u32| ((v as usize) < bundle.vertices()).then_some(v as usize);
-        let held: Vec<DVec3> = vertices
+    /// Returns a clamp that holds vertices at their positions at rest and, where twist is on, the edges between them.
+    pub fn new(bundle: &RodBundle, vertices: Vec<u32>, motion: Motion) -> Self {
+        let index = |v: u32| ((v as usize) < bundle.vertices()).then_some(v as usize);
+        let rest_positions: Vec<DVec3> = vertices
             .iter()
-            .map(|&v| known(v).map_or(DVec3::ZERO, |v| bundle.rest.get(v)))
+            .map(|&v| index(v).map_or(DVec3::ZERO, |v| bundle.rest.get(v)))
             .collect();
-        let centre = held.iter().fold(DVec3::ZERO, |a, p| a + *p) / held.len().max(1) as f64;
+        let centre = mean(&rest_positions);
         let mut sorted = vertices.clone();
         sorted.sort_unstable();
         let edges: Vec<u32> = sorted
@@ -131,7 +128,7 @@ impl Clamp {
             .collect();
         Clamp {
             vertices,
-            held,
+            rest_positions,
             axes: [true; 3],
             edges,
             directors,
@@ -140,60 +137,61 @@ impl Clamp {
         }
     }
 
-    /// Where held vertex `i` is to be at a time (s), m.
-    pub fn place(&self, i: usize, time: f64) -> DVec3 {
+    /// Returns the position of held vertex `i` at `time` (s), m.
+    pub fn position(&self, i: usize, time: f64) -> DVec3 {
         let pose = self.motion.pose(time);
-        self.centre + pose.rotation * (self.held[i] - self.centre) + pose.translation
+        self.centre + pose.rotation * (self.rest_positions[i] - self.centre) + pose.translation
     }
 
-    /// Where the material director of held edge `i` is to point at a time (s).
+    /// Returns the material director of held edge `i` at `time` (s).
     pub fn director(&self, i: usize, time: f64) -> DVec3 {
         self.motion.pose(time).rotation * self.directors[i]
     }
 }
 
-/// How a force or moment changes with time.
+/// The factor on a force or moment over time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Ramp {
-    /// The same at all times.
+    /// 1 at all times.
     Constant,
-    /// From 0 at time 0 evenly to its value at this time (s), constant after.
-    Rise(f64),
+    /// Linear from 0 at time 0 to 1 at this time (s), then constant.
+    Linear(f64),
 }
 
 impl Ramp {
-    /// The factor at a time, s.
+    /// Returns the factor at `time` (s).
     pub fn at(self, time: f64) -> f64 {
         match self {
             Ramp::Constant => 1.0,
-            Ramp::Rise(duration) => (time / duration).clamp(0.0, 1.0),
+            Ramp::Linear(duration) => (time / duration).clamp(0.0, 1.0),
         }
     }
 }
 
-/// A force on a vertex.
+/// A force on a vertex, of constant direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PointForce {
     /// Vertex.
     pub vertex: u32,
-    /// Force, N, of constant direction.
+    /// Force, N.
     pub force: DVec3,
-    /// How it changes.
+    /// Factor over time.
     pub ramp: Ramp,
 }
 
-/// A moment on an edge: a couple of forces on its vertices, and what is along the edge turns its frame.
+/// A moment on an edge, of constant direction. It acts as a couple of forces on the edge's vertices; its component along
+/// the edge acts on the material frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Moment {
     /// Edge.
     pub edge: u32,
-    /// Moment, N m, of constant direction.
+    /// Moment, N m.
     pub moment: DVec3,
-    /// How it changes.
+    /// Factor over time.
     pub ramp: Ramp,
 }
 
-/// Drag of moving air on rods: ½ ρ c d |u⊥| u⊥ per length, u⊥ the wind relative to the rod across it.
+/// Wind drag on rods: ½ ρ c d |u⊥| u⊥ per length, u⊥ the velocity of the air relative to the rod, across the rod.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Wind {
     /// Velocity of the air, m/s.
@@ -202,18 +200,18 @@ pub struct Wind {
     pub density: f64,
     /// Drag coefficient (about 1 for a cylinder).
     pub drag: f64,
-    /// Width that the wind sees, per rod, m: `None` for the rod's diameter, which for a bundle counts rods in the lee.
+    /// Width of a rod that the wind acts on, m. `None` takes the rod's diameter, which counts rods in the lee as well.
     pub width: Option<f64>,
 }
 
-/// Everything that acts on a bundle from outside. The default is nothing.
+/// All external loads on a bundle. The default is none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Loads {
     /// Acceleration of gravity, m/s².
     pub gravity: DVec3,
-    /// Damping in proportion to mass: force −c m v, moment −c J ω, with c in 1/s.
+    /// Mass-proportional damping: force −c m v, moment −c J ω, with c in 1/s.
     pub damping: f64,
-    /// Clamps; where two hold one vertex the last wins.
+    /// Clamps; where two hold the same vertex the last one wins.
     pub clamps: Vec<Clamp>,
     /// Forces.
     pub forces: Vec<PointForce>,
@@ -221,16 +219,16 @@ pub struct Loads {
     pub moments: Vec<Moment>,
     /// Wind.
     pub wind: Option<Wind>,
-    /// Snow: weight per length of each rod (N/m) along gravity, or along −z without gravity.
+    /// Snow: weight per length of each rod, N/m, along gravity, or along −z without gravity.
     pub snow: f64,
 }
 
 impl Loads {
-    /// Checks all against a bundle.
+    /// Checks all loads against a bundle.
     ///
     /// # Errors
-    /// [`LoadError`] for the first that does not fit.
-    pub fn check(&self, bundle: &Bundle) -> Result<(), LoadError> {
+    /// [`LoadError`] for the first load that does not fit.
+    pub fn check(&self, bundle: &RodBundle) -> Result<(), LoadError> {
         let count = bundle.vertices();
         let vertex = |what, vertex: u32| {
             if (vertex as usize) < count {
@@ -283,7 +281,7 @@ impl Loads {
             }
         }
         for (number, clamp) in self.clamps.iter().enumerate() {
-            if clamp.vertices.is_empty() || clamp.held.len() != clamp.vertices.len() {
+            if clamp.vertices.is_empty() || clamp.rest_positions.len() != clamp.vertices.len() {
                 return Err(LoadError::EmptyClamp { clamp: number });
             }
             clamp
@@ -303,47 +301,47 @@ impl Loads {
         Ok(())
     }
 
-    /// Adds everything but clamps and damping to forces (N) on vertices and moments (N m) on edges.
+    /// Adds all loads but clamps and damping to the forces on vertices (N) and the moments on edges (N m).
     pub fn add_forces(
         &self,
-        bundle: &Bundle,
+        bundle: &RodBundle,
         time: f64,
         position: &Vectors,
         velocity: &Vectors,
-        forces: &mut Vectors,
-        moments: &mut [f64],
+        forces: &mut Forces,
     ) {
+        let Forces { linear, moment } = forces;
         if self.gravity != DVec3::ZERO {
             for i in 0..bundle.vertices() {
-                forces.add(i, self.gravity * bundle.mass[i]);
+                linear.add(i, self.gravity * bundle.mass[i]);
             }
         }
         if self.snow > 0.0 {
             let down = self.gravity.try_normalize().unwrap_or(DVec3::NEG_Z);
             for i in 0..bundle.vertices() {
-                forces.add(i, down * (0.5 * self.snow * bundle.both_lengths(i)));
+                linear.add(i, down * (0.5 * self.snow * bundle.both_lengths(i)));
             }
         }
         for f in &self.forces {
-            forces.add(f.vertex as usize, f.force * f.ramp.at(time));
+            linear.add(f.vertex as usize, f.force * f.ramp.at(time));
         }
         for m in &self.moments {
             let j = m.edge as usize;
             let e = position.get(j + 1) - position.get(j);
-            let moment = m.moment * m.ramp.at(time);
-            let couple = moment.cross(e) / e.length_squared();
-            forces.add(j + 1, couple);
-            forces.add(j, -couple);
-            moments[j] += moment.dot(e.normalize_or_zero());
+            let applied = m.moment * m.ramp.at(time);
+            let couple = applied.cross(e) / e.length_squared();
+            linear.add(j + 1, couple);
+            linear.add(j, -couple);
+            moment[j] += applied.dot(e.normalize_or_zero());
         }
         if let Some(wind) = self.wind {
-            self.add_wind(bundle, wind, position, velocity, forces);
+            self.add_wind(bundle, wind, position, velocity, linear);
         }
     }
 
     fn add_wind(
         &self,
-        bundle: &Bundle,
+        bundle: &RodBundle,
         wind: Wind,
         position: &Vectors,
         velocity: &Vectors,

@@ -1,19 +1,19 @@
-//! The state: what moves. Everything a checkpoint has to hold of a bundle that has not broken.
+//! The state of a bundle: everything about it that moves.
 
-use crate::bundle::Bundle;
-use crate::frames;
+use crate::material_frame;
+use crate::rod_bundle::RodBundle;
 use crate::vectors::Vectors;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Where the rods are and how they move. Arrays are laid out as in [`Bundle`].
+/// Positions, velocities and frames of the rods. Arrays are laid out as in [`RodBundle`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time, s.
     pub time: f64,
-    /// Steps done by solvers.
+    /// Number of steps that solvers have taken.
     pub step: u64,
-    /// Per vertex: place, m.
+    /// Per vertex: position, m.
     pub position: Vectors,
     /// Per vertex: velocity, m/s.
     pub velocity: Vectors,
@@ -21,21 +21,21 @@ pub struct State {
     pub angle: Vec<f64>,
     /// Per edge: rate of that angle, rad/s.
     pub spin: Vec<f64>,
-    /// Per edge: tangent (unit) that the reference director is across. Empty without twist.
+    /// Per edge: the unit tangent to which the reference director is perpendicular. Empty without twist.
     pub tangent: Vectors,
     /// Per edge: reference director (unit). Empty without twist.
     pub director: Vectors,
     /// Per vertex: reference twist, rad. Empty without twist.
     pub reference_twist: Vec<f64>,
-    /// Per edge: strain that has become permanent (negative after yielding in compression).
+    /// Per edge: plastic strain (negative after yielding in compression).
     pub plastic_strain: Vec<f64>,
 }
 
 impl State {
-    /// The bundle at rest.
-    pub fn at_rest(bundle: &Bundle) -> Self {
+    /// Returns the state of a bundle at rest.
+    pub fn at_rest(bundle: &RodBundle) -> Self {
         let n = bundle.vertices();
-        let mut made = State {
+        let mut state = State {
             time: 0.0,
             step: 0,
             position: bundle.rest.clone(),
@@ -48,21 +48,21 @@ impl State {
             plastic_strain: vec![0.0; n],
         };
         if bundle.twisting {
-            made.tangent = (0..n).map(|j| made.edge_tangent(bundle, j)).collect();
-            made.director = bundle.rest_director.clone();
-            made.reference_twist = vec![0.0; n];
-            made.carry_frames(bundle);
+            state.tangent = (0..n).map(|j| state.edge_tangent(bundle, j)).collect();
+            state.director = bundle.rest_director.clone();
+            state.reference_twist = vec![0.0; n];
+            state.transport_frames(bundle);
         }
-        made
+        state
     }
 
-    /// Edge vector y₁ − y₀, m.
+    /// Returns the edge vector y₁ − y₀, m.
     #[inline]
     pub fn edge(&self, edge: usize) -> DVec3 {
         self.position.get(edge + 1) - self.position.get(edge)
     }
 
-    fn edge_tangent(&self, bundle: &Bundle, edge: usize) -> DVec3 {
+    fn edge_tangent(&self, bundle: &RodBundle, edge: usize) -> DVec3 {
         if bundle.is_edge(edge) {
             self.edge(edge).normalize_or(DVec3::Z)
         } else {
@@ -70,9 +70,9 @@ impl State {
         }
     }
 
-    /// Moves reference directors with their edges to the present positions and renews the reference twist. Without
-    /// twist there is nothing to do.
-    pub fn carry_frames(&mut self, bundle: &Bundle) {
+    /// Transports reference directors with their edges to the present positions and updates the reference twist. Without
+    /// twist it does nothing.
+    pub fn transport_frames(&mut self, bundle: &RodBundle) {
         if !bundle.twisting {
             return;
         }
@@ -81,9 +81,10 @@ impl State {
                 continue;
             }
             let t = self.edge_tangent(bundle, j);
-            let moved = frames::transport(self.director.get(j), self.tangent.get(j), t);
-            // Rounding would let directors lean over many steps.
-            let director = moved
+            let transported =
+                material_frame::parallel_transport(self.director.get(j), self.tangent.get(j), t);
+            // Over many steps rounding would tilt directors out of the plane across the edge.
+            let director = transported
                 .reject_from_normalized(t)
                 .normalize_or(t.any_orthonormal_vector());
             self.director.set(j, director);
@@ -92,17 +93,20 @@ impl State {
         for i in 0..bundle.vertices() {
             if bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0 {
                 let frame = |j: usize| (self.tangent.get(j), self.director.get(j));
-                self.reference_twist[i] =
-                    frames::reference_twist(frame(i - 1), frame(i), self.reference_twist[i]);
+                self.reference_twist[i] = material_frame::reference_twist(
+                    frame(i - 1),
+                    frame(i),
+                    self.reference_twist[i],
+                );
             }
         }
     }
 
-    /// First material director of an edge; the second is tangent × first. Without twist the one at rest, carried from
-    /// the edge at rest to the edge now.
-    pub fn material_director(&self, bundle: &Bundle, edge: usize) -> DVec3 {
+    /// Returns the first material director of an edge; the second is tangent × first. Without twist it is the director at
+    /// rest, transported from the edge at rest to the edge now.
+    pub(crate) fn material_director(&self, bundle: &RodBundle, edge: usize) -> DVec3 {
         if bundle.twisting {
-            return frames::turned(
+            return material_frame::rotate_director(
                 self.director.get(edge),
                 self.tangent.get(edge),
                 self.angle[edge],
@@ -114,22 +118,22 @@ impl State {
         } else {
             DVec3::Z
         };
-        frames::transport(
+        material_frame::parallel_transport(
             bundle.rest_director.get(edge),
             from,
             self.edge_tangent(bundle, edge),
         )
     }
 
-    /// Momentum, kg m/s.
-    pub fn momentum(&self, bundle: &Bundle) -> DVec3 {
+    /// Returns the momentum, kg m/s.
+    pub fn momentum(&self, bundle: &RodBundle) -> DVec3 {
         (0..bundle.vertices()).fold(DVec3::ZERO, |sum, i| {
             sum + self.velocity.get(i) * bundle.mass[i]
         })
     }
 
-    /// Angular momentum of the vertices about `centre`, kg m²/s, with the spin of the edges about themselves.
-    pub fn angular_momentum(&self, bundle: &Bundle, centre: DVec3) -> DVec3 {
+    /// Returns the angular momentum of the vertices about `centre` with the spin of the edges about themselves, kg m²/s.
+    pub fn angular_momentum(&self, bundle: &RodBundle, centre: DVec3) -> DVec3 {
         (0..bundle.vertices()).fold(DVec3::ZERO, |sum, i| {
             let arm = self.position.get(i) - centre;
             let spin = if bundle.is_edge(i) {
@@ -141,8 +145,8 @@ impl State {
         })
     }
 
-    /// Kinetic energy of the vertices and of the edges' spin, J.
-    pub fn kinetic_energy(&self, bundle: &Bundle) -> f64 {
+    /// Returns the kinetic energy of the vertices and of the edges' spin, J.
+    pub(crate) fn kinetic_energy(&self, bundle: &RodBundle) -> f64 {
         (0..bundle.vertices()).fold(0.0, |sum, i| {
             let moving = bundle.mass[i] * self.velocity.get(i).length_squared();
             sum + 0.5 * (moving + bundle.inertia[i] * self.spin[i] * self.spin[i])

@@ -1,135 +1,167 @@
-//! What is left when rods and bonds have broken (Sutherland 2012 §3.4.1): a broken rod is two rods, its vertex one of
-//! each, and every bond follows.
+//! Changes of a bundle where rods and bonds break (Sutherland 2012 §3.4.1): a broken rod becomes two rods, its vertex
+//! becomes one vertex of each, and every bond follows.
 //!
-//! A bond of the broken vertex goes to both new ones, each with the share of stiffness and strength that the share of
-//! its rod is long, so that breaking makes no energy. (The thesis gives both the whole.) Forces on the vertex are shared
-//! alike; a clamp holds both.
+//! A bond of the broken vertex goes to both new ones, each with the share of stiffness and strength that is the share of
+//! its rod in the length, so that breaking creates no energy. (The thesis gives both the whole.) Forces on the vertex are
+//! shared in the same way; a clamp holds both.
 
 use crate::bonds::{Bond, Bonds};
-use crate::bundle::Bundle;
-use crate::loads::Loads;
+use crate::loads::{Loads, PointForce};
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
+use glam::DVec3;
 
-/// Takes out the bonds `bonds` and splits rods at the inner vertices `splits`, both ascending. Returns for each vertex of
-/// the bundle now which it was before.
+/// Removes the bonds `bonds` and splits rods at the inner vertices `splits`, both ascending. Returns for each vertex of the
+/// bundle its number before.
 pub fn break_up(
-    bundle: &mut Bundle,
+    bundle: &mut RodBundle,
     state: &mut State,
     loads: &mut Loads,
     bonds: &[u32],
     splits: &[u32],
 ) -> Vec<u32> {
     let n = bundle.vertices();
-    let inner = |v: &u32| {
-        let rod = bundle.rod_of(*v as usize);
-        (*v as usize) < n && *v > bundle.first[rod] && v + 1 < bundle.first[rod + 1]
-    };
-    let mut splits: Vec<u32> = splits.iter().copied().filter(inner).collect();
-    splits.dedup();
-    let kept = kept_bonds(bundle, bonds);
-    if splits.is_empty() {
-        bundle.bonds = Bonds::sorted(kept, n);
+    let splits = Splits::new(bundle, splits);
+    let remaining = remaining_bonds(bundle, bonds);
+    if splits.vertices.is_empty() {
+        bundle.bonds = Bonds::sorted(remaining, n);
         bundle.generation += 1;
         return (0..n as u32).collect();
     }
     let before: Vec<u32> = (0..n as u32)
-        .flat_map(|v| std::iter::repeat_n(v, 1 + usize::from(splits.binary_search(&v).is_ok())))
+        .flat_map(|v| std::iter::repeat_n(v, splits.copies(v).count()))
         .collect();
-    // The last of a vertex's copies carries on its edge.
-    let last = |v: u32| v + splits.partition_point(|&s| s <= v) as u32;
-    let copies = |v: u32| (last(v) - u32::from(splits.binary_search(&v).is_ok())..=last(v)).rev();
-    // Shares of the copies of a vertex, the last first.
-    let shares: Vec<[f64; 2]> = splits
-        .iter()
-        .map(|&s| {
+    let remaining = remaining
+        .into_iter()
+        .flat_map(|bond| splits.bond_copies(bond))
+        .collect();
+    splits.renumber_loads(loads);
+    split_state(state, &before);
+    split_bundle(bundle, &before, &splits.vertices);
+    bundle.bonds = Bonds::sorted(remaining, bundle.vertices());
+    bundle.generation += 1;
+    before
+}
+
+/// A vertex that replaces one of the bundle before.
+#[derive(Clone, Copy)]
+struct VertexCopy {
+    /// Its new number.
+    vertex: u32,
+    /// Its share of what the old vertex had.
+    share: f64,
+}
+
+/// The vertices at which rods split, by their old numbers.
+struct Splits {
+    /// Ascending.
+    vertices: Vec<u32>,
+    /// Shares of the two copies of each, that with the following edge first.
+    shares: Vec<[f64; 2]>,
+}
+
+impl Splits {
+    /// Takes those of `wanted` (ascending) that are inner vertices of rods.
+    fn new(bundle: &RodBundle, wanted: &[u32]) -> Self {
+        let inner = |v: &u32| {
+            let rod = bundle.rod_of(*v as usize);
+            (*v as usize) < bundle.vertices()
+                && *v > bundle.rod_offsets[rod]
+                && v + 1 < bundle.rod_offsets[rod + 1]
+        };
+        let mut vertices: Vec<u32> = wanted.iter().copied().filter(inner).collect();
+        vertices.dedup();
+        let share = |&s: &u32| {
             let (a, b) = (
                 bundle.rest_length[s as usize - 1],
                 bundle.rest_length[s as usize],
             );
             [b / (a + b), a / (a + b)]
-        })
-        .collect();
-    let share = |v: u32, copy: usize| splits.binary_search(&v).map_or(1.0, |k| shares[k][copy]);
-    let moved: Vec<Bond> = kept
-        .into_iter()
-        .flat_map(|b| {
-            let v = b.vertex;
-            copies(v)
-                .enumerate()
-                .map(move |(k, copy)| (copy, share(v, k), b))
-                .collect::<Vec<_>>()
-        })
-        .map(|(vertex, part, b)| Bond {
-            vertex,
-            edge: last(b.edge),
-            transverse: b.transverse * part,
-            shear: b.shear * part,
-            area: b.area * part,
-            tension_strength: b.tension_strength * part,
-            shear_strength: b.shear_strength * part,
-            fracture_energy: b.fracture_energy * part,
-            ..b
-        })
-        .collect();
-    for clamp in &mut loads.clamps {
-        let all = clamp.vertices.iter().zip(&clamp.held);
-        let doubled: Vec<(u32, glam::DVec3)> = all
-            .flat_map(|(&v, &at)| copies(v).map(move |c| (c, at)).collect::<Vec<_>>())
-            .collect();
-        (clamp.vertices, clamp.held) = doubled.into_iter().unzip();
-        clamp.edges.iter_mut().for_each(|e| *e = last(*e));
+        };
+        let shares = vertices.iter().map(share).collect();
+        Splits { vertices, shares }
     }
-    loads.forces = loads
-        .forces
-        .iter()
-        .flat_map(|f| {
-            let all = copies(f.vertex).enumerate();
-            all.map(|(k, vertex)| {
-                let force = f.force * share(f.vertex, k);
-                crate::loads::PointForce {
-                    vertex,
-                    force,
-                    ..*f
-                }
-            })
-            .collect::<Vec<_>>()
+
+    /// Returns the new number of the copy of `vertex` that has its following edge; it is also the new number of that edge.
+    fn last_copy(&self, vertex: u32) -> u32 {
+        vertex + self.vertices.partition_point(|&s| s <= vertex) as u32
+    }
+
+    /// Iterates over the copies of `vertex`, the last first.
+    fn copies(&self, vertex: u32) -> impl Iterator<Item = VertexCopy> + use<> {
+        let last = self.last_copy(vertex);
+        let pair = match self.vertices.binary_search(&vertex) {
+            Ok(k) => [Some(self.shares[k][0]), Some(self.shares[k][1])],
+            Err(_) => [Some(1.0), None],
+        };
+        let numbered = pair.into_iter().zip([last, last.wrapping_sub(1)]);
+        numbered.filter_map(|(share, vertex)| share.map(|share| VertexCopy { vertex, share }))
+    }
+
+    fn bond_copies(&self, bond: Bond) -> impl Iterator<Item = Bond> + use<> {
+        let edge = self.last_copy(bond.edge);
+        self.copies(bond.vertex).map(move |copy| Bond {
+            vertex: copy.vertex,
+            edge,
+            transverse: bond.transverse * copy.share,
+            shear: bond.shear * copy.share,
+            area: bond.area * copy.share,
+            tension_strength: bond.tension_strength * copy.share,
+            shear_strength: bond.shear_strength * copy.share,
+            fracture_energy: bond.fracture_energy * copy.share,
+            ..bond
         })
-        .collect();
-    loads.moments.iter_mut().for_each(|m| m.edge = last(m.edge));
-    split_state(state, &before);
-    split_bundle(bundle, &before, &splits);
-    bundle.bonds = Bonds::sorted(moved, bundle.vertices());
-    bundle.generation += 1;
-    before
+    }
+
+    fn renumber_loads(&self, loads: &mut Loads) {
+        for clamp in &mut loads.clamps {
+            let held: Vec<(u32, DVec3)> = (clamp.vertices.iter())
+                .zip(&clamp.rest_positions)
+                .flat_map(|(&v, &position)| self.copies(v).map(move |c| (c.vertex, position)))
+                .collect();
+            (clamp.vertices, clamp.rest_positions) = held.into_iter().unzip();
+            clamp.edges.iter_mut().for_each(|e| *e = self.last_copy(*e));
+        }
+        loads.forces = (loads.forces.iter())
+            .flat_map(|f| {
+                self.copies(f.vertex).map(|copy| PointForce {
+                    vertex: copy.vertex,
+                    force: f.force * copy.share,
+                    ..*f
+                })
+            })
+            .collect();
+        (loads.moments.iter_mut()).for_each(|m| m.edge = self.last_copy(m.edge));
+    }
 }
 
-fn kept_bonds(bundle: &Bundle, broken: &[u32]) -> Vec<Bond> {
+fn remaining_bonds(bundle: &RodBundle, broken: &[u32]) -> Vec<Bond> {
     let mut broken = broken.iter().peekable();
-    let mut kept = Vec::with_capacity(bundle.bonds.len());
+    let mut remaining = Vec::with_capacity(bundle.bonds.len());
     for (i, bond) in bundle.bonds.iter().enumerate() {
         while broken.next_if(|&&b| (b as usize) < i).is_some() {}
         if broken.peek().is_none_or(|&&b| b as usize != i) {
-            kept.push(bond);
+            remaining.push(bond);
         }
     }
-    kept
+    remaining
 }
 
-fn picked<T: Copy>(from: &mut Vec<T>, before: &[u32]) {
+fn select<T: Copy>(from: &mut Vec<T>, before: &[u32]) {
     if !from.is_empty() {
         *from = before.iter().map(|&v| from[v as usize]).collect();
     }
 }
 
-fn picked_vectors(from: &mut Vectors, before: &[u32]) {
-    picked(&mut from.x, before);
-    picked(&mut from.y, before);
-    picked(&mut from.z, before);
+fn select_vectors(from: &mut Vectors, before: &[u32]) {
+    select(&mut from.x, before);
+    select(&mut from.y, before);
+    select(&mut from.z, before);
 }
 
-/// Gives each vertex of a state that it was before, as [`break_up`] tells.
-pub fn split_state(state: &mut State, before: &[u32]) {
+/// Gives each vertex of a state the values of vertex `before[v]`, as [`break_up`] returns them.
+pub(crate) fn split_state(state: &mut State, before: &[u32]) {
     let State {
         position,
         velocity,
@@ -138,7 +170,7 @@ pub fn split_state(state: &mut State, before: &[u32]) {
         ..
     } = state;
     for vectors in [position, velocity, tangent, director] {
-        picked_vectors(vectors, before);
+        select_vectors(vectors, before);
     }
     let State {
         angle,
@@ -148,18 +180,18 @@ pub fn split_state(state: &mut State, before: &[u32]) {
         ..
     } = state;
     for numbers in [angle, spin, reference_twist, plastic_strain] {
-        picked(numbers, before);
+        select(numbers, before);
     }
 }
 
-fn split_bundle(bundle: &mut Bundle, before: &[u32], splits: &[u32]) {
-    let Bundle {
+fn split_bundle(bundle: &mut RodBundle, before: &[u32], splits: &[u32]) {
+    let RodBundle {
         rest,
         rest_director,
         ..
     } = bundle;
-    picked_vectors(rest, before);
-    picked_vectors(rest_director, before);
+    select_vectors(rest, before);
+    select_vectors(rest_director, before);
     let [kappa, lambda] = &mut bundle.natural_curvature;
     let numbers = [
         &mut bundle.mass,
@@ -175,32 +207,37 @@ fn split_bundle(bundle: &mut Bundle, before: &[u32], splits: &[u32]) {
         &mut bundle.yield_strain,
     ];
     for array in numbers {
-        picked(array, before);
+        select(array, before);
     }
-    picked(&mut bundle.origin, before);
-    // Rods: each is cut at its splits.
+    select(&mut bundle.origin, before);
+    // Each rod is cut at its splits.
     let (mut first, mut area, mut diameter, mut parent) =
         (vec![0], Vec::new(), Vec::new(), Vec::new());
     let mut splits_left = splits.iter().enumerate().peekable();
     for rod in 0..bundle.rods() {
-        let end = bundle.first[rod + 1];
+        let end = bundle.rod_offsets[rod + 1];
         let mut put = |start: u32| {
             first.push(start);
             area.push(bundle.area[rod]);
             diameter.push(bundle.diameter[rod]);
             parent.push(bundle.parent[rod]);
         };
-        let mut done = splits.partition_point(|&s| s < bundle.first[rod]);
+        let mut done = splits.partition_point(|&s| s < bundle.rod_offsets[rod]);
         while let Some((k, &s)) = splits_left.next_if(|(_, s)| **s < end) {
             put(s + k as u32 + 1);
             done = k + 1;
         }
         put(end + done as u32);
     }
-    (bundle.first, bundle.area, bundle.diameter, bundle.parent) = (first, area, diameter, parent);
+    (
+        bundle.rod_offsets,
+        bundle.area,
+        bundle.diameter,
+        bundle.parent,
+    ) = (first, area, diameter, parent);
     for (k, &s) in splits.iter().enumerate() {
         let (left, right) = (s as usize + k, s as usize + k + 1);
-        // The left copy is a gap now.
+        // Behind the left copy there is a gap now.
         bundle.rest_length[left] = 1.0;
         for array in [
             &mut bundle.stretch,
@@ -216,6 +253,6 @@ fn split_bundle(bundle: &mut Bundle, before: &[u32], splits: &[u32]) {
         }
     }
     for rod in 0..bundle.rods() {
-        bundle.share_mass(bundle.rod(rod));
+        bundle.distribute_mass(bundle.rod(rod));
     }
 }

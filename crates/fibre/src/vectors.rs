@@ -1,9 +1,9 @@
-//! Vectors in space as three arrays, so that loops over many of them run on whole registers.
+//! Vectors in space stored as three arrays, so that loops over many of them fill whole SIMD registers.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// As many vectors as each of the three arrays has numbers; the arrays always have the same length.
+/// Vectors as one array for each axis. The three arrays always have the same length.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vectors {
     /// First components.
@@ -15,7 +15,7 @@ pub struct Vectors {
 }
 
 impl Vectors {
-    /// `count` zero vectors.
+    /// Returns `count` zero vectors.
     pub fn zeros(count: usize) -> Self {
         Vectors {
             x: vec![0.0; count],
@@ -24,24 +24,24 @@ impl Vectors {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of vectors.
     #[inline]
     pub fn len(&self) -> usize {
         self.x.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no vectors.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// Vector `i`; `i` must be below [`Vectors::len`].
+    /// Returns vector `i`, which must be below [`Vectors::len`].
     #[inline]
     pub fn get(&self, i: usize) -> DVec3 {
         DVec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Sets vector `i`; `i` must be below [`Vectors::len`].
+    /// Sets vector `i`, which must be below [`Vectors::len`].
     #[inline]
     pub fn set(&mut self, i: usize, v: DVec3) {
         self.x[i] = v.x;
@@ -49,7 +49,7 @@ impl Vectors {
         self.z[i] = v.z;
     }
 
-    /// Adds to vector `i`; `i` must be below [`Vectors::len`].
+    /// Adds to vector `i`, which must be below [`Vectors::len`].
     #[inline]
     pub fn add(&mut self, i: usize, v: DVec3) {
         self.x[i] += v.x;
@@ -64,30 +64,25 @@ impl Vectors {
         self.z.push(v.z);
     }
 
-    /// Sets all to zero, keeping their number.
-    pub fn clear_to_zero(&mut self) {
+    /// Sets all vectors to zero and keeps their number.
+    pub(crate) fn fill_zero(&mut self) {
         self.x.fill(0.0);
         self.y.fill(0.0);
         self.z.fill(0.0);
     }
 
-    /// All vectors in order.
+    /// Iterates over the vectors in order.
     pub fn iter(&self) -> impl Iterator<Item = DVec3> + '_ {
         (0..self.len()).map(|i| self.get(i))
-    }
-
-    /// The sum in order of index.
-    pub fn sum(&self) -> DVec3 {
-        self.iter().fold(DVec3::ZERO, |a, v| a + v)
     }
 }
 
 impl FromIterator<DVec3> for Vectors {
     fn from_iter<I: IntoIterator<Item = DVec3>>(iter: I) -> Self {
-        let mut made = Vectors::default();
+        let mut vectors = Vectors::default();
         for v in iter {
-            made.push(v);
+            vectors.push(v);
         }
-        made
+        vectors
     }
 }

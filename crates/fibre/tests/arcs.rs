@@ -1,11 +1,12 @@
 //! Clamps that bend the wood between them into an arc, and scenes on stems of other lengths than they were written for.
 
-use greenstick_fibre::energy::rod::strain;
-use greenstick_fibre::placement::place;
-use greenstick_fibre::scene::{BUILT_IN, Length, Scene, SetUp, set_up};
+use greenstick_fibre::energy::strain;
+use greenstick_fibre::placement::fill_stem;
+use greenstick_fibre::scene::{AssembledScene, BUILT_IN, Length, Scene, assemble};
 use greenstick_fibre::store::ForceRow;
 use greenstick_fibre::{
-    Failure, HowMany, NoContacts, Placement, QuasiStatic, Solver, WoodMaterial,
+    EdgeLengths, FailureCriteria, NoContacts, PlacementOptions, QuasiStatic, RodCount, Solver,
+    WoodMaterial,
 };
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::moisture::Fallback;
@@ -13,42 +14,45 @@ use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{StemOptions, find_stem};
 
-/// A mesh filled with as many rods as the scene says, in the scene.
-fn grown(mesh: Mesh, length: f64, scene: &Scene) -> SetUp {
+/// A mesh filled with the scene's number of rods, in the scene.
+fn filled(mesh: Mesh, length: f64, scene: &Scene) -> AssembledScene {
     let scene = scene.for_stem(length);
     let whole = "0.5".parse().unwrap();
     let found = find_stem(&[mesh], &whole, &StemOptions::default(), &Context::quiet()).unwrap();
     let ash = Species::find("white ash").unwrap();
-    let wood = WoodMaterial::of(ash, 12.0, Fallback::Refuse).unwrap();
-    let options = Placement {
-        rods: HowMany::Number(scene.rods.number),
-        edges: (scene.rods.edge[0].0, scene.rods.edge[1].0),
+    let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).unwrap();
+    let options = PlacementOptions {
+        rods: RodCount::Number(scene.rods.number),
+        edges: EdgeLengths {
+            least: scene.rods.edge[0].0,
+            greatest: scene.rods.edge[1].0,
+        },
         weibull: 12.0,
-        ..Placement::default()
+        ..PlacementOptions::default()
     };
-    let placed = place(&found.stem, &wood, &options).unwrap();
-    set_up(&scene, placed.bundle, &placed.along, &[]).unwrap()
+    let placed = fill_stem(&found.stem, &wood, &options, &Context::quiet()).unwrap();
+    assemble(&scene, placed.bundle, &placed.along, &[], &Context::quiet()).unwrap()
 }
 
-/// The built-in scene, with few rods that nothing breaks.
+/// The built-in scene, with few rods and without failure.
 fn bend() -> Scene {
     let mut scene = Scene::built_in("bend").unwrap();
     scene.rods.number = 24;
-    // The arc is that of a stem without edges: longer ones are further from it.
+    // The arc is that of a continuous stem, from which longer edges deviate more.
     scene.rods.edge = [Length(4e-3), Length(6e-3)];
     scene
 }
 
-/// Force on a clamp over the sum of all tension in the section in the middle, when each end has turned by 11°.
-fn pull(made: &mut SetUp) -> f64 {
-    made.world.failure = Failure::default();
+/// Returns the force on a clamp over the sum of all tension in the middle cross-section, when each end has turned by 11°.
+fn relative_pull(made: &mut AssembledScene) -> f64 {
+    made.world.failure = FailureCriteria::default();
     made.world.failure.rods_yield = false;
     made.world.failure.rods_break = false;
     let mut solver = QuasiStatic::new(Some(0.05));
     solver
-        .advance(&mut made.world, &mut NoContacts, 0.25)
+        .advance(&mut made.world, &mut NoContacts, 0.25, &Context::quiet())
         .unwrap();
-    let force = ForceRow::all(&made.world, &mut made.bodies, 1.0)[1].force;
+    let force = ForceRow::measure(&made.world, &mut made.bodies, 1.0)[1].force;
     let (bundle, state) = (&made.world.bundle, &made.world.state);
     let mut tension = 0.0;
     for rod in 0..bundle.rods() {
@@ -62,7 +66,7 @@ fn pull(made: &mut SetUp) -> f64 {
 }
 
 #[test]
-fn a_stem_is_bent_and_not_drawn_whatever_its_length_and_section() {
+fn a_stem_is_bent_and_not_stretched_whatever_its_length_and_cross_section() {
     let tapered = |length: f64| {
         branch(&BranchOptions {
             length,
@@ -78,30 +82,30 @@ fn a_stem_is_bent_and_not_drawn_whatever_its_length_and_section() {
         (tapered(0.3), 0.3, 0.04),
         (tapered(2.0), 2.0, 0.04),
     ] {
-        let mut made = grown(mesh, length, &bend());
-        let part = pull(&mut made);
+        let mut made = filled(mesh, length, &bend());
+        let part = relative_pull(&mut made);
         println!("{length} m: {part}");
         assert!(part < most, "{length} m: {part}");
     }
-    // Clamps that turn where they are draw it.
-    let mut made = grown(cylinder(0.01, 0.3, 48), 0.3, &bend());
+    // Clamps that only turn stretch it.
+    let mut made = filled(cylinder(0.01, 0.3, 48), 0.3, &bend());
     for clamp in &mut made.world.loads.clamps {
-        let greenstick_fibre::Motion::Keys(keys) = &mut clamp.motion else {
+        let greenstick_fibre::Motion::Keyframes(keys) = &mut clamp.motion else {
             panic!("{:?}", clamp.motion)
         };
         keys.iter_mut()
-            .for_each(|k| k.1.translation = glam::DVec3::ZERO);
+            .for_each(|k| k.pose.translation = glam::DVec3::ZERO);
     }
-    assert!(pull(&mut made) > 0.2);
+    assert!(relative_pull(&mut made) > 0.2);
 }
 
 #[test]
-fn clamps_come_nearer_by_what_an_arc_is_shorter_than_the_stem() {
-    let made = grown(cylinder(0.01, 0.3, 48), 0.3, &bend());
+fn clamps_approach_each_other_as_the_chord_of_the_arc_shortens() {
+    let made = filled(cylinder(0.01, 0.3, 48), 0.3, &bend());
     let (bundle, clamps) = (&made.world.bundle, &made.world.loads.clamps);
     let rest = &bundle.rest.x;
     let (mut free, rods) = (0.0, bundle.rods() as f64);
-    // The neutral line does not pass the clamps' centres, which are means of vertices.
+    // The neutral axis does not pass through the clamps' centres, which are means of vertices.
     let (mut height, mut weight) = (0.0, 0.0);
     for rod in 0..bundle.rods() {
         let inner = |v: &usize| !clamps.iter().any(|c| c.vertices.contains(&(*v as u32)));
@@ -129,7 +133,7 @@ fn clamps_come_nearer_by_what_an_arc_is_shorter_than_the_stem() {
 }
 
 #[test]
-fn scenes_are_as_much_larger_as_their_stem() {
+fn scenes_scale_with_their_stem() {
     for built_in in BUILT_IN {
         let scene = built_in.scene().unwrap();
         let Some(length) = scene.for_length else {
@@ -156,7 +160,7 @@ fn scenes_are_as_much_larger_as_their_stem() {
 }
 
 #[test]
-fn an_arc_that_cannot_be_is_refused() {
+fn an_impossible_arc_is_refused() {
     let two = |one: &str, other: &str| {
         format!("[[clamp]]\nto = 0.1\narc = true\n{one}\n[[clamp]]\nfrom = 0.9\nto = 1.0\n{other}")
     };
@@ -171,10 +175,8 @@ fn an_arc_that_cannot_be_is_refused() {
             "clamp 1 must be moved by key frames",
         ),
     ] {
-        let told = Scene::read(&text).unwrap_err().to_string();
-        assert!(
-            told.contains(words) && told.contains("clamp 0 has arc = true"),
-            "{told}"
-        );
+        let message = Scene::read(&text).unwrap_err().to_string();
+        let clamp = message.contains("clamp 0 has arc = true");
+        assert!(message.contains(words) && clamp, "{message}");
     }
 }

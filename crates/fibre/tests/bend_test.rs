@@ -1,13 +1,13 @@
-//! The bending test against the tables that the wood's numbers are from.
+//! The bending test against the tables from which the wood's properties come.
 
-use greenstick_fibre::{BendError, BendSection, BendTest, EventKind, HowMany, WoodMaterial};
+use greenstick_fibre::{BendError, BendSection, BendTest, EventKind, RodCount, WoodMaterial};
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
 
 fn coarse() -> BendTest {
     BendTest {
-        rods: HowMany::Number(16),
+        rods: RodCount::Number(16),
         edge: 0.03,
         end: 0.97,
         ..BendTest::default()
@@ -15,11 +15,11 @@ fn coarse() -> BendTest {
 }
 
 #[test]
-fn bending_returns_the_tables_modulus_and_strength() {
+fn bending_returns_the_modulus_and_strength_of_the_table() {
     // Stiff and strong; light and weak in compression.
     for name in ["white oak", "Atlantic white cedar"] {
         let species = Species::find(name).unwrap();
-        let wood = WoodMaterial::of(species, 12.0, Fallback::Refuse).unwrap();
+        let wood = WoodMaterial::from_species(species, 12.0, Fallback::Refuse).unwrap();
         let out = coarse().run(&wood, &Context::quiet()).unwrap();
         let modulus = out.modulus_of_elasticity / species.dry.modulus_of_elasticity.unwrap();
         let rupture = out.modulus_of_rupture / species.dry.modulus_of_rupture.unwrap();
@@ -34,12 +34,12 @@ fn bending_returns_the_tables_modulus_and_strength() {
 }
 
 #[test]
-fn half_the_distance_of_rods_and_half_the_edges_give_the_same_strength() {
+fn half_the_spacing_and_half_the_edges_give_the_same_strength() {
     let species = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::of(species, 12.0, Fallback::Refuse).unwrap();
+    let wood = WoodMaterial::from_species(species, 12.0, Fallback::Refuse).unwrap();
     let rupture = [(9, 0.04), (36, 0.02)].map(|(rods, edge)| {
         let test = BendTest {
-            rods: HowMany::Number(rods),
+            rods: RodCount::Number(rods),
             edge,
             end: 0.97,
             ..BendTest::default()
@@ -54,20 +54,21 @@ fn half_the_distance_of_rods_and_half_the_edges_give_the_same_strength() {
 }
 
 #[test]
-fn a_test_goes_on_through_splinters_to_its_end() {
+fn a_test_continues_through_splinters_to_its_end() {
     let test = BendTest {
-        rods: HowMany::Number(9),
+        rods: RodCount::Number(9),
         edge: 0.06,
         end: 0.3,
         ..BendTest::default()
     };
     for name in ["white oak", "Sitka spruce", "nutmeg hickory"] {
-        let wood = WoodMaterial::of(Species::find(name).unwrap(), 12.0, Fallback::Refuse).unwrap();
+        let wood = WoodMaterial::from_species(Species::find(name).unwrap(), 12.0, Fallback::Refuse)
+            .unwrap();
         let out = test.run(&wood, &Context::quiet()).unwrap();
         let last = out.points.last().unwrap();
         assert!(!out.came_apart, "{name}: {last:?}");
         assert!(last.load < 0.3 * out.maximum.load, "{name}: {last:?}");
-        // Every event is counted, where the curve was when it happened.
+        // Every event is counted, at the point of the curve where it happened.
         assert_eq!(
             (last.yielded + last.broken()) as usize,
             out.events.len(),
@@ -78,7 +79,7 @@ fn a_test_goes_on_through_splinters_to_its_end() {
                 |p: &greenstick_fibre::BendPoint| p.deflection == e.deflection && p.load == e.load;
             assert!(out.points.iter().any(on_the_curve), "{name}: {e:?}");
         }
-        // Energy comes from the load only: what broke cannot have taken more than the load's work.
+        // Energy comes from the load only: breaks cannot take more than its work.
         let work: f64 = out
             .points
             .windows(2)
@@ -92,7 +93,7 @@ fn a_test_goes_on_through_splinters_to_its_end() {
 #[test]
 fn specimens_that_cannot_be_tested_are_refused() {
     let species = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::of(species, 12.0, Fallback::Refuse).unwrap();
+    let wood = WoodMaterial::from_species(species, 12.0, Fallback::Refuse).unwrap();
     let bad = [
         BendTest {
             span: 0.8,
@@ -107,11 +108,11 @@ fn specimens_that_cannot_be_tested_are_refused() {
             ..coarse()
         },
         BendTest {
-            rods: HowMany::Number(0),
+            rods: RodCount::Number(0),
             ..coarse()
         },
         BendTest {
-            rods: HowMany::Spacing(0.06),
+            rods: RodCount::Spacing(0.06),
             ..coarse()
         },
         BendTest {
@@ -124,7 +125,7 @@ fn specimens_that_cannot_be_tested_are_refused() {
         assert!(matches!(refused, Err(BendError::Value { .. })), "{test:?}");
     }
     let huge = BendTest {
-        rods: HowMany::Number(u32::MAX),
+        rods: RodCount::Number(u32::MAX),
         ..coarse()
     };
     assert!(matches!(huge.check(), Err(BendError::TooFine { .. })));

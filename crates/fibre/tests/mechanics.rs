@@ -1,15 +1,17 @@
-//! Rods and bundles against closed forms of mechanics (`model.md` §5).
+//! Rods and bundles against closed forms of mechanics.
 
 mod support;
 
 use glam::DVec3;
 use greenstick_fibre::{
-    Bundle, Clamp, Explicit, Motion, NoContacts, PointForce, Ramp, Rod, RodMaterial, Solver, World,
+    Clamp, Explicit, Motion, NoContacts, PointForce, Ramp, Rod, RodBundle, RodMaterial, Solver,
+    World,
 };
+use greenstick_geometry::Context;
 use std::f64::consts::PI;
 use support::{bond_all, straight};
 
-/// A rod that is 40 times as stiff in stretch as its bending needs: nearly inextensible, at a step that is not small.
+/// A rod 40 times as stiff in stretch as its bending needs: nearly inextensible, at a step that is not small.
 fn rod(length: f64, edges: usize) -> (Rod, RodMaterial) {
     let bend = 1e-3;
     let material = RodMaterial {
@@ -22,15 +24,16 @@ fn rod(length: f64, edges: usize) -> (Rod, RodMaterial) {
     (straight(DVec3::ZERO, length, edges, material), material)
 }
 
-/// Lets a world come to rest: heavy damping, until it hardly moves.
-fn settle(world: &mut World, damping: f64, time: f64) {
+/// Lets a world come to rest with heavy damping.
+fn come_to_rest(world: &mut World, damping: f64, time: f64) {
     world.loads.damping = damping;
     Explicit::new(None)
-        .advance(world, &mut NoContacts, time)
+        .advance(world, &mut NoContacts, time, &Context::quiet())
         .unwrap();
 }
 
-/// Tip (x, z) of an inextensible cantilever along z under a tip force f across it, by shooting with Runge–Kutta steps.
+/// Returns the tip (x, z) of an inextensible cantilever along z under a tip force f across it, by shooting with Runge–Kutta
+/// steps.
 fn elastica(bend: f64, length: f64, force: f64) -> (f64, f64) {
     let shoot = |moment: f64| {
         let n = 4000;
@@ -64,18 +67,18 @@ fn elastica(bend: f64, length: f64, force: f64) -> (f64, f64) {
     (x, z)
 }
 
-/// Tip of a cantilever under a tip force. Its clamp holds the first edge; bending is spread over the half edges about
-/// vertices, so the free length begins at the middle of that edge.
+/// Returns the tip of a cantilever under a tip force. Its clamp holds the first edge; bending is distributed over the half
+/// edges about vertices, so that the free length begins at the middle of that edge.
 fn cantilever(edges: usize, force: f64, twisting: bool) -> DVec3 {
     let (rod, _) = rod(1.0, edges);
-    let mut world = World::new(Bundle::new(&[rod], twisting).unwrap());
-    world.loads.clamps = vec![Clamp::of(&world.bundle, vec![0, 1], Motion::Fixed)];
+    let mut world = World::new(RodBundle::new(&[rod], twisting).unwrap());
+    world.loads.clamps = vec![Clamp::new(&world.bundle, vec![0, 1], Motion::Fixed)];
     world.loads.forces = vec![PointForce {
         vertex: edges as u32,
         force: DVec3::X * force,
         ramp: Ramp::Constant,
     }];
-    settle(&mut world, 1.4, 25.0);
+    come_to_rest(&mut world, 1.4, 25.0);
     world.state.position.get(edges)
 }
 
@@ -83,24 +86,24 @@ fn cantilever(edges: usize, force: f64, twisting: bool) -> DVec3 {
 fn a_cantilever_bends_as_the_elastica() {
     let half = |n: usize| 0.5 / n as f64;
     // P L²/α = 4: the tip leans far over.
-    let (force, mut misses) = (4e-3, Vec::new());
+    let (force, mut errors) = (4e-3, Vec::new());
     for (edges, twisting) in [(10, false), (20, false), (40, false), (20, true)] {
         let (x, z) = elastica(1e-3, 1.0 - half(edges), force);
         let tip = cantilever(edges, force, twisting);
-        let miss = ((tip.x - x).powi(2) + (tip.z - half(edges) - z).powi(2)).sqrt() / x;
+        let error = ((tip.x - x).powi(2) + (tip.z - half(edges) - z).powi(2)).sqrt() / x;
         println!(
             "{edges} edges, twist {twisting}: tip {tip}, elastica ({x}, {z}), off by {:.3} %",
-            100.0 * miss
+            100.0 * error
         );
-        misses.push(miss);
+        errors.push(error);
     }
-    assert!(misses[2] < 5e-3 && misses[3] < 5e-3, "{misses:?}");
-    assert!(misses[1] < 0.5 * misses[0], "{misses:?}");
+    assert!(errors[2] < 5e-3 && errors[3] < 5e-3, "{errors:?}");
+    assert!(errors[1] < 0.5 * errors[0], "{errors:?}");
 }
 
-/// Rate (1/s²) at which a small bow grows under a load, negative where it swings back: the square of the frequency of
-/// the first mode, from the Rayleigh quotient along the motion of a rod let go at rest.
-fn swing(mut world: World, time: f64) -> f64 {
+/// Returns the square of the frequency (1/s²) of the first mode, from the motion of a rod that is released at rest: positive
+/// where it swings back, negative where its deflection grows.
+fn squared_frequency(mut world: World, time: f64) -> f64 {
     let rest = world.bundle.rest.x.clone();
     let shape: Vec<f64> = world
         .state
@@ -118,7 +121,7 @@ fn swing(mut world: World, time: f64) -> f64 {
     };
     let start = amplitude(&world);
     Explicit::new(None)
-        .advance(&mut world, &mut NoContacts, time)
+        .advance(&mut world, &mut NoContacts, time, &Context::quiet())
         .unwrap();
     let ratio = amplitude(&world) / start;
     // cos(ωt) or cosh(ωt) of a pure mode.
@@ -133,8 +136,8 @@ fn swing(mut world: World, time: f64) -> f64 {
 fn first_frequencies_are_those_of_beams() {
     let edges = 40;
     let (made, material) = rod(1.0, edges);
-    let bundle = Bundle::new(&[made], false).unwrap();
-    // Clamped and free, from the half edge that the clamp leaves; free and free.
+    let bundle = RodBundle::new(&[made], false).unwrap();
+    // Clamped and free, from the half edge that the clamp leaves free; free and free.
     let beam = |k: f64, l: f64| (k / l).powi(4) * material.bend / material.line_density;
     let shape = |k: f64, s: f64, sign: f64| {
         let r = if sign < 0.0 {
@@ -157,10 +160,10 @@ fn first_frequencies_are_those_of_beams() {
             world.state.position.x[i] = if held { 0.0 } else { 1e-4 * shape(k, s, sign) };
         }
         if sign < 0.0 {
-            world.loads.clamps = vec![Clamp::of(&world.bundle, vec![0, 1], Motion::Fixed)];
+            world.loads.clamps = vec![Clamp::new(&world.bundle, vec![0, 1], Motion::Fixed)];
         }
         let exact = beam(k, 1.0 - offset);
-        let got = swing(world, 1.0 / exact.sqrt());
+        let got = squared_frequency(world, 1.0 / exact.sqrt());
         let off = (got / exact).sqrt() - 1.0;
         println!(
             "mode {k}: {} Hz, beam {} Hz, off by {:.3} %",
@@ -176,9 +179,9 @@ fn first_frequencies_are_those_of_beams() {
 fn a_pinned_strut_buckles_at_eulers_load() {
     let edges = 40;
     let (made, material) = rod(1.0, edges);
-    let bundle = Bundle::new(&[made], false).unwrap();
+    let bundle = RodBundle::new(&[made], false).unwrap();
     let euler = PI * PI * material.bend;
-    // The frequency squared of the bow falls evenly with the load, to 0 at the critical one.
+    // The squared frequency falls linearly with the load, to 0 at the critical load.
     let at = |load: f64| {
         let mut world = World::new(bundle.clone());
         let strain = -load / material.stretch;
@@ -187,7 +190,7 @@ fn a_pinned_strut_buckles_at_eulers_load() {
             world.state.position.x[i] = 1e-5 * (PI * s).sin();
             world.state.position.z[i] = s * (1.0 + strain);
         }
-        let mut ends = [0, edges as u32].map(|v| Clamp::of(&world.bundle, vec![v], Motion::Fixed));
+        let mut ends = [0, edges as u32].map(|v| Clamp::new(&world.bundle, vec![v], Motion::Fixed));
         ends[0].axes = [true, true, true];
         ends[1].axes = [true, true, false];
         world.loads.clamps = ends.into();
@@ -196,7 +199,7 @@ fn a_pinned_strut_buckles_at_eulers_load() {
             force: DVec3::Z * -load,
             ramp: Ramp::Constant,
         }];
-        swing(world, 0.5)
+        squared_frequency(world, 0.5)
     };
     let (low, high) = (0.9 * euler, 1.1 * euler);
     let (a, b) = (at(low), at(high));
@@ -208,8 +211,8 @@ fn a_pinned_strut_buckles_at_eulers_load() {
     assert!(a > 0.0 && b < 0.0 && (critical / euler - 1.0).abs() < 0.02);
 }
 
-/// Free beam of 4 × 4 rods, 5 mm apart, staggered by half an edge; bonds between side neighbours for a shear modulus
-/// `ratio` times E. Returns its bending stiffness over E h⁴/12, from the frequency.
+/// Returns the bending stiffness over E h⁴/12, from the frequency, of a free beam of 4 × 4 rods, 5 mm apart, staggered by half
+/// an edge, with bonds between side neighbours for a shear modulus of `ratio` times E.
 fn bonded_beam(ratio: f64) -> f64 {
     let (young, a, length, edges) = (1e7, 5e-3, 0.6, 240);
     let material = RodMaterial::solid(a * a, young, ratio * young, 600.0);
@@ -231,8 +234,8 @@ fn bonded_beam(ratio: f64) -> f64 {
             rod
         })
         .collect();
-    let mut bundle = Bundle::new(&rods, false).unwrap();
-    // Half of the facet for each of its two rods.
+    let mut bundle = RodBundle::new(&rods, false).unwrap();
+    // Each of the two rods of a facet has half of it.
     let facet = 0.5 * a * step;
     bond_all(
         &mut bundle,
@@ -254,7 +257,7 @@ fn bonded_beam(ratio: f64) -> f64 {
     }
     let height = 4.0 * a;
     let solid = young * height.powi(4) / 12.0 / (600.0 * height * height) * (k / length).powi(4);
-    swing(world, 0.3 / solid.sqrt()) / solid
+    squared_frequency(world, 0.3 / solid.sqrt()) / solid
 }
 
 #[test]
@@ -264,7 +267,7 @@ fn a_bonded_bundle_lies_between_layers_and_the_solid_beam() {
     for (g, s) in ratios.iter().zip(made) {
         println!("G/E {g}: {s:.4} of the solid beam's stiffness");
     }
-    // Sixteen round rods of the same area, each for itself.
+    // Sixteen round rods of the same area, each by itself.
     let layers = 16.0 * (12.0 / (4.0 * PI)) / 256.0;
     assert!(
         (made[0] / layers - 1.0).abs() < 0.01,
@@ -275,8 +278,8 @@ fn a_bonded_bundle_lies_between_layers_and_the_solid_beam() {
     assert!((made[5] - 1.0).abs() < 0.03 && made[5] < 1.01, "{made:?}");
 }
 
-/// Part of the first out-of-plane bow of a closed ring that is left (or grown to) when its ends are twisted by `turns`
-/// times Michell's critical twist.
+/// Returns the ratio of late to early out-of-plane deflection of a closed ring whose ends are twisted by `turns` times
+/// Michell's critical twist.
 fn twisted_ring(turns: f64) -> f64 {
     let edges = 60;
     let (bend, twist) = (1e-3, 0.8e-3);
@@ -294,7 +297,7 @@ fn twisted_ring(turns: f64) -> f64 {
         .collect();
     let mut made = Rod::new(vertices, material);
     made.director = Some(DVec3::Y);
-    let mut world = World::new(Bundle::new(&[made], true).unwrap());
+    let mut world = World::new(RodBundle::new(&[made], true).unwrap());
     let radius = 0.5 * step / (PI * step).sin();
     for i in 0..=edges + 1 {
         let a = 2.0 * PI * i as f64 * step;
@@ -309,14 +312,14 @@ fn twisted_ring(turns: f64) -> f64 {
             .position
             .set(i, DVec3::new(radius * a.sin(), bow, radius * a.cos()));
     }
-    world.state.carry_frames(&world.bundle);
+    world.state.transport_frames(&world.bundle);
     let total = turns * 2.0 * PI * 3.0f64.sqrt() * bend / twist;
     let ends = [0, edges];
     for (k, j) in ends.into_iter().enumerate() {
-        let mut clamp = Clamp::of(&world.bundle, vec![j as u32, j as u32 + 1], Motion::Fixed);
-        clamp.held = [j, j + 1].map(|v| world.state.position.get(v)).into();
+        let mut clamp = Clamp::new(&world.bundle, vec![j as u32, j as u32 + 1], Motion::Fixed);
+        clamp.rest_positions = [j, j + 1].map(|v| world.state.position.get(v)).into();
         let tangent = world.state.edge(j).normalize();
-        clamp.directors = vec![greenstick_fibre::frames::turned(
+        clamp.directors = vec![greenstick_fibre::material_frame::rotate_director(
             DVec3::Y,
             tangent,
             total * k as f64,
@@ -329,7 +332,9 @@ fn twisted_ring(turns: f64) -> f64 {
     world.loads.damping = 0.5;
     let mut solver = Explicit::new(None);
     let mut size = |time: f64| {
-        solver.advance(&mut world, &mut NoContacts, time).unwrap();
+        solver
+            .advance(&mut world, &mut NoContacts, time, &Context::quiet())
+            .unwrap();
         world
             .state
             .position

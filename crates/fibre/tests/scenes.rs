@@ -1,11 +1,12 @@
 //! Scenes: the built-in ones, what is refused and how, and a bundle set up in one.
 
 use glam::{DVec3, dvec3};
-use greenstick_fibre::scene::{BUILT_IN, Declared, Scene, SolverWord, set_up};
-use greenstick_fibre::{Bundle, Motion, Rod, RodMaterial};
+use greenstick_fibre::scene::{BUILT_IN, Declared, Scene, SolverChoice, assemble};
+use greenstick_fibre::{Motion, Rod, RodBundle, RodMaterial};
+use greenstick_geometry::Context;
 
 /// Four rods along a slanted line, 20 cm long, 11 vertices each.
-fn sticks() -> (Bundle, Vec<f64>) {
+fn sticks() -> (RodBundle, Vec<f64>) {
     let along = dvec3(1.0, 2.0, 0.5).normalize();
     let across = along.any_orthonormal_vector();
     let material = RodMaterial::solid(4e-6, 1e9, 1e8, 600.0);
@@ -19,7 +20,7 @@ fn sticks() -> (Bundle, Vec<f64>) {
             Rod::new((0..11).map(place).collect(), material)
         })
         .collect();
-    (Bundle::new(&rods, false).unwrap(), lengths)
+    (RodBundle::new(&rods, false).unwrap(), lengths)
 }
 
 #[test]
@@ -32,8 +33,11 @@ fn built_in_scenes_can_be_read_and_written_without_loss() {
         let again = Scene::read(&scene.to_toml()).unwrap();
         assert_eq!(again, scene, "{}", built_in.name);
     }
-    let told = Scene::built_in("three-bloks").unwrap_err().to_string();
-    assert!(told.contains("did you mean \"three-blocks\""), "{told}");
+    let message = Scene::built_in("three-bloks").unwrap_err().to_string();
+    assert!(
+        message.contains("did you mean \"three-blocks\""),
+        "{message}"
+    );
 }
 
 #[test]
@@ -48,7 +52,7 @@ fn every_key_is_documented_and_its_default_in_range() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line_and_what_would_be_right() {
+fn errors_have_the_line_and_what_would_be_right() {
     for (text, words) in [
         (
             "durration = 3",
@@ -88,8 +92,8 @@ fn what_is_wrong_is_told_with_its_line_and_what_would_be_right() {
         ),
         ("seed = \"x", "line 1"),
     ] {
-        let told = Scene::read(text).unwrap_err().to_string();
-        assert!(told.contains(words), "{text:?}: {told}");
+        let message = Scene::read(text).unwrap_err().to_string();
+        assert!(message.contains(words), "{text:?}: {message}");
     }
 }
 
@@ -104,7 +108,7 @@ fn a_bundle_lies_in_the_scenes_axes_and_bodies_touch_it() {
          [[body]]\nshape = \"sphere\"\ndiameter = \"2 cm\"\nat = 0.5\ntouch = [0, 0, 1]",
     )
     .unwrap();
-    let made = set_up(&scene, bundle, &along, &[]).unwrap();
+    let made = assemble(&scene, bundle, &along, &[], &Context::quiet()).unwrap();
     let bundle = &made.world.bundle;
     assert!((made.length - 0.2).abs() < 1e-12);
     for i in 0..bundle.vertices() {
@@ -132,14 +136,14 @@ fn a_bundle_lies_in_the_scenes_axes_and_bodies_touch_it() {
     );
     let clamp = &made.world.loads.clamps[0];
     assert_eq!(clamp.vertices.len(), 8);
-    let Motion::Keys(keys) = &clamp.motion else {
+    let Motion::Keyframes(keys) = &clamp.motion else {
         panic!("{clamp:?}")
     };
-    assert!((keys[1].1.rotation * DVec3::X).distance(DVec3::NEG_Z) < 1e-12);
+    assert!((keys[1].pose.rotation * DVec3::X).distance(DVec3::NEG_Z) < 1e-12);
 }
 
 #[test]
-fn what_does_not_fit_the_bundle_is_refused() {
+fn scenes_that_do_not_fit_the_bundle_are_refused() {
     for (text, words) in [
         (
             "[[clamp]]\nfrom = 0.41\nto = 0.49",
@@ -169,11 +173,11 @@ fn what_does_not_fit_the_bundle_is_refused() {
     ] {
         let (bundle, along) = sticks();
         let scene = Scene::read(text).unwrap();
-        let told = set_up(&scene, bundle, &along, &[])
+        let message = assemble(&scene, bundle, &along, &[], &Context::quiet())
             .err()
             .map(|e| e.to_string())
             .unwrap_or_default();
-        assert!(told.contains(words), "{text:?}: {told}");
+        assert!(message.contains(words), "{text:?}: {message}");
     }
 }
 
@@ -183,7 +187,7 @@ fn a_bent_start_has_the_energy_of_the_bent_beam() {
     let (bundle, along) = sticks();
     let scene = Scene::read("[start]\nbend = 12.0").unwrap();
     let (area, bend) = (4e-6, bundle.bend[1]);
-    let made = set_up(&scene, bundle, &along, &[]).unwrap();
+    let made = assemble(&scene, bundle, &along, &[], &Context::quiet()).unwrap();
     let kappa = 12f64.to_radians() / 0.2;
     let rest = &made.world.bundle.rest;
     let mut expected = 0.0;
@@ -200,27 +204,30 @@ fn a_bent_start_has_the_energy_of_the_bent_beam() {
 #[test]
 fn every_solver_takes_the_scenes_that_it_can_and_refuses_the_others_with_a_reason() {
     for built_in in BUILT_IN {
-        for solver in SolverWord::ALL {
+        for solver in SolverChoice::ALL {
             let scene = Scene {
                 solver,
                 ..built_in.scene().unwrap()
             };
             let still = !["bend", "twist", "pull", "snow"].contains(&built_in.name);
-            let told = scene.check().map_err(|e| e.to_string());
-            if solver == SolverWord::QuasiStatic && still {
-                let told = told.unwrap_err();
+            let message = scene.check().map_err(|e| e.to_string());
+            if solver == SolverChoice::QuasiStatic && still {
+                let message = message.unwrap_err();
                 assert!(
-                    told.contains("quasi-static solver cannot be used here: it has no inertia"),
-                    "{}: {told}",
+                    message.contains("quasi-static solver cannot be used here: it has no inertia"),
+                    "{}: {message}",
                     built_in.name
                 );
             } else {
-                assert_eq!(told, Ok(()), "{}", built_in.name);
+                assert_eq!(message, Ok(()), "{}", built_in.name);
                 assert_eq!(scene.make_solver().name(), solver.name());
                 assert_eq!(Scene::read(&scene.to_toml()).unwrap().solver, solver);
             }
         }
     }
-    let told = Scene::read("solver = \"implicit\"\n[[body]]\nmotion = \"free\"").unwrap_err();
-    assert!(told.to_string().contains("body 0 moves freely"), "{told}");
+    let message = Scene::read("solver = \"implicit\"\n[[body]]\nmotion = \"free\"").unwrap_err();
+    assert!(
+        message.to_string().contains("body 0 moves freely"),
+        "{message}"
+    );
 }

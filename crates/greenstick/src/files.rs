@@ -2,6 +2,9 @@
 //!
 //! This is the one place in the libraries that touches the file system; all stages work on scenes.
 
+#[cfg(feature = "simulate")]
+pub mod run;
+
 use greenstick_formats::{
     CloudFormat, Content, Encoded, Format, FormatError, InputFormat, LengthUnit,
 };

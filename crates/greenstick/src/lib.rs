@@ -38,7 +38,7 @@
 //! works on one thread.
 //!
 //! - `files`: the module `files`, which reads and writes files.
-//! - `simulate`: the modules `simulate`, `film`, `fit` and `bending`, and the crate `fibre`; turns on `files`.
+//! - `simulate`: the modules `simulate`, `film`, `fit` and `bending`, and the crate `fibre`. With `files`, runs are read from folders and written to them.
 //! - `laz`: reads compressed point clouds.
 //! - `parquet`: writes tables as Parquet.
 //! - `usd`: writes scenes and films as USD.

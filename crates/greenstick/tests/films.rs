@@ -6,10 +6,9 @@ use greenstick::fibre::scene::Scene as Setting;
 use greenstick::film::{FilmOptions, Run, SkinnedFilm, collision, level};
 use greenstick::geometry::convex::is_convex;
 use greenstick::geometry::{Bvh, Context, ConvexOptions, Mesh, Motion, Node, Pose, Scene};
-use greenstick::simulate::{Origin, SimulateRequest, simulate};
+use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
 use greenstick::wood::primitive;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const RADIUS: f64 = 3e-3;
 const LENGTH: f64 = 0.1;
@@ -86,29 +85,20 @@ fn input() -> Scene {
     }
 }
 
-/// A folder that goes with its content.
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn run(name: &str) -> (Temporary, Run) {
-    let folder = std::env::temp_dir().join(format!("greenstick-{name}-{}", std::process::id()));
-    let _ = fs::remove_dir_all(&folder);
+/// Simulates the scene in memory.
+fn run() -> Run {
     let request = SimulateRequest {
         scene: Setting::read(SCENE).unwrap(),
-        origin: Origin::of(None, Path::new("")),
-        folder: folder.clone(),
+        meshes: SceneMeshes {
+            input: Some(input()),
+            bodies: Vec::new(),
+        },
         resume: false,
     };
-    let input = input();
     let context = Context::quiet();
-    simulate(Some(&input), &request, &context).unwrap();
-    let run = Run::open(&folder, Some(&input), Path::new(""), &context).unwrap();
-    (Temporary(folder), run)
+    let mut store = MemoryRun::new();
+    simulate(&request, &mut store, &context).unwrap();
+    Run::open(Arc::new(store), &request.meshes, &context).unwrap()
 }
 
 fn options(rest: bool) -> FilmOptions {
@@ -126,9 +116,17 @@ fn piece<'a>(film: &'a SkinnedFilm, name: &str) -> (usize, &'a Mesh) {
     (at, &film.film.pieces[at].mesh)
 }
 
+/// Returns how far a point is from the nearest joint of the rods, where joint `j` is at `position(j)`, m.
+fn rod_distance(film: &SkinnedFilm, position: impl Fn(usize) -> DVec3, p: DVec3) -> f64 {
+    let joints = film.film.joints.iter().enumerate();
+    let rods = joints.filter(|(_, joint)| joint.name.starts_with("vertex"));
+    rods.map(|(j, _)| position(j).distance(p))
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[test]
 fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
-    let (_folder, mut run) = run("beyond");
+    let mut run = run();
     let context = Context::quiet();
     let frames = run.frames();
     let mut film = run.film(0..frames, &options(true), &context).unwrap();
@@ -192,15 +190,10 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let far = before[0].distance(after[0]);
     assert!(far > RADIUS, "the leaf moved by {far} m only");
     // As near to the rods as it was, but for how they bend below it.
-    let joint = |poses: &dyn Fn(usize) -> DVec3, p: DVec3| {
-        let all =
-            (0..film.film.joints.len()).filter(|&j| film.film.joints[j].name.starts_with("vertex"));
-        all.map(|j| poses(j).distance(p))
-            .fold(f64::INFINITY, f64::min)
-    };
+    let at_rest = |j: usize| film.film.joints[j].rest.translation;
     let near = [
-        joint(&|j| film.film.joints[j].rest.translation, before[0]),
-        joint(&|j| poses[j].translation, after[0]),
+        rod_distance(&film, at_rest, before[0]),
+        rod_distance(&film, |j| poses[j].translation, after[0]),
     ];
     assert!((near[0] - near[1]).abs() < 0.5 * RADIUS, "{near:?}");
 
@@ -214,7 +207,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
 
 #[test]
 fn still_halves_stand_where_the_input_has_them_with_what_they_carry() {
-    let (_folder, mut run) = run("beyond-still");
+    let mut run = run();
     let frames = run.frames();
     let still = run
         .at_rest(frames - 1, &options(true), &Context::quiet())
@@ -245,7 +238,7 @@ fn beyond(shape: &Mesh, p: DVec3) -> f64 {
 
 #[test]
 fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
-    let (_folder, mut run) = run("shapes");
+    let mut run = run();
     let context = Context::quiet();
     let frames = run.frames();
     let film = run.film(0..frames, &options(true), &context).unwrap().film;
@@ -285,7 +278,7 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
 
 #[test]
 fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
-    let (_folder, mut run) = run("levels");
+    let mut run = run();
     let context = Context::quiet();
     let frames = run.frames();
     let mut made = run.film(0..frames, &options(true), &context).unwrap();
@@ -334,7 +327,7 @@ fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
 
 #[test]
 fn pieces_that_move_as_a_whole_follow_one_joint_and_are_where_their_skin_was() {
-    let (_folder, mut run) = run("whole");
+    let mut run = run();
     let context = Context::quiet();
     let frames = run.frames();
     // In the first frame nothing has moved yet.

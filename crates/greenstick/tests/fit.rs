@@ -1,8 +1,10 @@
 //! Parameters fitted to breaks that are known come back, and a face drawn with them is as high as the breaks were.
 
 use glam::{DAffine3, DVec2};
-use greenstick::fibre::event::Cause;
-use greenstick::fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
+use greenstick::fibre::Cause;
+use greenstick::fibre::placement::{
+    EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
 use greenstick::fit::{Fit, FitError, FitSource, fit_fracture_state};
 use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
@@ -24,7 +26,7 @@ const AT: f64 = 0.4;
 struct Grown {
     scene: Scene,
     stem: Stem,
-    placed: Placed,
+    placed: PlacedRods,
 }
 
 fn grown() -> Grown {
@@ -43,14 +45,17 @@ fn grown() -> Grown {
         .unwrap()
         .stem;
     let oak = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
-    let options = Placement {
-        rods: HowMany::Number(150),
-        edges: (0.9 * EDGE * RADIUS, 1.1 * EDGE * RADIUS),
-        ..Placement::default()
+    let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
+    let options = PlacementOptions {
+        rods: RodCount::Number(150),
+        edges: EdgeLengths {
+            least: 0.9 * EDGE * RADIUS,
+            greatest: 1.1 * EDGE * RADIUS,
+        },
+        ..PlacementOptions::default()
     };
     Grown {
-        placed: place(&stem, &wood, &options).unwrap(),
+        placed: fill_stem(&stem, &wood, &options, &Context::quiet()).unwrap(),
         stem,
         scene,
     }

@@ -3,9 +3,9 @@
 //! `cargo bench -p greenstick-skin --bench rods`
 
 use glam::DAffine3;
-use greenstick_fibre::loads::Loads;
-use greenstick_fibre::placement::{HowMany, Placement, WoodMaterial, place};
-use greenstick_fibre::state::State;
+use greenstick_fibre::Loads;
+use greenstick_fibre::State;
+use greenstick_fibre::placement::{PlacementOptions, RodCount, WoodMaterial, fill_stem};
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Context, Film, Joint};
@@ -36,7 +36,8 @@ fn median(times: usize, mut work: impl FnMut()) -> f64 {
 
 fn main() {
     let oak = Species::find("white oak").expect("the table has it");
-    let material = WoodMaterial::of(oak, 12.0, Fallback::Refuse).expect("oak is known dry");
+    let material =
+        WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).expect("oak is known dry");
     println!("rods vertices broken_rods fibres triangles made_ms points_ms points_and_normals_ms");
     for (rods, part) in [(100, 0.0), (100, 0.02), (400, 0.02)] {
         let stem = find_stem(
@@ -47,12 +48,11 @@ fn main() {
         )
         .expect("a cylinder is a stem")
         .stem;
-        let options = Placement {
-            rods: HowMany::Number(rods),
-            edges: (0.004, 0.006),
-            ..Placement::default()
+        let options = PlacementOptions {
+            rods: RodCount::Number(rods),
+            ..PlacementOptions::default()
         };
-        let placed = place(&stem, &material, &options).expect("rods fit");
+        let placed = fill_stem(&stem, &material, &options, &Context::quiet()).expect("rods fit");
         let wood = Wood {
             stem: &stem,
             stem_to_rods: DAffine3::IDENTITY,
@@ -78,7 +78,7 @@ fn main() {
             &bonds,
             &splits,
         );
-        let frame = Frame::of(&bundle, &state, &[]);
+        let frame = Frame::capture(&bundle, &state, &[]);
         let state =
             FractureState::from_frame(&wood, &frame, &BTreeMap::new()).expect("it is its own");
         let square = SectionSquare {

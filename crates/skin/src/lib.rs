@@ -10,6 +10,8 @@ pub mod fray;
 pub mod hang;
 pub mod prepared;
 #[cfg(feature = "rods")]
+pub mod remainder;
+#[cfg(feature = "rods")]
 pub mod rods;
 #[cfg(feature = "rods")]
 pub mod rods_scene;

@@ -39,7 +39,7 @@ pub struct BodyNode {
 ///
 /// // A rod of one edge.
 /// let frame = Frame {
-///     first: vec![0, 2],
+///     rod_offsets: vec![0, 2],
 ///     diameter: vec![0.002],
 ///     position: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 0.01]],
 ///     director: vec![[1.0, 0.0, 0.0]; 2],
@@ -64,14 +64,14 @@ pub fn rods_scene(frame: &Frame, shapes: &[Shape]) -> Scene {
 /// Returns the bodies of a frame with the material of number `material`; `shapes` as for [`rods_scene`].
 pub fn body_nodes(frame: &Frame, shapes: &[Shape], material: u32) -> Vec<BodyNode> {
     let mut nodes = Vec::new();
-    for (number, (shape, &(centre, rotation))) in shapes.iter().zip(&frame.bodies).enumerate() {
+    for (number, (shape, body)) in shapes.iter().zip(&frame.bodies).enumerate() {
         let (mut mesh, transform, follows) = match shape {
             Shape::HalfSpace { normal } => {
-                let plate = plate(frame, centre, rotation * *normal);
+                let plate = plate(frame, body.centre, body.rotation * *normal);
                 (plate, DAffine3::IDENTITY, None)
             }
             _ => {
-                let transform = DAffine3::from_rotation_translation(rotation, centre);
+                let transform = DAffine3::from_rotation_translation(body.rotation, body.centre);
                 (solid(shape), transform, Some(number))
             }
         };
@@ -103,7 +103,7 @@ fn plain_material(name: &str, base_color: [f32; 4]) -> Material {
 fn tubes(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let position = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
-    for (rod, ends) in frame.first.windows(2).enumerate() {
+    for (rod, ends) in frame.rod_offsets.windows(2).enumerate() {
         let (from, to) = (ends[0] as usize, ends[1] as usize);
         let radius = 0.5 * f64::from(frame.diameter[rod]);
         let mut across = DVec3::from_array(frame.director[from].map(f64::from));
@@ -159,9 +159,9 @@ fn solid(shape: &Shape) -> Mesh {
         }
         // A hull or mesh that is no solid was refused when the scene was read.
         _ => match shape.surface(0, false) {
-            Ok(Some((positions, triangles))) => Mesh {
-                positions,
-                triangles,
+            Ok(Some(surface)) => Mesh {
+                positions: surface.points,
+                triangles: surface.triangles,
                 ..Mesh::default()
             },
             _ => Mesh::default(),

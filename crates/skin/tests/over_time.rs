@@ -4,9 +4,9 @@ mod common;
 
 use common::{Grown, MATERIALS, grown, wood};
 use glam::{DAffine3, DVec3};
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::loads::Loads;
-use greenstick_fibre::state::State;
+use greenstick_fibre::Loads;
+use greenstick_fibre::RodBundle;
+use greenstick_fibre::State;
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::{Film, Joint};
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 
 /// An arc in a plane of the stem's axis that grows with `part`, with some wriggling of each rod by itself where it is
 /// broken off.
-fn bent(bundle: &Bundle, state: &mut State, part: f64) {
+fn bent(bundle: &RodBundle, state: &mut State, part: f64) {
     let low = bundle.rest.iter().fold(DVec3::INFINITY, DVec3::min);
     let high = bundle.rest.iter().fold(DVec3::NEG_INFINITY, DVec3::max);
     let extent = (high - low).to_array();
@@ -39,7 +39,7 @@ fn bent(bundle: &Bundle, state: &mut State, part: f64) {
             state.position.set(i, p + middle);
         }
     }
-    state.carry_frames(bundle);
+    state.transport_frames(bundle);
 }
 
 /// Frames of a bundle that bends and breaks: at first whole, then some rods and bonds, then bonds only.
@@ -59,7 +59,7 @@ fn frames(grown: &Grown) -> Vec<Frame> {
             break_up(&mut bundle, &mut state, &mut loads, &bonds, &splits);
         }
         bent(&bundle, &mut state, 0.2 * (round + 1) as f64);
-        let mut frame = Frame::of(&bundle, &state, &[]);
+        let mut frame = Frame::capture(&bundle, &state, &[]);
         frame.time = round as f64;
         frames.push(frame);
     }

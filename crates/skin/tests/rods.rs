@@ -4,9 +4,9 @@ mod common;
 
 use common::{Grown, MATERIALS, grown, wood};
 use glam::{DAffine3, DQuat, DVec3};
-use greenstick_fibre::event::Cause;
-use greenstick_fibre::loads::Loads;
-use greenstick_fibre::state::State;
+use greenstick_fibre::Cause;
+use greenstick_fibre::Loads;
+use greenstick_fibre::State;
 use greenstick_fibre::store::Frame;
 use greenstick_fibre::topology::break_up;
 use greenstick_geometry::check::CheckOptions;
@@ -37,13 +37,13 @@ fn broken(grown: &Grown, seed: u64, rods: f64, bonds: f64) -> Frame {
         let mut loads = Loads::default();
         break_up(&mut bundle, &mut state, &mut loads, &bonds, &splits);
     }
-    Frame::of(&bundle, &state, &[])
+    Frame::capture(&bundle, &state, &[])
 }
 
 /// The pieces that bonds leave, counted by flooding.
 fn bonded_pieces(frame: &Frame) -> usize {
     let rods = frame.parent.len();
-    let rod_of = |v: u32| (0..rods).find(|&r| v < frame.first[r + 1]).unwrap();
+    let rod_of = |v: u32| (0..rods).find(|&r| v < frame.rod_offsets[r + 1]).unwrap();
     let mut beside = vec![Vec::new(); rods];
     for &[v, e] in &frame.bonds {
         let (a, b) = (rod_of(v), rod_of(e));
@@ -303,9 +303,9 @@ fn a_bent_bundle_keeps_its_bonded_rods_together() {
             p[across] = radius - (radius - y) * (s / radius).cos();
             state.position.set(i, p + middle);
         }
-        state.carry_frames(bundle);
+        state.transport_frames(bundle);
     }
-    let places = posed(&made, &Frame::of(bundle, &state, &[]));
+    let places = posed(&made, &Frame::capture(bundle, &state, &[]));
     let mesh = Mesh {
         positions: places[0].clone(),
         ..made.pieces[0].mesh.clone()
@@ -334,12 +334,12 @@ fn frames_of_other_wood_are_refused() {
     type Change = (&'static str, fn(&mut Frame));
     let changes: [Change; 5] = [
         ("a rod", |f| f.parent[1] = 77),
-        ("list of rods", |f| f.first[1] = 1),
+        ("list of rods", |f| f.rod_offsets[1] = 1),
         ("number of vertices", |f| {
-            let last = f.first.len() - 2;
+            let last = f.rod_offsets.len() - 2;
             f.parent.truncate(last);
-            f.first.truncate(last + 1);
-            f.origin.truncate(f.first[last] as usize);
+            f.rod_offsets.truncate(last + 1);
+            f.origin.truncate(f.rod_offsets[last] as usize);
         }),
         ("a bond", |f| f.bonds[0] = [u32::MAX; 2]),
         ("a position", |f| f.position[3][1] = f32::NAN),

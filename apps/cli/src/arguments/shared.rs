@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// How work is told, and with how many threads it is done.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "How it is told")]
 pub struct Telling {
     /// Print the report as JSON

@@ -1,11 +1,10 @@
 //! Options of `greenstick skin`.
 
-use super::{Arguments, Command, Declared, MeshOf, Telling};
+use super::{Declared, MeshOf, Telling};
 use crate::values;
-use clap::{Args, Parser};
+use clap::Args;
 use greenstick::picture::PictureParameters;
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const SKIN_EXAMPLES: &str = "\
 A film is one .glb of skinned pieces with an animation, or a .usdc or .usdz with points over time: the pieces that its
@@ -141,20 +140,6 @@ pub struct SkinOptions {
 
     #[command(flatten)]
     pub telling: Telling,
-}
-
-impl SkinOptions {
-    /// Those of the film `output` of a run in `run`, with all else at its default.
-    pub fn film(run: &Path, output: &Path, quiet: bool) -> Option<Box<Self>> {
-        let words = ["greenstick", "skin", "-o"].map(OsStr::new);
-        let mut words = words.to_vec();
-        words.extend([output.as_os_str(), run.as_os_str()]);
-        words.extend(quiet.then_some(OsStr::new("--quiet")));
-        match Arguments::try_parse_from(words).map(|a| a.command) {
-            Ok(Command::Skin(options)) => Some(options),
-            _ => None,
-        }
-    }
 }
 
 /// A share of triangles: above 0, up to 1.

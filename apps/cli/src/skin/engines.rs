@@ -1,13 +1,13 @@
 //! What game engines want beside a film: collision shapes, levels of detail, vertex animation textures.
 
-use super::{ending, failure, glb_options, in_folder, in_metres};
-use crate::arguments::SkinOptions;
+use super::plan::FilmPlan;
+use super::{ending, in_folder, in_metres};
 use crate::break_wood::check_png;
 use crate::failure::Failure;
 use greenstick::files::{Batch, Output};
 use greenstick::film::{CollisionPiece, FilmError, LevelReport, SkinnedFilm, collision, level};
 use greenstick::formats::film::{VertexTexture, write_glb, write_vertex_texture};
-use greenstick::geometry::{Context, ConvexOptions, Stage};
+use greenstick::geometry::{Context, Stage};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -63,17 +63,19 @@ impl Engines {
     }
 }
 
-/// The files that the options name beside the film, whose own name they are checked with.
-pub fn paths(options: &SkinOptions, film: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let mut paths: Vec<PathBuf> = options.collision.iter().cloned().collect();
-    if !options.lod.is_empty() && ending(film) != "glb" {
+/// The files that the plan has beside the film, whose own name they are checked with.
+pub fn paths(plan: &FilmPlan, film: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let engines = &plan.engines;
+    let collision = engines.collision.iter().map(|c| c.0.clone());
+    let mut paths: Vec<PathBuf> = collision.collect();
+    if !engines.levels.is_empty() && ending(film) != "glb" {
         return Err(
             Failure::request(format!("{}: has no levels of detail", film.display()))
                 .hint("they are made of a .glb, such as -o film.glb"),
         );
     }
-    paths.extend((1..=options.lod.len()).map(|number| level_path(film, number)));
-    if let Some(path) = &options.vat {
+    paths.extend((1..=engines.levels.len()).map(|number| level_path(film, number)));
+    if let Some((path, _)) = &engines.vertex_texture {
         check_png(path)?;
         paths.push(path.clone());
         let beside = ["normals.png", "json", "glb"];
@@ -94,10 +96,10 @@ fn name_of(path: &Path) -> String {
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned())
 }
 
-/// Makes what the options ask for beside the film in file `film`, and writes it with all else of the batch.
+/// Makes what the plan has beside the film in file `film`, and writes it with all else of the batch.
 pub fn write(
     made: &mut SkinnedFilm,
-    options: &SkinOptions,
+    plan: &FilmPlan,
     film: &Path,
     batch: &mut Batch,
     context: &Context,
@@ -106,36 +108,44 @@ pub fn write(
     let [hulls, levels, vertices] = context.split([
         (
             Stage::new("collision shapes"),
-            on(options.collision.is_some()),
+            on(plan.engines.collision.is_some()),
         ),
-        (Stage::new("levels of detail"), on(!options.lod.is_empty())),
-        (Stage::new("vertex texture"), on(options.vat.is_some())),
+        (
+            Stage::new("levels of detail"),
+            on(!plan.engines.levels.is_empty()),
+        ),
+        (
+            Stage::new("vertex texture"),
+            on(plan.engines.vertex_texture.is_some()),
+        ),
     ]);
-    if let Some(path) = &options.collision {
-        shapes(&mut engines, made, options, path, batch, &hulls)?;
+    if let Some((path, options)) = &plan.engines.collision {
+        let collision = collision(&made.film, options, &hulls)?;
+        let written = in_metres(&collision.scene, path, batch)?;
+        engines.files.extend(written);
+        engines.collision = collision.pieces;
     }
-    for (number, &share) in options.lod.iter().enumerate() {
+    for (number, &share) in plan.engines.levels.iter().enumerate() {
         let path = level_path(film, number + 1);
         let name = name_of(&path);
-        let context = levels.item(number, options.lod.len());
-        let (simpler, told) = level(made, share, &context).map_err(failure)?;
+        let context = levels.item(number, plan.engines.levels.len());
+        let (simpler, told) = level(made, share, &context).map_err(Failure::from)?;
         let motion = &mut made.motion;
-        let glb = glb_options(options);
+        let glb = &plan.glb;
         let (told, bytes) = batch
             .stream(&path, |file| -> Result<_, FilmError> {
-                let written = write_glb(&simpler, motion, &name, &glb, file, &context)?;
+                let written = write_glb(&simpler, motion, &name, glb, file, &context)?;
                 Ok((told, written.bytes as usize))
             })
-            .map_err(failure)?;
+            .map_err(Failure::from)?;
         engines.levels.push(told);
         engines.files.push((path.display().to_string(), bytes));
     }
-    if let Some(path) = &options.vat {
-        let width = usize::from(options.vat_width);
+    if let Some((path, width)) = &plan.engines.vertex_texture {
         let (film, motion) = (&made.film, &mut made.motion);
         let name = name_of(path);
-        let (about, encoded) = write_vertex_texture(film, motion, &name, width, &vertices)
-            .map_err(|error| failure(error.into()))?;
+        let (about, encoded) = write_vertex_texture(film, motion, &name, *width, &vertices)
+            .map_err(|error| Failure::from(FilmError::from(error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
         outputs.iter().try_for_each(|output| batch.add(output))?;
@@ -149,23 +159,4 @@ pub fn write(
 /// The weight of what is asked for, and of what is not.
 fn on(asked: bool) -> f64 {
     f64::from(u8::from(asked))
-}
-
-fn shapes(
-    engines: &mut Engines,
-    made: &SkinnedFilm,
-    options: &SkinOptions,
-    path: &Path,
-    batch: &mut Batch,
-    context: &Context,
-) -> Result<(), Failure> {
-    let how = ConvexOptions {
-        shapes: usize::from(options.collision_shapes),
-        vertices: usize::from(options.collision_vertices),
-        ..ConvexOptions::default()
-    };
-    let made = collision(&made.film, &how, context)?;
-    engines.files.extend(in_metres(&made.scene, path, batch)?);
-    engines.collision = made.pieces;
-    Ok(())
 }

@@ -1,8 +1,10 @@
-//! A body: a shape that stays, is moved, or is free to move (a rigid body by Newton and Euler).
+//! Bodies: shapes that stay, are moved, or are free to move (rigid bodies by Newton's and Euler's equations).
 
-use super::BodyError;
+use super::error::BodyError;
 use super::shape::{Inertia, Shape, Solid};
-use crate::loads::{Motion, rotation_of, rotation_vector};
+use super::state::BodyState;
+use crate::loads::Motion;
+use crate::rotation::{from_rotation_vector, to_rotation_vector};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -10,16 +12,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyMotion {
-    /// As given, whatever hits it; its pose turns about the body's place. [`Motion::Fixed`] for a body that stays.
-    Given(Motion),
-    /// Freely.
+    /// A prescribed motion, whatever hits the body; its pose turns about the body's position. [`Motion::Fixed`] for a body
+    /// that stays.
+    Prescribed(Motion),
+    /// Free motion.
     Free {
         /// Density, kg/m³.
         density: f64,
         /// Velocity of its centre of mass at the start, m/s.
         velocity: DVec3,
         /// Angular velocity at the start, rad/s.
-        angular: DVec3,
+        angular_velocity: DVec3,
     },
 }
 
@@ -30,27 +33,27 @@ pub struct Body {
     pub name: String,
     /// Its shape.
     pub shape: Shape,
-    /// Where the shape's origin is, m.
-    pub place: DVec3,
-    /// How the shape is turned.
-    pub turn: DQuat,
-    /// How it moves.
+    /// Position of the shape's origin, m.
+    pub position: DVec3,
+    /// Orientation of the shape.
+    pub rotation: DQuat,
+    /// Its motion.
     pub motion: BodyMotion,
-    /// Part of the speed of approach that is left after a collision, 0 to 1.
+    /// Coefficient of restitution: the fraction of the approach speed that is left after a collision, 0 to 1.
     pub restitution: f64,
-    /// Coefficient of (Coulomb) friction.
+    /// Coefficient of Coulomb friction.
     pub friction: f64,
 }
 
 impl Body {
-    /// A body that stays, without friction and restitution.
-    pub fn fixed(shape: Shape, place: DVec3) -> Self {
+    /// Returns a body that stays, without friction and restitution.
+    pub fn fixed(shape: Shape, position: DVec3) -> Self {
         Body {
             name: String::new(),
             shape,
-            place,
-            turn: DQuat::IDENTITY,
-            motion: BodyMotion::Given(Motion::Fixed),
+            position,
+            rotation: DQuat::IDENTITY,
+            motion: BodyMotion::Prescribed(Motion::Fixed),
             restitution: 0.0,
             friction: 0.0,
         }
@@ -65,11 +68,11 @@ impl Body {
                 right,
             })
         };
-        if !self.place.is_finite() {
-            return fail("place (m)", f64::NAN, "finite");
+        if !self.position.is_finite() {
+            return fail("position (m)", f64::NAN, "finite");
         }
-        if (self.turn.length() - 1.0).abs() > 1e-9 || !self.turn.is_finite() {
-            return fail("length of its rotation", self.turn.length(), "1");
+        if (self.rotation.length() - 1.0).abs() > 1e-9 || !self.rotation.is_finite() {
+            return fail("length of its rotation", self.rotation.length(), "1");
         }
         if !(0.0..=1.0).contains(&self.restitution) {
             return fail("restitution", self.restitution, "from 0 to 1");
@@ -80,13 +83,13 @@ impl Body {
         if let BodyMotion::Free {
             density,
             velocity,
-            angular,
+            angular_velocity,
         } = self.motion
         {
             if !(density > 0.0 && density.is_finite()) {
                 return fail("density (kg/m³)", density, "above 0 and finite");
             }
-            if !(velocity.is_finite() && angular.is_finite()) {
+            if !(velocity.is_finite() && angular_velocity.is_finite()) {
                 return fail("velocity", f64::NAN, "finite");
             }
             if let Shape::HalfSpace { .. } = self.shape {
@@ -101,47 +104,32 @@ impl Body {
     }
 }
 
-/// Where a body is and how it moves: what a checkpoint holds of it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct BodyState {
-    /// Centre of mass of a free body, else the shape's origin, m.
-    pub centre: DVec3,
-    /// Orientation.
-    pub turn: DQuat,
-    /// Velocity of the centre, m/s.
-    pub velocity: DVec3,
-    /// Angular momentum of a free body about its centre, kg m²/s.
-    pub spin: DVec3,
-    /// Angular velocity, rad/s.
-    pub angular: DVec3,
-}
-
 /// A body in motion.
 #[derive(Clone)]
-pub(super) struct Moving {
+pub(super) struct MovingBody {
     pub body: Body,
     pub solid: Solid,
-    /// Of a free body.
+    /// Inertia of a free body.
     pub inertia: Option<Inertia>,
     pub state: BodyState,
 }
 
-impl Moving {
+impl MovingBody {
     pub fn new(number: usize, body: Body) -> Result<Self, BodyError> {
         body.check(number)?;
         let solid = body.shape.build(number)?;
         let mut state = BodyState {
-            centre: body.place,
-            turn: body.turn,
+            centre: body.position,
+            rotation: body.rotation,
             velocity: DVec3::ZERO,
-            spin: DVec3::ZERO,
-            angular: DVec3::ZERO,
+            angular_momentum: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
         };
         let mut inertia = None;
         if let BodyMotion::Free {
             density,
             velocity,
-            angular,
+            angular_velocity,
         } = body.motion
         {
             let i = solid.inertia(density);
@@ -150,17 +138,18 @@ impl Moving {
                     body: number,
                     what: "mass (kg)",
                     value: i.mass,
-                    right: "above 0 and finite; a mesh must be closed and turned outwards",
+                    right: "above 0 and finite; a mesh must be closed, with its triangles counter-clockwise from outside",
                 });
             }
-            state.centre += body.turn * i.centre;
+            state.centre += body.rotation * i.centre;
             state.velocity = velocity;
-            let turn = DMat3::from_quat(body.turn);
-            state.spin = turn * (i.tensor * (turn.transpose() * angular));
-            state.angular = angular;
+            let rotation = DMat3::from_quat(body.rotation);
+            state.angular_momentum =
+                rotation * (i.tensor * (rotation.transpose() * angular_velocity));
+            state.angular_velocity = angular_velocity;
             inertia = Some(i);
         }
-        Ok(Moving {
+        Ok(MovingBody {
             body,
             solid,
             inertia,
@@ -168,37 +157,43 @@ impl Moving {
         })
     }
 
-    /// Where the shape's origin is, m.
+    /// Whether its motion is prescribed, other than rest.
+    pub(crate) fn is_driven(&self) -> bool {
+        matches!(&self.body.motion, BodyMotion::Prescribed(m) if *m != Motion::Fixed)
+    }
+
+    /// Returns the position of the shape's origin, m.
     pub fn origin(&self) -> DVec3 {
         match self.inertia {
-            Some(i) => self.state.centre - self.state.turn * i.centre,
+            Some(i) => self.state.centre - self.state.rotation * i.centre,
             None => self.state.centre,
         }
     }
 
-    /// A point of the world in the shape's coordinates.
+    /// Returns a point of the world in the shape's coordinates.
     pub fn local(&self, p: DVec3) -> DVec3 {
-        self.state.turn.conjugate() * (p - self.origin())
+        self.state.rotation.conjugate() * (p - self.origin())
     }
 
-    /// Velocity of the body at a point, m/s.
-    pub fn velocity_at(&self, p: DVec3) -> DVec3 {
-        self.state.velocity + self.state.angular.cross(p - self.state.centre)
+    /// Returns the velocity of the body at a point, m/s.
+    pub(crate) fn velocity_at(&self, p: DVec3) -> DVec3 {
+        self.state.velocity + self.state.angular_velocity.cross(p - self.state.centre)
     }
 
-    /// Inverse of the inertia along the world's axes.
-    pub fn inverse_inertia(&self) -> DMat3 {
+    /// Returns the inverse of the inertia along the world's axes.
+    pub(crate) fn inverse_inertia(&self) -> DMat3 {
         match self.inertia {
             Some(i) => {
-                let turn = DMat3::from_quat(self.state.turn);
-                turn * i.inverse * turn.transpose()
+                let rotation = DMat3::from_quat(self.state.rotation);
+                rotation * i.inverse * rotation.transpose()
             }
             None => DMat3::ZERO,
         }
     }
 
-    /// What a unit impulse along `n` (unit) at `p` changes of the velocity along `n` there, 1/kg.
-    pub fn yielding(&self, p: DVec3, n: DVec3) -> f64 {
+    /// Returns the inverse of the effective mass at `p` along `n` (unit): the change of velocity along `n` by a unit impulse,
+    /// 1/kg.
+    pub(crate) fn inverse_effective_mass(&self, p: DVec3, n: DVec3) -> f64 {
         match self.inertia {
             Some(i) => {
                 let arm = (p - self.state.centre).cross(n);
@@ -209,55 +204,56 @@ impl Moving {
     }
 
     /// Applies an impulse (N s) at a point.
-    pub fn push(&mut self, p: DVec3, impulse: DVec3) {
+    pub(crate) fn apply_impulse(&mut self, p: DVec3, impulse: DVec3) {
         if let Some(i) = self.inertia {
             self.state.velocity += impulse / i.mass;
-            self.state.spin += (p - self.state.centre).cross(impulse);
-            self.state.angular = self.inverse_inertia() * self.state.spin;
+            self.state.angular_momentum += (p - self.state.centre).cross(impulse);
+            self.state.angular_velocity = self.inverse_inertia() * self.state.angular_momentum;
         }
     }
 
-    /// Takes the velocity of a step that ends at `time` (s), from its motion or from gravity.
-    pub fn kick(&mut self, time: f64, step: f64, gravity: DVec3) {
+    /// Updates the velocity for a step that ends at `time` (s), from the prescribed motion or from gravity.
+    pub(crate) fn update_velocity(&mut self, time: f64, step: f64, gravity: DVec3) {
         match &self.body.motion {
-            BodyMotion::Given(Motion::Fixed) => {}
-            BodyMotion::Given(motion) => {
+            BodyMotion::Prescribed(Motion::Fixed) => {}
+            BodyMotion::Prescribed(motion) => {
                 let (now, before) = (motion.pose(time), motion.pose(time - step));
                 let per = if step > 0.0 { 1.0 / step } else { 0.0 };
                 self.state.velocity = (now.translation - before.translation) * per;
-                self.state.angular = rotation_of(now.rotation * before.rotation.conjugate()) * per;
+                let turn = now.rotation * before.rotation.conjugate();
+                self.state.angular_velocity = to_rotation_vector(turn) * per;
             }
             BodyMotion::Free { .. } => self.state.velocity += gravity * step,
         }
     }
 
-    /// Moves on by a step that ends at `time` (s).
-    pub fn drift(&mut self, time: f64, step: f64) {
+    /// Updates the position for a step that ends at `time` (s).
+    pub(crate) fn update_position(&mut self, time: f64, step: f64) {
         match &self.body.motion {
-            BodyMotion::Given(Motion::Fixed) => {}
-            BodyMotion::Given(motion) => {
+            BodyMotion::Prescribed(Motion::Fixed) => {}
+            BodyMotion::Prescribed(motion) => {
                 let now = motion.pose(time);
-                self.state.centre = self.body.place + now.translation;
-                self.state.turn = (now.rotation * self.body.turn).normalize();
+                self.state.centre = self.body.position + now.translation;
+                self.state.rotation = (now.rotation * self.body.rotation).normalize();
             }
             BodyMotion::Free { .. } => {
                 self.state.centre += self.state.velocity * step;
-                // The midpoint rule keeps the energy of free rotation to second order, and L is kept as it is.
-                let start = self.state.turn;
-                self.state.turn =
-                    (rotation_vector(self.state.angular * (0.5 * step)) * start).normalize();
-                let middle = self.inverse_inertia() * self.state.spin;
-                self.state.turn = (rotation_vector(middle * step) * start).normalize();
-                self.state.angular = self.inverse_inertia() * self.state.spin;
+                // The midpoint rule conserves the energy of free rotation to second order; the angular momentum is constant.
+                let start = self.state.rotation;
+                let half = from_rotation_vector(self.state.angular_velocity * (0.5 * step));
+                self.state.rotation = (half * start).normalize();
+                let middle = self.inverse_inertia() * self.state.angular_momentum;
+                self.state.rotation = (from_rotation_vector(middle * step) * start).normalize();
+                self.state.angular_velocity = self.inverse_inertia() * self.state.angular_momentum;
             }
         }
     }
 
-    /// Kinetic energy of a free body, J.
-    pub fn kinetic_energy(&self) -> f64 {
+    /// Returns the kinetic energy of a free body, J.
+    pub(crate) fn kinetic_energy(&self) -> f64 {
         self.inertia.map_or(0.0, |i| {
             0.5 * (i.mass * self.state.velocity.length_squared()
-                + self.state.angular.dot(self.state.spin))
+                + self.state.angular_velocity.dot(self.state.angular_momentum))
         })
     }
 }

@@ -1,20 +1,20 @@
-//! Shapes of bodies, and how far a point is from them. Distances are parry's (`parry3d-f64`); its vectors are of another
-//! release of glam, so they are handed over as arrays.
+//! Shapes of bodies, and distances from them. Distances are those of `parry3d-f64`, whose vectors belong to another release
+//! of glam and are therefore passed as arrays.
 
-use super::BodyError;
+use super::error::BodyError;
 use glam::{DMat3, DQuat, DVec3};
 use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d_f64::query;
 use parry3d_f64::shape::{SharedShape, TriMeshFlags};
 use serde::{Deserialize, Serialize};
 
-/// What a body is like, in its own coordinates (m).
+/// The shape of a body, in its own coordinates (m).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// Everything on the side of the origin that a normal points away from.
+    /// A half-space whose surface passes through the origin.
     HalfSpace {
-        /// Direction out of the body; any length above 0.
+        /// Normal out of the body; any length above 0.
         normal: DVec3,
     },
     /// A box about the origin.
@@ -55,12 +55,18 @@ pub enum Shape {
     },
 }
 
-/// Vertices (m) and triangles.
-pub type Surface = (Vec<DVec3>, Vec<[u32; 3]>);
+/// The surface of a shape.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Vertices, m.
+    pub points: Vec<DVec3>,
+    /// Triangles, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
 
 /// Mass, centre and inertia of a shape of some density.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inertia {
+pub(super) struct Inertia {
     /// Mass, kg.
     pub mass: f64,
     /// Centre of mass in the shape's coordinates, m.
@@ -71,11 +77,11 @@ pub struct Inertia {
     pub tensor: DMat3,
 }
 
-/// A shape made ready for queries.
+/// A shape prepared for queries.
 #[derive(Clone)]
 pub(super) struct Solid {
     shared: SharedShape,
-    /// Corners of the box around it; infinite for a half-space.
+    /// Corners of its bounding box; infinite for a half-space.
     pub low: DVec3,
     pub high: DVec3,
 }
@@ -88,23 +94,24 @@ pub(super) fn from_parry(v: Vector) -> DVec3 {
     DVec3::from_array(v.to_array())
 }
 
-pub(super) fn pose(place: DVec3, turn: DQuat) -> ParryPose {
-    ParryPose::from_parts(to_parry(place), Rotation::from_array(turn.to_array()))
+pub(super) fn pose(position: DVec3, rotation: DQuat) -> ParryPose {
+    let rotation = Rotation::from_array(rotation.to_array());
+    ParryPose::from_parts(to_parry(position), rotation)
 }
 
-/// How two bodies meet.
+/// The closest points of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
-    /// Middle of the two touching points, m.
-    pub place: DVec3,
+pub(super) struct ClosestPoints {
+    /// The point midway between them, m.
+    pub point: DVec3,
     /// Unit direction from the first to the second.
     pub normal: DVec3,
-    /// How deep they overlap, m; negative where they are apart.
+    /// Depth of the overlap, m; negative for a gap.
     pub depth: f64,
 }
 
 impl Shape {
-    /// The shape's name in messages.
+    /// Returns the shape's name in messages.
     pub fn name(&self) -> &'static str {
         match self {
             Shape::HalfSpace { .. } => "half-space",
@@ -134,8 +141,8 @@ impl Shape {
         }
     }
 
-    /// Its surface for pictures, of a shape that is made of points: vertices (m) and triangles, about the centre of mass
-    /// where `free`, else about its origin; nothing of other shapes.
+    /// Returns the surface of a hull or mesh, about the centre of mass where `free`, else about its origin; `None` for other
+    /// shapes.
     ///
     /// # Errors
     /// [`BodyError`] where the shape is no solid; it is then that of body `body`.
@@ -160,9 +167,10 @@ impl Shape {
             DVec3::ZERO
         };
         let points = points.into_iter().map(|p| p - centre).collect();
-        Ok(Some((points, triangles)))
+        Ok(Some(Surface { points, triangles }))
     }
 
+    /// Prepares the shape for queries.
     pub(super) fn build(&self, body: usize) -> Result<Solid, BodyError> {
         for (what, value) in self.sizes() {
             if !(value > 0.0 && value.is_finite()) {
@@ -206,7 +214,7 @@ impl Shape {
                     .position(|t| t.iter().any(|&v| v as usize >= points.len()))
                 {
                     return Err(bad(format!(
-                        "triangle {t} names a vertex that is not there"
+                        "triangle {t} names a vertex that does not exist"
                     )));
                 }
                 let open = open_edges(triangles);
@@ -240,7 +248,7 @@ fn finite(points: &[DVec3]) -> Result<Vec<Vector>, String> {
     }
 }
 
-/// Whether all points are nearly in one plane.
+/// Whether all points lie in one plane, up to rounding.
 fn flat(points: &[Vector]) -> bool {
     let first = from_parry(points[0]);
     let arms: Vec<DVec3> = points.iter().map(|p| from_parry(*p) - first).collect();
@@ -259,7 +267,7 @@ fn flat(points: &[Vector]) -> bool {
     longest(&|a| a.dot(normal).abs()) <= 1e-9 * size
 }
 
-/// Number of edges that do not lie between two triangles that run along it in opposite directions.
+/// Returns the number of edges that do not lie between two triangles in opposite directions.
 fn open_edges(triangles: &[[u32; 3]]) -> usize {
     let mut edges: Vec<(u32, u32)> = triangles
         .iter()
@@ -274,8 +282,8 @@ fn open_edges(triangles: &[[u32; 3]]) -> usize {
 }
 
 impl Solid {
-    /// Signed distance (m, negative inside) of a point from the surface and the unit direction out of it, both in the
-    /// shape's coordinates; nothing where the direction is undefined.
+    /// Returns the signed distance (m, negative inside) of a point from the surface and the unit direction out of it, in the
+    /// shape's coordinates; `None` where the direction is undefined.
     pub fn distance(&self, p: DVec3) -> Option<(f64, DVec3)> {
         let near = self.shared.project_local_point(to_parry(p), false);
         let away = p - from_parry(near.point);
@@ -288,16 +296,17 @@ impl Solid {
         })
     }
 
-    /// Whether `p` is within `reach` (m) of the box around the shape.
-    pub fn near(&self, p: DVec3, reach: f64) -> bool {
+    /// Whether `p` is within `reach` (m) of the bounding box.
+    pub fn is_near(&self, p: DVec3, reach: f64) -> bool {
         (p - self.low).min_element() >= -reach && (self.high - p).min_element() >= -reach
     }
 
-    /// Largest distance of its points from `centre`, m; infinite for a half-space.
-    pub fn reach(&self, centre: DVec3) -> f64 {
+    /// Returns the largest distance of its points from `centre`, m; infinite for a half-space.
+    pub fn extent(&self, centre: DVec3) -> f64 {
         (self.high - centre).max(centre - self.low).length()
     }
 
+    /// Returns mass and inertia at a density (kg/m³).
     pub fn inertia(&self, density: f64) -> Inertia {
         let m = self.shared.mass_properties(density);
         let from = |m: parry3d_f64::math::Matrix| DMat3::from_cols_array(&m.to_cols_array());
@@ -309,19 +318,20 @@ impl Solid {
         }
     }
 
-    /// How this at one place meets another at another, if they are closer than `ahead` (m).
-    pub fn meet(
+    /// Returns the closest points of this shape and another, each at its pose, where they are closer than `distance` (m).
+    pub(crate) fn closest_points(
         &self,
-        at: &ParryPose,
+        pose: &ParryPose,
         other: &Solid,
-        there: &ParryPose,
-        ahead: f64,
-    ) -> Option<Meeting> {
-        let found = query::contact(at, &*self.shared, there, &*other.shared, ahead).ok()??;
+        other_pose: &ParryPose,
+        distance: f64,
+    ) -> Option<ClosestPoints> {
+        let (one, two) = (&*self.shared, &*other.shared);
+        let found = query::contact(pose, one, other_pose, two, distance).ok()??;
         let (a, b) = (from_parry(found.point1), from_parry(found.point2));
         let normal = from_parry(found.normal1);
-        (normal.is_finite() && a.is_finite() && b.is_finite()).then_some(Meeting {
-            place: 0.5 * (a + b),
+        (normal.is_finite() && a.is_finite() && b.is_finite()).then_some(ClosestPoints {
+            point: 0.5 * (a + b),
             normal,
             depth: -found.dist,
         })

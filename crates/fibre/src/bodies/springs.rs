@@ -1,142 +1,130 @@
-//! Contacts as springs, for solvers that look for equilibrium: an overlap costs energy, ½ k depth², so that contacts are a
-//! potential like all others, and its stiffness is that of wood across the grain over the length that touches.
+//! Contacts as penalty springs, for solvers that look for equilibrium: an overlap costs the energy ½ k depth², so that
+//! contacts are a potential like all others. The stiffness is that of wood across the grain over the length in contact.
 //!
-//! Friction is Coulomb's on the way slid since the step began; below [`GIVE`] of a rod's radius it grows in proportion
-//! to the way, so that it too has a stiffness.
+//! Friction is Coulomb's, over the distance slid since the step began. Below [`FULL_FRICTION_SLIDE`] of a rod's radius it
+//! grows in proportion to the distance, so that it has a stiffness too.
 
-use super::contact::{Contact, Other};
-use super::{Bodies, is_driven};
-use crate::bundle::Bundle;
-use crate::solver::{ContactBook, Touch};
+use super::contact_point::{ContactPoint, Side};
+use super::system::Bodies;
+use crate::contact::{ContactEnergy, ContactSpring, ContactTrial};
 use crate::state::State;
 use glam::DVec3;
+use greenstick_geometry::{Cancelled, Context};
 
-/// Stiffness of wood across the grain over that along it: about the mean of the species' tables in the tangential
-/// direction.
-const ACROSS: f64 = 0.05;
-/// Way of sliding at which friction is whole, in radii of the rod.
-const GIVE: f64 = 2e-3;
+/// Distance slid at which friction is complete, in radii of the rod.
+const FULL_FRICTION_SLIDE: f64 = 2e-3;
 
 impl Bodies {
-    /// Stiffness per length (N/m²) of a rod's side against what presses on it, per edge.
-    pub(super) fn firmness(bundle: &Bundle) -> Vec<f64> {
-        let mut made = vec![0.0; bundle.vertices()];
-        for rod in 0..bundle.rods() {
-            for j in bundle.rod(rod).filter(|&j| bundle.is_edge(j)) {
-                made[j] = ACROSS * bundle.stretch[j] / bundle.area[rod];
-            }
-        }
-        made
-    }
-
-    /// Moves bodies whose motion is given to where they are at `time`, a step after `from`.
-    fn place_bodies(&mut self, from: &State, time: f64) {
-        for body in self.bodies.iter_mut().filter(|b| is_driven(&b.body)) {
-            body.kick(time, time - from.time, DVec3::ZERO);
-            body.drift(time, time - from.time);
+    /// Moves driven bodies to where they are at `time`, a step after `start`.
+    fn move_driven_bodies(&mut self, start: &State, time: f64) {
+        for body in self.bodies.iter_mut().filter(|b| b.is_driven()) {
+            body.update_velocity(time, time - start.time, DVec3::ZERO);
+            body.update_position(time, time - start.time);
         }
     }
 
-    /// Springs of all overlaps of `state` at `time`, on the way from `from`.
-    pub(super) fn find_touches(
+    /// Sets `found` to the springs of all overlaps of a trial state.
+    pub(super) fn find_overlap_springs(
         &mut self,
-        bundle: &Bundle,
-        state: &State,
-        from: &State,
-        time: f64,
-        found: &mut Vec<Touch>,
-    ) {
+        trial: &ContactTrial,
+        context: &Context,
+        found: &mut Vec<ContactSpring>,
+    ) -> Result<(), Cancelled> {
         found.clear();
-        self.place_bodies(from, time);
+        self.move_driven_bodies(trial.start, trial.time);
         self.contacts.clear();
+        let (bundle, state) = (trial.bundle, trial.state);
         if !self.bodies.is_empty() {
-            if self.stale(state) {
-                self.look(bundle, state);
-            }
-            self.gather_bodies(bundle, state, None);
+            self.update_near_edges(bundle, state, context)?;
+            self.gather_bodies(bundle, state, None, context)?;
         }
-        if self.options.rods.is_some() {
+        if self.options.rod_restitution.is_some() {
+            let (radius, contacts) = (&self.radius, &mut self.contacts);
             self.rods
-                .gather(bundle, state, &self.radius, None, &mut self.contacts);
+                .gather(bundle, state, radius, None, contacts, context)?;
         }
-        for k in 0..self.contacts.len() {
-            let touch = self.touch(&self.contacts[k], state, from, time - from.time);
-            found.push(touch);
+        for contact in &self.contacts {
+            found.extend(self.spring(contact, trial));
         }
+        Ok(())
     }
 
-    fn touch(&self, c: &Contact, state: &State, from: &State, step: f64) -> Touch {
-        let (j, t) = (c.edge as usize, c.t);
-        let mut stiffness = self.firmness[j] * c.share;
-        let moved = |j: usize, t: f64| {
-            let way = |v: usize| state.position.get(v) - from.position.get(v);
-            way(j) * (1.0 - t) + way(j + 1) * t
+    fn spring(&self, c: &ContactPoint, trial: &ContactTrial) -> Option<ContactSpring> {
+        let Side::Edge { edge, t } = c.first else {
+            return None;
         };
+        let (state, start) = (trial.state, trial.start);
+        let j = edge as usize;
+        let mut stiffness = self.side_stiffness[j] * c.length;
         let (mut friction, mut slide, mut body, mut other) = (0.0, DVec3::ZERO, None, None);
-        match c.other {
-            Other::Body(b) => {
+        match c.second {
+            Side::Body(b) => {
                 let moving = &self.bodies[b as usize];
                 friction = moving.body.friction * stiffness * c.depth;
-                slide = moved(j, t) - moving.velocity_at(c.place) * step;
+                let way = |v: usize| state.position.get(v) - start.position.get(v);
+                let moved = way(j) * (1.0 - t) + way(j + 1) * t;
+                slide = moved - moving.velocity_at(c.point) * (trial.time - start.time);
                 slide -= c.normal * slide.dot(c.normal);
                 body = Some(b);
             }
-            Other::Edge(e, s) => {
-                // Two in series.
-                stiffness *= self.firmness[e as usize]
-                    / (self.firmness[j] + self.firmness[e as usize]).max(f64::MIN_POSITIVE);
+            Side::Edge { edge: e, t: s } => {
+                // Two springs in series.
+                stiffness *= self.side_stiffness[e as usize]
+                    / (self.side_stiffness[j] + self.side_stiffness[e as usize])
+                        .max(f64::MIN_POSITIVE);
                 other = Some((e, s));
             }
         }
-        let hold = friction / slide.length().max(GIVE * self.radius[j]);
-        Touch {
-            edge: c.edge,
+        let tangential_stiffness =
+            friction / slide.length().max(FULL_FRICTION_SLIDE * self.radius[j]);
+        Some(ContactSpring {
+            edge,
             t,
             other,
             body,
-            place: c.place,
+            point: c.point,
             normal: c.normal,
-            force: c.normal * (stiffness * c.depth) - slide * hold,
-            stiffness,
-            hold,
+            force: c.normal * (stiffness * c.depth) - slide * tangential_stiffness,
+            normal_stiffness: stiffness,
+            tangential_stiffness,
             energy: 0.5 * stiffness * c.depth * c.depth,
-            rubbed: hold * slide.length_squared(),
-        }
+            friction_loss: tangential_stiffness * slide.length_squared(),
+        })
     }
 
-    /// Ends a step from `from` to `time` at which contacts are `touches`.
-    pub(super) fn book_touches(
+    /// Ends a step from `start` to `time` whose contacts are `springs`, and enters their energy into the ledger.
+    pub(super) fn account_springs(
         &mut self,
-        from: &State,
+        start: &State,
         time: f64,
-        touches: &[Touch],
-    ) -> ContactBook {
-        self.place_bodies(from, time);
-        let step = time - from.time;
-        let mut book = ContactBook::default();
+        springs: &[ContactSpring],
+    ) -> ContactEnergy {
+        self.move_driven_bodies(start, time);
+        let step = time - start.time;
+        let mut energy = ContactEnergy::default();
         let mut power = 0.0;
-        for touch in touches {
-            book.stored += touch.energy;
-            book.lost += touch.rubbed;
-            if let Some(b) = touch.body.map(|b| b as usize) {
+        for spring in springs {
+            energy.stored += spring.energy;
+            energy.dissipated += spring.friction_loss;
+            if let Some(b) = spring.body.map(|b| b as usize) {
                 let moving = &self.bodies[b];
-                if is_driven(&moving.body) {
-                    power += touch.force.dot(moving.velocity_at(touch.place));
+                if moving.is_driven() {
+                    power += spring.force.dot(moving.velocity_at(spring.point));
                 }
-                let arm = touch.place - moving.state.centre;
-                let impulse = touch.force * -step;
-                self.given[b].impulse += impulse;
+                let arm = spring.point - moving.state.centre;
+                let impulse = spring.force * -step;
+                self.given[b].linear += impulse;
                 self.given[b].angular += arm.cross(impulse);
             }
         }
-        // The trapezium's rule over the step.
-        book.work = 0.5 * step * (self.ledger.power + power);
-        self.ledger.work += book.work;
-        self.ledger.lost += book.lost;
+        // The trapezoidal rule over the step.
+        energy.work = 0.5 * step * (self.ledger.power + power);
+        self.ledger.work += energy.work;
+        self.ledger.dissipated += energy.dissipated;
         if step > 0.0 {
             self.ledger.power = power;
         }
-        self.ledger.stored = book.stored;
-        book
+        self.ledger.stored = energy.stored;
+        energy
     }
 }

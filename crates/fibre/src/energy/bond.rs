@@ -1,22 +1,22 @@
-//! Bonds between rods: a transverse spring and a shear spring (Sutherland 2012 §3.3.2), with forces that are the exact
-//! gradients and so sum to zero, which the thesis's do not.
+//! Bonds between rods: a transverse spring and a shear spring (Sutherland 2012 §3.3.2). Forces are the exact gradients and
+//! therefore sum to zero, which the thesis's do not.
 
-use super::pair::{Jet, over_vertices};
-use super::{Curvature, ElementHessian};
-use crate::bundle::Bundle;
+use super::hessian::{ElementHessian, HessianKind};
+use super::quadratic::{Jet, hessian_over_vertices};
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use glam::DVec3;
 
-/// Edge e = y₁ − y₀ and d = x − c of a bond.
-pub fn vectors(bundle: &Bundle, state: &State, bond: usize) -> (DVec3, DVec3) {
+/// Returns the edge e = y₁ − y₀ and d = x − c of a bond.
+pub(crate) fn vectors(bundle: &RodBundle, state: &State, bond: usize) -> (DVec3, DVec3) {
     let j = bundle.bonds.edge[bond] as usize;
     let (y0, e) = (state.position.get(j), state.edge(j));
     let x = state.position.get(bundle.bonds.vertex[bond] as usize);
     (e, x - (y0 + e * bundle.bonds.t[bond]))
 }
 
-/// Transverse and shear energy of a bond, J.
-pub fn energy(bundle: &Bundle, state: &State, bond: usize) -> (f64, f64) {
+/// Returns the transverse and the shear energy of a bond, J.
+pub(crate) fn energy(bundle: &RodBundle, state: &State, bond: usize) -> (f64, f64) {
     let (e, d) = vectors(bundle, state, bond);
     let b = &bundle.bonds;
     let length = d.length();
@@ -28,8 +28,8 @@ pub fn energy(bundle: &Bundle, state: &State, bond: usize) -> (f64, f64) {
     )
 }
 
-/// Forces on x, y₀ and y₁, N.
-pub fn forces(bundle: &Bundle, state: &State, bond: usize) -> (DVec3, DVec3, DVec3) {
+/// Returns the forces on x, y₀ and y₁, N.
+pub(super) fn forces(bundle: &RodBundle, state: &State, bond: usize) -> (DVec3, DVec3, DVec3) {
     let (e, d) = vectors(bundle, state, bond);
     let b = &bundle.bonds;
     let (le, ld) = (e.length(), d.length());
@@ -47,14 +47,19 @@ pub fn forces(bundle: &Bundle, state: &State, bond: usize) -> (DVec3, DVec3, DVe
     )
 }
 
-/// Hessian over x, y₀, y₁.
-pub fn hessian(bundle: &Bundle, state: &State, bond: usize, kind: Curvature) -> ElementHessian {
+/// Returns the Hessian over x, y₀ and y₁.
+pub(crate) fn hessian(
+    bundle: &RodBundle,
+    state: &State,
+    bond: usize,
+    kind: HessianKind,
+) -> ElementHessian {
     let (e, d) = vectors(bundle, state, bond);
     let b = &bundle.bonds;
     let (p, q, r) = (e.length_squared(), d.length_squared(), e.dot(d));
     let (length, m) = (q.sqrt(), 1.0 / (p * q).sqrt());
     let cosine = r * m;
-    let exact = kind == Curvature::Exact;
+    let exact = kind == HessianKind::Exact;
     let off = if exact {
         cosine - b.rest_cosine[bond]
     } else {
@@ -81,7 +86,7 @@ pub fn hessian(bundle: &Bundle, state: &State, bond: usize, kind: Curvature) -> 
         rr: s * m * m,
     };
     let (x, j, t) = (b.vertex[bond] as usize, b.edge[bond] as usize, b.t[bond]);
-    over_vertices(
+    hessian_over_vertices(
         [x, j, j + 1],
         [0.0, -1.0, 1.0],
         [1.0, t - 1.0, -t],

@@ -1,18 +1,18 @@
-//! Stretch and, without twist, bending of rods (Sutherland 2012 §3.2.2 and §3.2.3, signs corrected).
+//! Stretch of rods, and their bending without twist (Sutherland 2012 §3.2.2 and §3.2.3, signs corrected).
 
-use super::pair::{Jet, over_vertices};
-use super::{Curvature, ElementHessian};
-use crate::bundle::Bundle;
+use super::hessian::{ElementHessian, HessianKind};
+use super::quadratic::{Jet, hessian_over_vertices};
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use glam::{DMat3, DVec3};
 
-/// Strain of an edge without its permanent part.
-pub fn strain(bundle: &Bundle, state: &State, edge: usize) -> f64 {
+/// Returns the elastic strain of an edge.
+pub fn strain(bundle: &RodBundle, state: &State, edge: usize) -> f64 {
     state.edge(edge).length() / bundle.rest_length[edge] - 1.0 - state.plastic_strain[edge]
 }
 
-/// ½ k (|e|/|ē| − 1 − ε_p)² |ē| of an edge, as a function of p = e·e.
-pub fn stretch(bundle: &Bundle, state: &State, edge: usize) -> Jet {
+/// Returns the stretching energy ½ k (|e|/|ē| − 1 − ε_p)² |ē| of an edge, as a function of p = e·e.
+pub(super) fn stretch(bundle: &RodBundle, state: &State, edge: usize) -> Jet {
     let rest = bundle.rest_length[edge];
     let length = state.edge(edge).length();
     let strain = length / rest - 1.0 - state.plastic_strain[edge];
@@ -26,21 +26,26 @@ pub fn stretch(bundle: &Bundle, state: &State, edge: usize) -> Jet {
     }
 }
 
-/// Hessian of [`stretch`] over the edge's two vertices.
-pub fn stretch_hessian(
-    bundle: &Bundle,
+/// Returns the stretching energy of an edge, J.
+pub(crate) fn stretch_energy(bundle: &RodBundle, state: &State, edge: usize) -> f64 {
+    stretch(bundle, state, edge).value
+}
+
+/// Returns the Hessian of the stretching energy over the edge's two vertices.
+pub(crate) fn stretch_hessian(
+    bundle: &RodBundle,
     state: &State,
     edge: usize,
-    kind: Curvature,
+    kind: HessianKind,
 ) -> ElementHessian {
     let mut jet = stretch(bundle, state, edge);
-    if kind == Curvature::GaussNewton {
+    if kind == HessianKind::GaussNewton {
         let length = state.edge(edge).length();
         jet.p = 0.0;
         jet.pp = bundle.stretch[edge] / bundle.rest_length[edge] / (4.0 * length * length);
     }
     let e = state.edge(edge);
-    over_vertices(
+    hessian_over_vertices(
         [edge, edge + 1],
         [-1.0, 1.0],
         [0.0; 2],
@@ -48,25 +53,49 @@ pub fn stretch_hessian(
     )
 }
 
-/// What bending at a vertex is made of: e₋, e₊, the curvature binormal κb, its denominator, and α/l.
-fn parts(bundle: &Bundle, state: &State, vertex: usize) -> (DVec3, DVec3, DVec3, f64, f64) {
+/// The terms of the bending energy at a vertex.
+struct Bend {
+    /// e₋ and e₊.
+    a: DVec3,
+    b: DVec3,
+    /// Curvature binormal.
+    kb: DVec3,
+    /// |ē₋||ē₊| + e₋·e₊, the denominator of κb.
+    denominator: f64,
+    /// α/l.
+    stiffness: f64,
+}
+
+fn bend(bundle: &RodBundle, state: &State, vertex: usize) -> Bend {
     let (a, b) = (state.edge(vertex - 1), state.edge(vertex));
     let (la, lb) = (bundle.rest_length[vertex - 1], bundle.rest_length[vertex]);
     let denominator = la * lb + a.dot(b);
     let kb = a.cross(b) * (2.0 / denominator);
-    (a, b, kb, denominator, bundle.bend[vertex] / (la + lb))
+    Bend {
+        a,
+        b,
+        kb,
+        denominator,
+        stiffness: bundle.bend[vertex] / (la + lb),
+    }
 }
 
-/// α |κb|²/l at a vertex, J.
-pub fn bend_energy(bundle: &Bundle, state: &State, vertex: usize) -> f64 {
-    let (_, _, kb, _, c) = parts(bundle, state, vertex);
-    c * kb.length_squared()
+/// Returns the bending energy α |κb|²/l at a vertex, J.
+pub(crate) fn bend_energy(bundle: &RodBundle, state: &State, vertex: usize) -> f64 {
+    let bend = bend(bundle, state, vertex);
+    bend.stiffness * bend.kb.length_squared()
 }
 
-/// Gradients of [`bend_energy`] by e₋ and e₊ (Eqs. 3.6 and 3.7).
-pub fn bend_gradient(bundle: &Bundle, state: &State, vertex: usize) -> (DVec3, DVec3) {
-    let (a, b, kb, denominator, c) = parts(bundle, state, vertex);
-    let f = 2.0 * c / denominator;
+/// Returns the gradients of [`bend_energy`] with respect to e₋ and e₊ (Eqs. 3.6 and 3.7).
+pub(super) fn bend_gradient(bundle: &RodBundle, state: &State, vertex: usize) -> (DVec3, DVec3) {
+    let Bend {
+        a,
+        b,
+        kb,
+        denominator,
+        stiffness,
+    } = bend(bundle, state, vertex);
+    let f = 2.0 * stiffness / denominator;
     let square = kb.length_squared();
     (
         (b.cross(kb) * 2.0 - b * square) * f,
@@ -74,16 +103,22 @@ pub fn bend_gradient(bundle: &Bundle, state: &State, vertex: usize) -> (DVec3, D
     )
 }
 
-/// Hessian of [`bend_energy`] over vertices i − 1, i, i + 1.
-pub fn bend_hessian(
-    bundle: &Bundle,
+/// Returns the Hessian of [`bend_energy`] over vertices i − 1, i, i + 1.
+pub(crate) fn bend_hessian(
+    bundle: &RodBundle,
     state: &State,
     vertex: usize,
-    kind: Curvature,
+    kind: HessianKind,
 ) -> ElementHessian {
-    let (a, b, kb, d, c) = parts(bundle, state, vertex);
+    let Bend {
+        a,
+        b,
+        kb,
+        denominator: d,
+        stiffness: c,
+    } = bend(bundle, state, vertex);
     let blocks = match kind {
-        Curvature::Exact => {
+        HessianKind::Exact => {
             let (p, q, r) = (a.length_squared(), b.length_squared(), a.dot(b));
             let n = a.cross(b).length_squared();
             let f = 4.0 * c / (d * d);
@@ -100,8 +135,8 @@ pub fn bend_hessian(
             }
             .hessians(a, b)
         }
-        Curvature::GaussNewton => {
-            // Rows of ∂κb/∂a and ∂κb/∂b: (2 δa × b − κb (b·δa))/D and (2 a × δb − κb (a·δb))/D.
+        HessianKind::GaussNewton => {
+            // Columns of ∂κb/∂a and ∂κb/∂b: (2 δa × b − κb (b·δa))/D and (2 a × δb − κb (a·δb))/D.
             let by_a = DMat3::from_cols(
                 (DVec3::X.cross(b) * 2.0 - kb * b.x) / d,
                 (DVec3::Y.cross(b) * 2.0 - kb * b.y) / d,
@@ -120,7 +155,7 @@ pub fn bend_hessian(
             ]
         }
     };
-    over_vertices(
+    hessian_over_vertices(
         [vertex - 1, vertex, vertex + 1],
         [-1.0, 1.0, 0.0],
         [0.0, -1.0, 1.0],

@@ -1,39 +1,41 @@
-//! Bonds of a placed bundle: from every vertex to the nearest point of each neighbouring rod within reach, with stiffness
-//! and strength from the species through the facet's area (`model.md` §3).
+//! Bonds of placed rods: from every vertex to the nearest point of each neighbouring rod within reach, with stiffness and
+//! strength from the species through the facet's area.
 //!
-//! Both rods of a facet bond to each other, so each bond stands for half of its vertex's length of the facet:
-//! ℓ = ½ · l/2, S = ½ G w ℓ d₀, k_t = E_⊥ w ℓ. G and E_⊥ lie between the radial and the tangential value by the square of
-//! the facet's direction.
+//! Both rods of a facet bond to each other, so that each bond represents half of its vertex's length of the facet:
+//! ℓ = ½ · l/2, S = ½ G w ℓ d₀, k_t = E_⊥ w ℓ. G and E_⊥ are interpolated between the radial and the tangential value by the
+//! square of the cosine of the facet's direction.
 
-use super::cells::Cell;
-use super::{Placement, WoodMaterial, weibull};
+use super::material::WoodMaterial;
+use super::options::PlacementOptions;
+use super::scatter::weibull;
+use super::voronoi::VoronoiCell;
 use crate::bonds::Bond;
-use crate::bundle::Bundle;
+use crate::rod_bundle::RodBundle;
 use glam::DVec2;
+use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::noise::unit;
 use greenstick_wood::stem::Stem;
 use std::f64::consts::TAU;
 
-/// Facets narrower than this part of the distance of their rods join nothing.
-const NARROW: f64 = 1e-3;
+/// Facets narrower than this fraction of the distance of their rods get no bond.
+const MIN_RELATIVE_WIDTH: f64 = 1e-3;
 
-/// What a facet is.
-struct Facet {
-    width: f64,
-    /// Modulus across it and shear modulus along it, Pa.
+/// The material of a facet.
+struct FacetMaterial {
+    /// Modulus of elasticity across it, Pa.
     across: f64,
+    /// Shear modulus along it, Pa.
     shear: f64,
     /// Strength relative to that of wood without weak planes.
     strength: f64,
 }
 
-fn facet(
+fn facet_material(
     stem: &Stem,
     wood: &WoodMaterial,
-    options: &Placement,
-    (p, q): (DVec2, DVec2),
-    width: f64,
-) -> Facet {
+    options: &PlacementOptions,
+    [p, q]: [DVec2; 2],
+) -> FacetMaterial {
     let radial = (p.midpoint(q) - stem.rings.pith()).normalize_or_zero();
     let direction = (q - p).normalize_or_zero().dot(radial);
     let part = direction * direction;
@@ -50,17 +52,27 @@ fn facet(
     if part <= 0.5 && differs(options.rays, angle_p / TAU, angle_q / TAU) {
         strength *= options.ray_strength;
     }
-    Facet {
-        width,
+    FacetMaterial {
         across: mix(wood.radial, wood.tangential),
         shear: mix(wood.shear_radial, wood.shear_tangential),
         strength,
     }
 }
 
-/// The nearest point to vertex `i` on rod `rod`: edge, place on it, distance and cosine. Vertices of the rod ascend in
-/// length along the axis, so only edges near the vertex's own length are looked at.
-fn nearest(bundle: &Bundle, along: &[f64], i: usize, rod: usize) -> Option<(usize, f64, f64, f64)> {
+/// The point on a rod that is nearest to a vertex.
+struct NearestPoint {
+    edge: usize,
+    /// Parameter along the edge.
+    t: f64,
+    /// Distance from the vertex, m.
+    distance: f64,
+    /// Cosine of the angle between the edge and the direction to the vertex.
+    cosine: f64,
+}
+
+/// Returns the nearest point to vertex `i` on rod `rod`. Vertices of a rod ascend in length along the axis, so that only edges
+/// near the vertex's own length need testing.
+fn nearest_point(bundle: &RodBundle, along: &[f64], i: usize, rod: usize) -> Option<NearestPoint> {
     let range = bundle.rod(rod);
     let last = range.end - 2;
     let k = range.start + along[range.clone()].partition_point(|&s| s <= along[i]);
@@ -72,52 +84,61 @@ fn nearest(bundle: &Bundle, along: &[f64], i: usize, rod: usize) -> Option<(usiz
             let e = b - a;
             let t = ((x - a).dot(e) / e.length_squared()).clamp(0.0, 1.0);
             let d = x - (a + e * t);
-            (j, t, d.length(), e.dot(d) / (e.length() * d.length()))
+            NearestPoint {
+                edge: j,
+                t,
+                distance: d.length(),
+                cosine: e.dot(d) / (e.length() * d.length()),
+            }
         })
-        .min_by(|a, b| a.2.total_cmp(&b.2))
-        .filter(|n| n.2 > 0.0)
+        .min_by(|a, b| a.distance.total_cmp(&b.distance))
+        .filter(|n| n.distance > 0.0)
 }
 
-/// All bonds of a bundle placed in a stem.
+/// Returns all bonds of a bundle placed in a stem.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancels the work.
 pub(super) fn bonds(
     stem: &Stem,
     wood: &WoodMaterial,
-    options: &Placement,
-    bundle: &Bundle,
-    cells: &[Cell],
+    options: &PlacementOptions,
+    bundle: &RodBundle,
+    cells: &[VoronoiCell],
     along: &[f64],
-) -> Vec<Bond> {
+    context: &Context,
+) -> Result<Vec<Bond>, Cancelled> {
     let area: f64 = cells.iter().map(|c| c.area).sum();
     let reach = options.reach * (area / cells.len().max(1) as f64).sqrt();
-    let mut made = Vec::new();
+    let mut bonds = Vec::new();
     for (number, cell) in cells.iter().enumerate() {
-        for &(other, width) in &cell.facets {
-            let (p, q) = (cell.centroid, cells[other as usize].centroid);
+        context.report(number as f64 / cells.len() as f64)?;
+        for &facet in &cell.facets {
+            let (p, q) = (cell.centroid, cells[facet.neighbour as usize].centroid);
             let distance = p.distance(q);
-            if distance > reach || width < NARROW * distance {
+            if distance > reach || facet.width < MIN_RELATIVE_WIDTH * distance {
                 continue;
             }
-            let facet = facet(stem, wood, options, (p, q), width);
+            let material = facet_material(stem, wood, options, [p, q]);
             for i in bundle.rod(number) {
-                let Some((edge, t, d0, cosine)) = nearest(bundle, along, i, other as usize) else {
+                let other = facet.neighbour as usize;
+                let Some(nearest) = nearest_point(bundle, along, i, other) else {
                     continue;
                 };
                 let length = 0.25 * bundle.both_lengths(i);
                 let scale = stem.grain.scale(along[i]);
                 let area = facet.width * scale * length;
-                let scatter = weibull(
-                    options.weibull,
-                    unit(options.seed ^ 0xb0d5, i as i64, i64::from(other), 0),
-                );
-                let strength = facet.strength * scatter * area;
-                made.push(Bond {
+                let uniform = unit(options.seed ^ 0xb0d5, i as i64, other as i64, 0);
+                let scatter = weibull(options.weibull, uniform);
+                let strength = material.strength * scatter * area;
+                bonds.push(Bond {
                     vertex: i as u32,
-                    edge: edge as u32,
-                    t,
-                    distance: d0,
-                    rest_cosine: cosine.clamp(-1.0, 1.0),
-                    transverse: facet.across * area,
-                    shear: 0.5 * facet.shear * area * d0,
+                    edge: nearest.edge as u32,
+                    t: nearest.t,
+                    distance: nearest.distance,
+                    rest_cosine: nearest.cosine.clamp(-1.0, 1.0),
+                    transverse: material.across * area,
+                    shear: 0.5 * material.shear * area * nearest.distance,
                     area,
                     tension_strength: wood.tension_across * strength,
                     shear_strength: wood.shear * strength,
@@ -126,5 +147,5 @@ pub(super) fn bonds(
             }
         }
     }
-    made
+    Ok(bonds)
 }

@@ -1,45 +1,56 @@
-//! What a species' table values are for rods and bonds (`model.md` §3).
+//! Elasticity and strength of rods and bonds from a species' table values.
 
 use greenstick_wood::moisture::{Fallback, MoistureError};
 use greenstick_wood::species::StrengthError;
 use greenstick_wood::species::{Group, Property, Species};
 use serde::{Deserialize, Serialize};
 
-/// The true modulus along the grain over the one of bending tests, whose deflection at a span of 14 depths is in part
-/// from shear (Wood Handbook, chapter 5: "increased by 10 percent").
-const BENDING_TO_TRUE: f64 = 1.1;
+/// The true modulus along the grain over that of bending tests, whose deflection at a span of 14 depths is partly shear (Wood
+/// Handbook, chapter 5: "increased by 10 percent").
+const TRUE_OVER_BENDING_MODULUS: f64 = 1.1;
 /// Means of the elastic ratios over E_L of the hardwoods in Wood Handbook Table 5-1 without balsa: E_R, E_T, G_LR, G_LT.
 const HARDWOOD: [f64; 4] = [0.119, 0.060, 0.092, 0.069];
 /// The same of its softwoods.
 const SOFTWOOD: [f64; 4] = [0.096, 0.057, 0.082, 0.077];
-/// Energy of fracture across the grain from density (kg/m³): G = 1.04 ρ − 146 J/m² (Larsen and Gustafsson 1990, for
-/// softwoods; taken for all, as no table has it).
-const FRACTURE_SLOPE: f64 = 1.04;
-const FRACTURE_OFFSET: f64 = 146.0;
-/// The lightest woods are below where that line was measured, J/m².
-const LEAST_FRACTURE_ENERGY: f64 = 50.0;
+/// Fracture energy across the grain from density (kg/m³): G = 1.04 ρ − 146 J/m² (Larsen and Gustafsson 1990, for softwoods;
+/// used for all species, as no table has it).
+const FRACTURE_ENERGY_SLOPE: f64 = 1.04;
+const FRACTURE_ENERGY_OFFSET: f64 = 146.0;
+/// Least fracture energy, J/m²: the lightest woods are below the densities for which that line was measured.
+const MIN_FRACTURE_ENERGY: f64 = 50.0;
 
-/// A strength (Pa) as a G^b of specific gravity G: Wood Handbook, Table 5-11. (a, b) of hardwoods and of softwoods.
-struct FromGravity {
-    /// At 12 %.
-    dry: [(f64, f64); 2],
-    /// Of green wood.
-    green: [(f64, f64); 2],
+/// A strength (Pa) as a power law a G^b of specific gravity G.
+#[derive(Debug, Clone, Copy)]
+struct PowerLaw {
+    a: f64,
+    b: f64,
 }
 
-const TENSION_ACROSS: FromGravity = FromGravity {
-    dry: [(10.1e6, 1.30), (6.0e6, 1.11)],
-    green: [(10.5e6, 1.37), (3.8e6, 0.78)],
+const fn power_law(a: f64, b: f64) -> PowerLaw {
+    PowerLaw { a, b }
+}
+
+/// A strength from specific gravity (Wood Handbook, Table 5-11), of hardwoods and of softwoods.
+struct StrengthFromGravity {
+    /// At 12 % moisture.
+    dry: [PowerLaw; 2],
+    /// Of green wood.
+    green: [PowerLaw; 2],
+}
+
+const TENSION_ACROSS: StrengthFromGravity = StrengthFromGravity {
+    dry: [power_law(10.1e6, 1.30), power_law(6.0e6, 1.11)],
+    green: [power_law(10.5e6, 1.37), power_law(3.8e6, 0.78)],
 };
-const SHEAR: FromGravity = FromGravity {
-    dry: [(21.9e6, 1.13), (16.6e6, 0.85)],
-    green: [(17.8e6, 1.24), (11.0e6, 0.73)],
+const SHEAR: StrengthFromGravity = StrengthFromGravity {
+    dry: [power_law(21.9e6, 1.13), power_law(16.6e6, 0.85)],
+    green: [power_law(17.8e6, 1.24), power_law(11.0e6, 0.73)],
 };
 
-/// Elasticity and strength of wood, Pa but where said.
+/// Elasticity and strength of wood, in Pa unless noted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WoodMaterial {
-    /// Density as it is, kg/m³.
+    /// Density at this moisture, kg/m³.
     pub density: f64,
     /// Modulus along the grain E_L.
     pub longitudinal: f64,
@@ -59,40 +70,40 @@ pub struct WoodMaterial {
     pub tension_across: f64,
     /// Shear strength along the grain.
     pub shear: f64,
-    /// Energy of fracture across the grain, J/m².
+    /// Fracture energy across the grain, J/m².
     pub fracture_energy: f64,
 }
 
-/// Strength across and along the grain from specific gravity, where a species' row at this moisture has none.
+/// Estimates a strength from specific gravity, where a species' row at this moisture has none.
 fn estimate(
     species: &Species,
     moisture: f64,
     missing: MoistureError,
-    by: &FromGravity,
+    by: &StrengthFromGravity,
 ) -> Result<f64, MoistureError> {
     let green = species
         .green
         .as_ref()
         .filter(|_| moisture >= species.intersection_percent());
-    let (lines, gravity) = match (&missing, green) {
+    let (laws, gravity) = match (&missing, green) {
         (MoistureError::NoValue { .. } | MoistureError::NoGreenValue { .. }, Some(green)) => {
             (by.green, green.specific_gravity)
         }
         (MoistureError::NoValue { .. }, None) => (by.dry, species.dry.specific_gravity),
         _ => return Err(missing),
     };
-    let (factor, power) = match species.group {
-        Group::Hardwood => lines[0],
-        Group::Softwood => lines[1],
+    let law = match species.group {
+        Group::Hardwood => laws[0],
+        Group::Softwood => laws[1],
     };
-    gravity.map_or(Err(missing), |g| Ok(factor * libm::pow(g, power)))
+    gravity.map_or(Err(missing), |g| Ok(law.a * libm::pow(g, law.b)))
 }
 
-/// A strength from the species' row at this moisture; of green wood also where the dry row has none.
+/// Returns a strength from the species' row at this moisture; for green wood also where the dry row has none.
 ///
 /// # Errors
-/// [`MoistureError`] where there is none, and no rule for it.
-pub fn known_at(
+/// [`MoistureError`] where there is no value, and no rule for it.
+pub fn strength_at(
     species: &Species,
     property: Property,
     moisture: f64,
@@ -108,15 +119,19 @@ pub fn known_at(
 }
 
 impl WoodMaterial {
-    /// The wood of a species at `moisture` percent.
+    /// Returns the wood of a species at `moisture` percent.
     ///
     /// # Errors
     /// [`StrengthError`] where a table value is missing or modulus of rupture and crushing strength do not fit together.
-    pub fn of(species: &Species, moisture: f64, fallback: Fallback) -> Result<Self, StrengthError> {
+    pub fn from_species(
+        species: &Species,
+        moisture: f64,
+        fallback: Fallback,
+    ) -> Result<Self, StrengthError> {
         let value = |p| species.property_at(p, moisture, fallback).map(|a| a.value);
-        // What Table 5-11 gives is nearer than the value of wood in another state.
-        let strength = |p, by: &FromGravity| {
-            known_at(species, p, moisture)
+        // An estimate from Table 5-11 is closer than the value of wood in another state.
+        let strength = |p, by: &StrengthFromGravity| {
+            strength_at(species, p, moisture)
                 .or_else(|e| estimate(species, moisture, e, by))
                 .or_else(|_| value(p))
         };
@@ -124,7 +139,7 @@ impl WoodMaterial {
             Group::Hardwood => HARDWOOD,
             Group::Softwood => SOFTWOOD,
         };
-        let longitudinal = BENDING_TO_TRUE * value(Property::ModulusOfElasticity)?;
+        let longitudinal = TRUE_OVER_BENDING_MODULUS * value(Property::ModulusOfElasticity)?;
         // Mass at this moisture in the volume at 12 %.
         let dry = species.air_dry_density.map(|d| d / 1.12);
         let basic = species.dry.specific_gravity.unwrap_or(0.5) * 1000.0;
@@ -140,8 +155,8 @@ impl WoodMaterial {
             compression: value(Property::CompressionParallel)?,
             tension_across: strength(Property::TensionPerpendicular, &TENSION_ACROSS)?,
             shear: strength(Property::ShearParallel, &SHEAR)?,
-            fracture_energy: (FRACTURE_SLOPE * density - FRACTURE_OFFSET)
-                .max(LEAST_FRACTURE_ENERGY),
+            fracture_energy: (FRACTURE_ENERGY_SLOPE * density - FRACTURE_ENERGY_OFFSET)
+                .max(MIN_FRACTURE_ENERGY),
         })
     }
 }
@@ -180,18 +195,18 @@ mod tests {
     }
 
     #[test]
-    fn green_wood_takes_no_value_of_dry_wood() {
-        // No row of theirs has tension across the grain.
+    fn green_wood_has_no_values_of_dry_wood() {
+        // Neither row of these has tension across the grain.
         for name in ["slash pine", "sugar maple"] {
             let species = Species::find(name).unwrap();
             let [dry, green] = [12.0, 100.0]
-                .map(|m| WoodMaterial::of(species, m, Fallback::TwelvePercent).unwrap());
+                .map(|m| WoodMaterial::from_species(species, m, Fallback::TwelvePercent).unwrap());
             let ratio = green.tension_across / dry.tension_across;
             assert!((0.3..0.95).contains(&ratio), "{name}: {ratio}");
         }
-        // The green row has it where the dry one has not.
+        // The green row of this one has it, the dry row has not.
         let hemlock = Species::find("eastern hemlock").unwrap();
-        let wood = WoodMaterial::of(hemlock, 100.0, Fallback::TwelvePercent).unwrap();
+        let wood = WoodMaterial::from_species(hemlock, 100.0, Fallback::TwelvePercent).unwrap();
         assert_eq!(wood.tension_across, 1600e3);
     }
 }

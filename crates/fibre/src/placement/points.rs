@@ -1,12 +1,13 @@
-//! Where rods pierce a section: Poisson disk samples (Bridson 2007; Sutherland 2012 §3.3.1, corrected) or bundles by ring
-//! and sector.
+//! Where rods pierce a cross-section: Poisson disk samples (Bridson 2007; Sutherland 2012 §3.3.1, corrected) or bundles by
+//! ring and sector.
 //!
-//! The thesis samples the outline first by angles whose least difference it gives as a distance; here the outline is
-//! walked by length and every point tested against the distance. It also drops a point from the active ones after its
-//! first success; Bridson's rule keeps it until all of its tries fail.
+//! The thesis first samples the outline by angles whose least difference it gives as a distance; here the outline is sampled
+//! by length, and every point tested against the distance. The thesis also drops a point from the active ones after its first
+//! success; Bridson's rule retains it until all of its tries fail.
 
-use super::cells::{Grid, inside};
+use super::voronoi::{Grid, is_inside};
 use glam::DVec2;
+use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::noise::unit;
 use greenstick_wood::rings::RingField;
 use std::f64::consts::TAU;
@@ -14,11 +15,20 @@ use std::f64::consts::TAU;
 /// Tries around an active point (Bridson's k).
 const TRIES: i64 = 30;
 
-/// Points inside `outline`, no two closer than `distance`, that leave no room for another (but for what the tries miss).
-pub fn poisson_disk(outline: &[DVec2], distance: f64, seed: u64) -> Vec<DVec2> {
+/// Returns points inside `outline`, no two closer than `distance`, to which no other can be added (except where the tries
+/// miss one).
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancels the work.
+pub(super) fn poisson_disk(
+    outline: &[DVec2],
+    distance: f64,
+    seed: u64,
+    context: &Context,
+) -> Result<Vec<DVec2>, Cancelled> {
     let mut grid = Grid::new(outline, distance);
     let mut points: Vec<DVec2> = Vec::new();
-    walk_outline(outline, distance, seed, |p| {
+    sample_outline(outline, distance, seed, |p| {
         if !grid.any_within(&points, p, distance) {
             grid.insert(points.len(), p);
             points.push(p);
@@ -31,15 +41,16 @@ pub fn poisson_disk(outline: &[DVec2], distance: f64, seed: u64) -> Vec<DVec2> {
         unit(seed ^ what, draw, 0, 0)
     };
     while !active.is_empty() {
+        context.check()?;
         let k = (random(0xac71) * active.len() as f64) as usize;
         let k = k.min(active.len() - 1);
         let centre = points[active[k]];
         let found = (0..TRIES).find_map(|_| {
-            // Even over the ring's area.
+            // Uniform over the area of the annulus.
             let r = distance * (1.0 + 3.0 * random(0x7ad1)).sqrt();
             let (sin, cos) = libm::sincos(TAU * random(0xa291));
             let p = centre + DVec2::new(cos, sin) * r;
-            (inside(outline, p) && !grid.any_within(&points, p, distance)).then_some(p)
+            (is_inside(outline, p) && !grid.any_within(&points, p, distance)).then_some(p)
         });
         match found {
             Some(p) => {
@@ -52,28 +63,37 @@ pub fn poisson_disk(outline: &[DVec2], distance: f64, seed: u64) -> Vec<DVec2> {
             }
         }
     }
-    points
+    Ok(points)
 }
 
 /// Calls `put` for points along the outline, each between one and two distances along it from the last.
-fn walk_outline(outline: &[DVec2], distance: f64, seed: u64, mut put: impl FnMut(DVec2)) {
+fn sample_outline(outline: &[DVec2], distance: f64, seed: u64, mut put: impl FnMut(DVec2)) {
     let mut next = distance * unit(seed ^ 0x0a11, 0, 0, 0);
-    let (mut walked, mut draw) = (0.0, 0);
+    let (mut passed, mut draw) = (0.0, 0);
     for (i, &a) in outline.iter().enumerate() {
         let b = outline[(i + 1) % outline.len()];
         let length = a.distance(b);
-        while next < walked + length {
-            put(a.lerp(b, (next - walked) / length));
+        while next < passed + length {
+            put(a.lerp(b, (next - passed) / length));
             draw += 1;
             next += distance * (1.0 + unit(seed ^ 0x0a12, draw, 0, 0));
         }
-        walked += length;
+        passed += length;
     }
 }
 
-/// Points in rings `spacing` wide, in each as many sectors as make cells about as wide as they are thick, turned at
-/// random from ring to ring.
-pub fn by_anatomy(outline: &[DVec2], rings: &RingField, spacing: f64, seed: u64) -> Vec<DVec2> {
+/// Returns points in rings `spacing` wide. Each ring has as many sectors as make cells about as wide as they are thick, and is
+/// turned at random against the others.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancels the work.
+pub(super) fn by_ring_and_sector(
+    outline: &[DVec2],
+    rings: &RingField,
+    spacing: f64,
+    seed: u64,
+    context: &Context,
+) -> Result<Vec<DVec2>, Cancelled> {
     let (mut low, mut high, mut radius) = (f64::INFINITY, 0.0f64, 0.0f64);
     for &p in outline {
         let (ring, _) = rings.address(p);
@@ -81,7 +101,7 @@ pub fn by_anatomy(outline: &[DVec2], rings: &RingField, spacing: f64, seed: u64)
         high = high.max(ring);
         radius = radius.max(p.distance(rings.pith()) / ring.max(1e-9));
     }
-    if inside(outline, rings.pith()) {
+    if is_inside(outline, rings.pith()) {
         low = 0.0;
         high = 1.0;
         let around = (0..64).map(|k| rings.outer_radius(TAU * f64::from(k) / 64.0));
@@ -90,16 +110,17 @@ pub fn by_anatomy(outline: &[DVec2], rings: &RingField, spacing: f64, seed: u64)
     let count = ((high - low) * radius / spacing).round().clamp(1.0, 1e5) as i64;
     let mut points = Vec::new();
     for i in 0..count {
+        context.check()?;
         let ring = low + (high - low) * (i as f64 + 0.5) / count as f64;
         let sectors = (TAU * ring * radius / spacing).round().clamp(3.0, 1e7) as i64;
         let start = unit(seed ^ 0x5ec7, i, 0, 0);
         for j in 0..sectors {
             let angle = TAU * (j as f64 + start) / sectors as f64;
             let p = rings.point(ring, angle);
-            if inside(outline, p) {
+            if is_inside(outline, p) {
                 points.push(p);
             }
         }
     }
-    points
+    Ok(points)
 }

@@ -1,87 +1,121 @@
-//! Two clamps that bend the wood between them and neither stretch nor press it: the wood's neutral line keeps its length.
+//! Two clamps that bend the wood between them without stretching or compressing it: its neutral axis keeps its length.
 //!
-//! Under a moment that is the same all along, each piece of a slender stem turns by what its bending stiffness allows: a
-//! straight stem of one section becomes a circular arc, one that tapers is bent more where it is thin, and what is curved
-//! at rest keeps that curvature besides. Where the clamps are to be follows from how they are turned.
+//! Under a constant moment each piece of a slender stem turns in inverse proportion to its bending stiffness: a straight
+//! prismatic stem becomes a circular arc, a tapered one bends more where it is thin, and a curved one adds its curvature at
+//! rest. The positions of the clamps follow from their rotations.
 
-use super::{ClampKeys, SceneError};
-use crate::bundle::Bundle;
-use crate::loads::{Clamp, Motion, Pose, rotation_of, rotation_vector};
+use super::error::SceneError;
+use super::keys::ClampKeys;
+use crate::loads::{Clamp, Keyframe, Motion, Pose};
+use crate::rod_bundle::RodBundle;
+use crate::rotation::{from_rotation_vector, to_rotation_vector};
 use crate::vectors::Vectors;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Pieces of the stem between the clamps.
+/// Pieces into which the stem between the clamps is divided.
 const PIECES: usize = 200;
-/// Most that the wood is bent from one pose to the next, rad. Between two poses clamps move straight, which strains the
-/// wood by a twenty-fourth of its square.
-const POSE: f64 = 0.005;
+/// Largest angle by which the wood bends from one pose to the next, rad. Between two poses clamps move straight, which strains
+/// the wood by a twenty-fourth of its square.
+const MAX_POSE_ANGLE: f64 = 0.005;
 
-/// The neutral line between two places.
-struct Line {
-    start: DVec3,
-    end: DVec3,
-    /// Of each piece: the way along it, and what part of the whole turn it has turned by in its middle.
-    pieces: Vec<(DVec3, f64)>,
+/// A piece of the neutral axis.
+struct Piece {
+    /// From its start to its end, m.
+    way: DVec3,
+    /// Fraction of the whole turn up to its middle.
+    turned: f64,
 }
 
-impl Line {
+/// The neutral axis between two positions.
+struct NeutralAxis {
+    start: DVec3,
+    end: DVec3,
+    pieces: Vec<Piece>,
+}
+
+/// Where the neutral axis passes a cross-section.
+struct NeutralPoint {
+    position: DVec3,
+    /// Bending stiffness of the cross-section: twice the mean of that about all axes, N m².
+    stiffness: f64,
+}
+
+impl NeutralAxis {
     fn between(
-        bundle: &Bundle,
+        bundle: &RodBundle,
         position: &Vectors,
         fraction: &[f64],
-        (from, to): (f64, f64),
-    ) -> Line {
+        [from, to]: [f64; 2],
+    ) -> NeutralAxis {
         let at = |k: usize| from + (to - from) * k as f64 / PIECES as f64;
-        let sections: Vec<(DVec3, f64)> = (0..=PIECES)
-            .map(|k| section(bundle, position, fraction, at(k)))
+        let points: Vec<NeutralPoint> = (0..=PIECES)
+            .map(|k| neutral_point(bundle, position, fraction, at(k)))
             .collect();
         let mut pieces = Vec::with_capacity(PIECES);
         let mut turned = 0.0;
-        for pair in sections.windows(2) {
-            let way = pair[1].0 - pair[0].0;
-            let turn = way.length() * 2.0 / (pair[0].1 + pair[1].1).max(f64::MIN_POSITIVE);
-            pieces.push((way, turned + 0.5 * turn));
+        for pair in points.windows(2) {
+            let way = pair[1].position - pair[0].position;
+            let stiffness = pair[0].stiffness + pair[1].stiffness;
+            let turn = way.length() * 2.0 / stiffness.max(f64::MIN_POSITIVE);
+            pieces.push(Piece {
+                way,
+                turned: turned + 0.5 * turn,
+            });
             turned += turn;
         }
         let whole = turned.max(f64::MIN_POSITIVE);
-        pieces.iter_mut().for_each(|p| p.1 /= whole);
-        Line {
-            start: sections[0].0,
-            end: sections[PIECES].0,
+        pieces.iter_mut().for_each(|p| p.turned /= whole);
+        NeutralAxis {
+            start: points[0].position,
+            end: points[PIECES].position,
             pieces,
         }
     }
 }
 
-/// Where the neutral line passes a section, and the section's bending stiffness, the mean of that about all axes (twice it,
-/// N m²).
-fn section(bundle: &Bundle, position: &Vectors, fraction: &[f64], at: f64) -> (DVec3, f64) {
-    let mut met = Vec::with_capacity(bundle.rods());
+/// Finds where the neutral axis passes the cross-section at `at`.
+fn neutral_point(
+    bundle: &RodBundle,
+    position: &Vectors,
+    fraction: &[f64],
+    at: f64,
+) -> NeutralPoint {
+    struct Crossing {
+        position: DVec3,
+        stretch: f64,
+        bend: f64,
+    }
+    let mut crossings: Vec<Crossing> = Vec::with_capacity(bundle.rods());
     for rod in 0..bundle.rods() {
         let crossed =
             |&j: &usize| bundle.is_edge(j) && (at - fraction[j]) * (at - fraction[j + 1]) <= 0.0;
         if let Some(j) = bundle.rod(rod).find(crossed) {
             let part = (at - fraction[j]) / (fraction[j + 1] - fraction[j]);
             let part = if part.is_finite() { part } else { 0.0 };
-            let place = position.get(j).lerp(position.get(j + 1), part);
-            met.push((
-                place,
-                bundle.stretch[j],
-                bundle.bend[j].max(bundle.bend[j + 1]),
-            ));
+            crossings.push(Crossing {
+                position: position.get(j).lerp(position.get(j + 1), part),
+                stretch: bundle.stretch[j],
+                bend: bundle.bend[j].max(bundle.bend[j + 1]),
+            });
         }
     }
-    let stretch: f64 = met.iter().map(|m| m.1).sum();
-    let middle = met.iter().fold(DVec3::ZERO, |s, m| s + m.0 * m.1) / stretch;
-    let stiffness = met
+    let stretch: f64 = crossings.iter().map(|c| c.stretch).sum();
+    let sum = crossings
         .iter()
-        .map(|(place, stretch, bend)| stretch * place.distance_squared(middle) + 2.0 * bend)
+        .fold(DVec3::ZERO, |s, c| s + c.position * c.stretch);
+    let middle = sum / stretch;
+    let stiffness = crossings
+        .iter()
+        .map(|c| c.stretch * c.position.distance_squared(middle) + 2.0 * c.bend)
         .sum();
-    (middle, stiffness)
+    NeutralPoint {
+        position: middle,
+        stiffness,
+    }
 }
 
-/// Whether `arc` can be what the scene asks of its clamps.
+/// Checks that the scene's clamps can use `arc`.
 pub(super) fn check(clamps: &[ClampKeys]) -> Result<(), SceneError> {
     let Some(clamp) = clamps.iter().position(|c| c.arc) else {
         return Ok(());
@@ -107,11 +141,11 @@ pub(super) fn check(clamps: &[ClampKeys]) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Adds to the motion of clamps with `arc` what keeps the neutral line between them as long as it is.
-pub(super) fn follow(
+/// Adds to the motion of clamps with `arc` what preserves the length of the neutral axis between them.
+pub(super) fn preserve_length(
     clamps: &mut [Clamp],
     keys: &[ClampKeys],
-    bundle: &Bundle,
+    bundle: &RodBundle,
     position: &Vectors,
     fraction: &[f64],
 ) -> Result<(), SceneError> {
@@ -119,8 +153,8 @@ pub(super) fn follow(
         return Ok(());
     };
     let [base, end] = if one.from <= two.from { [0, 1] } else { [1, 0] };
-    // Rods end a clamp at vertices, which are at different places: their mean.
-    let held = |clamp: &Clamp, last: bool| {
+    // Rods leave a clamp at vertices, which are at different positions: their mean.
+    let clamp_end = |clamp: &Clamp, last: bool| {
         let mut all = vec![false; bundle.vertices()];
         clamp.vertices.iter().for_each(|&v| all[v as usize] = true);
         let ends = clamp.vertices.iter().map(|&v| v as usize).filter(|v| {
@@ -131,34 +165,35 @@ pub(super) fn follow(
         let (sum, count) = ends.fold((0.0, 0.0), |(s, n), v| (s + fraction[v], n + 1.0));
         sum / count
     };
-    let range = (held(&clamps[base], true), held(&clamps[end], false));
-    if range.0.is_nan() || range.1.is_nan() || range.0 >= range.1 {
+    let range = [
+        clamp_end(&clamps[base], true),
+        clamp_end(&clamps[end], false),
+    ];
+    if range[0].is_nan() || range[1].is_nan() || range[0] >= range[1] {
         return Err(SceneError::Arc {
             clamp: number,
-            problem: "no wood is left free between the two clamps".into(),
+            problem: "no wood is free between the two clamps".into(),
         });
     }
-    let line = Line::between(bundle, position, fraction, range);
-    let mut moved: [Vec<(f64, Pose)>; 2] = Default::default();
+    let axis = NeutralAxis::between(bundle, position, fraction, range);
+    let mut motions: [Vec<Keyframe>; 2] = Default::default();
     let mut last = DVec3::ZERO;
     for time in times(clamps) {
         let poses = [base, end].map(|c| clamps[c].motion.pose(time));
         let place = |c: usize, pose: Pose, point: DVec3| {
             clamps[c].centre + pose.rotation * (point - clamps[c].centre) + pose.translation
         };
-        let turn = nearest(
-            rotation_of(poses[1].rotation * poses[0].rotation.conjugate()),
+        let turn = nearest_equivalent(
+            to_rotation_vector(poses[1].rotation * poses[0].rotation.conjugate()),
             last,
         );
         last = turn;
-        let arc = line
-            .pieces
-            .iter()
-            .fold(place(base, poses[0], line.start), |at, (way, part)| {
-                at + rotation_vector(turn * *part) * (poses[0].rotation * *way)
-            });
-        let off = arc - place(end, poses[1], line.end);
-        // Where both follow, the middle between them stays.
+        let start = place(base, poses[0], axis.start);
+        let arc = axis.pieces.iter().fold(start, |at, piece| {
+            at + from_rotation_vector(turn * piece.turned) * (poses[0].rotation * piece.way)
+        });
+        let correction = arc - place(end, poses[1], axis.end);
+        // Where both clamps follow, the middle between them stays.
         let shares = match (keys[base].arc, keys[end].arc) {
             (true, true) => [-0.5, 0.5],
             (true, false) => [-1.0, 0.0],
@@ -166,22 +201,22 @@ pub(super) fn follow(
         };
         for k in 0..2 {
             let mut pose = poses[k];
-            pose.translation += off * shares[k];
-            moved[k].push((time, pose));
+            pose.translation += correction * shares[k];
+            motions[k].push(Keyframe { time, pose });
         }
     }
-    for (clamp, poses) in [base, end].into_iter().zip(moved) {
-        clamps[clamp].motion = Motion::Keys(poses);
+    for (clamp, keys) in [base, end].into_iter().zip(motions) {
+        clamps[clamp].motion = Motion::Keyframes(keys);
     }
     Ok(())
 }
 
-/// The times of all key frames, and as many between as the turns need.
+/// Returns the times of all key frames, and as many between them as the rotations need.
 fn times(clamps: &[Clamp]) -> Vec<f64> {
     let mut given: Vec<f64> = clamps
         .iter()
         .flat_map(|c| match &c.motion {
-            Motion::Keys(keys) => keys.iter().map(|k| k.0).collect(),
+            Motion::Keyframes(keys) => keys.iter().map(|k| k.time).collect(),
             _ => Vec::new(),
         })
         .collect();
@@ -193,10 +228,10 @@ fn times(clamps: &[Clamp]) -> Vec<f64> {
             .iter()
             .map(|c| {
                 let [a, b] = [pair[0], pair[1]].map(|t| c.motion.pose(t).rotation);
-                rotation_of(b * a.conjugate()).length()
+                to_rotation_vector(b * a.conjugate()).length()
             })
             .sum();
-        let parts = (turned / POSE).ceil().max(1.0);
+        let parts = (turned / MAX_POSE_ANGLE).ceil().max(1.0);
         let mut k = 0.0;
         while k < parts {
             all.push(pair[0] + (pair[1] - pair[0]) * (k / parts));
@@ -207,8 +242,8 @@ fn times(clamps: &[Clamp]) -> Vec<f64> {
     all
 }
 
-/// Of all vectors of the same rotation the one nearest to that before.
-fn nearest(turn: DVec3, last: DVec3) -> DVec3 {
+/// Returns the rotation vector that is equivalent to `turn` and nearest to `last`.
+fn nearest_equivalent(turn: DVec3, last: DVec3) -> DVec3 {
     let angle = turn.length();
     if angle == 0.0 {
         return turn;

@@ -1,18 +1,19 @@
-//! Scenes that come with the program.
+//! Scenes that come with the crate.
 
-use super::{Scene, SceneError};
+use super::error::SceneError;
+use super::keys::Scene;
 use greenstick_schema::closest_names;
 
-/// A scene that comes with the program.
+/// A scene that comes with the crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
     /// Its name.
     pub name: &'static str,
-    /// Its file.
+    /// Its TOML.
     pub text: &'static str,
 }
 
-/// Scenes by their names, which are those of their files.
+/// Lists scenes by their names, which are those of their files.
 macro_rules! built_in {
     ($($name:literal),+) => {
         &[$(BuiltIn {
@@ -22,7 +23,7 @@ macro_rules! built_in {
     };
 }
 
-/// All of them.
+/// All built-in scenes.
 pub const BUILT_IN: &[BuiltIn] = built_in![
     "oscillation",
     "three-blocks",
@@ -34,20 +35,20 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
 ];
 
 impl BuiltIn {
-    /// The scene.
+    /// Reads the scene.
     ///
     /// # Errors
-    /// None for those that come with the program; a test reads them all.
+    /// None for those of the crate; a test reads them all.
     pub fn scene(&self) -> Result<Scene, SceneError> {
         Scene::read(self.text)
     }
 }
 
 impl Scene {
-    /// The built-in scene of a name.
+    /// Returns the built-in scene of a name.
     ///
     /// # Errors
-    /// [`SceneError::UnknownScene`] with the names that look like it.
+    /// [`SceneError::UnknownScene`] with similar names.
     pub fn built_in(name: &str) -> Result<Scene, SceneError> {
         match BUILT_IN.iter().find(|b| b.name == name) {
             Some(found) => found.scene(),

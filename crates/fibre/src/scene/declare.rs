@@ -1,20 +1,20 @@
-//! How a scene's keys are declared: once, with documentation, range, unit and default. Struct field, default, check,
-//! reference and the names that a misspelt key is compared with all come from that.
+//! The declaration of a scene's keys: once, with documentation, range, unit and default. Struct fields, defaults, checks, the
+//! reference page, and the names with which a misspelt key is compared all come from it.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// A key of a scene file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KeyInfo {
-    /// The table that it stands in; empty for the top of the file.
+    /// The table in which it stands; empty for the top of the file.
     pub table: String,
     /// Its name.
     pub key: String,
-    /// What it decides.
+    /// Its documentation.
     pub doc: String,
     /// Unit of its numbers; empty for none.
     pub unit: &'static str,
-    /// Least and greatest number; infinite for no limit.
+    /// Least and greatest value; infinite for no limit.
     pub range: (f64, f64),
     /// Its default as TOML; empty for none.
     pub default: String,
@@ -22,16 +22,16 @@ pub struct KeyInfo {
 
 /// A table of a scene file.
 pub trait Declared {
-    /// Its keys, as the table `table`.
+    /// Returns its keys, as those of the table `table`.
     fn keys(table: &str) -> Vec<KeyInfo>;
 
-    /// The first number out of range: its key, the number, and the key's declaration.
+    /// Returns the first number out of range, with its key.
     fn out_of_range(&self, table: &str) -> Option<(KeyInfo, f64)>;
 }
 
-/// What is checked against a range.
-pub trait Numbers {
-    /// The numbers in it.
+/// A value whose numbers are checked against a range.
+pub(super) trait Numbers {
+    /// Returns its numbers.
     fn numbers(&self) -> Vec<f64>;
 }
 
@@ -72,20 +72,20 @@ impl<T> Numbers for Vec<T> {
     }
 }
 
-/// A value as TOML; empty where it has none.
-pub fn toml_text<T: Serialize>(value: &T) -> String {
+/// Returns a value as TOML; empty where it has none.
+pub(super) fn toml_text<T: Serialize>(value: &T) -> String {
     toml::Value::try_from(value).map_or(String::new(), |v| v.to_string())
 }
 
-/// A length, written with its unit: "15 cm", "4 mm", "0.3 m".
+/// A length (m), written with its unit: "15 cm", "4 mm", "0.3 m".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Length(pub f64);
 
-/// Three lengths with one unit: "0, -7.5, 2 cm".
+/// Three lengths (m), written with one unit: "0, -7.5, 2 cm".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lengths(pub [f64; 3]);
 
-/// Number of metres in a unit.
+/// Returns the number of metres in a unit.
 fn metres(unit: &str) -> Option<f64> {
     match unit {
         "mm" => Some(1e-3),
@@ -95,7 +95,7 @@ fn metres(unit: &str) -> Option<f64> {
     }
 }
 
-/// Numbers with one unit of length behind them, m.
+/// Parses numbers followed by one unit of length, m.
 fn lengths(text: &str) -> Option<Vec<f64>> {
     let text = text.trim();
     let at = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E')?;
@@ -104,7 +104,7 @@ fn lengths(text: &str) -> Option<Vec<f64>> {
     numbers
         .split(',')
         .map(|n| n.trim().parse::<f64>().ok())
-        // Dividing keeps "15 cm" the double next to 0.15.
+        // Division gives for "15 cm" the double nearest to 0.15.
         .map(|n| n.map(|n| n / (1.0 / scale).round()))
         .collect()
 }
@@ -127,7 +127,7 @@ impl<'de> Deserialize<'de> for Lengths {
         match lengths(&text).as_deref() {
             Some([x, y, z]) => Ok(Lengths([*x, *y, *z])),
             _ => Err(de::Error::custom(format!(
-                "\"{text}\" is no place; write three numbers with mm, cm or m, such as \"0, -7.5, 2 cm\""
+                "\"{text}\" is no position; write three numbers with mm, cm or m, such as \"0, -7.5, 2 cm\""
             ))),
         }
     }

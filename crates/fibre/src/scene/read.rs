@@ -1,150 +1,18 @@
-//! Reading a scene's TOML, with the line of whatever is wrong.
+//! Reads a scene's TOML; errors have the line of what is wrong.
 
-use super::{Declared, KeyInfo, MotionWord, Scene, SolverWord};
-use crate::bodies::BodyError;
-use crate::error::LoadError;
-use greenstick_schema::{closest_names, did_you_mean};
+use super::arc;
+use super::declare::{Declared, KeyInfo};
+use super::error::SceneError;
+use super::keys::{MotionChoice, Scene, SolverChoice};
+use greenstick_schema::closest_names;
 use toml::de::{DeTable, DeValue};
-
-/// Why a scene cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SceneError {
-    /// Not TOML, or a value of the wrong kind.
-    #[error("line {line}: {message}")]
-    Syntax {
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-    },
-    /// A key that no scene has.
-    #[error(
-        "line {line}: unknown key \"{key}\"{}{}",
-        in_table(table),
-        did_you_mean(nearest)
-    )]
-    UnknownKey {
-        /// Line, from 1.
-        line: usize,
-        /// The key.
-        key: String,
-        /// The table that it stands in.
-        table: String,
-        /// Keys that look like it.
-        nearest: Vec<String>,
-    },
-    /// A number out of range.
-    #[error("{key} is {value}, but it must be {right}")]
-    Value {
-        /// The key with its table.
-        key: String,
-        /// The value found.
-        value: f64,
-        /// What would be right.
-        right: String,
-    },
-    /// No scene of this name.
-    #[error("there is no scene \"{name}\"{}", did_you_mean(nearest))]
-    UnknownScene {
-        /// The name.
-        name: String,
-        /// Names that look like it.
-        nearest: Vec<String>,
-    },
-    /// A clamp that holds nothing.
-    #[error(
-        "clamp {clamp} holds nothing: no vertex lies from {from} to {to} of the length; vertices are up to {apart} apart there"
-    )]
-    EmptyClamp {
-        /// Number of the clamp, from 0.
-        clamp: usize,
-        /// From where.
-        from: f64,
-        /// To where.
-        to: f64,
-        /// Distance between vertices, of the length.
-        apart: f64,
-    },
-    /// Key frames out of order.
-    #[error("key frames of {what} must follow each other in time; {time} s does not")]
-    Keys {
-        /// Of what.
-        what: String,
-        /// The time that does not.
-        time: f64,
-    },
-    /// A clamp that cannot keep the wood's length.
-    #[error("clamp {clamp} has arc = true: {problem}")]
-    Arc {
-        /// Number of the clamp, from 0.
-        clamp: usize,
-        /// Why it cannot.
-        problem: String,
-    },
-    /// A body that passes the stem by.
-    #[error(
-        "body {body} never touches the stem when it comes from ({x}, {y}, {z}); change `touch`, `at` or `place`"
-    )]
-    Misses {
-        /// Number of the body.
-        body: usize,
-        /// Direction.
-        x: f64,
-        /// Direction.
-        y: f64,
-        /// Direction.
-        z: f64,
-    },
-    /// A body whose mesh was not given.
-    #[error("body {body} is a {shape}, which needs the name of a mesh file: file = \"block.stl\"")]
-    NoMesh {
-        /// Number of the body.
-        body: usize,
-        /// Which shape.
-        shape: &'static str,
-    },
-    /// A word that is none of those that may stand there.
-    #[error("{key} is \"{found}\", but it must be {right}")]
-    Word {
-        /// The key.
-        key: String,
-        /// What was found.
-        found: String,
-        /// What would be right.
-        right: &'static str,
-    },
-    /// A solver that cannot do what the scene asks.
-    #[error("the {solver} solver cannot be used here: {problem}; choose {right}")]
-    Solver {
-        /// The solver.
-        solver: &'static str,
-        /// Why not.
-        problem: String,
-        /// What would be right.
-        right: &'static str,
-    },
-    /// A body does not fit.
-    #[error(transparent)]
-    Body(#[from] BodyError),
-    /// A load does not fit.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-}
-
-fn in_table(table: &str) -> String {
-    if table.is_empty() {
-        String::new()
-    } else {
-        format!(" in [{table}]")
-    }
-}
 
 fn line(text: &str, at: usize) -> usize {
     text.get(..at).unwrap_or(text).matches('\n').count() + 1
 }
 
 impl Scene {
-    /// Reads a scene; what it does not say is as in [`Scene::default`].
+    /// Reads a scene. Keys that it does not have are as in [`Scene::default`].
     ///
     /// # Errors
     /// [`SceneError`] with the line of what is wrong.
@@ -154,7 +22,7 @@ impl Scene {
             message: e.message().replace('\n', ", "),
         })?;
         let keys = Scene::reference();
-        known(text, document.get_ref(), "", &keys)?;
+        check_keys(text, document.get_ref(), "", &keys)?;
         let scene: Scene = toml::from_str(text).map_err(|e| SceneError::Syntax {
             line: line(text, e.span().unwrap_or(0..0).start),
             message: e.message().replace('\n', ", "),
@@ -163,12 +31,12 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene as TOML, all keys written out.
+    /// Returns the scene as TOML, with all keys.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// Whether the scene's solver can do what the scene asks.
+    /// Checks that the scene's solver can run the scene.
     fn check_solver(&self) -> Result<(), SceneError> {
         let refuse = |problem: String, right| {
             let solver = self.solver.name();
@@ -178,14 +46,17 @@ impl Scene {
                 right,
             })
         };
-        let free = self.body.iter().position(|b| b.motion == MotionWord::Free);
-        if let (Some(body), true) = (free, self.solver != SolverWord::Explicit) {
+        let free = self
+            .body
+            .iter()
+            .position(|b| b.motion == MotionChoice::Free);
+        if let (Some(body), true) = (free, self.solver != SolverChoice::Explicit) {
             let problem = format!(
-                "body {body} moves freely, and its impacts need steps as short as they are"
+                "body {body} moves freely, and its impacts need steps as short as the impacts"
             );
             return refuse(problem, "explicit");
         }
-        if self.solver != SolverWord::QuasiStatic {
+        if self.solver != SolverChoice::QuasiStatic {
             return Ok(());
         }
         let others = "explicit, implicit or interactive";
@@ -206,10 +77,10 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks every range, and what holds between keys.
+    /// Checks every range, and the relations between keys.
     ///
     /// # Errors
-    /// [`SceneError::Value`] for the first that is wrong, [`SceneError::Solver`] where the solver cannot do it.
+    /// [`SceneError::Value`] for the first value that is wrong, [`SceneError::Solver`] where the solver cannot run the scene.
     pub fn check(&self) -> Result<(), SceneError> {
         if let Some((k, value)) = self.out_of_range("") {
             let right = match (k.range, k.unit) {
@@ -236,13 +107,13 @@ impl Scene {
                 });
             }
         }
-        super::arc::check(&self.clamp)?;
+        arc::check(&self.clamp)?;
         self.check_solver()
     }
 }
 
-/// Refuses keys that are not in the reference.
-fn known(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Result<(), SceneError> {
+/// Refuses keys that do not exist.
+fn check_keys(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Result<(), SceneError> {
     let own = || keys.iter().filter(|k| k.table == name);
     let inner = |key: &str| {
         let list = format!("[{key}]");
@@ -272,15 +143,15 @@ fn known(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Result<()
             });
         };
         match value.get_ref() {
-            DeValue::Table(t) => known(text, t, &inside, keys)?,
+            DeValue::Table(t) => check_keys(text, t, &inside, keys)?,
             DeValue::Array(entries) => {
                 for entry in entries {
                     if let DeValue::Table(t) = entry.get_ref() {
-                        known(text, t, &inside, keys)?;
+                        check_keys(text, t, &inside, keys)?;
                     }
                 }
             }
-            // The reader says what is wrong with it.
+            // The TOML reader reports what is wrong with it.
             _ => {}
         }
     }

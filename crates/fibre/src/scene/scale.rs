@@ -1,40 +1,41 @@
-//! A scene on a stem of another length than it was written for.
+//! Scenes on stems of another length than they were written for.
 
-use super::{KeyFrame, Length, Lengths, MotionWord, Scene};
+use super::declare::{Length, Lengths};
+use super::keys::{KeyFrame, MotionChoice, Scene};
 
 impl Scene {
-    /// The scene for a stem of `length` (m): what `for_length` says is as much longer as the stem is. A scene that does not say
-    /// for which length it is stays as it is.
+    /// Returns the scene scaled to a stem of `length` (m), as the key `for_length` documents. A scene without that key stays as it
+    /// is.
     pub fn for_stem(&self, length: f64) -> Scene {
         let mut scene = self.clone();
         let Some(Length(written)) = self.for_length else {
             return scene;
         };
-        let by = length / written;
-        let longer = |l: &mut Length| l.0 *= by;
-        let all = |v: &mut [f64; 3]| v.iter_mut().for_each(|x| *x *= by);
-        let keys = |keys: &mut Vec<KeyFrame>| {
-            let ways = keys.iter_mut().map(|k| &mut k.move_by);
-            ways.for_each(|Lengths(way)| all(way));
+        let factor = length / written;
+        let scale = |l: &mut Length| l.0 *= factor;
+        let scale_vector = |v: &mut [f64; 3]| v.iter_mut().for_each(|x| *x *= factor);
+        let scale_keys = |keys: &mut Vec<KeyFrame>| {
+            let displacements = keys.iter_mut().map(|k| &mut k.move_by);
+            displacements.for_each(|Lengths(d)| scale_vector(d));
         };
-        scene.rods.edge.iter_mut().for_each(longer);
-        scene.rods.spacing.iter_mut().for_each(longer);
+        scene.rods.edge.iter_mut().for_each(scale);
+        scene.rods.spacing.iter_mut().for_each(scale);
         for clamp in &mut scene.clamp {
-            all(&mut clamp.velocity);
-            keys(&mut clamp.key);
+            scale_vector(&mut clamp.velocity);
+            scale_keys(&mut clamp.key);
         }
         for body in &mut scene.body {
-            all(&mut body.size.0);
-            all(&mut body.place.0);
-            longer(&mut body.diameter);
-            longer(&mut body.gap);
-            keys(&mut body.key);
-            // What flies has the velocity that it was given.
-            if body.motion == MotionWord::Given {
-                all(&mut body.velocity);
+            scale_vector(&mut body.size.0);
+            scale_vector(&mut body.place.0);
+            scale(&mut body.diameter);
+            scale(&mut body.gap);
+            scale_keys(&mut body.key);
+            // The velocity of a free body stays as given.
+            if body.motion == MotionChoice::Given {
+                scale_vector(&mut body.velocity);
             }
         }
-        // So that it stays as it is on this stem.
+        // Scaling the result to the same stem changes nothing.
         scene.for_length = Some(Length(length));
         scene
     }

@@ -1,14 +1,15 @@
-//! The bundle in the scene's axes, and how it is bent and moves at the start.
+//! The bundle at the start: in the scene's axes, and bent.
 
-use crate::bundle::Bundle;
+use crate::rod_bundle::RodBundle;
+use crate::rotation::from_rotation_vector;
 use crate::state::State;
 use crate::vectors::Vectors;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// Turns and moves a bundle at rest so that the middle of its base is the origin, the middle of its other end is on +x,
-/// and what was most upright stays so. `fraction` is each vertex's place along the stem. Returns its length, m, and the
-/// movement.
-pub(super) fn lay(bundle: &mut Bundle, fraction: &[f64]) -> (f64, DAffine3) {
+/// Rotates and moves a bundle at rest so that the middle of its base is the origin and the middle of its other end is on +x;
+/// z stays as upright as possible. `fraction` is each vertex's position along the stem. Returns its length, m, and the map
+/// from its coordinates before to those of the scene.
+pub(super) fn align_with_axes(bundle: &mut RodBundle, fraction: &[f64]) -> (f64, DAffine3) {
     let middle = |end: f64| {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for rod in 0..bundle.rods() {
@@ -32,34 +33,34 @@ pub(super) fn lay(bundle: &mut Bundle, fraction: &[f64]) -> (f64, DAffine3) {
     let all = |v: &Vectors, f: &dyn Fn(DVec3) -> DVec3| v.iter().map(f).collect::<Vectors>();
     bundle.rest = all(&bundle.rest, &|p| turn * (p - base));
     bundle.rest_director = all(&bundle.rest_director, &|d| turn * d);
-    let moved = DAffine3::from_mat3(turn) * DAffine3::from_translation(-base);
-    (base.distance(end), moved)
+    let map = DAffine3::from_mat3(turn) * DAffine3::from_translation(-base);
+    (base.distance(end), map)
 }
 
-/// Bends a bundle of some length into an arc of `angle` rad about y, its middle where it is, its ends upwards.
-pub(super) fn bend(bundle: &Bundle, state: &mut State, length: f64, angle: f64) {
+/// Bends a bundle of a given length (m) into an arc of `angle` rad about y, with its middle fixed and its ends upwards.
+pub(super) fn bend(bundle: &RodBundle, state: &mut State, length: f64, angle: f64) {
     if angle == 0.0 {
         return;
     }
-    // In small turns, so that frames are carried along.
-    const TURNS: u32 = 32;
-    for part in 1..=TURNS {
-        let radius = length / (angle * f64::from(part) / f64::from(TURNS));
+    // In small steps, so that frames can be transported.
+    const STEPS: u32 = 32;
+    for part in 1..=STEPS {
+        let radius = length / (angle * f64::from(part) / f64::from(STEPS));
         for i in 0..bundle.vertices() {
             let p = bundle.rest.get(i);
             let (sin, cos) = libm::sincos((p.x - 0.5 * length) / radius);
-            let place = DVec3::new(
+            let position = DVec3::new(
                 0.5 * length + (radius - p.z) * sin,
                 p.y,
                 radius - (radius - p.z) * cos,
             );
-            state.position.set(i, place);
+            state.position.set(i, position);
         }
-        state.carry_frames(bundle);
+        state.transport_frames(bundle);
     }
 }
 
-/// The rotation along a vector as long as its angle in degrees.
-pub(super) fn turn(degrees: [f64; 3]) -> DQuat {
-    crate::loads::rotation_vector(DVec3::from_array(degrees.map(f64::to_radians)))
+/// Returns the rotation of a rotation vector in degrees.
+pub(super) fn rotation(degrees: [f64; 3]) -> DQuat {
+    from_rotation_vector(DVec3::from_array(degrees.map(f64::to_radians)))
 }

@@ -1,89 +1,118 @@
-//! A step a picture, at real stiffness, faster than the time it shows (issue "Solvers" 3).
+//! One step per frame, at real stiffness, faster than the time it shows.
 //!
-//! Each step is an equilibrium with inertia at its end (implicit Euler), found by Newton's method as in
-//! [`super::newton`], but only as exactly as a picture needs, and with linear systems solved anew each time by conjugate
-//! gradients that know rods and sections (`iterative`): a factor of the matrix, which would have to be made
-//! anew whenever something breaks, costs as much as many pictures. Methods that go from vertex to vertex (vertex block
-//! descent, position-based dynamics) do not carry a bending moment through a slender stem in any number of sweeps that a
-//! picture has time for.
+//! Each step is an equilibrium with inertia at its end (implicit Euler), found by Newton's method ([`super::newton`]), but
+//! only as accurately as a frame needs, and with linear systems solved anew each time by conjugate gradients that know rods
+//! and cross-sections ([`super::linear`]): a factor of the matrix, which would have to be made anew whenever something
+//! breaks, costs as much as many frames. Methods that go from vertex to vertex (vertex block descent, position-based
+//! dynamics) do not carry a bending moment through a slender stem in any number of sweeps for which a frame has time.
 //!
-//! What is overstressed at the end of a step breaks, and the same step is done again from where it is; what would break
-//! still then breaks in the next. So a crack that runs in microseconds takes a few pictures. Bonds that break lose their
-//! stiffness until the step ends, so that nothing has to be numbered anew but where a rod breaks. Implicit Euler
-//! lets vibration that is fast against the picture die out, which is told as [`Advance::dissipated`].
+//! What is overstressed at the end of a step breaks, and the same step is repeated from there; what would still break then
+//! breaks in the next step. A crack that runs in microseconds therefore takes a few frames. Bonds that break lose their
+//! stiffness until the step ends, so that vertices are renumbered only where a rod breaks. Implicit Euler lets vibration
+//! that is fast against the frame die out, which is reported as [`AdvanceReport::dissipated`].
 
-use super::Stepwise;
-use super::newton::{Found, Goal, Inertia, Manner, Newton};
-use super::quasi_static::commit_yield;
-use crate::energy::{Forces, energies};
+use super::balance::{EquilibriumProblem, Inertia};
+use super::newton::{Equilibrium, Newton, NewtonOptions};
+use super::solver::AdvanceReport;
+use super::stepwise::Stepwise;
+use crate::contact::Contacts;
+use crate::energy::energies;
 use crate::error::SolverError;
-use crate::failure::{self, Break};
-use crate::solver::{Advance, Contacts, World};
+use crate::failure::breaking::{record_breaks, remove_elements};
+use crate::failure::demand::{Element, Overstressed, bonds_in, rods_in};
+use crate::failure::yielding::record_yielding;
+use crate::forces::Forces;
+use crate::loads::Loads;
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::topology;
 use crate::vectors::Vectors;
+use crate::world::World;
+use greenstick_geometry::Context;
 
 /// The step where none is given, s.
-pub const STEP: f64 = 1.0 / 30.0;
-/// Breaking rounds in a step.
-const ROUNDS: usize = 1;
-/// What breaks at once: what is overstressed by this part of what the most overstressed is.
-const PART: f64 = 0.7;
-/// What is overstressed by this breaks in any case: a load that grows faster than steps follow must not outrun it.
-const MUCH: f64 = 1.3;
-/// The same where forces are not balanced yet: without it one small bond that is torn far would keep all else whole.
-const FAR: f64 = 2.0;
-/// Where what breaks holds less than this part of all that is stored, the step is not done again: the next one sees it.
-const LITTLE: f64 = 1e-2;
-/// Most that a prediction moves anything, in shortest edges.
-const FARTHEST: f64 = 0.5;
-/// How exactly a step is solved: forces at break differ from those of the other solvers by far less.
-const MANNER: Manner = Manner {
-    forgetful: true,
+pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
+/// Number of times that a step is repeated after breaks.
+const BREAK_ROUNDS: usize = 1;
+/// Elements break together with the most overstressed one from this fraction of its demand.
+const SIMULTANEOUS_BREAK_FRACTION: f64 = 0.7;
+/// From this demand an element breaks in any case: a load that grows faster than steps follow must not outrun it.
+const CERTAIN_BREAK_DEMAND: f64 = 1.3;
+/// The same where forces are not balanced yet. Without it one small bond under great strain would keep everything else whole.
+const CERTAIN_BREAK_DEMAND_UNBALANCED: f64 = 2.0;
+/// Where the breaking elements hold less than this fraction of all stored energy, the step is not repeated; the next one
+/// follows.
+const NEGLIGIBLE_ENERGY_FRACTION: f64 = 1e-2;
+/// Largest distance that the prediction moves a vertex, in shortest edges.
+const MAX_PREDICTION: f64 = 0.5;
+/// Accuracy of a step: forces at break differ from those of the other solvers by far less.
+const OPTIONS: NewtonOptions = NewtonOptions {
+    stateless: true,
     tolerance: 1e-2,
-    iterations: 3,
-    accuracy: 0.1,
-    take_last: true,
-    one_matrix: true,
+    max_iterations: 3,
+    linear_tolerance: 0.1,
+    accept_unconverged: true,
+    reuse_preconditioner: true,
 };
 
-/// The interactive solver.
+/// The interactive solver: implicit Euler, one step per frame.
 #[derive(Debug, Clone)]
 pub struct Interactive {
     given: Option<f64>,
     newton: Newton,
-    queue: Vec<Break>,
-    /// Newton iterations so far.
-    iterations: u64,
-    /// Equilibria so far.
-    solved: u64,
+    queue: Vec<Overstressed>,
+    newton_iterations: u64,
+    equilibria: u64,
+}
+
+/// The work of an interactive solver so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct InteractiveEffort {
+    /// Equilibria.
+    pub equilibria: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Conjugate gradient iterations.
+    pub conjugate_gradients: u64,
+}
+
+/// What a step began with, for the case that it fails after something has broken.
+struct Saved {
+    bundle: RodBundle,
+    state: State,
+    loads: Loads,
 }
 
 impl Interactive {
-    /// A solver with steps of `step` seconds, or 1/30 s.
+    /// Returns a solver with steps of `step` seconds, or 1/30 s.
     pub fn new(step: Option<f64>) -> Self {
         Interactive {
             given: step,
-            newton: Newton::in_manner(MANNER),
+            newton: Newton::with_options(OPTIONS),
             queue: Vec::new(),
-            iterations: 0,
-            solved: 0,
+            newton_iterations: 0,
+            equilibria: 0,
         }
     }
 
-    /// Equilibria, Newton iterations and conjugate gradients so far.
-    pub fn effort(&self) -> [u64; 3] {
-        [self.solved, self.iterations, self.newton.gradients()]
+    /// Returns the work done so far.
+    pub fn effort(&self) -> InteractiveEffort {
+        InteractiveEffort {
+            equilibria: self.equilibria,
+            newton_iterations: self.newton_iterations,
+            conjugate_gradients: self.newton.conjugate_gradients(),
+        }
     }
 
-    /// The equilibrium at the end of a step of `dt` from `old`, looked for from the world's state on.
+    /// Finds the equilibrium at the end of a step of `dt` from `old`, starting the search from the world's state.
     fn equilibrium(
         &mut self,
         world: &World,
         old: &State,
         contacts: &mut dyn Contacts,
         dt: f64,
-    ) -> Result<Found, SolverError> {
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
         self.newton.prepare(&world.bundle, &[]);
         let plus = |a: &[f64], b: &[f64]| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| a + b * dt).collect()
@@ -100,129 +129,152 @@ impl Interactive {
             angle_ahead: plus(&old.angle, &old.spin),
             angle_behind: old.angle.clone(),
         };
-        let goal = Goal {
+        let problem = EquilibriumProblem {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            from: old,
+            start: old,
+            base: old,
             inertia: Some(&inertia),
             time: old.time + dt,
         };
-        let found = self.newton.solve(&goal, old, &world.state, contacts)?;
-        self.iterations += found.iterations as u64;
-        self.solved += 1;
+        let found = self
+            .newton
+            .solve(&problem, &world.state, contacts, context)?;
+        self.newton_iterations += found.iterations as u64;
+        self.equilibria += 1;
         Ok(found)
     }
 
-    fn picture(
+    /// Takes a step. Where it fails, `saved` has what of the world must be restored.
+    fn take_step(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
         dt: f64,
-        report: &mut Advance,
-    ) -> Result<(), SolverError> {
-        let stored = energies(&world.bundle, &world.state).total() + contacts.stored();
-        let broken = world.fracture_loss;
+        saved: &mut Option<Saved>,
+        context: &Context,
+    ) -> Result<StepEnergy, SolverError> {
+        let stored = energies(&world.bundle, &world.state).total() + contacts.stored_energy();
+        let fracture_loss = world.fracture_loss;
         let mut old = world.state.clone();
         predict(world, dt);
-        self.newton.renew();
-        // Bonds without stiffness, which are taken out at the end or with the next rod that breaks.
-        let mut weak = Vec::new();
+        self.newton.renew_preconditioner();
+        // Bonds without stiffness, which are removed at the end or with the next rod that breaks.
+        let mut weakened = Vec::new();
         // Vertices at which rods break when the step has ended.
-        let mut late = Vec::new();
+        let mut late_splits = Vec::new();
         let mut round = 0;
         let found = loop {
-            let mut found = self.equilibrium(world, &old, contacts, dt)?;
-            if round == ROUNDS || !self.find_broken(world, &found) {
+            let mut found = match self.equilibrium(world, &old, contacts, dt, context) {
+                Ok(found) => found,
+                Err(error) => {
+                    if saved.is_none() {
+                        world.state = old;
+                    }
+                    return Err(error);
+                }
+            };
+            if round == BREAK_ROUNDS || !self.find_breaks(world, &found) {
                 break found;
             }
             round += 1;
             std::mem::swap(&mut world.state, &mut found.state);
-            let lost = world.fracture_loss;
-            failure::note(world, &self.queue);
-            if found.settled && world.fracture_loss - lost < LITTLE * stored {
+            let before = world.fracture_loss;
+            record_breaks(world, &self.queue);
+            let released = world.fracture_loss - before;
+            if found.converged && released < NEGLIGIBLE_ENERGY_FRACTION * stored {
                 std::mem::swap(&mut world.state, &mut found.state);
-                weak.extend(numbers(&self.queue, true));
-                late = numbers(&self.queue, false);
+                weakened.extend(bonds_in(&self.queue));
+                late_splits = rods_in(&self.queue);
                 break found;
             }
-            if let Some(before) = self.let_break(world, contacts, &mut weak) {
+            saved.get_or_insert_with(|| Saved {
+                bundle: world.bundle.clone(),
+                state: old.clone(),
+                loads: world.loads.clone(),
+            });
+            if let Some(before) = self.break_queue(world, contacts, &mut weakened) {
                 topology::split_state(&mut old, &before);
             }
         };
         world.state = old;
-        let mut book = Book::default();
-        take(world, contacts, found, dt, &mut book);
-        if !(weak.is_empty() && late.is_empty()) {
-            failure::take_out(world, contacts, weak, late);
+        let mut energy = accept(world, contacts, found, dt);
+        if !(weakened.is_empty() && late_splits.is_empty()) {
+            remove_elements(world, contacts, weakened, late_splits);
         }
-        let after = energies(&world.bundle, &world.state).total() + contacts.stored();
-        report.work += book.work;
-        report.damped += book.damped;
-        report.dissipated +=
-            stored + book.work + book.given - book.damped - (world.fracture_loss - broken) - after;
-        report.steps += book.steps;
-        Ok(())
+        let after = energies(&world.bundle, &world.state).total() + contacts.stored_energy();
+        let fractured = world.fracture_loss - fracture_loss;
+        energy.dissipated =
+            stored + energy.work + energy.contact - energy.damped - fractured - after;
+        Ok(energy)
     }
 
-    /// Breaks what is in the queue. Bonds lose their stiffness, and are taken out with the next rod that breaks.
-    /// Returns for each vertex which it was before, where that changes.
-    fn let_break(
+    /// Breaks the elements of the queue. Bonds lose their stiffness, and are removed with the next rod that breaks. Returns
+    /// for each vertex its number before, where that changes.
+    fn break_queue(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        weak: &mut Vec<u32>,
+        weakened: &mut Vec<u32>,
     ) -> Option<Vec<u32>> {
-        let [bonds, splits] = [true, false].map(|bond| numbers(&self.queue, bond));
+        let (bonds, splits) = (bonds_in(&self.queue), rods_in(&self.queue));
         for &b in &bonds {
             world.bundle.bonds.transverse[b as usize] = 0.0;
             world.bundle.bonds.shear[b as usize] = 0.0;
         }
-        self.newton.weaken(&world.bundle, &bonds);
-        weak.extend(bonds);
+        self.newton.remove_bond_stiffness(&world.bundle, &bonds);
+        weakened.extend(bonds);
         if splits.is_empty() {
             return None;
         }
-        let weak = std::mem::take(weak);
-        Some(failure::take_out(world, contacts, weak, splits))
+        let bonds = std::mem::take(weakened);
+        Some(remove_elements(world, contacts, bonds, splits))
     }
 
-    /// Looks for what breaks at the end of a step. Where forces are not balanced yet, overstress may be no more than that:
-    /// it must be more, and rods break only where the forces on their own vertices are balanced.
-    fn find_broken(&mut self, world: &World, found: &Found) -> bool {
+    /// Puts into the queue what breaks at the end of a step. Where forces are not balanced yet, overstress may come from that
+    /// alone: it must be greater, and rods break only where the forces on their own vertices are balanced.
+    fn find_breaks(&mut self, world: &World, found: &Equilibrium) -> bool {
         let (bundle, state) = (&world.bundle, &found.state);
         let mut queue = std::mem::take(&mut self.queue);
-        queue.clone_from(self.newton.detect(&world.failure, bundle, state));
+        queue.clear();
+        queue.extend_from_slice(self.newton.detect(&world.failure, bundle, state));
         let newton = &self.newton;
-        queue.retain(|b| {
-            b.bond || found.settled || newton.is_balanced(bundle, state, b.number as usize)
+        queue.retain(|o| match o.element {
+            Element::Bond(_) => true,
+            Element::Rod(vertex) => {
+                found.converged || newton.is_balanced_at(bundle, state, vertex as usize)
+            }
         });
-        let most = PART * queue.first().map_or(0.0, |b| b.demand);
-        let enough = most.min(if found.settled { MUCH } else { FAR });
-        queue.retain(|b| b.demand >= enough);
+        let simultaneous = SIMULTANEOUS_BREAK_FRACTION * queue.first().map_or(0.0, |o| o.demand);
+        let certain = if found.converged {
+            CERTAIN_BREAK_DEMAND
+        } else {
+            CERTAIN_BREAK_DEMAND_UNBALANCED
+        };
+        queue.retain(|o| o.demand >= simultaneous.min(certain));
         self.queue = queue;
         !self.queue.is_empty()
     }
 }
 
-/// Numbers of the bonds, or of the vertices of rods, that break.
-fn numbers(queue: &[Break], bonds: bool) -> Vec<u32> {
-    let all = queue.iter().filter(|b| b.bond == bonds);
-    all.map(|b| b.number).collect()
-}
-
-/// What steps did, J.
+/// Energy of a step, J.
 #[derive(Debug, Clone, Copy, Default)]
-struct Book {
-    steps: u64,
+struct StepEnergy {
     work: f64,
     damped: f64,
     /// Work of bodies less friction.
-    given: f64,
+    contact: f64,
+    dissipated: f64,
 }
 
-/// Takes what was found at the end of a step of `dt` from the world's state.
-fn take(world: &mut World, contacts: &mut dyn Contacts, found: Found, dt: f64, book: &mut Book) {
+/// Ends a step of `dt` from the world's state with the equilibrium found.
+fn accept(
+    world: &mut World,
+    contacts: &mut dyn Contacts,
+    found: Equilibrium,
+    dt: f64,
+) -> StepEnergy {
     let old = std::mem::replace(&mut world.state, found.state);
     for v in 0..world.bundle.vertices() {
         let way = world.state.position.get(v) - old.position.get(v);
@@ -231,69 +283,65 @@ fn take(world: &mut World, contacts: &mut dyn Contacts, found: Found, dt: f64, b
     }
     world.state.time = old.time + dt;
     world.state.step = old.step + 1;
-    let yielded = commit_yield(world, &old);
+    let yielded = record_yielding(world, &old);
     world.fracture_loss += yielded;
-    let met = contacts.accept(&old, old.time + dt, &found.touches);
-    let (work, damped) = work(world, &old, &found.reaction, dt);
-    book.given += met.work - met.lost;
-    book.work += work;
-    book.damped += damped;
-    book.steps += 1;
+    let contact = contacts.accept(&old, old.time + dt, &found.springs);
+    StepEnergy {
+        contact: contact.work - contact.dissipated,
+        ..work_and_damping(world, &old, &found.reaction, dt)
+    }
 }
 
-/// Moves everything on as it moves: where equilibria follow each other evenly the next one is near there. Not where
-/// something flies: it would fold.
+/// Moves everything on with its velocity: where equilibria follow each other smoothly, the next one is near there. It leaves
+/// the state alone where something flies, which would fold.
 fn predict(world: &mut World, dt: f64) {
     let World { bundle, state, .. } = world;
     let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
     let shortest = edges.fold(f64::INFINITY, |a, j| a.min(bundle.rest_length[j]));
     let fastest = (state.velocity.iter()).fold(0.0, |a: f64, v| a.max(v.length_squared()));
-    let most = FARTHEST * shortest / dt;
-    if fastest.is_nan() || fastest > most * most {
+    let limit = MAX_PREDICTION * shortest / dt;
+    if fastest.is_nan() || fastest > limit * limit {
         return;
     }
     for v in 0..bundle.vertices() {
         state.position.add(v, state.velocity.get(v) * dt);
         state.angle[v] += state.spin[v] * dt;
     }
-    state.carry_frames(bundle);
+    state.transport_frames(bundle);
 }
 
-/// Work of loads and of clamps, which end the step with `reaction`, and what damping took, J. Clamps' forces are those of the
-/// method at the end of the step.
-fn work(world: &World, old: &State, reaction: &Vectors, dt: f64) -> (f64, f64) {
+/// Returns the work of loads and of clamps, whose forces at the end of the step are `reaction`, and the energy that damping
+/// dissipates. Forces are those at the end of the step, as the method has them.
+fn work_and_damping(world: &World, old: &State, reaction: &Vectors, dt: f64) -> StepEnergy {
     let World {
         bundle,
         state,
         loads,
         ..
     } = world;
-    let mut acting = Forces::zeros(bundle.vertices());
-    let Forces { linear, moment } = &mut acting;
-    loads.add_forces(
-        bundle,
-        state.time,
-        &state.position,
-        &state.velocity,
-        linear,
-        moment,
-    );
+    let mut forces = Forces::zeros(bundle.vertices());
+    let (x, v) = (&state.position, &state.velocity);
+    loads.add_forces(bundle, state.time, x, v, &mut forces);
     let (mut work, mut damped) = (0.0, 0.0);
     for v in 0..bundle.vertices() {
         let way = state.position.get(v) - old.position.get(v);
-        work += (linear.get(v) + reaction.get(v)).dot(way);
+        work += (forces.linear.get(v) + reaction.get(v)).dot(way);
         damped += bundle.mass[v] * state.velocity.get(v).length_squared();
         if bundle.twisting {
-            work += moment[v] * state.spin[v] * dt;
+            work += forces.moment[v] * state.spin[v] * dt;
             damped += bundle.inertia[v] * state.spin[v] * state.spin[v];
         }
     }
-    (work, damped * loads.damping * dt)
+    StepEnergy {
+        work,
+        damped: damped * loads.damping * dt,
+        ..StepEnergy::default()
+    }
 }
 
 impl Stepwise for Interactive {
     const NAME: &'static str = "interactive";
-    const USUAL: f64 = STEP;
+    const DEFAULT_STEP: f64 = DEFAULT_STEP;
 
     fn given(&self) -> Option<f64> {
         self.given
@@ -304,8 +352,33 @@ impl Stepwise for Interactive {
         world: &mut World,
         contacts: &mut dyn Contacts,
         dt: f64,
-        report: &mut Advance,
+        report: &mut AdvanceReport,
+        context: &Context,
     ) -> Result<(), SolverError> {
-        self.picture(world, contacts, dt, report)
+        let (bodies, events) = (contacts.snapshot(), world.events.len());
+        let fracture_loss = world.fracture_loss;
+        let mut saved = None;
+        match self.take_step(world, contacts, dt, &mut saved, context) {
+            Ok(energy) => {
+                report.work += energy.work;
+                report.damped += energy.damped;
+                report.dissipated += energy.dissipated;
+                report.steps += 1;
+                Ok(())
+            }
+            Err(error) => {
+                if let Some(saved) = saved {
+                    world.bundle = saved.bundle;
+                    world.state = saved.state;
+                    world.loads = saved.loads;
+                    // The solver's data are those of the broken bundle.
+                    self.newton = Newton::with_options(OPTIONS);
+                }
+                world.events.truncate(events);
+                world.fracture_loss = fracture_loss;
+                contacts.restore(&bodies, &world.bundle, &world.loads);
+                Err(error)
+            }
+        }
     }
 }

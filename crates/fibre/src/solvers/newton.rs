@@ -1,554 +1,352 @@
-//! Newton's method on everything that acts on a bundle: the equilibrium of a load step or of a stage of a time step.
+//! Newton's method for the equilibrium of a load step or of a stage of a time step.
 //!
-//! Unknown are the places of vertices and, with twist, the angles of edges. Edges yield inside the iteration: permanent
-//! strain is found anew for every trial from that before the step, so that the force is the yield force at the end of
-//! the step, whatever its length. The linear systems are solved by conjugate gradients with the last Cholesky factor
-//! ([`super::matrix`]), which is made anew where it has become too old: a factor costs as much as some fifty
-//! iterations, and between two load steps little of the matrix changes.
+//! Unknown are the positions of vertices and, with twist, the angles of edges. [`super::balance`] has the unbalanced forces,
+//! [`super::linear`] solves the linear systems.
 
-// Rows, columns and vertices index several arrays alike.
-#![allow(clippy::needless_range_loop)]
-
-use super::direct::Direct;
-use super::grips::{Grip, Held, resolve};
-use super::iterative::System;
-use super::swing::shorten;
-use crate::bundle::Bundle;
-use crate::energy::{Forces, rod};
+use super::balance::{Balance, EquilibriumProblem, FINEST_TOLERANCE};
+use super::grip::{Grip, ResolvedGrip};
+use super::limit_step::limit_step;
+use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
+use crate::contact::{ContactSpring, Contacts};
 use crate::error::SolverError;
-use crate::failure::{self, Break, Failure};
-use crate::frames;
-use crate::kernel::Evaluator;
-use crate::loads::Loads;
-use crate::solver::{Contacts, Touch};
+use crate::failure::criteria::FailureCriteria;
+use crate::failure::demand::{FailureDetector, Overstressed, find_overstressed};
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
 use glam::DVec3;
+use greenstick_geometry::{Cancelled, Context};
 
-/// Unbalanced forces fall to this part of the largest force in a rod.
-const TOLERANCE: f64 = 1e-7;
-/// Rounding: no force is balanced better than this part of the stiffest rod's k.
-const ROUNDING: f64 = 1e-12;
 /// Newton iterations.
-const ITERATIONS: usize = 40;
-/// Accuracy of linear solutions.
-const LINEAR: f64 = 1e-3;
-/// Tries of the line search.
-const SEARCHES: usize = 8;
-/// The slope along the step must fall to this part.
-const SLOPE: f64 = 0.5;
-/// Forces unbalanced by this many times the largest in a rod at the start hold energy that nobody put in: it is gone on then.
-const WILD: f64 = 8.0;
-/// For at most this many times the usual iterations.
-const WILDEST: usize = 3;
-/// Forces on a vertex count as balanced up to this part of those in its edges.
-const PART: f64 = 0.2;
-/// Moments count as couples so far apart, m.
-const ARM: f64 = 1e-3;
-
-/// What makes a stage of a time step of an equilibrium: M (x − `ahead`)/h² = F − c M (x − `behind`)/h.
-#[derive(Debug, Clone)]
-pub(crate) struct Inertia {
-    pub h: f64,
-    pub ahead: Vectors,
-    pub behind: Vectors,
-    pub angle_ahead: Vec<f64>,
-    pub angle_behind: Vec<f64>,
-}
-
-/// What a step is to reach.
-pub(crate) struct Goal<'a> {
-    pub bundle: &'a Bundle,
-    pub loads: &'a Loads,
-    /// Whether edges yield.
-    pub yielding: bool,
-    /// Where the step begins, if not where the iteration does: contacts slide from there.
-    pub from: &'a State,
-    pub inertia: Option<&'a Inertia>,
-    /// Time at the end, s.
-    pub time: f64,
-}
+const MAX_ITERATIONS: usize = 40;
+/// Relative accuracy of linear solutions.
+const LINEAR_TOLERANCE: f64 = 1e-3;
+/// Trials of the line search.
+const LINE_SEARCH_TRIALS: usize = 8;
+/// The line search accepts a step whose end has at most this fraction of the slope at its start.
+const SLOPE_REDUCTION: f64 = 0.5;
+/// Where the largest unbalanced force exceeds the largest force in a rod at the start by this factor, accepting it would add
+/// energy from nowhere, and the iteration continues.
+const WILD_RESIDUAL_RATIO: f64 = 8.0;
+/// The iteration then continues for at most this multiple of the usual iterations.
+const WILD_ITERATIONS_FACTOR: usize = 3;
 
 /// An equilibrium.
-pub(crate) struct Found {
+pub(super) struct Equilibrium {
     pub state: State,
-    /// Forces by clamps on vertices, N.
+    /// Forces of clamps on vertices, N.
     pub reaction: Vectors,
     /// Contacts.
-    pub touches: Vec<Touch>,
+    pub springs: Vec<ContactSpring>,
     pub iterations: usize,
-    /// Whether forces are balanced as exactly as was asked for.
-    pub settled: bool,
+    /// Whether forces are balanced to the tolerance.
+    pub converged: bool,
 }
 
-/// The method, with what it keeps between steps.
+/// The method, with what it retains between steps.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Newton {
+pub(super) struct Newton {
     generation: Option<u64>,
-    block: usize,
-    linear: Linear,
-    manner: Manner,
-    evaluator: Option<Evaluator>,
-    forces: Forces,
-    residual: Vec<f64>,
-    held: Vec<bool>,
-    grips: Vec<Held>,
-    touches: Vec<Touch>,
-    scale: f64,
-    /// Whether the preconditioner is to be made anew.
+    balance: Balance,
+    linear: LinearSolver,
+    options: NewtonOptions,
+    /// Whether the preconditioner must be made anew.
     stale: bool,
-    breaks: failure::Room,
+    detector: FailureDetector,
 }
 
 /// How linear systems are solved.
 #[derive(Debug, Clone)]
-enum Linear {
-    /// With a Cholesky factor that is kept.
-    Direct(Box<Direct>),
-    /// Anew each time, of three freedoms at a vertex, or four.
-    Three(Box<System<3>>),
-    Four(Box<System<4>>),
+enum LinearSolver {
+    /// With a retained Cholesky factor.
+    Direct(Box<DirectSolver>),
+    /// Anew for every step, with three degrees of freedom at a vertex.
+    WithoutTwist(Box<IterativeSolver<3>>),
+    /// The same with four.
+    WithTwist(Box<IterativeSolver<4>>),
 }
 
-impl Default for Linear {
+impl Default for LinearSolver {
     fn default() -> Self {
-        Linear::Direct(Box::default())
+        LinearSolver::Direct(Box::default())
     }
 }
 
-/// How exactly everything is solved.
+/// How accurately everything is solved.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Manner {
-    /// Whether nothing is remembered from one step to the next.
-    pub forgetful: bool,
-    /// Unbalanced forces fall to this part of the largest force in a rod.
+pub(super) struct NewtonOptions {
+    /// Whether nothing is retained from one step to the next, so that a resumed run gives the same bits.
+    pub stateless: bool,
+    /// Unbalanced forces fall to this fraction of the largest force in a rod.
     pub tolerance: f64,
-    /// Newton iterations at most.
-    pub iterations: usize,
-    /// Accuracy of each linear solution.
-    pub accuracy: f64,
-    /// Whether the last iterate is taken where they do not suffice.
-    pub take_last: bool,
-    /// Whether the preconditioner of the first iteration after [`Newton::renew`] serves all that follow.
-    pub one_matrix: bool,
+    /// Largest number of Newton iterations.
+    pub max_iterations: usize,
+    /// Relative accuracy of each linear solution.
+    pub linear_tolerance: f64,
+    /// Whether the last iterate is taken where the iterations do not suffice.
+    pub accept_unconverged: bool,
+    /// Whether the preconditioner of the first iteration serves all that follow until [`Newton::renew_preconditioner`].
+    pub reuse_preconditioner: bool,
 }
 
-/// As exactly as by default, remembering nothing.
-pub(crate) const EXACT: Manner = Manner {
-    forgetful: true,
-    tolerance: TOLERANCE,
-    iterations: ITERATIONS,
-    accuracy: LINEAR,
-    take_last: false,
-    one_matrix: false,
-};
+impl NewtonOptions {
+    /// The default accuracy, with nothing retained from one step to the next.
+    pub const STATELESS: NewtonOptions = NewtonOptions {
+        stateless: true,
+        tolerance: FINEST_TOLERANCE,
+        max_iterations: MAX_ITERATIONS,
+        linear_tolerance: LINEAR_TOLERANCE,
+        accept_unconverged: false,
+        reuse_preconditioner: false,
+    };
+}
 
-impl Default for Manner {
+impl Default for NewtonOptions {
     fn default() -> Self {
-        let mut manner = EXACT;
-        manner.forgetful = false;
-        manner
+        let mut options = NewtonOptions::STATELESS;
+        options.stateless = false;
+        options
     }
 }
 
-/// A linear system.
-pub(super) struct Problem<'a> {
-    pub bundle: &'a Bundle,
-    pub state: &'a State,
-    /// Permanent strain before the step.
-    pub plastic: &'a [f64],
-    pub touches: &'a [Touch],
-    pub grips: &'a [Held],
-    /// Stiffness of inertia and damping over mass, 1/s².
-    pub inertia: f64,
-    /// Per freedom: unbalanced force, N.
-    pub residual: &'a [f64],
-    /// Per freedom: whether a clamp holds it.
-    pub held: &'a [bool],
-    /// Per freedom: how far it goes where held, m.
-    pub prescribed: &'a [f64],
-    /// Accuracy of the solution.
-    pub accuracy: f64,
-    /// Whether the matrix, or what stands for it, is made anew.
-    pub fresh: bool,
+/// The present iterate, and the one before it.
+struct Iterates {
+    state: State,
+    previous: State,
+}
+
+/// The progress of an iteration.
+struct Iteration {
+    count: usize,
+    /// Allowed number of iterations.
+    allowed: usize,
+    /// The largest unbalanced force, N, and the one that counts as balanced.
+    residual: f64,
+    tolerance: f64,
+    /// The largest force in a rod at the start, N.
+    initial_scale: f64,
 }
 
 impl Newton {
-    /// The method in another manner.
-    pub fn in_manner(manner: Manner) -> Self {
+    /// Returns the method with these options.
+    pub fn with_options(options: NewtonOptions) -> Self {
         Newton {
-            manner,
+            options,
             ..Newton::default()
         }
     }
 
-    /// Takes the stiffness of bonds `broken` of the bundle that this was prepared for; in `bundle` they have none already.
-    pub fn weaken(&mut self, bundle: &Bundle, broken: &[u32]) {
-        if let Some(evaluator) = &mut self.evaluator {
-            evaluator.weaken(broken);
+    /// Follows the loss of stiffness of bonds `broken` of the prepared bundle; in `bundle` they have none already.
+    pub fn remove_bond_stiffness(&mut self, bundle: &RodBundle, broken: &[u32]) {
+        if let Some(evaluator) = &mut self.balance.evaluator {
+            evaluator.remove_bond_stiffness(broken);
         }
         match &mut self.linear {
-            Linear::Direct(_) => {}
-            Linear::Three(system) => system.weakened(bundle),
-            Linear::Four(system) => system.weakened(bundle),
+            LinearSolver::Direct(_) => {}
+            LinearSolver::WithoutTwist(solver) => solver.bonds_weakened(bundle),
+            LinearSolver::WithTwist(solver) => solver.bonds_weakened(bundle),
         }
         self.stale = true;
     }
 
-    /// What fails in a state of the bundle that this was prepared for.
-    pub fn detect(&mut self, failure: &Failure, bundle: &Bundle, state: &State) -> &mut Vec<Break> {
-        match &mut self.evaluator {
-            Some(evaluator) => self.breaks.detect(failure, bundle, state, evaluator),
-            None => failure::detect(failure, bundle, state, &mut self.breaks.queue),
+    /// Finds what fails in a state of the prepared bundle.
+    pub fn detect(
+        &mut self,
+        failure: &FailureCriteria,
+        bundle: &RodBundle,
+        state: &State,
+    ) -> &[Overstressed] {
+        let detector = &mut self.detector;
+        match &mut self.balance.evaluator {
+            Some(evaluator) => detector.detect(failure, bundle, state, evaluator),
+            None => find_overstressed(failure, bundle, state, &mut detector.queue),
         }
-        &mut self.breaks.queue
+        &detector.queue
     }
 
-    /// Whether the forces on a vertex of a rod and its neighbours are balanced but for a small part of those in its edges.
-    pub fn is_balanced(&self, bundle: &Bundle, state: &State, vertex: usize) -> bool {
-        let edges = [vertex - 1, vertex];
-        let stress = |&j: &usize| (bundle.stretch[j] * rod::strain(bundle, state, j)).abs();
-        let most = PART * edges.iter().map(stress).fold(0.0, f64::max);
-        (vertex - 1..=vertex + 1).all(|v| {
-            let left = |axis| {
-                let f = self.freedom(v, axis);
-                if self.held[f] { 0.0 } else { self.residual[f] }
-            };
-            DVec3::new(left(0), left(1), left(2)).length() <= most
-        })
+    /// Whether the forces about a vertex of a rod were balanced in the last trial.
+    pub fn is_balanced_at(&self, bundle: &RodBundle, state: &State, vertex: usize) -> bool {
+        self.balance.is_balanced_at(bundle, state, vertex)
     }
 
-    /// Lets the preconditioner be made anew.
-    pub fn renew(&mut self) {
+    /// Has the preconditioner made anew in the next iteration.
+    pub fn renew_preconditioner(&mut self) {
         self.stale = true;
     }
 
-    /// Makes everything that depends on which rods and bonds there are.
-    pub fn prepare(&mut self, bundle: &Bundle, grips: &[Grip]) {
+    /// Derives everything that depends on which rods and bonds there are.
+    pub fn prepare(&mut self, bundle: &RodBundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
             return;
         }
         self.stale = true;
         self.generation = Some(bundle.generation);
-        self.grips = grips.iter().map(|g| resolve(g, bundle)).collect();
-        let n = bundle.vertices();
-        self.block = if bundle.twisting { 4 } else { 3 };
-        if !self.manner.forgetful {
-            let mut direct = match std::mem::take(&mut self.linear) {
-                Linear::Direct(direct) => direct,
-                _ => Box::default(),
+        let grips = grips.iter().map(|g| ResolvedGrip::new(g, bundle)).collect();
+        self.balance.prepare(bundle, grips);
+        self.prepare_linear_solver(bundle);
+    }
+
+    fn prepare_linear_solver(&mut self, bundle: &RodBundle) {
+        let suits = match &self.linear {
+            LinearSolver::Direct(_) => !self.options.stateless,
+            LinearSolver::WithoutTwist(_) => self.options.stateless && !bundle.twisting,
+            LinearSolver::WithTwist(_) => self.options.stateless && bundle.twisting,
+        };
+        if !suits {
+            self.linear = match (self.options.stateless, bundle.twisting) {
+                (false, _) => LinearSolver::Direct(Box::default()),
+                (true, false) => LinearSolver::WithoutTwist(Box::default()),
+                (true, true) => LinearSolver::WithTwist(Box::default()),
             };
-            direct.prepare(bundle, &self.grips);
-            self.linear = Linear::Direct(direct);
-        } else {
-            match &mut self.linear {
-                Linear::Four(system) if bundle.twisting => system.prepare(bundle),
-                Linear::Three(system) if !bundle.twisting => system.prepare(bundle),
-                other => {
-                    *other = if bundle.twisting {
-                        Linear::Four(Box::default())
-                    } else {
-                        Linear::Three(Box::default())
-                    };
-                    self.generation = None;
-                    return self.prepare(bundle, grips);
-                }
-            }
         }
-        self.evaluator = Some(Evaluator::new(bundle));
-        self.forces = Forces::zeros(n);
-        self.residual = vec![0.0; n * self.block];
-    }
-
-    fn freedom(&self, vertex: usize, axis: usize) -> usize {
-        vertex * self.block + axis
-    }
-
-    /// Forces of the grips, N.
-    pub fn grip_forces(&self, bundle: &Bundle, state: &State, time: f64) -> Vec<f64> {
-        self.grips
-            .iter()
-            .map(|g| g.force(bundle, state, time))
-            .collect()
-    }
-
-    /// Mean displacements of what the grips hold, m.
-    pub fn grip_displacements(&self, bundle: &Bundle, state: &State) -> Vec<f64> {
-        self.grips
-            .iter()
-            .map(|g| g.displacement(bundle, state))
-            .collect()
-    }
-
-    /// Conjugate gradients so far, of systems solved anew.
-    pub fn gradients(&self) -> u64 {
-        match &self.linear {
-            Linear::Direct(_) => 0,
-            Linear::Three(system) => system.iterations(),
-            Linear::Four(system) => system.iterations(),
+        match &mut self.linear {
+            LinearSolver::Direct(solver) => solver.prepare(bundle, &self.balance.grips),
+            LinearSolver::WithoutTwist(solver) => solver.prepare(bundle),
+            LinearSolver::WithTwist(solver) => solver.prepare(bundle),
         }
     }
 
-    /// Factors made so far.
-    pub fn factors(&self) -> usize {
+    /// Returns the forces of the grips, N.
+    pub fn grip_forces(&self, bundle: &RodBundle, state: &State, time: f64) -> Vec<f64> {
+        let grips = self.balance.grips.iter();
+        grips.map(|g| g.force(bundle, state, time)).collect()
+    }
+
+    /// Returns the mean displacements of what the grips hold, m.
+    pub fn grip_displacements(&self, bundle: &RodBundle, state: &State) -> Vec<f64> {
+        let grips = self.balance.grips.iter();
+        grips.map(|g| g.displacement(bundle, state)).collect()
+    }
+
+    /// Returns the number of conjugate gradient iterations so far, without those of the direct solver.
+    pub fn conjugate_gradients(&self) -> u64 {
         match &self.linear {
-            Linear::Direct(direct) => direct.factors,
+            LinearSolver::Direct(_) => 0,
+            LinearSolver::WithoutTwist(solver) => solver.iterations(),
+            LinearSolver::WithTwist(solver) => solver.iterations(),
+        }
+    }
+
+    /// Returns the number of Cholesky factors so far.
+    pub fn factorisations(&self) -> usize {
+        match &self.linear {
+            LinearSolver::Direct(solver) => solver.factorisations(),
             _ => 0,
         }
     }
 
-    /// Finds the equilibrium at `goal.time`, looking from `start` on. The permanent strain before the step is that of `base`.
+    /// Finds the equilibrium of `problem`, starting the search from `first`.
+    ///
+    /// # Errors
+    /// [`SolverError::NotConverged`], [`SolverError::Cancelled`].
     pub fn solve(
         &mut self,
-        goal: &Goal,
-        base: &State,
-        start: &State,
+        problem: &EquilibriumProblem,
+        first: &State,
         contacts: &mut dyn Contacts,
-    ) -> Result<Found, SolverError> {
-        let bundle = goal.bundle;
-        let (mut state, mut from) = (start.clone(), start.clone());
-        let mut prescribed = self.hold(goal, start);
-        self.balance(goal, base, contacts, &mut state);
-        let (mut iterations, mut worst) = (0, self.worst());
-        let moved = prescribed.iter().any(|d| *d != 0.0);
-        let mut tolerance = self.manner.tolerance * self.scale;
-        // A load on all vertices is small at each: a tolerance that is coarse would not see it.
-        let at_least = usize::from(moved || self.manner.take_last);
-        let mut allowed = self.manner.iterations;
-        let begun = self.scale;
-        while iterations < at_least || worst > tolerance || prescribed.iter().any(|d| *d != 0.0) {
-            let most = if self.manner.take_last && worst > WILD * begun {
-                WILDEST * self.manner.iterations
-            } else {
-                allowed
-            };
-            if iterations >= most || !worst.is_finite() {
-                if self.manner.take_last && worst.is_finite() {
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
+        let bundle = problem.bundle;
+        let mut iterates = Iterates {
+            state: first.clone(),
+            previous: first.clone(),
+        };
+        let mut prescribed = self.balance.apply_clamps(problem, first);
+        self.balance
+            .evaluate(problem, contacts, &mut iterates.state, context)?;
+        let mut now = Iteration {
+            count: 0,
+            allowed: self.options.max_iterations,
+            residual: self.balance.largest_residual(),
+            tolerance: self.options.tolerance * self.balance.scale,
+            initial_scale: self.balance.scale,
+        };
+        let pending = |prescribed: &[f64]| prescribed.iter().any(|d| *d != 0.0);
+        // A load on all vertices is small at each of them: a coarse tolerance would not see it.
+        let at_least = usize::from(pending(&prescribed) || self.options.accept_unconverged);
+        while now.count < at_least || now.residual > now.tolerance || pending(&prescribed) {
+            let limit = self.iteration_limit(&now);
+            if now.count >= limit || !now.residual.is_finite() {
+                if self.options.accept_unconverged && now.residual.is_finite() {
                     break;
                 }
                 return Err(SolverError::NotConverged {
-                    time: goal.time,
-                    iterations,
-                    residual: worst,
-                    tolerance,
+                    time: problem.time,
+                    iterations: now.count,
+                    residual: now.residual,
+                    tolerance: now.tolerance,
                 });
             }
-            let fresh = !self.manner.one_matrix || self.stale;
-            self.stale = false;
-            let mut step = self.direction(goal, base, &state, &prescribed, fresh);
-            let free = !prescribed.iter().any(|d| *d != 0.0);
-            let last = iterations + 1 >= most;
-            let short = shorten(bundle, self.block, last, &mut step, &mut prescribed);
-            if short && allowed < 2 * self.manner.iterations {
-                allowed += 1;
+            let mut step = self.newton_step(problem, &iterates.state, &prescribed, context)?;
+            let search = !pending(&prescribed);
+            let last = now.count + 1 >= limit;
+            let block = self.balance.block;
+            let limited = limit_step(bundle, block, last, &mut step, &mut prescribed);
+            if limited && now.allowed < 2 * self.options.max_iterations {
+                now.allowed += 1;
             }
-            let slope = self.slope(&step);
-            from.clone_from(&state);
-            let mut length = 1.0;
-            for search in 0..SEARCHES {
-                self.place_at(bundle, &from, &step, length, &mut state);
-                self.balance(goal, base, contacts, &mut state);
-                let now = self.slope(&step);
-                // The force along the step must not have turned round by much.
-                let ok = now.abs() <= SLOPE * slope.abs()
-                    || self.worst() <= self.manner.tolerance * self.scale;
-                if !free
-                    || ok
-                    || search + 1 == SEARCHES
-                    || slope.is_nan()
-                    || slope <= 0.0
-                    || now > 0.0
-                {
-                    break;
-                }
-                let part = if now.is_finite() {
-                    slope / (slope - now)
-                } else {
-                    0.25
-                };
-                length *= part.clamp(0.1, 0.9);
-            }
-            iterations += 1;
-            worst = self.worst();
-            tolerance = self.manner.tolerance * self.scale;
+            self.take_step(problem, contacts, &mut iterates, &step, search, context)?;
+            now.count += 1;
+            now.residual = self.balance.largest_residual();
+            now.tolerance = self.options.tolerance * self.balance.scale;
         }
-        let mut reaction = Vectors::zeros(bundle.vertices());
-        for v in 0..bundle.vertices() {
-            let part = |axis| {
-                let f = self.freedom(v, axis);
-                if self.held[f] { -self.residual[f] } else { 0.0 }
-            };
-            reaction.set(v, DVec3::new(part(0), part(1), part(2)));
-        }
-        Ok(Found {
-            state,
-            reaction,
-            touches: std::mem::take(&mut self.touches),
-            iterations,
-            settled: worst <= tolerance,
+        Ok(Equilibrium {
+            state: iterates.state,
+            reaction: self.balance.reaction(bundle),
+            springs: std::mem::take(&mut self.balance.springs),
+            iterations: now.count,
+            converged: now.residual <= now.tolerance,
         })
     }
 
-    /// Marks what clamps hold and returns how far it has to go.
-    fn hold(&mut self, goal: &Goal, base: &State) -> Vec<f64> {
-        let (bundle, loads) = (goal.bundle, goal.loads);
-        let n = bundle.vertices();
-        self.held = vec![false; n * self.block];
-        let mut way = vec![0.0; n * self.block];
-        let mut moved = base.clone();
-        for clamp in &loads.clamps {
-            for (k, &v) in clamp.vertices.iter().enumerate() {
-                let i = v as usize;
-                let by = clamp.place(k, goal.time) - base.position.get(i);
-                let mut at = moved.position.get(i);
-                for axis in (0..3).filter(|&a| clamp.axes[a]) {
-                    let f = self.freedom(i, axis);
-                    (self.held[f], way[f]) = (true, by[axis]);
-                    at[axis] = base.position.get(i)[axis] + by[axis];
-                }
-                moved.position.set(i, at);
-            }
+    fn iteration_limit(&self, now: &Iteration) -> usize {
+        let wild = now.residual > WILD_RESIDUAL_RATIO * now.initial_scale;
+        if self.options.accept_unconverged && wild {
+            WILD_ITERATIONS_FACTOR * self.options.max_iterations
+        } else {
+            now.allowed
         }
-        if bundle.twisting {
-            moved.carry_frames(bundle);
-            for j in (0..n).filter(|&j| !bundle.is_edge(j)) {
-                let f = self.freedom(j, 3);
-                self.held[f] = true;
-            }
-            for clamp in &loads.clamps {
-                for (k, &e) in clamp.edges.iter().enumerate() {
-                    let (j, f) = (e as usize, self.freedom(e as usize, 3));
-                    let tangent = moved.tangent.get(j);
-                    let wanted = clamp.director(k, goal.time).reject_from_normalized(tangent);
-                    let turn =
-                        frames::angle_about(moved.material_director(bundle, j), wanted, tangent);
-                    self.held[f] = true;
-                    way[f] = if turn.is_finite() { turn } else { 0.0 };
-                }
-            }
-        }
-        way
     }
 
-    /// Lets edges yield from the permanent strain of `base`, and finds all unbalanced forces.
-    fn balance(
+    /// Moves the iterate along a step, with a line search where `search` says so.
+    fn take_step(
         &mut self,
-        goal: &Goal,
-        base: &State,
+        problem: &EquilibriumProblem,
         contacts: &mut dyn Contacts,
-        state: &mut State,
-    ) {
-        let bundle = goal.bundle;
-        let mut scale = 0.0f64;
-        let mut stiffest = 0.0f64;
-        for j in (0..bundle.vertices()).filter(|&j| bundle.is_edge(j)) {
-            state.plastic_strain[j] = base.plastic_strain[j];
-            let strain = rod::strain(bundle, state, j);
-            let over = strain + bundle.yield_strain[j];
-            if goal.yielding && over < 0.0 {
-                state.plastic_strain[j] += over;
+        iterates: &mut Iterates,
+        step: &[f64],
+        search: bool,
+        context: &Context,
+    ) -> Result<(), Cancelled> {
+        let slope = self.balance.slope(step);
+        let Iterates { state, previous } = iterates;
+        previous.clone_from(state);
+        let mut length = 1.0;
+        for trial in 1..=LINE_SEARCH_TRIALS {
+            self.displace(problem.bundle, previous, step, length, state);
+            self.balance.evaluate(problem, contacts, state, context)?;
+            let now = self.balance.slope(step);
+            // The force along the step must not have reversed by much.
+            let accepted = now.abs() <= SLOPE_REDUCTION * slope.abs()
+                || self.balance.largest_residual() <= self.options.tolerance * self.balance.scale;
+            let done = !search || accepted || trial == LINE_SEARCH_TRIALS;
+            if done || slope.is_nan() || slope <= 0.0 || now > 0.0 {
+                break;
             }
-            scale = scale.max((bundle.stretch[j] * strain.max(-bundle.yield_strain[j])).abs());
-            stiffest = stiffest.max(bundle.stretch[j]);
+            let factor = if now.is_finite() {
+                slope / (slope - now)
+            } else {
+                0.25
+            };
+            length *= factor.clamp(0.1, 0.9);
         }
-        let mut forces = std::mem::take(&mut self.forces);
-        if let Some(evaluator) = &mut self.evaluator {
-            evaluator.forces(bundle, state, &mut forces);
-        }
-        let Forces { linear, moment } = &mut forces;
-        if !bundle.twisting {
-            moment.fill(0.0);
-        }
-        let loads = goal.loads;
-        loads.add_forces(
-            bundle,
-            goal.time,
-            &state.position,
-            &state.velocity,
-            linear,
-            moment,
-        );
-        if !contacts.is_empty() {
-            contacts.touches(bundle, state, goal.from, goal.time, &mut self.touches);
-            for touch in &self.touches {
-                scale = scale.max(touch.force.length());
-                for (v, w) in touch.shares() {
-                    linear.add(v, touch.force * w);
-                }
-            }
-        }
-        for g in &self.grips {
-            let force = g.force(bundle, state, goal.time);
-            for &(v, w) in &g.vertices {
-                linear.add(v as usize, g.direction * (force * w));
-            }
-        }
-        if let Some(i) = goal.inertia {
-            for v in 0..bundle.vertices() {
-                let x = state.position.get(v);
-                let a = (x - i.ahead.get(v)) / (i.h * i.h)
-                    + (x - i.behind.get(v)) * (loads.damping / i.h);
-                linear.add(v, a * -bundle.mass[v]);
-                scale = scale.max(
-                    bundle.mass[v] * ((i.behind.get(v) - i.ahead.get(v)) / (i.h * i.h)).length(),
-                );
-                if bundle.twisting {
-                    let angle = state.angle[v];
-                    let a = (angle - i.angle_ahead[v]) / (i.h * i.h)
-                        + (angle - i.angle_behind[v]) * (loads.damping / i.h);
-                    moment[v] -= bundle.inertia[v] * a;
-                }
-            }
-        }
-        for v in 0..bundle.vertices() {
-            let f = linear.get(v);
-            for axis in 0..3 {
-                let at = self.freedom(v, axis);
-                self.residual[at] = f[axis];
-            }
-            if self.block == 4 {
-                let at = self.freedom(v, 3);
-                self.residual[at] = moment[v];
-            }
-        }
-        self.forces = forces;
-        // Rounding of the stiffest rod is no force.
-        self.scale = scale.max(stiffest * ROUNDING / TOLERANCE);
+        Ok(())
     }
 
-    /// Work of the unbalanced forces along a step, where nothing is held.
-    fn slope(&self, step: &[f64]) -> f64 {
-        let all = step.iter().zip(&self.residual).zip(&self.held);
-        all.fold(0.0, |s, ((d, r), h)| if *h { s } else { s + d * r })
-    }
-
-    /// The largest unbalanced force; moments count as couples a millimetre apart.
-    fn worst(&self) -> f64 {
-        let mut worst = 0.0f64;
-        for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
-            if !h {
-                let size = if f % self.block == 3 {
-                    r.abs() / ARM
-                } else {
-                    r.abs()
-                };
-                // NaN must not pass.
-                worst = if size.is_nan() {
-                    f64::NAN
-                } else {
-                    worst.max(size)
-                };
-                if worst.is_nan() {
-                    return f64::INFINITY;
-                }
-            }
-        }
-        worst
-    }
-
-    fn place_at(
+    /// Sets `state` to `from` displaced by `length` times a step.
+    fn displace(
         &self,
-        bundle: &Bundle,
+        bundle: &RodBundle,
         from: &State,
         step: &[f64],
         length: f64,
@@ -556,45 +354,52 @@ impl Newton {
     ) {
         state.clone_from(from);
         for v in 0..bundle.vertices() {
-            let d = DVec3::from_array([0, 1, 2].map(|a| step[self.freedom(v, a)]));
+            let d = DVec3::from_array([0, 1, 2].map(|a| step[self.balance.dof(v, a)]));
             state.position.add(v, d * length);
             if bundle.twisting {
-                state.angle[v] += length * step[self.freedom(v, 3)];
+                state.angle[v] += length * step[self.balance.dof(v, 3)];
             }
         }
-        state.carry_frames(bundle);
+        state.transport_frames(bundle);
     }
 
-    /// The step that balances the linearised forces, `prescribed` where held.
-    fn direction(
+    /// Returns the step that balances the linearised forces; where clamps hold, it is `prescribed`.
+    fn newton_step(
         &mut self,
-        goal: &Goal,
-        base: &State,
+        problem: &EquilibriumProblem,
         state: &State,
         prescribed: &[f64],
-        fresh: bool,
-    ) -> Vec<f64> {
-        let step_inertia = goal
+        context: &Context,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let update_preconditioner = !self.options.reuse_preconditioner || self.stale;
+        let inertia = problem
             .inertia
-            .map_or(0.0, |i| 1.0 / (i.h * i.h) + goal.loads.damping / i.h);
-        let problem = Problem {
-            bundle: goal.bundle,
+            .map_or(0.0, |i| 1.0 / (i.h * i.h) + problem.loads.damping / i.h);
+        let balance = &mut self.balance;
+        let system = LinearProblem {
+            bundle: problem.bundle,
             state,
-            plastic: &base.plastic_strain,
-            touches: &self.touches,
-            grips: &self.grips,
-            inertia: step_inertia,
-            residual: &self.residual,
-            held: &self.held,
+            plastic: &problem.base.plastic_strain,
+            springs: &balance.springs,
+            grips: &balance.grips,
+            inertia,
+            residual: &balance.residual,
+            held: &balance.held,
             prescribed,
-            accuracy: self.manner.accuracy,
-            fresh,
+            tolerance: self.options.linear_tolerance,
+            update_preconditioner,
         };
-        match (&mut self.linear, &mut self.evaluator) {
-            (Linear::Three(system), Some(evaluator)) => system.solve(&problem, evaluator),
-            (Linear::Four(system), Some(evaluator)) => system.solve(&problem, evaluator),
-            (Linear::Direct(direct), _) => direct.solve(&problem),
-            _ => vec![0.0; self.residual.len()],
-        }
+        let step = match (&mut self.linear, &mut balance.evaluator) {
+            (LinearSolver::WithoutTwist(solver), Some(evaluator)) => {
+                solver.solve(&system, evaluator, context)
+            }
+            (LinearSolver::WithTwist(solver), Some(evaluator)) => {
+                solver.solve(&system, evaluator, context)
+            }
+            (LinearSolver::Direct(solver), _) => solver.solve(&system, context),
+            _ => Ok(vec![0.0; balance.residual.len()]),
+        }?;
+        self.stale = false;
+        Ok(step)
     }
 }

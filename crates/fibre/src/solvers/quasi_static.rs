@@ -1,36 +1,44 @@
-//! Load steps to equilibrium, for mechanical tests (issue "Solvers" 4): clamps and grips move, everything comes to rest,
-//! the most overstressed breaks, everything comes to rest again, event by event. Loads are displacements, so the load
-//! may fall: the solver passes the peak.
+//! Load steps to equilibrium, for mechanical tests: clamps and grips move, everything comes to rest, the most overstressed
+//! element breaks, everything comes to rest again, event by event. Loads are displacements, so that the force may fall: the
+//! solver passes the peak.
 //!
-//! Time is only a name for how far loads have gone. A step in which something would be overstressed by more than
-//! `OVERSHOOT` is done again, shorter, so that the load at a break does not depend on the steps.
+//! Time only measures how far loads have gone. A step in which something would be overstressed by more than
+//! [`MAX_OVERSTRESS`] is repeated with a shorter length, so that the load at a break does not depend on the steps.
 
-use super::grips::Grip;
-use super::newton::{EXACT, Found, Goal, Inertia, Newton};
-use crate::energy::{energies, rod};
+use super::balance::{EquilibriumProblem, Inertia};
+use super::grip::Grip;
+use super::newton::{Equilibrium, Newton, NewtonOptions};
+use super::solver::{AdvanceReport, Solver};
+use super::stepwise::{check_duration, given_step};
+use crate::contact::Contacts;
+use crate::energy::energies;
 use crate::error::SolverError;
-use crate::event::{Cause, Event, EventKind};
-use crate::failure::{self, Break};
-use crate::solver::{Advance, Contacts, Solver, World};
+use crate::failure::breaking::break_elements;
+use crate::failure::criteria::FailureCriteria;
+use crate::failure::demand::{Overstressed, find_overstressed, largest_demand};
+use crate::failure::yielding::record_yielding;
 use crate::state::State;
+use crate::world::World;
+use greenstick_geometry::Context;
 
-/// Steps of a call of advance where none is given.
-const STEPS: f64 = 32.0;
-/// A step that does not settle is halved, and one that overstresses shortened, this often.
-const TRIES: i32 = 12;
-/// Overstress that is let pass: demand over strength less 1.
-const OVERSHOOT: f64 = 5e-3;
+/// Load steps of a call of advance where none are given.
+const DEFAULT_STEPS: f64 = 32.0;
+/// A step that does not converge is halved, and one that overstresses shortened, at most this often.
+const MAX_TRIALS: i32 = 12;
+/// Overstress that is accepted: demand over strength less 1.
+const MAX_OVERSTRESS: f64 = 5e-3;
 
-/// Most steps in which what Newton's method cannot settle at once creeps to rest.
-const CREEPS: usize = 60;
-/// The first of them, in periods of the quickest edge over 2π.
-const FIRST_CREEP: f64 = 100.0;
-/// What takes fewer iterations than the first number makes the next step longer by the second.
-const LONGER: [(usize, f64); 4] = [(8, 4.0), (16, 2.0), (28, 1.0), (usize::MAX, 0.5)];
-/// A step that fails is tried shorter by this.
-const SHORTER: f64 = 0.25;
-/// Where steps have become longer than the first by this, mass hardly slows any more and the equilibrium is tried anew.
-const REST: f64 = 64.0;
+/// Largest number of viscous steps in which a state without a direct way to equilibrium comes to rest.
+const MAX_VISCOUS_STEPS: usize = 60;
+/// The first of them, in periods of the fastest edge over 2π.
+const FIRST_VISCOUS_STEP: f64 = 100.0;
+/// A step that takes fewer iterations than the first number makes the next one longer by the second.
+const VISCOUS_STEP_GROWTH: [(usize, f64); 4] = [(8, 4.0), (16, 2.0), (28, 1.0), (usize::MAX, 0.5)];
+/// A step that does not converge is tried shorter by this factor.
+const VISCOUS_STEP_REDUCTION: f64 = 0.25;
+/// Where steps have become longer than the first by this factor, mass hardly slows the motion any more, and the equilibrium
+/// itself is tried anew.
+const NEARLY_STATIC_RATIO: f64 = 64.0;
 
 /// The quasi-static solver.
 #[derive(Debug, Clone, Default)]
@@ -38,12 +46,21 @@ pub struct QuasiStatic {
     given: Option<f64>,
     grips: Vec<Grip>,
     newton: Newton,
-    queue: Vec<Break>,
+    queue: Vec<Overstressed>,
     iterations: u64,
 }
 
+/// The work of a quasi-static solver so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct QuasiStaticEffort {
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Cholesky factors.
+    pub factorisations: usize,
+}
+
 impl QuasiStatic {
-    /// A solver with load steps of `step` seconds, or a thirty-second of what it is asked to advance by.
+    /// Returns a solver with load steps of `step` seconds, or a thirty-second of each duration.
     pub fn new(step: Option<f64>) -> Self {
         QuasiStatic {
             given: step,
@@ -51,61 +68,66 @@ impl QuasiStatic {
         }
     }
 
-    /// The same, remembering nothing from one load step to the next, so that a run can be resumed in the same bytes. It
+    /// Returns a solver that retains nothing from one load step to the next, so that a resumed run gives the same bytes. It
     /// takes no grips.
-    pub fn forgetful(step: Option<f64>) -> Self {
+    pub fn stateless(step: Option<f64>) -> Self {
         QuasiStatic {
             given: step,
-            newton: Newton::in_manner(EXACT),
+            newton: Newton::with_options(NewtonOptions::STATELESS),
             ..QuasiStatic::default()
         }
     }
 
-    /// The same with grips.
+    /// Returns the same solver with grips.
     #[must_use]
-    pub fn with_grips(mut self, grips: Vec<Grip>) -> Self {
+    pub(crate) fn with_grips(mut self, grips: Vec<Grip>) -> Self {
         self.grips = grips;
         self
     }
 
-    /// Forces of the grips on the world as it is, N.
-    pub fn grip_forces(&mut self, world: &World) -> Vec<f64> {
+    /// Returns the forces of the grips on the world as it is, N.
+    pub(crate) fn grip_forces(&mut self, world: &World) -> Vec<f64> {
         self.newton.prepare(&world.bundle, &self.grips);
         self.newton
             .grip_forces(&world.bundle, &world.state, world.state.time)
     }
 
-    /// Mean displacements of what the grips hold, m.
-    pub fn grip_displacements(&mut self, world: &World) -> Vec<f64> {
+    /// Returns the mean displacements of what the grips hold, m.
+    pub(crate) fn grip_displacements(&mut self, world: &World) -> Vec<f64> {
         self.newton.prepare(&world.bundle, &self.grips);
         self.newton.grip_displacements(&world.bundle, &world.state)
     }
 
-    /// Newton iterations and factors of matrices so far.
-    pub fn effort(&self) -> (u64, usize) {
-        (self.iterations, self.newton.factors())
+    /// Returns the work done so far.
+    pub fn effort(&self) -> QuasiStaticEffort {
+        QuasiStaticEffort {
+            newton_iterations: self.iterations,
+            factorisations: self.newton.factorisations(),
+        }
     }
 
+    /// Finds the equilibrium at `time` from the world's state.
     fn equilibrium(
         &mut self,
         world: &World,
         contacts: &mut dyn Contacts,
         time: f64,
-    ) -> Result<Found, SolverError> {
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
         self.newton.prepare(&world.bundle, &self.grips);
-        let goal = Goal {
+        let problem = EquilibriumProblem {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            from: &world.state,
+            start: &world.state,
+            base: &world.state,
             inertia: None,
             time,
         };
-        let (newton, state) = (&mut self.newton, &world.state);
-        let found = match newton.solve(&goal, state, state, contacts) {
-            // Loads that go on may go less far; what a break let go has nowhere to go back to.
+        let found = match self.newton.solve(&problem, &world.state, contacts, context) {
+            // A load step may be shortened; after a break there is no shorter step.
             Err(SolverError::NotConverged { .. }) if time == world.state.time => {
-                self.creep(&goal, world, contacts)?
+                self.relax(&problem, contacts, context)?
             }
             other => other?,
         };
@@ -113,25 +135,19 @@ impl QuasiStatic {
         Ok(found)
     }
 
-    /// Comes to rest after a break by backward Euler steps without velocity: what has snapped loose moves to a new
+    /// Comes to rest after a break by backward Euler steps that start without velocity: what has snapped loose moves to a new
     /// equilibrium as through honey, and edges may yield on the way.
-    fn creep(
+    fn relax(
         &mut self,
-        goal: &Goal,
-        world: &World,
+        problem: &EquilibriumProblem,
         contacts: &mut dyn Contacts,
-    ) -> Result<Found, SolverError> {
-        let bundle = goal.bundle;
-        let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
-        let quickest = edges.fold(f64::INFINITY, |least, j| {
-            let mass = bundle.mass[j].min(bundle.mass[j + 1]);
-            least.min((mass * bundle.rest_length[j] / bundle.stretch[j]).sqrt())
-        });
-        let first = FIRST_CREEP * quickest;
-        let mut h = first;
-        let mut state = world.state.clone();
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
+        let first_step = FIRST_VISCOUS_STEP * fastest_edge(problem);
+        let mut h = first_step;
+        let mut state = problem.start.clone();
         let mut iterations = 0;
-        for _ in 0..CREEPS {
+        for _ in 0..MAX_VISCOUS_STEPS {
             let inertia = Inertia {
                 h,
                 ahead: state.position.clone(),
@@ -139,24 +155,25 @@ impl QuasiStatic {
                 angle_ahead: state.angle.clone(),
                 angle_behind: state.angle.clone(),
             };
-            let slowed = Goal {
+            let slowed = EquilibriumProblem {
                 inertia: Some(&inertia),
-                ..*goal
+                base: &state,
+                ..*problem
             };
-            let found = match self.newton.solve(&slowed, &state, &state, contacts) {
+            let found = match self.newton.solve(&slowed, &state, contacts, context) {
                 Ok(found) => found,
                 Err(SolverError::NotConverged { .. }) => {
-                    h *= SHORTER;
+                    h *= VISCOUS_STEP_REDUCTION;
                     continue;
                 }
                 Err(other) => return Err(other),
             };
             state = found.state;
             iterations += found.iterations;
-            if h >= REST * first {
-                match self.newton.solve(goal, &state, &state, contacts) {
+            if h >= NEARLY_STATIC_RATIO * first_step {
+                match self.solve_from(problem, &state, contacts, context) {
                     Ok(rest) => {
-                        return Ok(Found {
+                        return Ok(Equilibrium {
                             iterations: rest.iterations + iterations,
                             ..rest
                         });
@@ -165,86 +182,134 @@ impl QuasiStatic {
                     Err(other) => return Err(other),
                 }
             }
-            let longer = LONGER.iter().find(|l| found.iterations < l.0);
-            h *= longer.map_or(1.0, |l| l.1);
+            let growth = VISCOUS_STEP_GROWTH.iter();
+            let growth = growth.copied().find(|(most, _)| found.iterations < *most);
+            h *= growth.map_or(1.0, |(_, factor)| factor);
         }
-        self.newton.solve(goal, &state, &state, contacts)
+        self.solve_from(problem, &state, contacts, context)
     }
 
-    /// Goes to the next equilibrium on the way to `time` (s): what is most overstressed breaks, and where nothing is the
-    /// loads go on, to `time` or to where the first thing breaks.
+    /// Solves the problem itself from a state, whose plastic strain it takes over.
+    fn solve_from(
+        &mut self,
+        problem: &EquilibriumProblem,
+        state: &State,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
+        let problem = EquilibriumProblem {
+            base: state,
+            ..*problem
+        };
+        self.newton.solve(&problem, state, contacts, context)
+    }
+
+    /// Goes to the next equilibrium on the way to `time` (s). The most overstressed element breaks; where nothing is
+    /// overstressed the loads advance, to `time` or to where the first element breaks.
     ///
     /// # Errors
-    /// [`SolverError`]; the world is then as it was.
-    pub fn next_equilibrium(
+    /// [`SolverError`]. World and contacts are then as they were.
+    pub(crate) fn next_equilibrium(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
         time: f64,
-    ) -> Result<Advance, SolverError> {
-        let mut report = Advance {
+        context: &Context,
+    ) -> Result<AdvanceReport, SolverError> {
+        let mut report = AdvanceReport {
             limit: f64::INFINITY,
             step: time - world.state.time,
-            ..Advance::default()
+            ..AdvanceReport::default()
         };
-        let one = failure::Failure {
-            at_once: 1,
+        let bodies = contacts.snapshot();
+        let one = FailureCriteria {
+            max_breaks: 1,
             ..world.failure
         };
-        failure::detect(&one, &world.bundle, &world.state, &mut self.queue);
-        if !self.queue.is_empty() {
-            let now = world.state.time;
-            let saved = world.clone();
-            failure::apply(world, contacts, &self.queue);
-            let settled = self.equilibrium(world, contacts, now);
-            let accepted =
-                settled.and_then(|found| self.accept(world, contacts, found, now, &mut report));
-            if let Err(error) = accepted {
-                *world = saved;
-                return Err(error);
+        find_overstressed(&one, &world.bundle, &world.state, &mut self.queue);
+        let result = if self.queue.is_empty() {
+            self.advance_loads(world, contacts, time, context)
+        } else {
+            self.break_one(world, contacts, context)
+        };
+        match result {
+            Ok((found, time)) => {
+                self.accept(world, contacts, found, time, &mut report);
+                Ok(report)
             }
-            return Ok(report);
+            Err(error) => {
+                contacts.restore(&bodies, &world.bundle, &world.loads);
+                Err(error)
+            }
         }
+    }
+
+    /// Breaks what is in the queue. Returns the equilibrium after it, and its time.
+    fn break_one(
+        &mut self,
+        world: &mut World,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<(Equilibrium, f64), SolverError> {
+        let now = world.state.time;
+        let saved = world.clone();
+        break_elements(world, contacts, &self.queue);
+        match self.equilibrium(world, contacts, now, context) {
+            Ok(found) => Ok((found, now)),
+            Err(error) => {
+                *world = saved;
+                Err(error)
+            }
+        }
+    }
+
+    /// Advances the loads to `time`, or to where the first element breaks. Returns the equilibrium there, and its time.
+    fn advance_loads(
+        &mut self,
+        world: &World,
+        contacts: &mut dyn Contacts,
+        time: f64,
+        context: &Context,
+    ) -> Result<(Equilibrium, f64), SolverError> {
         let start = world.state.time;
-        let before = most_overstressed(world, &world.state);
-        let (mut aim, mut tried) = (time, 0);
-        let found = loop {
-            tried += 1;
-            match self.equilibrium(world, contacts, aim) {
+        let demand = |state: &State| largest_demand(&world.failure, &world.bundle, state);
+        let before = demand(&world.state);
+        let (mut target, mut trials) = (time, 0);
+        loop {
+            trials += 1;
+            match self.equilibrium(world, contacts, target, context) {
                 Ok(found) => {
-                    let after = most_overstressed(world, &found.state);
-                    if after <= 1.0 + OVERSHOOT || tried > TRIES {
-                        break found;
+                    let after = demand(&found.state);
+                    if after <= 1.0 + MAX_OVERSTRESS || trials > MAX_TRIALS {
+                        return Ok((found, target));
                     }
-                    // A hair beyond, so that it breaks.
-                    let part = (1.0 + 0.5 * OVERSHOOT - before) / (after - before);
-                    aim = start + (aim - start) * part.clamp(0.02, 0.98);
+                    // Slightly beyond the strength, so that the element breaks.
+                    let part = (1.0 + 0.5 * MAX_OVERSTRESS - before) / (after - before);
+                    target = start + (target - start) * part.clamp(0.02, 0.98);
                 }
-                Err(SolverError::NotConverged { .. }) if tried <= TRIES => {
-                    aim = start + 0.5 * (aim - start);
+                Err(SolverError::NotConverged { .. }) if trials <= MAX_TRIALS => {
+                    target = start + 0.5 * (target - start);
                 }
                 Err(other) => return Err(other),
             }
-        };
-        self.accept(world, contacts, found, aim, &mut report)?;
-        Ok(report)
+        }
     }
 
     fn accept(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        found: Found,
+        found: Equilibrium,
         time: f64,
-        report: &mut Advance,
-    ) -> Result<(), SolverError> {
-        let stored = energies(&world.bundle, &world.state).potential() + contacts.stored();
+        report: &mut AdvanceReport,
+    ) {
+        let stored = energies(&world.bundle, &world.state).potential() + contacts.stored_energy();
         let old = std::mem::replace(&mut world.state, found.state);
         let step = time - old.time;
         world.state.time = time;
         world.state.step += 1;
-        let lost = commit_yield(world, &old);
-        world.fracture_loss += lost;
+        let yielded = record_yielding(world, &old);
+        world.fracture_loss += yielded;
         let mut work = 0.0;
         for v in 0..world.bundle.vertices() {
             let way = world.state.position.get(v) - old.position.get(v);
@@ -255,70 +320,26 @@ impl QuasiStatic {
             work += force * g.speed * step;
         }
         report.work += work;
-        let book = contacts.accept(&old, time, &found.touches);
-        let now = energies(&world.bundle, &world.state).potential() + book.stored;
+        let contact = contacts.accept(&old, time, &found.springs);
+        let now = energies(&world.bundle, &world.state).potential() + contact.stored;
         if step == 0.0 {
-            // What a break lets go at standing clamps would have become motion and heat.
-            report.dissipated += (stored - now - lost).max(0.0);
+            // With clamps at rest, what a break releases would have become motion and heat.
+            report.dissipated += (stored - now - yielded).max(0.0);
         }
-        world.state.velocity.clear_to_zero();
+        world.state.velocity.fill_zero();
         world.state.spin.fill(0.0);
         report.steps += 1;
-        Ok(())
     }
 }
 
-/// The largest demand over strength in a state.
-pub(super) fn most_overstressed(world: &World, state: &State) -> f64 {
-    let (bundle, failure) = (&world.bundle, &world.failure);
-    let mut most = 0.0f64;
-    if failure.rods_break {
-        for r in 0..bundle.rods() {
-            for v in bundle.rod(r) {
-                most = most.max(failure::rod_demand(bundle, state, v, bundle.diameter[r]));
-            }
-        }
-    }
-    if failure.bonds != failure::BondCriterion::Never {
-        for b in 0..bundle.bonds.len() {
-            most = most.max(failure::bond_demand(failure.bonds, bundle, state, b));
-        }
-    }
-    most
-}
-
-/// Notes what has begun to yield since `old`; returns the energy that yielding took, J.
-pub(super) fn commit_yield(world: &mut World, old: &State) -> f64 {
-    let World {
-        bundle,
-        state,
-        events,
-        ..
-    } = world;
-    let mut taken = 0.0;
-    for j in 0..bundle.vertices() {
-        let more = old.plastic_strain[j] - state.plastic_strain[j];
-        if !bundle.is_edge(j) || more == 0.0 {
-            continue;
-        }
-        let limit = bundle.yield_strain[j];
-        let energy = bundle.stretch[j] * limit * more * bundle.rest_length[j];
-        taken += energy;
-        if old.plastic_strain[j] == 0.0 {
-            events.push(Event {
-                time: state.time,
-                kind: EventKind::RodYielded,
-                rod: bundle.parent[bundle.rod_of(j)],
-                vertex: bundle.origin[j],
-                other: None,
-                place: state.position.get(j).midpoint(state.position.get(j + 1)),
-                cause: Cause::Compression,
-                demand: (more - rod::strain(bundle, state, j)) / limit,
-                energy,
-            });
-        }
-    }
-    taken
+/// Returns the shortest period of an edge over 2π, s.
+fn fastest_edge(problem: &EquilibriumProblem) -> f64 {
+    let bundle = problem.bundle;
+    let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
+    edges.fold(f64::INFINITY, |least, j| {
+        let mass = bundle.mass[j].min(bundle.mass[j + 1]);
+        least.min((mass * bundle.rest_length[j] / bundle.stretch[j]).sqrt())
+    })
 }
 
 impl Solver for QuasiStatic {
@@ -326,8 +347,8 @@ impl Solver for QuasiStatic {
         "quasi-static"
     }
 
-    fn step(&mut self, _: &World) -> Result<f64, SolverError> {
-        super::given_step(self.given, f64::INFINITY)
+    fn step(&mut self, _: &World, _: &Context) -> Result<f64, SolverError> {
+        given_step(self.given, f64::INFINITY)
     }
 
     fn advance(
@@ -335,23 +356,29 @@ impl Solver for QuasiStatic {
         world: &mut World,
         contacts: &mut dyn Contacts,
         duration: f64,
-    ) -> Result<Advance, SolverError> {
-        super::check_duration(duration)?;
+        context: &Context,
+    ) -> Result<AdvanceReport, SolverError> {
+        check_duration(duration)?;
         world.check()?;
-        let full = self.step(world)?.min(duration / STEPS);
+        let full = self.step(world, context)?.min(duration / DEFAULT_STEPS);
         let full = self.given.unwrap_or(full);
-        let end = world.state.time + duration;
-        let mut report = Advance {
+        let (start, end) = (world.state.time, world.state.time + duration);
+        let mut report = AdvanceReport {
             limit: f64::INFINITY,
             step: full,
-            ..Advance::default()
+            ..AdvanceReport::default()
         };
-        while world.state.time < end || most_overstressed(world, &world.state) >= 1.0 {
+        while world.state.time < end
+            || largest_demand(&world.failure, &world.bundle, &world.state) >= 1.0
+        {
+            if duration > 0.0 {
+                context.report((world.state.time - start) / duration)?;
+            }
             let mut time = world.state.time + full;
             if time > end - 1e-9 * full {
                 time = end;
             }
-            let one = self.next_equilibrium(world, contacts, time)?;
+            let one = self.next_equilibrium(world, contacts, time, context)?;
             report.steps += one.steps;
             report.work += one.work;
             report.dissipated += one.dissipated;

@@ -1,28 +1,43 @@
-//! Checkpoints: everything that a run needs to go on as if it had never stopped. The 8 bytes `GSPOINT\0`, a `u32`
+//! Checkpoints: everything that a run needs to continue as if it had never stopped. The 8 bytes `GSPOINT\0`, a `u32`
 //! version, a `u32` 0, the `u64` hash of what is simulated, the content (postcard), and its `u64` checksum.
 
-use super::{Ledger, StoreError, checksum};
+use super::checksum::checksum;
+use super::error::StoreError;
+use super::tables::EnergyLedger;
 use crate::bodies::BodiesState;
-use crate::solver::World;
+use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
 const VERSION: u32 = 2;
 const HEAD: usize = 24;
 
-/// How far a run is and what it has written.
+/// Lengths of a run's records, in the unit of what holds them: bytes in files, rows in memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordLengths {
+    /// Of the energy table.
+    pub energies: u64,
+    /// Of the events.
+    pub events: u64,
+    /// Of the frames.
+    pub frames: u64,
+    /// Of the forces.
+    pub forces: u64,
+}
+
+/// How far a run is, and what it has recorded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Rows of the energy table after the first.
     pub ticks: u64,
-    /// Frames written.
+    /// Frames recorded.
     pub frames: u64,
-    /// Events written.
+    /// Events recorded.
     pub events: u64,
-    /// Bytes of the energy table, the events, the frames and the forces.
-    pub bytes: [u64; 4],
-    /// Energy taken and given so far.
-    pub ledger: Ledger,
+    /// Lengths of the records, which are cut back to them when the run is resumed.
+    pub lengths: RecordLengths,
+    /// Energy that solvers and loads have taken and given so far.
+    pub ledger: EnergyLedger,
 }
 
 /// A run between two steps.
@@ -32,32 +47,35 @@ pub struct Checkpoint {
     pub world: World,
     /// The bodies.
     pub bodies: BodiesState,
-    /// How far it is.
+    /// How far the run is.
     pub progress: Progress,
+    /// Identifies what is simulated. It stands in the header of the bytes.
+    #[serde(skip)]
+    pub hash: u64,
 }
 
 impl Checkpoint {
-    /// The checkpoint as bytes; `hash` says what is simulated.
+    /// Returns the checkpoint as bytes.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] where the state cannot be written.
-    pub fn to_bytes(&self, hash: u64) -> Result<Vec<u8>, StoreError> {
+    /// [`StoreError::Damaged`] where the state cannot be serialised.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
         let content = postcard::to_stdvec(self).map_err(|e| damaged(e.to_string()))?;
         let mut bytes = Vec::with_capacity(content.len() + HEAD + 8);
         bytes.extend(MAGIC);
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend([0; 4]);
-        bytes.extend(hash.to_le_bytes());
+        bytes.extend(self.hash.to_le_bytes());
         bytes.extend(&content);
         bytes.extend(checksum(&content).to_le_bytes());
         Ok(bytes)
     }
 
-    /// The checkpoint in some bytes, and the hash of what it is a checkpoint of.
+    /// Reads a checkpoint.
     ///
     /// # Errors
-    /// [`StoreError`] for what is no checkpoint, a newer one, or a damaged one.
-    pub fn from_bytes(bytes: &[u8]) -> Result<(Checkpoint, u64), StoreError> {
+    /// [`StoreError`] for bytes that are no checkpoint, one of another version, or a damaged one.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Checkpoint, StoreError> {
         if !bytes.starts_with(MAGIC) {
             return Err(StoreError::Foreign {
                 expected: "checkpoint of a simulation",
@@ -88,8 +106,11 @@ impl Checkpoint {
         }
         let mut hash = [0; 8];
         hash.copy_from_slice(&bytes[16..24]);
-        let read = postcard::from_bytes(content).map_err(|e| damaged(e.to_string()))?;
-        Ok((read, u64::from_le_bytes(hash)))
+        let read: Checkpoint = postcard::from_bytes(content).map_err(|e| damaged(e.to_string()))?;
+        Ok(Checkpoint {
+            hash: u64::from_le_bytes(hash),
+            ..read
+        })
     }
 }
 

@@ -1,75 +1,71 @@
-//! Rows of `forces.csv`: what clamps and moved bodies do to the wood, and how far they have moved.
+//! Rows of `forces.csv`: the forces of clamps and moved bodies on the wood, and how far they have moved.
 
 use super::tables::forces_on;
 use crate::bodies::{Bodies, BodyMotion};
-use crate::loads::{Pose, rotation_of};
-use crate::solver::World;
+use crate::loads::Pose;
+use crate::rotation::to_rotation_vector;
+use crate::world::World;
 use glam::DVec3;
 
-/// First line of the forces.
+/// The first line of `forces.csv`.
 pub const FORCE_HEADER: &str = "time_s,holder,moved_x_m,moved_y_m,moved_z_m,turned_x_deg,turned_y_deg,turned_z_deg,\
 force_x_N,force_y_N,force_z_N,moment_x_Nm,moment_y_Nm,moment_z_Nm\n";
 
-/// What a clamp or body does to the wood at a time.
+/// The force of a clamp or body on the wood at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceRow {
     /// Time, s.
     pub time: f64,
-    /// `clamp 0`, or a body's name, or `body 0`.
+    /// `clamp 0`, or a body's name, or `body 0`; without characters that would end a cell.
     pub holder: String,
-    /// How far it has moved, m.
-    pub moved: DVec3,
-    /// How far it has turned: along its axis, as long as its angle, rad.
-    pub turned: DVec3,
+    /// Its displacement, m.
+    pub displacement: DVec3,
+    /// Its rotation vector: along the axis, as long as the angle in degrees.
+    pub rotation_degrees: DVec3,
     /// Force on the wood, N.
     pub force: DVec3,
-    /// Moment on the wood about the holder's centre now, N m.
+    /// Moment on the wood about the holder's present centre, N m.
     pub moment: DVec3,
 }
 
 impl ForceRow {
-    /// The rows of a world now: those of clamps, then those of bodies that do not move freely. A clamp's is its force now,
-    /// against what the wood pulls and its loads, without the inertia of what it holds; a body's is the mean since this was
-    /// last called, `interval` seconds ago.
-    pub fn all(world: &World, bodies: &mut Bodies, interval: f64) -> Vec<ForceRow> {
+    /// Returns the present rows of a world: those of clamps, then those of bodies whose motion is prescribed. A clamp's force is
+    /// that of now, against the forces of the wood and the loads, without the inertia of what it holds; a body's force is the
+    /// mean since the last call, `interval` seconds ago.
+    pub fn measure(world: &World, bodies: &mut Bodies, interval: f64) -> Vec<ForceRow> {
         let time = world.state.time;
         let mut rows = clamp_rows(world);
-        let given = bodies.take_given();
+        let impulses = bodies.take_impulses();
         for (number, (body, _)) in bodies.iter().enumerate() {
-            let BodyMotion::Given(motion) = &body.motion else {
+            let BodyMotion::Prescribed(motion) = &body.motion else {
                 continue;
             };
             let name = if body.name.is_empty() {
                 format!("body {number}")
             } else {
-                body.name.clone()
+                (body.name.chars())
+                    .map(|c| if ",\"\n\r".contains(c) { ' ' } else { c })
+                    .collect()
             };
             let per = if interval > 0.0 { -1.0 / interval } else { 0.0 };
-            let given = given.get(number).copied().unwrap_or_default();
-            let (force, moment) = (given.impulse * per, given.angular * per);
+            let given = impulses.get(number).copied().unwrap_or_default();
+            let (force, moment) = (given.linear * per, given.angular * per);
             rows.push(row(time, name, motion.pose(time), [force, moment]));
         }
         rows
     }
 
-    /// The line, with its end.
+    /// Returns the row as a line, with its end.
     pub fn line(&self) -> String {
-        // What would end a cell early stays out of names.
-        let holder: String = (self.holder.chars())
-            .map(|c| if ",\"\n\r".contains(c) { ' ' } else { c })
-            .collect();
-        let turned = self.turned.to_array().map(f64::to_degrees);
-        let numbers = [
-            self.moved.to_array(),
-            turned,
-            self.force.into(),
-            self.moment.into(),
+        let vectors = [
+            self.displacement,
+            self.rotation_degrees,
+            self.force,
+            self.moment,
         ];
-        let cells = numbers
-            .concat()
-            .iter()
-            .fold(String::new(), |text, n| text + &format!(",{n}"));
-        format!("{},{holder}{cells}\n", self.time)
+        let numbers = vectors.map(|v| v.to_array()).concat();
+        let cells = (numbers.iter()).fold(String::new(), |text, n| text + &format!(",{n}"));
+        format!("{},{}{cells}\n", self.time, self.holder)
     }
 }
 
@@ -77,8 +73,8 @@ fn row(time: f64, holder: String, pose: Pose, [force, moment]: [DVec3; 2]) -> Fo
     ForceRow {
         time,
         holder,
-        moved: pose.translation,
-        turned: rotation_of(pose.rotation),
+        displacement: pose.translation,
+        rotation_degrees: to_rotation_vector(pose.rotation).map(f64::to_degrees),
         force,
         moment,
     }

@@ -1,50 +1,69 @@
-//! The frame store: see the module above for its layout.
+//! Frames, and how they are stored; [`super`] documents the format.
 
-use super::{StoreError, checksum};
+use super::checksum::checksum;
+use super::error::StoreError;
 use crate::bodies::BodyState;
-use crate::bundle::Bundle;
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use glam::{DQuat, DVec3};
 use std::io::{self, Read, Write};
 
 const MAGIC: &[u8; 8] = b"GSFRAMES";
 const VERSION: u32 = 1;
-/// Longest record that is believed, bytes.
-const LONGEST: u64 = 1 << 36;
+/// Longest valid record, bytes.
+const MAX_RECORD_LENGTH: u64 = 1 << 36;
+
+/// Centre and orientation of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyPose {
+    /// Centre, m.
+    pub centre: DVec3,
+    /// Orientation.
+    pub rotation: DQuat,
+}
 
 /// One frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Frame {
     /// Time, s.
     pub time: f64,
-    /// Steps done.
+    /// Steps taken.
     pub step: u64,
-    /// First vertex of each rod, and the number of vertices at the end.
-    pub first: Vec<u32>,
-    /// Rod of the unbroken bundle.
+    /// Per rod: its first vertex, and at the end the number of vertices.
+    pub rod_offsets: Vec<u32>,
+    /// Per rod: its rod in the unbroken bundle.
     pub parent: Vec<u32>,
-    /// Diameter of each rod, m.
+    /// Per rod: diameter, m.
     pub diameter: Vec<f32>,
-    /// Vertex of the unbroken bundle.
+    /// Per vertex: its vertex in the unbroken bundle.
     pub origin: Vec<u32>,
-    /// Places, m.
+    /// Per vertex: position, m.
     pub position: Vec<[f32; 3]>,
-    /// Material directors of edges.
+    /// Per edge: material director.
     pub director: Vec<[f32; 3]>,
-    /// Vertex and edge of each bond.
+    /// Per bond: vertex and edge.
     pub bonds: Vec<[u32; 2]>,
-    /// Centre (m) and orientation of each body.
-    pub bodies: Vec<(DVec3, DQuat)>,
+    /// Per body: its pose.
+    pub bodies: Vec<BodyPose>,
+}
+
+impl BodyPose {
+    fn of_body(body: &BodyState) -> Self {
+        BodyPose {
+            centre: body.centre,
+            rotation: body.rotation,
+        }
+    }
 }
 
 impl Frame {
-    /// The frame of a state.
-    pub fn of(bundle: &Bundle, state: &State, bodies: &[BodyState]) -> Frame {
+    /// Returns the frame of a state.
+    pub fn capture(bundle: &RodBundle, state: &State, bodies: &[BodyState]) -> Frame {
         let single = |v: DVec3| v.as_vec3().to_array();
         Frame {
             time: state.time,
             step: state.step,
-            first: bundle.first.clone(),
+            rod_offsets: bundle.rod_offsets.clone(),
             parent: bundle.parent.clone(),
             diameter: bundle.diameter.iter().map(|&d| d as f32).collect(),
             origin: bundle.origin.clone(),
@@ -59,7 +78,7 @@ impl Frame {
                 .zip(&bundle.bonds.edge)
                 .map(|(&v, &e)| [v, e])
                 .collect(),
-            bodies: bodies.iter().map(|b| (b.centre, b.turn)).collect(),
+            bodies: bodies.iter().map(BodyPose::of_body).collect(),
         }
     }
 
@@ -76,18 +95,19 @@ impl Frame {
         counts
             .iter()
             .for_each(|&c| to.extend((c as u32).to_le_bytes()));
-        let mut whole = |v: &mut dyn Iterator<Item = u32>| {
+        let mut put = |v: &mut dyn Iterator<Item = u32>| {
             v.for_each(|n| to.extend(n.to_le_bytes()));
         };
-        whole(&mut self.first.iter().copied());
-        whole(&mut self.parent.iter().copied());
-        whole(&mut self.diameter.iter().map(|d| d.to_bits()));
-        whole(&mut self.origin.iter().copied());
-        whole(&mut self.position.iter().flatten().map(|d| d.to_bits()));
-        whole(&mut self.director.iter().flatten().map(|d| d.to_bits()));
-        whole(&mut self.bonds.iter().flatten().copied());
-        for (centre, turn) in &self.bodies {
-            let numbers = centre.to_array().into_iter().chain(turn.to_array());
+        put(&mut self.rod_offsets.iter().copied());
+        put(&mut self.parent.iter().copied());
+        put(&mut self.diameter.iter().map(|d| d.to_bits()));
+        put(&mut self.origin.iter().copied());
+        put(&mut self.position.iter().flatten().map(|d| d.to_bits()));
+        put(&mut self.director.iter().flatten().map(|d| d.to_bits()));
+        put(&mut self.bonds.iter().flatten().copied());
+        for body in &self.bodies {
+            let centre = body.centre.to_array().into_iter();
+            let numbers = centre.chain(body.rotation.to_array());
             numbers.for_each(|n| to.extend(n.to_le_bytes()));
         }
         to
@@ -116,7 +136,7 @@ impl Frame {
         if at.len() != expected {
             return None;
         }
-        let mut whole = |n: usize| -> Option<Vec<u32>> {
+        let mut words = |n: usize| -> Option<Vec<u32>> {
             (0..n)
                 .map(|_| take(&mut at).map(u32::from_le_bytes))
                 .collect()
@@ -126,11 +146,11 @@ impl Frame {
                 .map(|c| [c[0], c[1], c[2]].map(f32::from_bits))
                 .collect()
         };
-        let (first, parent) = (whole(rods + 1)?, whole(rods)?);
-        let diameter = whole(rods)?.into_iter().map(f32::from_bits).collect();
-        let origin = whole(vertices)?;
-        let (position, director) = (triples(whole(3 * vertices)?), triples(whole(3 * vertices)?));
-        let bonds = whole(2 * bonds)?
+        let (rod_offsets, parent) = (words(rods + 1)?, words(rods)?);
+        let diameter = words(rods)?.into_iter().map(f32::from_bits).collect();
+        let origin = words(vertices)?;
+        let (position, director) = (triples(words(3 * vertices)?), triples(words(3 * vertices)?));
+        let bonds = words(2 * bonds)?
             .chunks_exact(2)
             .map(|c| [c[0], c[1]])
             .collect();
@@ -138,14 +158,14 @@ impl Frame {
         let bodies = (0..bodies)
             .map(|_| {
                 let centre = DVec3::new(number()?, number()?, number()?);
-                let turn = DQuat::from_xyzw(number()?, number()?, number()?, number()?);
-                Some((centre, turn))
+                let rotation = DQuat::from_xyzw(number()?, number()?, number()?, number()?);
+                Some(BodyPose { centre, rotation })
             })
             .collect::<Option<_>>()?;
         Some(Frame {
             time,
             step,
-            first,
+            rod_offsets,
             parent,
             diameter,
             origin,
@@ -163,7 +183,7 @@ fn take<const N: usize>(at: &mut &[u8]) -> Option<[u8; N]> {
     Some(*head)
 }
 
-/// Writes what a frame store begins with.
+/// Writes the header of a frame store.
 ///
 /// # Errors
 /// Those of the writer.
@@ -173,69 +193,37 @@ pub fn write_header(to: &mut dyn Write) -> io::Result<()> {
     to.write_all(&[0; 4])
 }
 
-/// Reads frames in order. An unfinished record at the end, as a killed run leaves it, ends the frames without an error.
-pub struct FrameReader<R> {
-    from: R,
-    number: usize,
+/// Reads frame `number` where its record begins. Returns `None` at the end, and for an incomplete record, as a killed run
+/// leaves it.
+pub(super) fn read_frame(from: &mut impl Read, number: usize) -> Result<Option<Frame>, StoreError> {
+    let mut length = [0; 8];
+    if fill(from, &mut length)? < 8 {
+        return Ok(None);
+    }
+    let damaged = |problem: String| StoreError::Damaged {
+        what: "frame store",
+        problem,
+    };
+    let length = u64::from_le_bytes(length);
+    if length > MAX_RECORD_LENGTH {
+        return Err(damaged(format!("frame {number} claims {length} bytes")));
+    }
+    // Takes no more memory than there are bytes.
+    let mut content = Vec::new();
+    let got = from.take(length + 8).read_to_end(&mut content)?;
+    if (got as u64) < length + 8 {
+        return Ok(None);
+    }
+    let sum = content.split_off(length as usize);
+    if sum != checksum(&content).to_le_bytes() {
+        return Err(damaged(format!("the checksum of frame {number} is wrong")));
+    }
+    Frame::parse(&content)
+        .map(Some)
+        .ok_or_else(|| damaged(format!("frame {number} contradicts itself")))
 }
 
-impl<R: Read> FrameReader<R> {
-    /// Reads what a frame store begins with.
-    ///
-    /// # Errors
-    /// [`StoreError`] for what is no frame store, or a newer one.
-    pub fn new(mut from: R) -> Result<Self, StoreError> {
-        header(&mut from)?;
-        Ok(FrameReader { from, number: 0 })
-    }
-
-    /// Reads on at the record of frame `number`.
-    pub(super) fn at(from: R, number: usize) -> Self {
-        FrameReader { from, number }
-    }
-
-    fn read(&mut self) -> Result<Option<Frame>, StoreError> {
-        let mut length = [0; 8];
-        if fill(&mut self.from, &mut length)? < 8 {
-            return Ok(None);
-        }
-        let damaged = |problem: String| StoreError::Damaged {
-            what: "frame store",
-            problem,
-        };
-        let number = self.number;
-        let length = u64::from_le_bytes(length);
-        if length > LONGEST {
-            return Err(damaged(format!("frame {number} claims {length} bytes")));
-        }
-        // No more memory than there are bytes.
-        let mut content = Vec::new();
-        let got = (&mut self.from)
-            .take(length + 8)
-            .read_to_end(&mut content)?;
-        if (got as u64) < length + 8 {
-            return Ok(None);
-        }
-        let sum = content.split_off(length as usize);
-        if sum != checksum(&content).to_le_bytes() {
-            return Err(damaged(format!("the checksum of frame {number} is wrong")));
-        }
-        self.number += 1;
-        Frame::parse(&content)
-            .map(Some)
-            .ok_or_else(|| damaged(format!("frame {number} contradicts itself")))
-    }
-}
-
-impl<R: Read> Iterator for FrameReader<R> {
-    type Item = Result<Frame, StoreError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.read().transpose()
-    }
-}
-
-/// Reads what a frame store begins with; returns its length.
+/// Reads the header of a frame store. Returns its length.
 pub(super) fn header(from: &mut impl Read) -> Result<u64, StoreError> {
     let mut head = [0; 16];
     let got = fill(from, &mut head)?;
@@ -256,7 +244,7 @@ pub(super) fn header(from: &mut impl Read) -> Result<u64, StoreError> {
     Ok(head.len() as u64)
 }
 
-/// Reads until the buffer is full or there is no more; returns how much.
+/// Reads until the buffer is full or the source ends. Returns the number of bytes read.
 pub(super) fn fill(from: &mut impl Read, to: &mut [u8]) -> io::Result<usize> {
     let mut got = 0;
     while got < to.len() {

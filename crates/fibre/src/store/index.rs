@@ -1,28 +1,35 @@
-//! Frames by number: where each one begins in a frame store.
+//! Random access to the frames of a store.
 
-use super::frames::{FrameReader, fill, header};
-use super::{Frame, StoreError};
+use super::error::StoreError;
+use super::frames::{Frame, fill, header, read_frame};
 use std::io::{Read, Seek, SeekFrom};
 
-/// A frame store of which any frame can be read. Frames that a killed run left unfinished are not counted.
-pub struct FrameFile<R> {
-    from: R,
-    /// Where each frame's record begins, and its time (s).
-    frames: Vec<(u64, f64)>,
-    /// Bytes behind the last whole frame.
-    left: u64,
+/// Where a frame's record begins, and its time.
+#[derive(Debug, Clone, Copy)]
+struct Record {
+    offset: u64,
+    /// s.
+    time: f64,
 }
 
-impl<R: Read + Seek> FrameFile<R> {
-    /// Finds the frames; of each no more than its length and time is read.
+/// A frame store of which any frame can be read. Frames that a killed run left incomplete are not counted.
+pub struct IndexedFrames<R> {
+    from: R,
+    records: Vec<Record>,
+    /// Bytes behind the last complete frame.
+    trailing_bytes: u64,
+}
+
+impl<R: Read + Seek> IndexedFrames<R> {
+    /// Finds the frames. Of each only its length and time is read.
     ///
     /// # Errors
-    /// [`StoreError`] for what is no frame store, or a newer one.
+    /// [`StoreError`] for bytes that are no frame store, or one of a newer version.
     pub fn open(mut from: R) -> Result<Self, StoreError> {
         let end = from.seek(SeekFrom::End(0))?;
         from.seek(SeekFrom::Start(0))?;
         let mut at = header(&mut from)?;
-        let mut frames = Vec::new();
+        let mut records = Vec::new();
         loop {
             from.seek(SeekFrom::Start(at))?;
             let mut head = [0; 16];
@@ -37,40 +44,43 @@ impl<R: Read + Seek> FrameFile<R> {
             let Some(next) = next.filter(|&n| n <= end) else {
                 break;
             };
-            frames.push((at, f64::from_bits(number(time))));
+            records.push(Record {
+                offset: at,
+                time: f64::from_bits(number(time)),
+            });
             at = next;
         }
-        Ok(FrameFile {
+        Ok(IndexedFrames {
             from,
-            frames,
-            left: end - at.min(end),
+            records,
+            trailing_bytes: end - at.min(end),
         })
     }
 
-    /// Number of whole frames.
+    /// Returns the number of complete frames.
     pub fn count(&self) -> usize {
-        self.frames.len()
+        self.records.len()
     }
 
-    /// Time of frame `number`, s, which must be below [`FrameFile::count`].
+    /// Returns the time (s) of frame `number`, which must be below [`IndexedFrames::count`].
     pub fn time(&self, number: usize) -> f64 {
-        self.frames[number].1
+        self.records[number].time
     }
 
-    /// Bytes behind the last whole frame: more than none where a run was cut short.
-    pub fn left(&self) -> u64 {
-        self.left
+    /// Returns the number of bytes behind the last complete frame; above 0 where a run was cut short.
+    pub fn trailing_bytes(&self) -> u64 {
+        self.trailing_bytes
     }
 
-    /// Reads frame `number`; none beyond the last.
+    /// Reads frame `number`; `None` beyond the last.
     ///
     /// # Errors
     /// [`StoreError`] where it is damaged or cannot be read.
     pub fn read(&mut self, number: usize) -> Result<Option<Frame>, StoreError> {
-        let Some(&(at, _)) = self.frames.get(number) else {
+        let Some(record) = self.records.get(number) else {
             return Ok(None);
         };
-        self.from.seek(SeekFrom::Start(at))?;
-        FrameReader::at(&mut self.from, number).next().transpose()
+        self.from.seek(SeekFrom::Start(record.offset))?;
+        read_frame(&mut self.from, number)
     }
 }

@@ -1,35 +1,37 @@
-//! Rows of `energy.csv` and `events.csv`. Numbers are the shortest decimals that give the same double back.
+//! Rows of `energy.csv` and `events.csv`.
 
 use crate::bodies::Bodies;
-use crate::energy::{Energies, Forces, add_forces, energies};
+use crate::energy::{Energies, add_forces, energies};
 use crate::event::{Cause, Event, EventKind};
-use crate::solver::{Advance, Contacts, World};
+use crate::forces::Forces;
+use crate::solvers::AdvanceReport;
+use crate::world::World;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// First line of the energy table.
+/// The first line of `energy.csv`.
 pub const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,gravity_J,\
 momentum_x_Ns,momentum_y_Ns,momentum_z_Ns,angular_x_Nms,angular_y_Nms,angular_z_Nms,fracture_loss_J,damped_J,\
 dissipated_J,work_J,contact_J,contact_loss_J,contact_work_J,balance_J\n";
 
-/// First line of the events.
+/// The first line of `events.csv`.
 pub const EVENT_HEADER: &str =
     "time_s,kind,rod,vertex,other_rod,x_m,y_m,z_m,cause,demand,energy_J\n";
 
 /// Energy that solvers and loads have taken and given since the start, J.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Ledger {
-    /// Taken by damping.
+pub struct EnergyLedger {
+    /// Dissipated by damping.
     pub damped: f64,
-    /// Taken by the method.
+    /// Dissipated by the method.
     pub dissipated: f64,
     /// Work of clamps and forces.
     pub work: f64,
 }
 
-impl Ledger {
-    /// Adds what a solver reports.
-    pub fn add(&mut self, advance: &Advance) {
+impl EnergyLedger {
+    /// Adds the energies that a solver reports.
+    pub fn add(&mut self, advance: &AdvanceReport) {
         self.damped += advance.damped;
         self.dissipated += advance.dissipated;
         self.work += advance.work;
@@ -43,9 +45,9 @@ pub struct EnergyRow {
     pub time: f64,
     /// Energies of the rods.
     pub rods: Energies,
-    /// Energy of free bodies, with that of their weight, J.
+    /// Energy of free bodies, with the potential energy of their weight, J.
     pub bodies: f64,
-    /// Energy of the rods' weight, J; none at the origin. Its change is in the work of loads too.
+    /// Potential energy of the rods' weight, J, 0 at the origin. Its change is also part of the work of loads.
     pub gravity: f64,
     /// Momentum of rods and free bodies, N s.
     pub momentum: DVec3,
@@ -53,19 +55,19 @@ pub struct EnergyRow {
     pub angular: DVec3,
     /// Energy that breaking and yielding took, J.
     pub fracture_loss: f64,
-    /// What solver and loads took and gave.
-    pub ledger: Ledger,
+    /// Energy that solver and loads took and gave.
+    pub ledger: EnergyLedger,
     /// Energy stored in overlaps, J.
     pub contact: f64,
-    /// What contacts took, J.
+    /// Energy that contacts dissipated, J.
     pub contact_loss: f64,
     /// Work of moved bodies, J.
     pub contact_work: f64,
 }
 
 impl EnergyRow {
-    /// The row of a world now, whose velocities are those of `lag` seconds before its positions.
-    pub fn of(world: &World, bodies: &Bodies, ledger: &Ledger, lag: f64) -> EnergyRow {
+    /// Returns the present row of a world whose velocities are those of `lag` seconds before its positions.
+    pub fn measure(world: &World, bodies: &Bodies, ledger: &EnergyLedger, lag: f64) -> EnergyRow {
         let (momentum, angular) = bodies.momenta(DVec3::ZERO);
         EnergyRow {
             time: world.state.time,
@@ -75,28 +77,28 @@ impl EnergyRow {
             },
             bodies: bodies.energy(),
             gravity: -(0..world.bundle.vertices()).fold(0.0, |sum, i| {
-                let place = world.state.position.get(i);
-                sum + world.bundle.mass[i] * world.loads.gravity.dot(place)
+                let position = world.state.position.get(i);
+                sum + world.bundle.mass[i] * world.loads.gravity.dot(position)
             }),
             momentum: momentum + world.state.momentum(&world.bundle),
             angular: angular + world.state.angular_momentum(&world.bundle, DVec3::ZERO),
             fracture_loss: world.fracture_loss,
             ledger: *ledger,
             contact: bodies.ledger().stored,
-            contact_loss: bodies.ledger().lost,
+            contact_loss: bodies.ledger().dissipated,
             contact_work: bodies.ledger().work,
         }
     }
 
-    /// Energy of rods and bodies with what was taken, less what was given, J: the same at all times but for the error of
-    /// the method.
+    /// Returns the energy of rods and bodies plus what was taken less what was given, J. It is constant but for the error of the
+    /// method.
     pub fn balance(&self) -> f64 {
         let taken = self.fracture_loss + self.ledger.damped + self.ledger.dissipated;
         let given = self.ledger.work + self.contact_work;
         self.rods.total() + self.bodies + self.contact + taken + self.contact_loss - given
     }
 
-    /// Its numbers in the order of [`ENERGY_HEADER`].
+    /// Returns its numbers in the order of [`ENERGY_HEADER`].
     pub fn numbers(&self) -> [f64; 23] {
         let (e, p, l) = (&self.rods, self.momentum, self.angular);
         [
@@ -126,15 +128,15 @@ impl EnergyRow {
         ]
     }
 
-    /// The line, with its end.
+    /// Returns the row as a line, with its end.
     pub fn line(&self) -> String {
         self.numbers().map(|n| n.to_string()).join(",") + "\n"
     }
 }
 
-/// Kinetic energy (J) at the time of the positions, of velocities that are those of `lag` s before: the mean of that
-/// before and after the forces of now have acted for twice the lag. For every small oscillation of a leapfrog its sum with
-/// the potential energy stays, on average over a period, that of the start.
+/// Returns the kinetic energy (J) at the time of the positions, from velocities of `lag` seconds before: the mean of that
+/// before and after the present forces have acted for twice the lag. For every small oscillation of a leapfrog method its
+/// sum with the potential energy is, on average over a period, that of the start.
 fn kinetic_energy(world: &World, lag: f64) -> f64 {
     let World {
         bundle,
@@ -148,13 +150,15 @@ fn kinetic_energy(world: &World, lag: f64) -> f64 {
     }
     let mut next = state.clone();
     let step = 2.0 * lag;
-    let keep = 1.0 / (1.0 + loads.damping * step);
+    let damping_factor = 1.0 / (1.0 + loads.damping * step);
     let forces = forces_on(world);
     for i in 0..bundle.vertices() {
         let push = forces.linear.get(i) * (step / bundle.mass[i]);
-        next.velocity.set(i, (state.velocity.get(i) + push) * keep);
+        next.velocity
+            .set(i, (state.velocity.get(i) + push) * damping_factor);
         if bundle.is_edge(i) {
-            next.spin[i] = (state.spin[i] + step * forces.moment[i] / bundle.inertia[i]) * keep;
+            next.spin[i] =
+                (state.spin[i] + step * forces.moment[i] / bundle.inertia[i]) * damping_factor;
         }
     }
     for clamp in &loads.clamps {
@@ -175,26 +179,19 @@ fn kinetic_energy(world: &World, lag: f64) -> f64 {
     0.5 * (before + next.kinetic_energy(bundle))
 }
 
-/// Forces of all energies and loads, without clamps and contacts.
+/// Returns the forces of all energies and loads, without clamps and contacts.
 pub(super) fn forces_on(world: &World) -> Forces {
     let (bundle, state) = (&world.bundle, &world.state);
     let mut forces = Forces::zeros(bundle.vertices());
     add_forces(bundle, state, &mut forces);
-    let Forces { linear, moment } = &mut forces;
-    world.loads.add_forces(
-        bundle,
-        state.time,
-        &state.position,
-        &state.velocity,
-        linear,
-        moment,
-    );
+    let (x, v) = (&state.position, &state.velocity);
+    (world.loads).add_forces(bundle, state.time, x, v, &mut forces);
     forces
 }
 
-/// Turns velocities of now into those of `lag` seconds before, of which a leapfrog starts: without that it would start
-/// with more energy than the world has.
-pub fn set_back(world: &mut World, lag: f64) {
+/// Replaces the present velocities by those of `lag` seconds before, from which a leapfrog method starts. Without that it
+/// would start with more energy than the world has.
+pub fn stagger_velocities(world: &mut World, lag: f64) {
     let forces = forces_on(world);
     let World { bundle, state, .. } = world;
     for i in 0..bundle.vertices() {
@@ -206,22 +203,31 @@ pub fn set_back(world: &mut World, lag: f64) {
     }
 }
 
-/// The line of an event, with its end.
-pub fn event_row(event: &Event) -> String {
-    let kind = match event.kind {
-        EventKind::RodBroke => "rod_broke",
-        EventKind::RodYielded => "rod_yielded",
-        EventKind::BondBroke => "bond_broke",
-    };
-    let cause = match event.cause {
-        Cause::Tension => "tension",
-        Cause::Compression => "compression",
-        Cause::Potential => "potential",
-        Cause::Griffith => "griffith",
-        Cause::Stress => "stress",
-    };
+/// What the column `kind` holds.
+pub(super) const KINDS: [(EventKind, &str); 3] = [
+    (EventKind::RodBroke, "rod_broke"),
+    (EventKind::RodYielded, "rod_yielded"),
+    (EventKind::BondBroke, "bond_broke"),
+];
+
+/// What the column `cause` holds.
+pub(super) const CAUSES: [(Cause, &str); 5] = [
+    (Cause::Tension, "tension"),
+    (Cause::Compression, "compression"),
+    (Cause::Potential, "potential"),
+    (Cause::Griffith, "griffith"),
+    (Cause::Stress, "stress"),
+];
+
+fn name_of<T: PartialEq>(value: T, names: &[(T, &'static str)]) -> &'static str {
+    names.iter().find(|n| n.0 == value).map_or("", |n| n.1)
+}
+
+/// Returns an event as a line, with its end.
+pub fn event_line(event: &Event) -> String {
+    let (kind, cause) = (name_of(event.kind, &KINDS), name_of(event.cause, &CAUSES));
     let other = event.other.map_or(String::new(), |o| o.to_string());
-    let p = event.place;
+    let p = event.position;
     format!(
         "{},{kind},{},{},{other},{},{},{},{cause},{},{}\n",
         event.time, event.rod, event.vertex, p.x, p.y, p.z, event.demand, event.energy

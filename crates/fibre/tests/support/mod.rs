@@ -1,11 +1,11 @@
-//! Bundles for tests.
+//! Bundles for tests, of this crate's unit tests too.
 #![allow(dead_code)]
 
 use glam::DVec3;
-use greenstick_fibre::{Bond, Bundle, Rod, RodMaterial, State};
+use greenstick_fibre::{Bond, Rod, RodBundle, RodMaterial, State};
 use greenstick_wood::noise::unit;
 
-/// A number from −1 to 1 for a place in a sequence.
+/// A random number from −1 to 1 for a position in a sequence.
 pub fn random(seed: u64, i: usize) -> f64 {
     2.0 * unit(seed, i as i64, 0, 0) - 1.0
 }
@@ -31,7 +31,7 @@ pub fn straight(start: DVec3, length: f64, edges: usize, material: RodMaterial) 
 /// A soft round rod, 4 mm thick: E = 10 MPa, G = 1 MPa, 600 kg/m³.
 pub fn soft() -> RodMaterial {
     RodMaterial {
-        // JSON knows no infinity.
+        // JSON has no infinity.
         tension_limit: 1e9,
         yield_strain: 1e9,
         ..RodMaterial::solid(1.25e-5, 1e7, 1e6, 600.0)
@@ -39,7 +39,7 @@ pub fn soft() -> RodMaterial {
 }
 
 /// Bonds from every vertex to the nearest point of each rod nearer than `reach`, all with the same stiffness.
-pub fn bond_all(bundle: &mut Bundle, reach: f64, transverse: f64, shear: f64) {
+pub fn bond_all(bundle: &mut RodBundle, reach: f64, transverse: f64, shear: f64) {
     let mut bonds = Vec::new();
     for i in 0..bundle.vertices() {
         let x = bundle.rest.get(i);
@@ -76,8 +76,8 @@ pub fn bond_all(bundle: &mut Bundle, reach: f64, transverse: f64, shear: f64) {
     bundle.set_bonds(bonds).unwrap();
 }
 
-/// Four rods at the corners of a square, of different edges, bonded. With `curved` they are bent and wound.
-pub fn four_rods(curved: bool) -> Bundle {
+/// Four bonded rods at the corners of a square, of different numbers of edges. With `curved` they are helices.
+pub fn four_rods(curved: bool) -> RodBundle {
     let rods: Vec<Rod> = (0..4)
         .map(|r| {
             let corner = DVec3::new((r % 2) as f64, (r / 2) as f64, 0.0) * 5e-3;
@@ -92,13 +92,13 @@ pub fn four_rods(curved: bool) -> Bundle {
             rod
         })
         .collect();
-    let mut bundle = Bundle::new(&rods, curved).unwrap();
+    let mut bundle = RodBundle::new(&rods, curved).unwrap();
     bond_all(&mut bundle, 8e-3, 40.0, 2e-3);
     bundle
 }
 
-/// The bundle at rest, then shaken: positions by a part of the edge length, velocities, angles.
-pub fn shaken(bundle: &Bundle, seed: u64, by: f64) -> State {
+/// The bundle with random displacements of up to `by` edge lengths, and random velocities and angles.
+pub fn shaken(bundle: &RodBundle, seed: u64, by: f64) -> State {
     let mut state = State::at_rest(bundle);
     for i in 0..bundle.vertices() {
         let move_by = random_vector(seed, i) * by * bundle.rest_length[0];
@@ -109,6 +109,6 @@ pub fn shaken(bundle: &Bundle, seed: u64, by: f64) -> State {
             state.spin[i] = 5.0 * random(seed + 3, i);
         }
     }
-    state.carry_frames(bundle);
+    state.transport_frames(bundle);
     state
 }

@@ -1,16 +1,16 @@
 //! Bending tests of species as in ASTM D143 on the fibre model, against the tables that the wood's numbers are from.
 //!
-//! Modulus of elasticity and modulus of rupture go into the wood, by one rule for all species ([`WoodMaterial::of`]): that
+//! Modulus of elasticity and modulus of rupture go into the wood, by one rule for all species ([`WoodMaterial::from_species`]): that
 //! they come out again checks the model and its numbers. Work to maximum load goes into nothing: there the test predicts.
 //!
 //! ```
 //! use greenstick::bending::{BendRequest, bend};
-//! use greenstick::fibre::{BendTest, HowMany};
+//! use greenstick::fibre::{BendTest, RodCount};
 //! use greenstick::geometry::Context;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let test = BendTest {
-//!     rods: HowMany::Number(9),
+//!     rods: RodCount::Number(9),
 //!     edge: 0.05, // m; the default is finer
 //!     ..BendTest::default()
 //! };
@@ -150,7 +150,7 @@ fn bend_species(
     ] {
         species.property_at(property, moisture, Fallback::Refuse)?;
     }
-    let wood = WoodMaterial::of(species, moisture, Fallback::TwelvePercent)?;
+    let wood = WoodMaterial::from_species(species, moisture, Fallback::TwelvePercent)?;
     let outcome = test.run(&wood, context)?;
     Ok(Bent {
         report: BendReport::of(species, moisture, test, &outcome),

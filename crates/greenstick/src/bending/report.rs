@@ -1,6 +1,6 @@
 //! What a bending test returns, beside the table.
 
-use greenstick_fibre::placement::material::known_at;
+use greenstick_fibre::placement::strength_at;
 use greenstick_fibre::{BendEvent, BendOutcome, BendSection, BendTest, EventKind};
 use greenstick_wood::moisture::{Basis, Fallback};
 use greenstick_wood::species::{Property, Species};
@@ -239,7 +239,7 @@ fn notes(species: &Species, moisture: f64, test: &BendTest, rods: usize) -> Vec<
     }
     let known = |p| species.property_at(p, moisture, Fallback::Refuse);
     for property in [Property::TensionPerpendicular, Property::ShearParallel] {
-        if let Err(why) = known_at(species, property, moisture) {
+        if let Err(why) = strength_at(species, property, moisture) {
             let state = species.property_at(property, moisture, Fallback::TwelvePercent);
             notes.push(match state {
                 Ok(_) if !estimated(species, property, moisture) => {
@@ -272,7 +272,15 @@ fn estimated(species: &Species, property: Property, moisture: f64) -> bool {
 
 impl fmt::Display for BendReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mm = |x: f64| x * 1e3;
+        self.fmt_test(f)?;
+        self.fmt_moduli(f)?;
+        self.fmt_failure(f)
+    }
+}
+
+impl BendReport {
+    /// Writes the wood, the specimen and the model.
+    fn fmt_test(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
             "wood      {} ({}) at {} % moisture{}, {}",
@@ -300,9 +308,13 @@ impl fmt::Display for BendReport {
             f,
             "model     {} rods with edges of {:.2} mm, seed {}",
             self.rods,
-            mm(self.edge_m),
+            self.edge_m * 1e3,
             self.seed
-        )?;
+        )
+    }
+
+    /// Writes moduli and strengths beside those of the table.
+    fn fmt_moduli(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
             "\n{:30}{:>9}{:>9}{:>12}",
@@ -341,8 +353,15 @@ impl fmt::Display for BendReport {
                 format!("{name}, {unit}")
             )?;
         }
-        writeln!(f)?;
-        let at = |p: &Failing| format!("{:.3} kN at {:.2} mm", p.load_n * 1e-3, mm(p.deflection_m));
+        writeln!(f)
+    }
+
+    /// Writes how the specimen failed, and the notes.
+    fn fmt_failure(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let at = |p: &Failing| {
+            let (load, deflection) = (p.load_n * 1e-3, p.deflection_m * 1e3);
+            format!("{load:.3} kN at {deflection:.2} mm")
+        };
         writeln!(f, "maximum   {}", at(&self.maximum))?;
         if let Some(p) = &self.first_yield {
             writeln!(f, "yields    from {}", at(p))?;

@@ -1,48 +1,21 @@
 //! Why there is no skin.
 
 use crate::simulate::SimulateError;
-use greenstick_fibre::scene::SceneError;
-use greenstick_fibre::store::StoreError;
+use greenstick_fibre::store::RunError;
 use greenstick_geometry::Cancelled;
 use greenstick_skin::rods::RodSkinError;
-use std::io;
-use std::path::PathBuf;
 
 /// Why there is no skin.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// The folder holds no run.
-    #[error(
-        "{}: holds no simulation: scene.toml cannot be read ({source}); expected the folder of a simulated run",
-        folder.display()
-    )]
-    NoRun {
-        /// The folder.
-        folder: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The run's scene cannot be used.
-    #[error("{}: {error}", path.display())]
-    Scene {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        error: SceneError,
-    },
-    /// The frames cannot be used.
-    #[error("{}: {error}", path.display())]
-    Store {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        error: StoreError,
-    },
-    /// There is no whole frame.
-    #[error("{}: holds no whole frame; run the simulation, or resume it", path.display())]
+    /// The run cannot be read.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// There is no complete frame.
+    #[error("{run}: holds no complete frame; run the simulation, or resume it")]
     NoFrames {
-        /// The file.
-        path: PathBuf,
+        /// The run.
+        run: String,
     },
     /// A frame beyond the last.
     #[error("there is no frame {number}: the run has {count}, counted from 0")]
@@ -54,20 +27,48 @@ pub enum FilmError {
     },
     /// The wood of the scene cannot be grown again.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
+    Simulate(SimulateError),
     /// The frames do not fit the wood, or an option is out of range.
     #[error(transparent)]
     Skin(#[from] RodSkinError),
     /// The textures cannot be made.
     #[error(transparent)]
-    Work(#[from] crate::Error),
+    Work(crate::Error),
     /// The film cannot be written.
     #[error(transparent)]
-    Write(#[from] greenstick_formats::film::FilmError),
+    Write(greenstick_formats::film::FilmError),
     /// The file cannot be written.
+    #[cfg(feature = "files")]
     #[error(transparent)]
     File(#[from] crate::files::FileError),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SimulateError> for FilmError {
+    fn from(error: SimulateError) -> Self {
+        match error {
+            SimulateError::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Simulate(other),
+        }
+    }
+}
+
+impl From<crate::Error> for FilmError {
+    fn from(error: crate::Error) -> Self {
+        match error {
+            crate::Error::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Work(other),
+        }
+    }
+}
+
+impl From<greenstick_formats::film::FilmError> for FilmError {
+    fn from(error: greenstick_formats::film::FilmError) -> Self {
+        match error {
+            greenstick_formats::film::FilmError::Cancelled(stop) => FilmError::Cancelled(stop),
+            other => FilmError::Write(other),
+        }
+    }
 }

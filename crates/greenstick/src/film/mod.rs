@@ -1,14 +1,11 @@
 //! The skin of a simulated run: stills and films of it (Sutherland 2012 §5).
 //!
-//! [`Run::open`] reads a run's folder; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
+//! [`Run::open`] takes a run that was recorded; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
 //! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
 
-mod beyond;
-mod carry;
-mod clip;
+mod carried;
 mod collision;
 mod error;
-mod follow;
 mod level;
 mod materials;
 mod motion;
@@ -19,8 +16,7 @@ mod rest;
 mod rigid;
 mod series;
 
-use carry::Rest;
-pub use carry::{CarriedPiece, RestReport};
+pub use carried::{CarriedPiece, RestReport};
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
 pub use level::{LevelReport, level};
@@ -28,13 +24,14 @@ use materials::{BARK_MATERIAL, BODY_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
 pub use motion::RunMotion;
 pub use report::{FilmPiece, GapeReport, SkinReport};
 
-use crate::simulate::{self, Grown, Origin, SimulateRequest, body_shapes};
+use crate::simulate::{
+    FilledStem, PositionedBundle, SceneMeshes, body_shapes, fill_scene_stem, position_bundle,
+};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::event::Cause;
 use greenstick_fibre::scene::Scene as Setting;
-use greenstick_fibre::store::{Frame, FrameFile};
+use greenstick_fibre::store::{Frame, FrameTimes, RunSource};
+use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::mesh::NO_MATERIAL;
@@ -42,8 +39,9 @@ use greenstick_geometry::{
     Bvh, Context, Film, Joint, Mesh, Motion, Node, Pose, RigidBody, Scene, Stage,
 };
 use greenstick_picture::{Picture, PictureError, PictureOptions};
+use greenstick_skin::remainder::{CarriedParts, pose_followers};
 use greenstick_skin::rods::{
-    FractureState, Materials, RodSkin, RodSkinError, RodSkinOptions, Wood, frame_poses, rod_skin,
+    FractureState, Materials, RodSkin, RodSkinOptions, Wood, frame_poses, rod_skin,
     rod_skin_over_time,
 };
 use greenstick_skin::rods_scene::{BodyNode, body_nodes};
@@ -53,9 +51,7 @@ use greenstick_wood::species::Species;
 use greenstick_wood::stem::StemKind;
 use greenstick_wood::tissue::BARK_START;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The texture's square over the section's width.
 const ROOM: f64 = 1.02;
@@ -88,14 +84,14 @@ impl Default for FilmOptions {
 pub struct Run {
     /// Its scene.
     pub scene: Setting,
-    grown: Grown,
+    grown: FilledStem,
     /// The unbroken bundle in the scene's axes.
-    bundle: Bundle,
+    bundle: RodBundle,
     /// The stem's world to the scene's.
     laid: DAffine3,
     shapes: Vec<Shape>,
-    frames: FrameFile<BufReader<File>>,
-    path: PathBuf,
+    source: Arc<dyn RunSource>,
+    frames: FrameTimes,
     causes: BTreeMap<u32, Cause>,
     appearance: StemAppearance,
     bark: Mesh,
@@ -115,9 +111,9 @@ pub struct Still {
 
 /// What a frame's skin begins with.
 struct Begun {
-    frame: Frame,
+    frame: Arc<Frame>,
     skin: RodSkin,
-    rest: Rest,
+    rest: CarriedParts,
     report: SkinReport,
     /// Materials.
     scene: Scene,
@@ -230,14 +226,18 @@ fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     film.pieces.iter().enumerate().map(piece).collect()
 }
 
-/// Opens the frames of a run.
-fn open_frames(path: &Path) -> Result<FrameFile<BufReader<File>>, FilmError> {
-    let store = |error| FilmError::Store {
-        path: path.to_owned(),
-        error,
-    };
-    let file = File::open(path).map_err(|e| store(e.into()))?;
-    FrameFile::open(BufReader::new(file)).map_err(store)
+/// Why vertices of the unbroken rods broke.
+fn causes(events: &[Event]) -> BTreeMap<u32, Cause> {
+    let broken = events.iter().filter(|e| e.kind == EventKind::RodBroke);
+    broken
+        .map(|event| {
+            let cause = match event.cause {
+                Cause::Compression => Cause::Compression,
+                _ => Cause::Tension,
+            };
+            (event.vertex, cause)
+        })
+        .collect()
 }
 
 /// Turns the scene's z up to the y up of files.
@@ -246,45 +246,33 @@ fn upright() -> DQuat {
 }
 
 impl Run {
-    /// Opens the run in `folder`; `input` is the mesh that it was of, where its scene is of one, and `beside` the folder
-    /// that its bodies' files are named from.
+    /// Opens a run that was recorded. `meshes` are those that its scene names.
     ///
     /// # Errors
-    /// [`FilmError`] where the folder holds no run, or another mesh's.
+    /// [`FilmError`] where there is no run, or where it is of other meshes.
     pub fn open(
-        folder: &Path,
-        input: Option<&Scene>,
-        beside: &Path,
+        source: Arc<dyn RunSource>,
+        meshes: &SceneMeshes,
         context: &Context,
     ) -> Result<Run, FilmError> {
-        let path = folder.join("scene.toml");
-        let text = fs::read_to_string(&path).map_err(|source| FilmError::NoRun {
-            folder: folder.to_owned(),
-            source,
-        })?;
-        let scene = Setting::read(&text).map_err(|e| FilmError::Scene { path, error: e })?;
-        let path = folder.join(simulate::FRAME_FILE);
-        let frames = open_frames(&path)?;
+        let scene = source.scene()?;
+        let frames = source.frames()?;
         if frames.count() == 0 {
-            return Err(FilmError::NoFrames { path });
+            return Err(FilmError::NoFrames { run: source.name() });
         }
-        let request = SimulateRequest {
-            scene: scene.clone(),
-            origin: Origin::of(None, beside),
-            folder: folder.to_owned(),
-            resume: false,
-        };
-        let shapes = body_shapes(&request)?;
-        let grown = simulate::grow(&scene, input, context)?;
-        let (bundle, laid) = simulate::lay(&request, &grown)?;
-        let causes = simulate::causes(folder)?;
+        let shapes = body_shapes(&scene, meshes)?;
+        let grown = fill_scene_stem(&scene, meshes.input.as_ref(), context)?;
+        let PositionedBundle {
+            bundle,
+            scene_from_stem: laid,
+        } = position_bundle(&grown, meshes, context)?;
+        let causes = causes(&source.events()?);
         let species = Species::find(&scene.wood.species).ok();
         let tissues = BreakParameters::default().proportions();
         let appearance =
             StemAppearance::new(&grown.stem, &tissues, scene.seed, species, BARK_START);
-        let (node, shell) = &grown.shell;
-        let node = &grown.scene.nodes[*node];
-        let shell = shell.iter().map(|&t| t as usize);
+        let node = &grown.scene.nodes[grown.node];
+        let shell = grown.shell.iter().map(|&t| t as usize);
         let mut bark = node.mesh.submesh(shell).transformed(&node.transform);
         // Stems that come with the program part their triangles by materials that no scene lists.
         let listed = grown.scene.materials.len();
@@ -307,8 +295,8 @@ impl Run {
             bundle,
             laid,
             shapes,
+            source,
             frames,
-            path,
             causes,
             appearance,
             bark,
@@ -331,13 +319,13 @@ impl Run {
         &self.grown.stem
     }
 
-    fn frame(&mut self, number: usize) -> Result<Frame, FilmError> {
-        let count = self.frames.count();
-        let read = self.frames.read(number).map_err(|error| FilmError::Store {
-            path: self.path.clone(),
-            error,
-        })?;
-        read.ok_or(FilmError::NoSuchFrame { number, count })
+    fn frame(&self, number: usize) -> Result<Arc<Frame>, FilmError> {
+        Ok(self.source.frame(number)?)
+    }
+
+    /// Returns the map from the stem's world to that of stills and films.
+    fn film_from_stem(&self) -> DAffine3 {
+        DAffine3::from_quat(upright()) * self.laid
     }
 
     /// Its wood, unbroken.
@@ -358,14 +346,14 @@ impl Run {
     /// The skin of what is broken in `frame`, at rest.
     fn skin(&self, frame: &Frame, options: &RodSkinOptions) -> Result<RodSkin, FilmError> {
         let state = FractureState::from_frame(&self.wood(), frame, &self.causes)?;
-        self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))
+        Ok(self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))?)
     }
 
     /// What is made of its wood with the materials that it has here.
-    fn with_materials(
+    fn with_materials<T, E>(
         &self,
-        make: impl FnOnce(&Wood, &Materials) -> Result<RodSkin, RodSkinError>,
-    ) -> Result<RodSkin, FilmError> {
+        make: impl FnOnce(&Wood, &Materials) -> Result<T, E>,
+    ) -> Result<T, E> {
         let proportions = BreakParameters::default().proportions();
         let board = self.grown.stem.kind == StemKind::Board;
         let materials = Materials {
@@ -375,7 +363,7 @@ impl Run {
             square: self.square,
             zone: &|rho| proportions.zone_at(rho, 0.0).code(),
         };
-        Ok(make(&self.wood(), &materials)?)
+        make(&self.wood(), &materials)
     }
 
     /// The skin of what is broken in frame `number`, and what goes with it.
@@ -391,7 +379,7 @@ impl Run {
         let frame = self.frame(number)?;
         let skin = self.skin(&frame, &options.skin)?;
         let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
-        let rest = self.rest_of(&skin, options, &mut report);
+        let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let scene = self.materials(options, &textures)?;
         Ok(Begun {
             frame,
@@ -420,11 +408,12 @@ impl Run {
             mut scene,
         } = self.begin(number, options, context)?;
         let up = upright();
-        let mut poses = carry::upright_poses(frame_poses(&skin.joints, &frame));
+        let poses = frame_poses(&skin.joints, &frame).into_iter();
+        let mut poses: Vec<Pose> = poses.map(|p| turned(p, up)).collect();
         let mut film = film_of(skin, &self.scene);
-        let followers = rest.join(&mut film, &self.laid, self.grown.stem.radius);
+        let followers = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
         poses.resize(film.joints.len(), Pose::IDENTITY);
-        carry::put(&followers, &mut poses);
+        pose_followers(&followers, &mut poses);
         scene.nodes = posed(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
@@ -493,64 +482,25 @@ impl Run {
         })?;
         let materials = self.materials(options, &textures)?;
         let mut report = SkinReport::of(&skin, &self.frames, range.clone());
-        let rest = self.rest_of(&skin, options, &mut report);
+        let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let joints = skin.joints.clone();
         self.follow(&skin, range.clone(), &mut report, &pieces)?;
         let mut film = film_of(skin, &self.scene);
         film.materials = materials.materials;
         film.textures = materials.textures;
         film.images = materials.images;
-        let up = upright();
-        let mut moving = Vec::new();
-        if options.bodies {
-            for body in body_nodes(&first, &self.shapes, BODY_MATERIAL) {
-                let BodyNode { mut node, follows } = body;
-                node.transform = DAffine3::from_quat(up) * node.transform;
-                let Some(number) = follows else {
-                    film.fixed.push(node);
-                    continue;
-                };
-                let (centre, turn) = first.bodies[number];
-                node.name = self
-                    .scene
-                    .body
-                    .get(number)
-                    .map_or(node.name, |b| b.name.clone());
-                film.bodies.push(RigidBody {
-                    node,
-                    joint: film.joints.len() as u32,
-                });
-                film.joints.push(Joint {
-                    name: format!("body_{number}"),
-                    rest: turned(
-                        Pose {
-                            translation: centre,
-                            rotation: turn,
-                        },
-                        up,
-                    ),
-                });
-                moving.push(number);
-            }
-        }
-        for (piece, told) in film.pieces.iter_mut().zip(&report.pieces) {
-            let gape = Extra::Number(told.gape_m);
-            piece.extras.insert("gape_m".into(), gape);
-            if let Some((time, from)) = &told.parted {
-                piece.extras.insert("parted_s".into(), Extra::Number(*time));
-                piece
-                    .extras
-                    .insert("parted_from".into(), Extra::Text(from.clone()));
-            }
-        }
-        let carried = rest.join(&mut film, &self.laid, self.grown.stem.radius);
-        let frames = open_frames(&self.path)?;
+        let moving = match options.bodies {
+            true => self.add_bodies(&mut film, &first),
+            false => Vec::new(),
+        };
+        add_extras(&mut film, &report);
+        let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
         let motion = RunMotion::new(
-            frames,
-            self.path.clone(),
-            range,
+            self.source.clone(),
+            self.frames.times[range.clone()].to_vec(),
+            range.start,
             (joints, moving, carried),
-            up,
+            upright(),
         );
         let mut made = SkinnedFilm {
             film,
@@ -558,8 +508,51 @@ impl Run {
             report,
             inner: INNER_MATERIAL,
         };
-        made.stiffen(rigid::TOLERANCE * self.spacing(), &rigid)?;
+        made.stiffen(rigid::TOLERANCE * self.wood().spacing(), &rigid)?;
         Ok(made)
+    }
+
+    /// Adds the bodies of the first frame to a film, each that moves with a joint of its own. Returns the numbers of those.
+    fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
+        let up = upright();
+        let mut moving = Vec::new();
+        for body in body_nodes(first, &self.shapes, BODY_MATERIAL) {
+            let BodyNode { mut node, follows } = body;
+            node.transform = DAffine3::from_quat(up) * node.transform;
+            let Some(number) = follows else {
+                film.fixed.push(node);
+                continue;
+            };
+            let body = first.bodies[number];
+            let named = self.scene.body.get(number);
+            node.name = named.map_or(node.name, |b| b.name.clone());
+            film.bodies.push(RigidBody {
+                node,
+                joint: film.joints.len() as u32,
+            });
+            let rest = Pose {
+                translation: body.centre,
+                rotation: body.rotation,
+            };
+            film.joints.push(Joint {
+                name: format!("body_{number}"),
+                rest: turned(rest, up),
+            });
+            moving.push(number);
+        }
+        moving
+    }
+}
+
+/// Adds what is reported of each piece to it.
+fn add_extras(film: &mut Film, report: &SkinReport) {
+    for (piece, reported) in film.pieces.iter_mut().zip(&report.pieces) {
+        let extras = &mut piece.extras;
+        extras.insert("gape_m".into(), Extra::Number(reported.gape_m));
+        if let Some((time, from)) = &reported.parted {
+            extras.insert("parted_s".into(), Extra::Number(*time));
+            extras.insert("parted_from".into(), Extra::Text(from.clone()));
+        }
     }
 }
 

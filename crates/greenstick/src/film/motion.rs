@@ -1,22 +1,20 @@
 //! The poses of a run's joints over time, read frame by frame.
 
-use super::carry;
-use super::follow::Follower;
 use super::{FilmError, turned};
 use glam::DQuat;
-use greenstick_fibre::store::FrameFile;
+use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};
+use greenstick_skin::remainder::{Follower, pose_followers};
 use greenstick_skin::rods::{Joints, frame_poses};
-use std::fs::File;
-use std::io::BufReader;
-use std::ops::Range;
-use std::path::PathBuf;
+use std::sync::Arc;
 
 /// How the joints of a film move, and its bodies. Holds one frame at a time.
 pub struct RunMotion {
-    frames: FrameFile<BufReader<File>>,
-    path: PathBuf,
-    range: Range<usize>,
+    source: Arc<dyn RunSource>,
+    /// Time of each frame, s.
+    times: Vec<f64>,
+    /// Number of the first frame in the run.
+    first: usize,
     joints: Joints,
     /// Bodies that have a joint, behind those of the rods.
     bodies: Vec<usize>,
@@ -27,16 +25,16 @@ pub struct RunMotion {
 
 impl RunMotion {
     pub(super) fn new(
-        frames: FrameFile<BufReader<File>>,
-        path: PathBuf,
-        range: Range<usize>,
+        source: Arc<dyn RunSource>,
+        times: Vec<f64>,
+        first: usize,
         (joints, bodies, carried): (Joints, Vec<usize>, Vec<Follower>),
         up: DQuat,
     ) -> Self {
         RunMotion {
-            frames,
-            path,
-            range,
+            source,
+            times,
+            first,
             joints,
             bodies,
             carried,
@@ -49,34 +47,26 @@ impl Motion for RunMotion {
     type Error = FilmError;
 
     fn frames(&self) -> usize {
-        self.range.len()
+        self.times.len()
     }
 
     fn time(&self, frame: usize) -> f64 {
-        self.frames.time(self.range.start + frame) - self.frames.time(self.range.start)
+        self.times[frame] - self.times[0]
     }
 
     fn poses(&mut self, frame: usize, poses: &mut [Pose]) -> Result<(), FilmError> {
-        let number = self.range.start + frame;
-        let read = self.frames.read(number).map_err(|error| FilmError::Store {
-            path: self.path.clone(),
-            error,
-        })?;
-        let frame = read.ok_or(FilmError::NoSuchFrame {
-            number,
-            count: self.frames.count(),
-        })?;
+        let frame = self.source.frame(self.first + frame)?;
         self.joints.check(&frame)?;
         let rods = frame_poses(&self.joints, &frame);
         let bodies = self.bodies.iter().filter_map(|&b| frame.bodies.get(b));
-        let bodies = bodies.map(|&(translation, rotation)| Pose {
-            translation,
-            rotation,
+        let bodies = bodies.map(|body| Pose {
+            translation: body.centre,
+            rotation: body.rotation,
         });
         for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
             *to = turned(from, self.up);
         }
-        carry::put(&self.carried, poses);
+        pose_followers(&self.carried, poses);
         Ok(())
     }
 }

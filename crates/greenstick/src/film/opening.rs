@@ -49,8 +49,7 @@ impl Run {
         for (piece, gape) in report.pieces.iter_mut().zip(&gapes) {
             piece.gape_m = gape.distance;
         }
-        let area: f64 = self.wood().cells.iter().map(|c| c.area).sum();
-        let spacing = (area / self.wood().cells.len().max(1) as f64).sqrt();
+        let spacing = self.wood().spacing();
         let most = (gapes.iter()).max_by(|a, b| a.distance.total_cmp(&b.distance));
         report.gape = most
             .filter(|g| g.distance > 0.0)

@@ -27,12 +27,12 @@ impl Following {
     /// Looks at the next frame.
     pub fn see(&mut self, frame: &Frame) {
         let mut unions = Unions::new(frame.parent.len());
-        let rod_of = |vertex: u32| frame.first.partition_point(|&f| f <= vertex) as u32 - 1;
+        let rod_of = |vertex: u32| frame.rod_offsets.partition_point(|&f| f <= vertex) as u32 - 1;
         for &[v, e] in &frame.bonds {
             unions.join(rod_of(v), rod_of(e));
         }
         // Rods by the vertex of the unbroken bundle that they begin with.
-        let starts: Vec<u32> = (frame.first[..frame.parent.len()].iter())
+        let starts: Vec<u32> = (frame.rod_offsets[..frame.parent.len()].iter())
             .map(|&v| frame.origin[v as usize])
             .collect();
         let mut first_in = vec![usize::MAX; frame.parent.len()];

@@ -1,12 +1,11 @@
 //! What a skin is made of, and how far a film strays from what it shows.
 
 use super::RestReport;
-use greenstick_fibre::store::FrameFile;
+use greenstick_fibre::store::FrameTimes;
 use greenstick_geometry::film::Extra;
 use greenstick_skin::rods::{RodPart, RodSkin};
 use serde::Serialize;
 use std::fmt;
-use std::io::{Read, Seek};
 use std::ops::Range;
 
 /// A piece.
@@ -70,11 +69,7 @@ fn rods(parts: &[(u32, RodPart)]) -> usize {
 }
 
 impl SkinReport {
-    pub(super) fn of<R: Read + Seek>(
-        skin: &RodSkin,
-        frames: &FrameFile<R>,
-        range: Range<usize>,
-    ) -> Self {
+    pub(super) fn of(skin: &RodSkin, frames: &FrameTimes, range: Range<usize>) -> Self {
         let pieces = skin
             .pieces
             .iter()
@@ -94,8 +89,8 @@ impl SkinReport {
         SkinReport {
             frames: range.len(),
             first_frame: range.start,
-            time_s: [frames.time(range.start), frames.time(range.end - 1)],
-            bytes_left: frames.left(),
+            time_s: [frames.times[range.start], frames.times[range.end - 1]],
+            bytes_left: frames.trailing_bytes,
             joints: skin.joints.count(),
             parted: [
                 skin.nonmanifold_splits.edges,

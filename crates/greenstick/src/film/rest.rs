@@ -56,14 +56,18 @@ impl Run {
             })
             .collect();
         let swapped = self.name(&mut nodes, &skin.parts, &mut report);
-        nodes.extend(rest.parts.into_iter().map(|part| Node {
-            name: part.name,
-            transform: DAffine3::IDENTITY,
-            mesh: part.mesh.into(),
-            parent: part.by.map(|by| match rest.carriers[by].1 {
-                piece @ 0..2 if swapped => 1 - piece,
-                piece => piece,
-            }),
+        nodes.extend(rest.parts.into_iter().map(|part| {
+            Node {
+                name: part.name,
+                transform: DAffine3::IDENTITY,
+                mesh: part.mesh.into(),
+                parent: part
+                    .carrier
+                    .map(|carrier| match rest.carriers[carrier].piece {
+                        piece @ 0..2 if swapped => 1 - piece,
+                        piece => piece,
+                    }),
+            }
         }));
         for part in &mut report.rest.pieces {
             let node = nodes.iter().find(|n| n.name == part.name);

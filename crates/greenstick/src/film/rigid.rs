@@ -1,6 +1,6 @@
 //! Pieces whose joints move as one follow one of them: what flew off or came to rest is then no skin but a plain node.
 
-use super::{FilmError, Run, SkinnedFilm};
+use super::{FilmError, SkinnedFilm};
 use glam::DVec3;
 use greenstick_geometry::{Binding, Context, Motion, Pose};
 
@@ -13,14 +13,6 @@ struct Whole {
     joints: Vec<u32>,
     /// Corners of the box about it at rest.
     corners: [DVec3; 8],
-}
-
-impl Run {
-    /// Mean distance between rods, m.
-    pub(super) fn spacing(&self) -> f64 {
-        let area: f64 = self.grown.placed.cells.iter().map(|c| c.area).sum();
-        (area / self.bundle.rods() as f64).sqrt()
-    }
 }
 
 impl SkinnedFilm {

@@ -68,7 +68,7 @@ impl Run {
         let rods = Polylines {
             points: &points,
             corners: &corners,
-            ends: &frame.first[1..],
+            ends: &frame.rod_offsets[1..],
             point_data: &point_data,
             line_data: &line_data,
         };
@@ -78,7 +78,7 @@ impl Run {
     /// Mean strain of each vertex's edges.
     fn strains(&self, frame: &Frame, points: &[DVec3]) -> Vec<f64> {
         let mut strains = vec![0.0; points.len()];
-        for ends in frame.first.windows(2) {
+        for ends in frame.rod_offsets.windows(2) {
             let (from, to) = (ends[0] as usize, ends[1] as usize);
             for i in from..to - 1 {
                 let rest = self.bundle.rest_length[frame.origin[i] as usize];
@@ -98,8 +98,8 @@ impl Run {
         let (mut points, mut stretch) = (Vec::new(), Vec::new());
         for &[v, e] in &frame.bonds {
             let (x, y, z) = (v as usize, e as usize, e as usize + 1);
-            let own = bonds.incidence.own[frame.origin[x] as usize] as usize
-                ..bonds.incidence.own[frame.origin[x] as usize + 1] as usize;
+            let own = bonds.incidence.vertex_offsets[frame.origin[x] as usize] as usize
+                ..bonds.incidence.vertex_offsets[frame.origin[x] as usize + 1] as usize;
             let Some(bond) = own.clone().find(|&b| bonds.edge[b] == frame.origin[y]) else {
                 continue;
             };

@@ -1,44 +1,47 @@
-//! Why a simulation stops.
+//! Errors of simulations.
 
-use crate::files::FileError;
 use greenstick_fibre::SolverError;
 use greenstick_fibre::bodies::BodyError;
 use greenstick_fibre::placement::PlacementError;
 use greenstick_fibre::scene::SceneError;
-use greenstick_fibre::store::StoreError;
+use greenstick_fibre::store::RunError;
 use greenstick_geometry::Cancelled;
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::{StemError, StemLocationError};
-use std::io;
-use std::path::PathBuf;
 
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
     /// The scene is wrong, or does not fit the stem.
     #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The place on the input is wrong.
+    Scene(SceneError),
+    /// The location on the input is wrong.
     #[error("stem.at: {0}")]
     Place(#[from] StemLocationError),
     /// No stem was found.
     #[error(transparent)]
-    Stem(#[from] StemError),
-    /// A scene of an input without one.
-    #[error(
-        "the scene is of a mesh, and none was given; name one behind the scene, or choose another stem.kind"
-    )]
+    Stem(StemError),
+    /// The scene is of a mesh that was not given.
+    #[error("the scene is of a mesh, and none was given; give one, or choose another stem.kind")]
     NoInput,
+    /// The scene names a body's mesh that was not given.
+    #[error("body {body} has the shape of the mesh {file}, which was not given")]
+    NoBodyMesh {
+        /// Number of the body.
+        body: usize,
+        /// The name in the scene.
+        file: String,
+    },
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] UnknownSpecies),
     /// The species' strength is not known.
     #[error(transparent)]
     Strength(#[from] StrengthError),
-    /// No rods.
+    /// The stem cannot be filled with rods.
     #[error(transparent)]
-    Placement(#[from] PlacementError),
-    /// The motion cannot go on.
+    Placement(PlacementError),
+    /// The motion cannot continue.
     #[error("{error}; the checkpoint at {checkpoint} s is kept")]
     Solver {
         /// Why.
@@ -46,60 +49,49 @@ pub enum SimulateError {
         /// Time of the last checkpoint, s.
         checkpoint: f64,
     },
-    /// A body's mesh file cannot be used.
+    /// The run cannot be recorded or read.
     #[error(transparent)]
-    File(#[from] FileError),
-    /// Something stored is of another run, or damaged.
-    #[error("{}: {error}", path.display())]
-    Store {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        error: StoreError,
-    },
-    /// A checkpoint of bodies that are others.
+    Run(#[from] RunError),
+    /// The checkpoint has other bodies than the scene.
     #[error(transparent)]
-    Bodies(#[from] BodyError),
-    /// The folder already holds a run.
-    #[error("{}: already holds a simulation; resume it, or choose another folder", folder.display())]
+    Bodies(BodyError),
+    /// There is a run already.
+    #[error("{run}: already holds a simulation; resume it, or choose another folder")]
     Taken {
-        /// The folder.
-        folder: PathBuf,
+        /// The run.
+        run: String,
     },
     /// There is nothing to resume.
-    #[error("{}: holds no checkpoint to resume from", folder.display())]
+    #[error("{run}: holds no checkpoint to resume from")]
     NothingToResume {
-        /// The folder.
-        folder: PathBuf,
+        /// The run.
+        run: String,
     },
     /// The checkpoint is of another simulation.
     #[error(
-        "{}: is the checkpoint of another simulation: scene, input or seed differ; resume with those it was begun with",
-        path.display()
+        "{run}: its checkpoint is of another simulation: scene, input or seed differ; resume it with those that it was begun with"
     )]
     OtherRun {
-        /// The checkpoint.
-        path: PathBuf,
+        /// The run.
+        run: String,
     },
-    /// A file is shorter than the checkpoint says.
-    #[error("{}: has {found} bytes, but the checkpoint was written when it had {expected}; it was changed since", path.display())]
-    Short {
-        /// The file.
-        path: PathBuf,
-        /// Its length.
-        found: u64,
-        /// What it must have at least.
-        expected: u64,
-    },
-    /// The disk is full, or the like.
-    #[error("{}: cannot be written: {source}; what the checkpoint holds is kept, and the run can be resumed", path.display())]
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// The caller stopped the work; the checkpoint is there.
+    /// The caller stopped the work. The last checkpoint is kept.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+/// Converts errors, of which those of cancelling are the caller's stop.
+macro_rules! from_cancellable {
+    ($($error:ident => $variant:ident),*) => {
+        $(impl From<$error> for SimulateError {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Cancelled(stop) => SimulateError::Cancelled(stop),
+                    other => SimulateError::$variant(other),
+                }
+            }
+        })*
+    };
+}
+
+from_cancellable!(SceneError => Scene, StemError => Stem, PlacementError => Placement, BodyError => Bodies);

@@ -1,159 +1,137 @@
-//! From a scene and a mesh to a world with bodies.
+//! From a scene and its meshes to a world with bodies.
 
-use super::{SimulateError, SimulateRequest};
-use crate::files;
-use glam::{DAffine3, DVec3};
-use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::placement::{Arrangement, HowMany, Placed, Placement, WoodMaterial, place};
+use super::error::SimulateError;
+use super::meshes::{SceneMeshes, StemScene, mesh_shapes, stem_scene};
+use glam::DAffine3;
+use greenstick_fibre as fibre;
+use greenstick_fibre::RodBundle;
+use greenstick_fibre::placement::{
+    Arrangement, EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
 use greenstick_fibre::scene::{
-    ArrangementWord, MotionWord, Scene as Setting, SetUp, ShapeWord, StemWord, TwistWord, set_up,
+    ArrangementChoice, AssembledScene, StemChoice, TwistChoice, assemble,
 };
 use greenstick_fibre::store::checksum;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
-use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemLocation, StemOptions, find_stem};
-use std::path::Path;
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 
-/// The scene of the scene's stem, m, and where on it.
-fn meshes(
-    setting: &Setting,
-    input: Option<&Scene>,
-) -> Result<(Scene, StemLocation), SimulateError> {
-    let stem = &setting.stem;
-    let mesh = match stem.kind {
-        StemWord::Branch => {
-            let options = BranchOptions {
-                length: stem.length.0,
-                diameter: stem.diameter.0,
-                ..BranchOptions::default()
-            };
-            return Ok((
-                crate::branch::branch(&options),
-                StemLocation::parse("0.5", 1.0)?,
-            ));
-        }
-        StemWord::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
-        StemWord::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
-        StemWord::Input => {
-            let scene = input.ok_or(SimulateError::NoInput)?;
-            return Ok((scene.clone(), StemLocation::parse(&stem.at, 1.0)?));
-        }
-    };
-    let node = greenstick_geometry::Node {
-        name: "stem".into(),
-        transform: DAffine3::IDENTITY,
-        mesh: mesh.into(),
-        parent: None,
-    };
-    let scene = Scene {
-        nodes: vec![node],
-        ..Scene::default()
-    };
-    Ok((scene, StemLocation::parse("0.5", 1.0)?))
-}
-
-/// The wood of a scene: a stem filled with rods, before it is laid into the scene.
+/// The wood of a scene: its stem filled with rods, before these are moved into the scene's axes.
 #[derive(Debug, Clone)]
-pub struct Grown {
+pub struct FilledStem {
     /// The stem.
     pub stem: Stem,
-    /// What the stem was found in.
+    /// The meshes that the stem was found in.
     pub scene: Scene,
-    /// Index of the node that the stem is part of, and its triangles.
-    pub shell: (usize, Vec<u32>),
+    /// The node that the stem is part of.
+    pub node: usize,
+    /// The triangles of that node that bound the stem.
+    pub shell: Vec<u32>,
     /// The rods.
-    pub placed: Placed,
-    /// The wood's numbers.
+    pub placed: PlacedRods,
+    /// The wood's properties.
     pub wood: WoodMaterial,
     /// The scene with lengths for this stem.
-    pub setting: Setting,
+    pub run_scene: fibre::Scene,
 }
 
 /// Fills the stem of a scene with rods.
 ///
 /// # Errors
 /// [`SimulateError`] for a scene or an input that cannot be used.
-pub fn grow(
-    setting: &Setting,
+pub fn fill_scene_stem(
+    scene: &fibre::Scene,
     input: Option<&Scene>,
     context: &Context,
-) -> Result<Grown, SimulateError> {
-    setting.check()?;
-    let wood = wood(setting)?;
-    let [stem, rods] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
-    stem.report(0.0)?;
-    let (scene, at) = meshes(setting, input)?;
-    let found = find_stem(
-        &greenstick_skin::prepared::world_meshes(&scene),
-        &at,
-        &StemOptions::default(),
-        &stem,
-    )?;
+) -> Result<FilledStem, SimulateError> {
+    scene.check()?;
+    let wood = wood_material(scene)?;
+    let [finding, filling] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
+    finding.report(0.0)?;
+    let of_stem = stem_scene(scene, input)?;
+    let found = find_in_scene(&of_stem, &finding)?;
     let (from, to) = found.stem.usable;
-    let part = setting.stem.part.map(|p| from + p * (to - from));
-    rods.report(0.0)?;
-    let setting = setting.for_stem(match setting.stem.kind {
-        StemWord::Input => part[1] - part[0],
-        // What is asked for: of a branch less may be of use.
-        _ => setting.stem.length.0 * (setting.stem.part[1] - setting.stem.part[0]),
+    let range = scene.stem.part.map(|p| from + p * (to - from));
+    filling.report(0.0)?;
+    let run_scene = scene.for_stem(match scene.stem.kind {
+        StemChoice::Input => range[1] - range[0],
+        // The length that the scene states: of a branch a little less may be usable.
+        _ => scene.stem.length.0 * (scene.stem.part[1] - scene.stem.part[0]),
     });
-    setting.check()?;
-    let placed = place(&found.stem, &wood, &placement(&setting, (part[0], part[1])))?;
-    Ok(Grown {
+    run_scene.check()?;
+    let options = placement_options(&run_scene, (range[0], range[1]));
+    let placed = fill_stem(&found.stem, &wood, &options, &filling)?;
+    Ok(FilledStem {
         stem: found.stem,
-        shell: (found.node, found.shell),
-        scene,
+        node: found.node,
+        shell: found.shell,
+        scene: of_stem.scene,
         placed,
         wood,
-        setting,
+        run_scene,
     })
 }
 
-/// The numbers of the scene's wood.
-fn wood(setting: &Setting) -> Result<WoodMaterial, SimulateError> {
-    let species = Species::find(&setting.wood.species)?;
-    let mut wood = WoodMaterial::of(species, setting.wood.moisture, Fallback::TwelvePercent)?;
+fn find_in_scene(
+    of_stem: &StemScene,
+    context: &Context,
+) -> Result<greenstick_wood::stem::FoundStem, SimulateError> {
+    let meshes = greenstick_skin::prepared::world_meshes(&of_stem.scene);
+    Ok(find_stem(
+        &meshes,
+        &of_stem.location,
+        &StemOptions::default(),
+        context,
+    )?)
+}
+
+/// Returns the properties of the scene's wood.
+fn wood_material(scene: &fibre::Scene) -> Result<WoodMaterial, SimulateError> {
+    let species = Species::find(&scene.wood.species)?;
+    let mut wood =
+        WoodMaterial::from_species(species, scene.wood.moisture, Fallback::TwelvePercent)?;
     for modulus in [
         &mut wood.longitudinal,
         &mut wood.radial,
         &mut wood.tangential,
         &mut wood.shear_radial,
         &mut wood.shear_tangential,
-        // Strains at failure stay as they are, along the grain and across it; energies of fracture go with the square of
-        // strength over the modulus.
+        // Strains at failure stay as they are, along the grain and across it. Fracture energies scale as strength squared
+        // over the modulus.
         &mut wood.tension,
         &mut wood.compression,
         &mut wood.tension_across,
         &mut wood.shear,
         &mut wood.fracture_energy,
     ] {
-        *modulus *= setting.wood.stiffness;
+        *modulus *= scene.wood.stiffness;
     }
     Ok(wood)
 }
 
-fn placement(setting: &Setting, range: (f64, f64)) -> Placement {
-    let keys = &setting.rods;
-    Placement {
-        seed: setting.seed,
+fn placement_options(scene: &fibre::Scene, range: (f64, f64)) -> PlacementOptions {
+    let keys = &scene.rods;
+    PlacementOptions {
+        seed: scene.seed,
         arrangement: match keys.arrangement {
-            ArrangementWord::PoissonDisk => Arrangement::PoissonDisk,
-            ArrangementWord::Anatomy => Arrangement::Anatomy,
+            ArrangementChoice::PoissonDisk => Arrangement::PoissonDisk,
+            ArrangementChoice::Anatomy => Arrangement::Anatomy,
         },
         rods: match keys.spacing {
-            Some(spacing) => HowMany::Spacing(spacing.0),
-            None => HowMany::Number(keys.number),
+            Some(spacing) => RodCount::Spacing(spacing.0),
+            None => RodCount::Number(keys.number),
         },
-        edges: (keys.edge[0].0, keys.edge[1].0),
+        edges: EdgeLengths {
+            least: keys.edge[0].0,
+            greatest: keys.edge[1].0,
+        },
         range: Some(range),
         reach: keys.reach,
         twisting: match keys.twist {
-            TwistWord::Auto => None,
-            TwistWord::On => Some(true),
-            TwistWord::Off => Some(false),
+            TwistChoice::Auto => None,
+            TwistChoice::On => Some(true),
+            TwistChoice::Off => Some(false),
         },
         weibull: keys.weibull.unwrap_or(f64::INFINITY),
         rings: keys.rings,
@@ -163,108 +141,72 @@ fn placement(setting: &Setting, range: (f64, f64)) -> Placement {
     }
 }
 
-/// The scene as a world with bodies, with lengths for its stem, and the hash of what it depends on.
-pub(super) fn prepare(
-    request: &SimulateRequest,
-    input: Option<&Scene>,
-    context: &Context,
-) -> Result<(SetUp, Setting, u64), SimulateError> {
-    let Grown {
-        placed, setting, ..
-    } = grow(&request.scene, input, context)?;
-    let shapes = body_files(request)?;
-    let made = set_up(&setting, placed.bundle, &placed.along, &shapes)?;
-    // The duration may grow when a run is resumed; everything else must be as it was.
-    let lasting = Setting {
-        duration: 0.0,
-        ..setting.clone()
-    };
-    let mut all = lasting.to_toml().into_bytes();
-    let position = &made.world.state.position;
-    for part in [&position.x, &position.y, &position.z] {
-        part.iter()
-            .for_each(|v| all.extend(v.to_bits().to_le_bytes()));
-    }
-    Ok((made, setting, checksum(&all)))
+/// A scene that is ready to be moved by a solver.
+pub(super) struct PreparedScene {
+    pub assembled: AssembledScene,
+    /// The scene with lengths for its stem.
+    pub scene: fibre::Scene,
+    /// Identifies the simulation: the same for all that ends in the same bytes.
+    pub hash: u64,
 }
 
-/// The unbroken bundle of a scene in the scene's axes, and the movement from the stem's world to them.
+/// Prepares a scene.
+pub(super) fn prepare(
+    scene: &fibre::Scene,
+    meshes: &SceneMeshes,
+    context: &Context,
+) -> Result<PreparedScene, SimulateError> {
+    let shapes = mesh_shapes(scene, meshes)?;
+    let FilledStem {
+        placed, run_scene, ..
+    } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
+    let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
+    // The duration may grow when a run is resumed; everything else must be as it was.
+    let without_duration = fibre::Scene {
+        duration: 0.0,
+        ..run_scene.clone()
+    };
+    let mut content = without_duration.to_toml().into_bytes();
+    let position = &assembled.world.state.position;
+    for part in [&position.x, &position.y, &position.z] {
+        part.iter()
+            .for_each(|v| content.extend(v.to_bits().to_le_bytes()));
+    }
+    Ok(PreparedScene {
+        assembled,
+        scene: run_scene,
+        hash: checksum(&content),
+    })
+}
+
+/// The unbroken rods in the scene's axes.
+pub(crate) struct PositionedBundle {
+    pub bundle: RodBundle,
+    /// Maps the stem's world to the scene's axes.
+    pub scene_from_stem: DAffine3,
+}
+
+/// Moves the rods of a stem into the scene's axes.
 ///
 /// # Errors
 /// [`SimulateError`] as for a run.
-pub(crate) fn lay(
-    request: &SimulateRequest,
-    grown: &Grown,
-) -> Result<(Bundle, DAffine3), SimulateError> {
-    let shapes = body_files(request)?;
-    let placed = &grown.placed;
-    let made = set_up(
-        &grown.setting,
+pub(crate) fn position_bundle(
+    filled: &FilledStem,
+    meshes: &SceneMeshes,
+    context: &Context,
+) -> Result<PositionedBundle, SimulateError> {
+    let scene = &filled.run_scene;
+    let shapes = mesh_shapes(scene, meshes)?;
+    let placed = &filled.placed;
+    let assembled = assemble(
+        scene,
         placed.bundle.clone(),
         &placed.along,
         &shapes,
+        context,
     )?;
-    Ok((made.world.bundle, made.laid))
-}
-
-/// The meshes that bodies name.
-pub(super) fn body_files(request: &SimulateRequest) -> Result<Vec<Option<Shape>>, SimulateError> {
-    let mut shapes = Vec::new();
-    for body in &request.scene.body {
-        if body.file.is_empty() {
-            shapes.push(None);
-            continue;
-        }
-        let scene = files::read(&request.origin.beside.join(&body.file), None)?;
-        let mut numbers = std::collections::BTreeMap::new();
-        let (mut points, mut triangles): (Vec<DVec3>, Vec<[u32; 3]>) = Default::default();
-        for node in &scene.nodes {
-            for t in 0..node.mesh.triangles.len() {
-                triangles.push(node.mesh.corners(t).map(|p| {
-                    let p = node.transform.transform_point3(p) + DVec3::ZERO;
-                    *numbers
-                        .entry(p.to_array().map(f64::to_bits))
-                        .or_insert_with(|| {
-                            points.push(p);
-                            points.len() as u32 - 1
-                        })
-                }));
-            }
-        }
-        shapes.push(Some(match body.shape {
-            ShapeWord::Hull => Shape::Hull { points },
-            _ => Shape::Mesh { points, triangles },
-        }));
-    }
-    Ok(shapes)
-}
-
-/// The shapes of the scene's bodies as they are to be drawn about the centres that frames hold: those of mesh files as
-/// meshes, hulls with their faces. The scene is that of a run ([`scene_of`]), whose lengths are for its stem.
-///
-/// # Errors
-/// [`SimulateError`] for mesh files that cannot be used.
-pub fn body_shapes(request: &SimulateRequest) -> Result<Vec<Shape>, SimulateError> {
-    let files = body_files(request)?;
-    let mut shapes = Vec::new();
-    for (number, (body, file)) in request.scene.body.iter().zip(files).enumerate() {
-        let shape = body.plain_shape(number, file.as_ref())?;
-        let free = body.motion == MotionWord::Free;
-        shapes.push(match shape.surface(number, free)? {
-            Some((points, triangles)) => Shape::Mesh { points, triangles },
-            None => shape,
-        });
-    }
-    Ok(shapes)
-}
-
-/// The scene of the run in a folder, as it was run.
-///
-/// # Errors
-/// [`SimulateError`] where there is none.
-pub fn scene_of(folder: &Path) -> Result<Setting, SimulateError> {
-    let path = folder.join("scene.toml");
-    let text = std::fs::read_to_string(&path)
-        .map_err(|source| files::FileError::Unreadable { path, source })?;
-    Ok(Setting::read(&text)?)
+    Ok(PositionedBundle {
+        bundle: assembled.world.bundle,
+        scene_from_stem: assembled.scene_from_stem,
+    })
 }

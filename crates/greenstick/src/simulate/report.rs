@@ -1,43 +1,41 @@
-//! What a simulation tells at its end.
+//! The report of a simulation.
 
-use super::charts::{Table, table};
-use super::growing::{ENERGIES, EVENTS, GROWING};
-use super::{CHECKPOINT, Run, SimulateError, SimulateRequest};
-use crate::files::FileError;
-use greenstick_fibre::scene::SetUp;
+use super::error::SimulateError;
+use greenstick_fibre as fibre;
+use greenstick_fibre::scene::AssembledScene;
+use greenstick_fibre::store::{EnergyRow, RunStore};
+use greenstick_fibre::{Event, EventKind, World};
 use serde::Serialize;
-use std::fs;
 
-/// Rows of the energy table at either end whose mean is compared, of all.
-const END: usize = 10;
+/// The means over this fraction of the rows at either end of the energy table are compared: one in so many.
+const END_FRACTION: usize = 10;
 
-/// What is left of the energy's balance: all that rods and bodies have and have lost, less what was put in.
+/// How far the energy is out of balance: all that rods and bodies have and have lost, less what was put in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct EnergyDrift {
-    /// Most energy that there was to keep: the balance at the start and all work since, J.
+    /// Largest energy that there was to conserve: the balance and all work up to then, J.
     pub most_j: f64,
-    /// Mean of the balance over the last tenth of the rows less that over the first, J.
+    /// Mean of the balance over the last tenth of the rows less that over the first tenth, J.
     pub drift_j: f64,
     /// Largest difference of the balance from its start, J.
     pub largest_j: f64,
 }
 
-/// Less energy than this, J, is rounding: a part of it would tell nothing.
-const NOTHING: f64 = 1e-9;
+/// Less energy than this, J, is rounding: no fraction of it means anything.
+const ROUNDING_ENERGY: f64 = 1e-9;
 
 impl EnergyDrift {
-    fn of(table: &Table) -> EnergyDrift {
-        let balance = table.column("balance_J");
-        let (work, pushed) = (table.column("work_J"), table.column("contact_work_J"));
+    fn from_rows(rows: &[EnergyRow]) -> EnergyDrift {
+        let balance: Vec<f64> = rows.iter().map(EnergyRow::balance).collect();
         let Some(&start) = balance.first() else {
             return EnergyDrift::default();
         };
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-        let end = balance.len().div_ceil(END);
+        let end = balance.len().div_ceil(END_FRACTION);
         let (first, last) = (&balance[..end], &balance[balance.len() - end..]);
-        let most = work.iter().zip(&pushed).zip(&balance);
+        let put_in = |row: &EnergyRow| row.ledger.work + row.contact_work;
         EnergyDrift {
-            most_j: most.fold(0.0, |m, ((w, p), b)| f64::max(m, w + p + b)),
+            most_j: (rows.iter().zip(&balance)).fold(0.0, |m, (r, b)| f64::max(m, put_in(r) + b)),
             drift_j: mean(last) - mean(first),
             largest_j: balance
                 .iter()
@@ -46,10 +44,10 @@ impl EnergyDrift {
     }
 }
 
-/// What a simulation did.
+/// The report of a simulation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulateReport {
-    /// What the scene shows.
+    /// What the scene shows, in its own words.
     pub about: String,
     /// Rods at the start.
     pub rods: usize,
@@ -61,27 +59,27 @@ pub struct SimulateReport {
     pub length_m: f64,
     /// Whether rods resist twist.
     pub twist: bool,
-    /// Solver.
+    /// Name of the solver.
     pub solver: String,
-    /// Its last step, s.
+    /// Length of its last step, s.
     pub step_s: f64,
-    /// Largest stable step, s; none where there is no limit.
+    /// Largest stable step, s; `None` where there is no limit.
     pub limit_s: Option<f64>,
-    /// Steps done.
+    /// Number of steps taken.
     pub steps: u64,
     /// Time reached, s.
     pub time_s: f64,
-    /// Frames written.
+    /// Frames recorded.
     pub frames: u64,
-    /// Rods that broke, edges that yielded, bonds that broke.
+    /// Number of rods that broke, of edges that yielded, and of bonds that broke.
     pub broke: [u64; 3],
     /// Time of the first break, s.
     pub first_break_s: Option<f64>,
     /// Energy that breaking took, J.
     pub fracture_loss_j: f64,
-    /// How well energy was kept.
+    /// How well energy was conserved.
     pub energy: EnergyDrift,
-    /// Files written.
+    /// Files written; none for a run in memory.
     pub files: Vec<String>,
 }
 
@@ -118,7 +116,7 @@ impl std::fmt::Display for SimulateReport {
             self.fracture_loss_j
         )?;
         let energy = &self.energy;
-        if energy.most_j > NOTHING {
+        if energy.most_j > ROUNDING_ENERGY {
             writeln!(
                 f,
                 "energy   {:.4} J, of which the balance drifts by {:+.3} %, and is off by at most {:.3} %",
@@ -131,16 +129,17 @@ impl std::fmt::Display for SimulateReport {
     }
 }
 
-pub(super) fn begin_report(request: &SimulateRequest, made: &SetUp) -> SimulateReport {
-    let bundle = &made.world.bundle;
+/// Returns the report of a run that begins.
+pub(super) fn begin_report(scene: &fibre::Scene, assembled: &AssembledScene) -> SimulateReport {
+    let bundle = &assembled.world.bundle;
     SimulateReport {
-        about: request.scene.about.clone(),
+        about: scene.about.clone(),
         rods: bundle.rods(),
         vertices: bundle.vertices(),
         bonds: bundle.bonds.len(),
-        length_m: made.length,
+        length_m: assembled.length,
         twist: bundle.twisting,
-        solver: request.scene.solver.name().to_owned(),
+        solver: scene.solver.name().to_owned(),
         step_s: 0.0,
         limit_s: None,
         steps: 0,
@@ -154,33 +153,26 @@ pub(super) fn begin_report(request: &SimulateRequest, made: &SetUp) -> SimulateR
     }
 }
 
-/// Takes counts from the files, so that those of a resumed run are of all of it.
-pub(super) fn finish_report(report: &mut SimulateReport, run: &Run) -> Result<(), SimulateError> {
-    let world = &run.made.world;
+/// Completes the report from the records, so that that of a resumed run is of all of it.
+pub(super) fn finish_report(
+    report: &mut SimulateReport,
+    world: &World,
+    frames: u64,
+    store: &dyn RunStore,
+) -> Result<(), SimulateError> {
     (report.steps, report.time_s) = (world.state.step, world.state.time);
-    report.frames = run.progress.frames;
+    report.frames = frames;
     report.fracture_loss_j = world.fracture_loss;
-    let path = run.request.folder.join(GROWING[EVENTS]);
-    let text =
-        fs::read_to_string(&path).map_err(|source| FileError::Unreadable { path, source })?;
-    for line in text.lines().skip(1) {
-        let mut cells = line.split(',');
-        let time = cells.next().and_then(|t| t.parse().ok());
-        match cells.next() {
-            Some("rod_broke") => report.broke[0] += 1,
-            Some("rod_yielded") => report.broke[1] += 1,
-            Some("bond_broke") => report.broke[2] += 1,
-            _ => {}
-        }
-        if !line.contains("rod_yielded") && report.first_break_s.is_none() {
-            report.first_break_s = time;
-        }
-    }
-    report.energy = EnergyDrift::of(&table(&run.request.folder, ENERGIES)?);
-    report.files = GROWING
-        .iter()
-        .chain(&[CHECKPOINT, "scene.toml"])
-        .map(|n| run.request.folder.join(n).display().to_string())
-        .collect();
+    let events = store.events()?;
+    let count = |kind: EventKind| events.iter().filter(|e| e.kind == kind).count() as u64;
+    report.broke = [
+        count(EventKind::RodBroke),
+        count(EventKind::RodYielded),
+        count(EventKind::BondBroke),
+    ];
+    let is_break = |e: &&Event| e.kind != EventKind::RodYielded;
+    report.first_break_s = events.iter().find(is_break).map(|e| e.time);
+    report.energy = EnergyDrift::from_rows(&store.energies()?);
+    report.files = store.outputs();
     Ok(())
 }

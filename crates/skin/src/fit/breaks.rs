@@ -3,7 +3,7 @@
 use super::statistics::{Weighted, quantile};
 use crate::rods::{FractureState, Wood};
 use glam::{DVec2, DVec3};
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_wood::stem::{Stem, StemKind};
 use greenstick_wood::tissue::Zone;

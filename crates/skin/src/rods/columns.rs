@@ -4,7 +4,7 @@
 //! Columns run along the grain. Their corners are lines along the grain, which all columns that meet there share.
 
 use glam::DVec2;
-use greenstick_fibre::placement::cells::{Cell, cells};
+use greenstick_fibre::placement::{VoronoiCell, voronoi_cells};
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::unit;
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,7 +58,7 @@ pub type BondedRods = BTreeSet<(u32, u32)>;
 /// along the rings about `pith` and thin across them. They are assigned to rods so that neighbours are `bonded` where
 /// possible.
 pub fn columns(
-    rods: &[Cell],
+    rods: &[VoronoiCell],
     outline: &[DVec2],
     bonded: &BondedRods,
     fibres: u32,
@@ -88,7 +88,7 @@ pub fn columns(
             .iter()
             .map(|&p| nearest(&centres, p) as u32)
             .collect();
-        (cells(outline, &points), rod_of)
+        (voronoi_cells(outline, &points), rod_of)
     };
     let spacing = (area / column_cells.len().max(1) as f64).sqrt();
     let mut columns = weld(&column_cells, &rod_of, outline, spacing);
@@ -192,7 +192,7 @@ impl Columns {
 
 /// Returns the distinct positions of all cells' corners, and for each corner the number of its position. Corners nearer than
 /// `tolerance` (m) have one position.
-fn distinct_positions(cells: &[Cell], tolerance: f64) -> (Vec<DVec2>, Vec<u32>) {
+fn distinct_positions(cells: &[VoronoiCell], tolerance: f64) -> (Vec<DVec2>, Vec<u32>) {
     let mut positions: Vec<DVec2> = Vec::new();
     let mut number = Vec::new();
     // By the square of side 4 × `tolerance` that they lie in; corners of one position may lie in neighbouring squares.
@@ -275,7 +275,7 @@ fn nearest(points: &[DVec2], p: DVec2) -> usize {
 }
 
 /// Merges corners of different cells that coincide, and finds the cell beyond each side. `rod_of` are the cells' rods.
-fn weld(cells: &[Cell], rod_of: &[u32], outline: &[DVec2], spacing: f64) -> Columns {
+fn weld(cells: &[VoronoiCell], rod_of: &[u32], outline: &[DVec2], spacing: f64) -> Columns {
     let (positions, number) = distinct_positions(cells, WELD_DISTANCE * spacing);
     let representative = cluster(&positions, MERGE_DISTANCE * spacing);
     let mut section = Columns {

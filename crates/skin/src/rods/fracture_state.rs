@@ -3,7 +3,7 @@
 
 use super::error::RodSkinError;
 use super::wood::Wood;
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::Unions;
 use std::collections::BTreeMap;
@@ -73,7 +73,7 @@ impl FractureState {
         let mut part_of = Vec::with_capacity(frame.parent.len());
         for (rod, &parent) in frame.parent.iter().enumerate() {
             let rod_breaks: &mut Vec<RodBreak> = &mut breaks[parent as usize];
-            let first = frame.origin[frame.first[rod] as usize];
+            let first = frame.origin[frame.rod_offsets[rod] as usize];
             if rod > 0 && frame.parent[rod - 1] == parent {
                 rod_breaks.push(RodBreak {
                     vertex: first,
@@ -83,15 +83,15 @@ impl FractureState {
             part_of.push(rod_breaks.len() as RodPart);
         }
         let part = |vertex: u32| {
-            let rod = frame.first.partition_point(|&f| f <= vertex) - 1;
+            let rod = frame.rod_offsets.partition_point(|&f| f <= vertex) - 1;
             part_of[rod]
         };
         let bonds = &wood.bundle.bonds;
         let mut bonded_parts = vec![[None; 2]; bonds.len()];
         for &[vertex, edge] in &frame.bonds {
             let (v, e) = (frame.origin[vertex as usize], frame.origin[edge as usize]);
-            let own = bonds.incidence.own[v as usize] as usize
-                ..bonds.incidence.own[v as usize + 1] as usize;
+            let own = bonds.incidence.vertex_offsets[v as usize] as usize
+                ..bonds.incidence.vertex_offsets[v as usize + 1] as usize;
             let Some(bond) = own.clone().find(|&b| bonds.edge[b] == e) else {
                 return Err(RodSkinError::OtherBundle {
                     what: "a bond",
@@ -158,15 +158,15 @@ fn check(wood: &Wood, frame: &Frame) -> Result<(), RodSkinError> {
         |what: &'static str, problem: String| Err(RodSkinError::OtherBundle { what, problem });
     let bundle = wood.bundle;
     let (rods, vertices) = (bundle.rods(), bundle.vertices());
-    if frame.first.len() != frame.parent.len() + 1
-        || frame.first.first() != Some(&0)
-        || frame.first.last().map(|&l| l as usize) != Some(frame.origin.len())
-        || frame.first.windows(2).any(|w| w[1] < w[0] + 2)
+    if frame.rod_offsets.len() != frame.parent.len() + 1
+        || frame.rod_offsets.first() != Some(&0)
+        || frame.rod_offsets.last().map(|&l| l as usize) != Some(frame.origin.len())
+        || frame.rod_offsets.windows(2).any(|w| w[1] < w[0] + 2)
     {
         return wrong("the list of rods", "it does not cover the vertices".into());
     }
     let mut expected = 0;
-    for (rod, ends) in frame.first.windows(2).enumerate() {
+    for (rod, ends) in frame.rod_offsets.windows(2).enumerate() {
         let parent = frame.parent[rod] as usize;
         if parent >= rods {
             return wrong("a rod", format!("it is a part of rod {parent} of {rods}"));

@@ -4,7 +4,7 @@
 use super::error::RodSkinError;
 use super::fracture_state::{FractureState, RodBreak, RodPart};
 use super::wood::Wood;
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_fibre::store::Frame;
 use std::collections::BTreeMap;
 

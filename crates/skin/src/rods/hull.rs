@@ -2,13 +2,13 @@
 
 use super::wood::Wood;
 use glam::DVec2;
-use greenstick_fibre::placement::cells::{Cell, cells};
+use greenstick_fibre::placement::{VoronoiCell, voronoi_cells};
 
 /// Corners of the circle about each rod that the hull encloses.
 const CIRCLE_CORNERS: usize = 16;
 
 /// Returns the hull about the rods of `wood`, counter-clockwise, and their cells in it.
-pub(super) fn hull(wood: &Wood) -> (Vec<DVec2>, Vec<Cell>) {
+pub(super) fn hull(wood: &Wood) -> (Vec<DVec2>, Vec<VoronoiCell>) {
     let rods: Vec<DVec2> = wood.cells.iter().map(|c| c.centroid).collect();
     let area: f64 = wood.cells.iter().map(|c| c.area).sum();
     let margin = 0.5 * (area / rods.len().max(1) as f64).sqrt();
@@ -19,7 +19,7 @@ pub(super) fn hull(wood: &Wood) -> (Vec<DVec2>, Vec<Cell>) {
         })
     };
     let outline = convex_hull(rods.iter().flat_map(circle).collect());
-    let rod_cells = cells(&outline, &rods);
+    let rod_cells = voronoi_cells(&outline, &rods);
     (outline, rod_cells)
 }
 

@@ -134,7 +134,7 @@ fn rest_frame(wood: &Wood) -> Frame {
     let bundle = wood.bundle;
     let single = |v: DVec3| v.as_vec3().to_array();
     Frame {
-        first: bundle.first.clone(),
+        rod_offsets: bundle.rod_offsets.clone(),
         parent: bundle.parent.clone(),
         origin: bundle.origin.clone(),
         position: bundle.rest.iter().map(single).collect(),
@@ -152,7 +152,7 @@ pub fn frame_poses(joints: &Joints, frame: &Frame) -> Vec<Pose> {
 fn poses(joints: &Joints, frame: &Frame, all_broken: bool) -> Vec<Pose> {
     let mut poses = vec![Pose::IDENTITY; joints.count()];
     let place = |i: usize| DVec3::from_array(frame.position[i].map(f64::from));
-    for ends in frame.first.windows(2) {
+    for ends in frame.rod_offsets.windows(2) {
         let (from, to) = (ends[0] as usize, ends[1] as usize);
         let edge = |i: usize| {
             let tangent = (place(i + 1) - place(i)).normalize_or(DVec3::X);

@@ -7,7 +7,7 @@ use super::history::{BreakHistory, NEVER};
 use super::options::RodSkinOptions;
 use super::wood::Wood;
 use glam::DVec2;
-use greenstick_fibre::event::Cause;
+use greenstick_fibre::Cause;
 use greenstick_geometry::Unions;
 use greenstick_wood::noise::{gradient_2d, unit};
 use std::collections::BTreeMap;

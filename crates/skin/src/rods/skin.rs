@@ -43,7 +43,7 @@ pub struct RodSkin {
 /// # Examples
 /// The skin of an unbroken branch is one closed piece:
 /// ```
-/// use greenstick_fibre::placement::{HowMany, Placement, WoodMaterial, place};
+/// use greenstick_fibre::placement::{PlacementOptions, RodCount, WoodMaterial, fill_stem};
 /// use greenstick_geometry::Context;
 /// use greenstick_skin::rods::{FractureState, Materials, RodSkinOptions, Wood, rod_skin};
 /// use greenstick_skin::texture::SectionSquare;
@@ -54,9 +54,9 @@ pub struct RodSkin {
 /// let mesh = greenstick_wood::primitive::cylinder(0.02, 0.3, 24);
 /// let middle = StemLocation::Fraction(0.5);
 /// let stem = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet())?.stem;
-/// let oak = WoodMaterial::of(Species::find("white oak")?, 12.0, Fallback::Refuse)?;
-/// let options = Placement { rods: HowMany::Number(12), ..Placement::default() };
-/// let rods = place(&stem, &oak, &options)?;
+/// let oak = WoodMaterial::from_species(Species::find("white oak")?, 12.0, Fallback::Refuse)?;
+/// let options = PlacementOptions { rods: RodCount::Number(12), ..PlacementOptions::default() };
+/// let rods = fill_stem(&stem, &oak, &options, &Context::quiet())?;
 /// let wood = Wood {
 ///     stem: &stem,
 ///     stem_to_rods: glam::DAffine3::IDENTITY,

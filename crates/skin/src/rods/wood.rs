@@ -2,8 +2,8 @@
 
 use super::columns::BondedRods;
 use glam::{DAffine3, DVec2};
-use greenstick_fibre::bundle::Bundle;
-use greenstick_fibre::placement::cells::Cell;
+use greenstick_fibre::RodBundle;
+use greenstick_fibre::placement::VoronoiCell;
 use greenstick_geometry::{Bvh, Mesh};
 use greenstick_wood::stem::Stem;
 
@@ -15,11 +15,11 @@ pub struct Wood<'a> {
     /// Maps the stem's world to that of the rods.
     pub stem_to_rods: DAffine3,
     /// The unbroken bundle at rest.
-    pub bundle: &'a Bundle,
+    pub bundle: &'a RodBundle,
     /// Length along the axis of each of its vertices, m.
     pub along: &'a [f64],
     /// Cell of each rod in the section at the stem's location, grain coordinates, m.
-    pub cells: &'a [Cell],
+    pub cells: &'a [VoronoiCell],
     /// Outline of that section, m, counter-clockwise.
     pub outline: &'a [DVec2],
     /// The bark: a mesh in the stem's world, whose texture coordinates, colours and materials the outside takes over, and
@@ -38,6 +38,12 @@ impl Wood<'_> {
             rod_of[self.bundle.rod(rod)].fill(rod as u32);
         }
         rod_of
+    }
+
+    /// Returns the mean distance between rods, m.
+    pub fn spacing(&self) -> f64 {
+        let area: f64 = self.cells.iter().map(|c| c.area).sum();
+        (area / self.cells.len().max(1) as f64).sqrt()
     }
 
     /// Returns the pairs of rods that are bonded in the unbroken bundle.

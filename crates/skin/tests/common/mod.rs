@@ -1,7 +1,9 @@
 //! Wood with rods for tests.
 
 use glam::{DAffine3, DVec2};
-use greenstick_fibre::placement::{HowMany, Placed, Placement, WoodMaterial, place};
+use greenstick_fibre::placement::{
+    EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
 use greenstick_geometry::{Context, Mesh};
 use greenstick_skin::rods::{Materials, Wood};
 use greenstick_skin::texture::SectionSquare;
@@ -11,7 +13,7 @@ use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 
 pub struct Grown {
     pub stem: Stem,
-    pub placed: Placed,
+    pub placed: PlacedRods,
     pub pull_out: f64,
 }
 
@@ -20,14 +22,17 @@ pub fn grown(mesh: Mesh, rods: u32) -> Grown {
     let found = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
     let stem = found.unwrap().stem;
     let oak = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::of(oak, 12.0, Fallback::Refuse).unwrap();
-    let options = Placement {
-        rods: HowMany::Number(rods),
-        edges: (0.008, 0.012),
-        ..Placement::default()
+    let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
+    let options = PlacementOptions {
+        rods: RodCount::Number(rods),
+        edges: EdgeLengths {
+            least: 0.008,
+            greatest: 0.012,
+        },
+        ..PlacementOptions::default()
     };
     Grown {
-        placed: place(&stem, &wood, &options).unwrap(),
+        placed: fill_stem(&stem, &wood, &options, &Context::quiet()).unwrap(),
         pull_out: wood.tension / (4.0 * wood.shear),
         stem,
     }

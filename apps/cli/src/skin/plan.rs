@@ -1,0 +1,130 @@
+//! What is made of a run, in the terms of the libraries: from the options of `greenstick skin`, or for the film of a
+//! simulation.
+
+use crate::arguments::SkinOptions;
+use crate::failure::Failure;
+use greenstick::film::FilmOptions;
+use greenstick::formats::film::GlbOptions;
+use greenstick::geometry::ConvexOptions;
+use greenstick::picture::PictureOptions;
+use greenstick::skin::rods::RodSkinOptions;
+use std::path::PathBuf;
+
+/// What is made of a run.
+#[derive(Debug, Clone)]
+pub struct FilmPlan {
+    /// File of the film or the frame.
+    pub output: Option<PathBuf>,
+    /// The range of frames in the film; `None` for all.
+    pub frames: Option<(usize, usize)>,
+    /// How the skin is made.
+    pub film: FilmOptions,
+    /// How a glTF film is written.
+    pub glb: GlbOptions,
+    /// Files for game engines.
+    pub engines: EnginePlan,
+    /// Folder for a picture of every frame.
+    pub pictures: Option<PathBuf>,
+    /// How pictures and videos are taken.
+    pub shot: PictureOptions,
+}
+
+/// Which files for game engines are made beside a film.
+#[derive(Debug, Clone, Default)]
+pub struct EnginePlan {
+    /// File and options of the collision shapes.
+    pub collision: Option<(PathBuf, ConvexOptions)>,
+    /// Share of the triangles in each level of detail.
+    pub levels: Vec<f64>,
+    /// File of the vertex animation texture, and its greatest width, pixels.
+    pub vertex_texture: Option<(PathBuf, usize)>,
+}
+
+/// Most joints that a vertex follows: many viewers know no more. It is the default of `--influences`.
+const MAX_INFLUENCES: usize = 4;
+
+impl FilmPlan {
+    /// Returns the plan of a film of all frames, in the file `output`, with the wood of this seed.
+    pub fn whole_film(output: PathBuf, seed: u64, shot: PictureOptions) -> Self {
+        FilmPlan {
+            output: Some(output),
+            frames: None,
+            film: FilmOptions {
+                skin: RodSkinOptions {
+                    seed,
+                    ..RodSkinOptions::default()
+                },
+                ..FilmOptions::default()
+            },
+            glb: GlbOptions {
+                max_influences: MAX_INFLUENCES,
+                ..GlbOptions::default()
+            },
+            engines: EnginePlan::default(),
+            pictures: None,
+            shot,
+        }
+    }
+
+    /// Returns the plan that options ask for, with the wood of this seed.
+    pub fn from_options(options: &SkinOptions, seed: u64) -> Result<Self, Failure> {
+        Ok(FilmPlan {
+            output: options.output.clone(),
+            frames: options.frames,
+            film: FilmOptions {
+                skin: RodSkinOptions {
+                    fibres: options.fibres,
+                    splinters: options.splinters,
+                    slabs: options.slabs,
+                    keep_inner: options.keep_inner,
+                    outline: options.outline.into(),
+                    seed,
+                },
+                texture_width: options.texture_size,
+                bodies: !options.no_bodies,
+                rest: !options.only_rods,
+            },
+            glb: GlbOptions {
+                max_joints: options.max_joints.map(|n| n as usize),
+                max_influences: usize::from(options.influences),
+            },
+            engines: EnginePlan::from_options(options),
+            pictures: options.pictures.clone(),
+            shot: options.picture_parameters.set()?.options(),
+        })
+    }
+}
+
+impl EnginePlan {
+    fn from_options(options: &SkinOptions) -> Self {
+        let convex = ConvexOptions {
+            shapes: usize::from(options.collision_shapes),
+            vertices: usize::from(options.collision_vertices),
+            ..ConvexOptions::default()
+        };
+        EnginePlan {
+            collision: options.collision.clone().map(|path| (path, convex)),
+            levels: options.lod.clone(),
+            vertex_texture: (options.vat.clone()).map(|path| (path, options.vat_width.into())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::{Arguments, Command};
+    use clap::Parser;
+
+    #[test]
+    fn the_film_of_a_simulation_is_that_of_the_default_options() {
+        let words = ["greenstick", "skin", "-o", "film.glb", "run"];
+        let Command::Skin(options) = Arguments::try_parse_from(words).unwrap().command else {
+            panic!("another command");
+        };
+        let shot = options.picture_parameters.set().unwrap().options();
+        let plan = FilmPlan::whole_film("film.glb".into(), 7, shot);
+        let of_options = FilmPlan::from_options(&options, 7).unwrap();
+        assert_eq!(format!("{plan:?}"), format!("{of_options:?}"));
+    }
+}

@@ -1,0 +1,239 @@
+//! How close rods and bonds are to failure: demand over strength (Sutherland 2012 §3.4).
+
+use super::criteria::{BondCriterion, FailureCriteria};
+use crate::energy;
+use crate::evaluator::ForceEvaluator;
+use crate::rod_bundle::RodBundle;
+use crate::state::State;
+use glam::DVec3;
+
+/// What can break. Rods order before bonds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Element {
+    /// A rod at this vertex.
+    Rod(u32),
+    /// This bond.
+    Bond(u32),
+}
+
+/// An element whose criterion is exceeded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Overstressed {
+    /// Demand over strength.
+    pub demand: f64,
+    /// The rod vertex or bond.
+    pub element: Element,
+}
+
+/// Returns the vertices of the rods in `queue`, in its order.
+pub(crate) fn rods_in(queue: &[Overstressed]) -> Vec<u32> {
+    let vertex = |o: &Overstressed| match o.element {
+        Element::Rod(vertex) => Some(vertex),
+        Element::Bond(_) => None,
+    };
+    queue.iter().filter_map(vertex).collect()
+}
+
+/// Returns the bonds in `queue`, in its order.
+pub(crate) fn bonds_in(queue: &[Overstressed]) -> Vec<u32> {
+    let bond = |o: &Overstressed| match o.element {
+        Element::Bond(bond) => Some(bond),
+        Element::Rod(_) => None,
+    };
+    queue.iter().filter_map(bond).collect()
+}
+
+/// Returns the demand on a rod at a vertex: the strain of stretch × bending ratio over the strain at tensile failure. It
+/// is 0 at a rod's ends.
+pub(crate) fn rod_demand(bundle: &RodBundle, state: &State, vertex: usize, diameter: f64) -> f64 {
+    if bundle.bend[vertex] <= 0.0 {
+        return 0.0;
+    }
+    let before = EdgeStrain::new(bundle, state, vertex - 1);
+    let after = EdgeStrain::new(bundle, state, vertex);
+    let curvature = if bundle.twisting {
+        energy::bend_twist::curvature_change(bundle, state, vertex)
+    } else {
+        before.curvature(&after)
+    };
+    before.surface_strain(&after, curvature, diameter) / bundle.tension_limit[vertex]
+}
+
+/// An edge at one side of a vertex.
+struct EdgeStrain {
+    edge: DVec3,
+    length: f64,
+    strain: f64,
+}
+
+impl EdgeStrain {
+    fn new(bundle: &RodBundle, state: &State, edge: usize) -> Self {
+        let (vector, rest) = (state.edge(edge), bundle.rest_length[edge]);
+        let length = vector.length();
+        EdgeStrain {
+            edge: vector,
+            length,
+            strain: length / rest - 1.0 - state.plastic_strain[edge],
+        }
+    }
+
+    /// Returns one over the radius of the circle through the three vertices of two edges, 1/m.
+    fn curvature(&self, next: &EdgeStrain) -> f64 {
+        let across = (self.edge + next.edge).length();
+        2.0 * self.edge.cross(next.edge).length() / (self.length * next.length * across)
+    }
+
+    /// Returns the largest strain on the rod's surface, stretch × bending ratio less 1.
+    fn surface_strain(&self, next: &EdgeStrain, curvature: f64, diameter: f64) -> f64 {
+        let stretch = 1.0 + 0.5 * (self.strain + next.strain);
+        stretch * (1.0 + 0.5 * diameter * curvature) - 1.0
+    }
+}
+
+/// Returns the demand on a bond.
+pub(crate) fn bond_demand(
+    criterion: BondCriterion,
+    bundle: &RodBundle,
+    state: &State,
+    bond: usize,
+) -> f64 {
+    let b = &bundle.bonds;
+    let opening = || {
+        let (_, d) = energy::bond::vectors(bundle, state, bond);
+        (d.length() / b.distance[bond] - 1.0).max(0.0)
+    };
+    match criterion {
+        BondCriterion::Never => 0.0,
+        BondCriterion::Potential {
+            threshold,
+            shear_weight,
+        } => {
+            let (transverse, shear) = energy::bond::energy(bundle, state, bond);
+            ((1.0 - shear_weight) * transverse + shear_weight * shear) / threshold
+        }
+        BondCriterion::Griffith => {
+            let (transverse, shear) = energy::bond::energy(bundle, state, bond);
+            // Compression closes a crack: breaking would release none of its energy.
+            let released = if opening() > 0.0 { transverse } else { 0.0 };
+            (released + shear) / b.fracture_energy[bond]
+        }
+        BondCriterion::Stress => {
+            let tension = b.transverse[bond] * opening() / b.tension_strength[bond];
+            let (_, shear) = energy::bond::energy(bundle, state, bond);
+            // The energy S γ² has the force 2 S γ/d₀ along the facet, with γ = (E/S)^½.
+            let force = 2.0 * (b.shear[bond] * shear).sqrt() / b.distance[bond];
+            let along = force / b.shear_strength[bond];
+            (tension * tension + along * along).sqrt()
+        }
+    }
+}
+
+/// Returns the largest demand in a state.
+pub(crate) fn largest_demand(failure: &FailureCriteria, bundle: &RodBundle, state: &State) -> f64 {
+    let mut largest = 0.0f64;
+    if failure.rods_break {
+        for r in 0..bundle.rods() {
+            for v in bundle.rod(r) {
+                largest = largest.max(rod_demand(bundle, state, v, bundle.diameter[r]));
+            }
+        }
+    }
+    if failure.bonds != BondCriterion::Never {
+        for b in 0..bundle.bonds.len() {
+            largest = largest.max(bond_demand(failure.bonds, bundle, state, b));
+        }
+    }
+    largest
+}
+
+/// Fills `queue` with the elements that fail in a state, the most overstressed first, and by number where equal.
+pub(crate) fn find_overstressed(
+    failure: &FailureCriteria,
+    bundle: &RodBundle,
+    state: &State,
+    queue: &mut Vec<Overstressed>,
+) {
+    let all = 0..bundle.bonds.len() as u32;
+    find_among(failure, bundle, state, all, queue);
+}
+
+/// Finds overstressed elements with an evaluator's help, and reuses its buffers.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FailureDetector {
+    /// The elements found last.
+    pub queue: Vec<Overstressed>,
+    suspects: Vec<u32>,
+}
+
+impl FailureDetector {
+    /// Finds the same elements as [`find_overstressed`]. The bundle's evaluator excludes most bonds in one fast pass.
+    pub fn detect(
+        &mut self,
+        failure: &FailureCriteria,
+        bundle: &RodBundle,
+        state: &State,
+        evaluator: &mut ForceEvaluator,
+    ) {
+        if failure.bonds == BondCriterion::Never {
+            self.suspects.clear();
+        } else {
+            evaluator.suspects(bundle, state, failure.bonds, &mut self.suspects);
+        }
+        let suspects = self.suspects.iter().copied();
+        find_among(failure, bundle, state, suspects, &mut self.queue);
+    }
+}
+
+fn find_among(
+    failure: &FailureCriteria,
+    bundle: &RodBundle,
+    state: &State,
+    bonds: impl Iterator<Item = u32>,
+    queue: &mut Vec<Overstressed>,
+) {
+    queue.clear();
+    if failure.rods_break {
+        find_rods(bundle, state, queue);
+    }
+    if failure.bonds != BondCriterion::Never {
+        for number in bonds {
+            let demand = bond_demand(failure.bonds, bundle, state, number as usize);
+            if demand >= 1.0 {
+                queue.push(Overstressed {
+                    demand,
+                    element: Element::Bond(number),
+                });
+            }
+        }
+    }
+    queue.sort_unstable_by(|a, b| {
+        let larger = b.demand.total_cmp(&a.demand);
+        larger.then(a.element.cmp(&b.element))
+    });
+    queue.truncate(failure.max_breaks as usize);
+}
+
+fn find_rods(bundle: &RodBundle, state: &State, queue: &mut Vec<Overstressed>) {
+    let mut push = |vertex: usize, demand: f64| {
+        if demand >= 1.0 {
+            queue.push(Overstressed {
+                demand,
+                element: Element::Rod(vertex as u32),
+            });
+        }
+    };
+    for rod in 0..bundle.rods() {
+        let (range, diameter) = (bundle.rod(rod), bundle.diameter[rod]);
+        if bundle.twisting {
+            range.for_each(|v| push(v, rod_demand(bundle, state, v, diameter)));
+            continue;
+        }
+        let mut before = EdgeStrain::new(bundle, state, range.start);
+        for v in range.start + 1..range.end - 1 {
+            let after = EdgeStrain::new(bundle, state, v);
+            let strain = before.surface_strain(&after, before.curvature(&after), diameter);
+            push(v, strain / bundle.tension_limit[v]);
+            before = after;
+        }
+    }
+}

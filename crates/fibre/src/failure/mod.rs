@@ -1,0 +1,17 @@
+//! When rods and bonds fail, and how they break (Sutherland 2012 §3.4).
+//!
+//! | module | content |
+//! |---|---|
+//! | `criteria` | [`FailureCriteria`], [`BondCriterion`] |
+//! | `demand` | demand over strength of rods and bonds, and the elements that exceed it |
+//! | `yielding` | yielding of rods in compression |
+//! | `breaking` | breaking of elements, with its events |
+
+pub(crate) mod breaking;
+pub(crate) mod criteria;
+pub(crate) mod demand;
+#[cfg(test)]
+mod tests;
+pub(crate) mod yielding;
+
+pub use criteria::{BondCriterion, FailureCriteria};

@@ -1,0 +1,180 @@
+//! How a stem is filled with rods.
+
+use crate::error::RodBundleError;
+use greenstick_geometry::Cancelled;
+use serde::{Deserialize, Serialize};
+
+/// How rods are arranged in a cross-section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arrangement {
+    /// A Poisson disk sample, as in the thesis.
+    PoissonDisk,
+    /// Bundles by ring and sector.
+    Anatomy,
+}
+
+/// The number of rods.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RodCount {
+    /// This number in a cross-section.
+    Number(u32),
+    /// As many as fit with this distance (m) between them.
+    Spacing(f64),
+}
+
+/// How a stem is filled with rods.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlacementOptions {
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Arrangement in the cross-section.
+    pub arrangement: Arrangement,
+    /// Number of rods.
+    pub rods: RodCount,
+    /// Length of edges, m.
+    pub edges: EdgeLengths,
+    /// Range along the stem's axis, m; its usable part where `None`.
+    pub range: Option<(f64, f64)>,
+    /// Reach of bonds, in mean distances of rods.
+    pub reach: f64,
+    /// Whether rods resist twist; `None` for only where they are curved.
+    pub twisting: Option<bool>,
+    /// Weibull modulus of the scatter of strength of rods and bonds; infinite for none.
+    pub weibull: f64,
+    /// Rings in the cross-section; bonds between rods of different rings are weaker. 0 for none.
+    pub rings: u32,
+    /// Rays around the cross-section; bonds across a ray are weaker. 0 for none.
+    pub rays: u32,
+    /// Strength of bonds across ring boundaries over that of others.
+    pub ring_strength: f64,
+    /// Strength of bonds across rays over that of others.
+    pub ray_strength: f64,
+}
+
+/// The range of edge lengths, m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EdgeLengths {
+    /// Shortest edge.
+    pub least: f64,
+    /// Longest edge; the same as the shortest for even vertices.
+    pub greatest: f64,
+}
+
+impl EdgeLengths {
+    /// Returns edges of one length, m.
+    pub fn even(length: f64) -> Self {
+        EdgeLengths {
+            least: length,
+            greatest: length,
+        }
+    }
+}
+
+impl Default for PlacementOptions {
+    /// The thesis's: 100 rods by Poisson disk with edges of 4 to 6 mm, without scatter or weak planes.
+    fn default() -> Self {
+        PlacementOptions {
+            seed: 1,
+            arrangement: Arrangement::PoissonDisk,
+            rods: RodCount::Number(100),
+            edges: EdgeLengths {
+                least: 4e-3,
+                greatest: 6e-3,
+            },
+            range: None,
+            reach: 2.5,
+            twisting: None,
+            weibull: f64::INFINITY,
+            rings: 0,
+            rays: 0,
+            ring_strength: 0.7,
+            ray_strength: 0.8,
+        }
+    }
+}
+
+/// Why a stem cannot be filled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlacementError {
+    /// A number out of range.
+    #[error("{what} is {value}, but it must be {right}")]
+    Value {
+        /// Which quantity, with its unit.
+        what: &'static str,
+        /// The value found.
+        value: f64,
+        /// The range that is valid.
+        right: &'static str,
+    },
+    /// No cross-section to place rods in.
+    #[error(
+        "the stem has no cross-section with an area between {from} m and {to} m along its axis"
+    )]
+    NoSection {
+        /// Start of the range, m.
+        from: f64,
+        /// End, m.
+        to: f64,
+    },
+    /// Rods too far apart for the cross-section.
+    #[error(
+        "no rod fits: with {spacing} m between rods none lies in a cross-section of {area} m²; give a smaller spacing"
+    )]
+    NoRods {
+        /// Spacing, m.
+        spacing: f64,
+        /// Area of the cross-section, m².
+        area: f64,
+    },
+    /// The bundle cannot be built.
+    #[error(transparent)]
+    Bundle(#[from] RodBundleError),
+    /// The caller cancelled the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl PlacementOptions {
+    /// Checks that all numbers are in range.
+    pub(super) fn check(&self) -> Result<(), PlacementError> {
+        let EdgeLengths { least, greatest } = self.edges;
+        let spacing = match self.rods {
+            RodCount::Spacing(s) => s,
+            RodCount::Number(n) => f64::from(n),
+        };
+        let positive = [
+            ("the least edge (m)", least),
+            ("the greatest edge (m)", greatest),
+            ("the number or spacing of rods", spacing),
+            ("the reach of bonds", self.reach),
+            ("the strength of ring boundaries", self.ring_strength),
+            ("the strength of rays", self.ray_strength),
+        ];
+        for (what, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(PlacementError::Value {
+                    what,
+                    value,
+                    right: "above 0 and finite",
+                });
+            }
+        }
+        if greatest < least {
+            return Err(PlacementError::Value {
+                what: "the greatest edge (m)",
+                value: greatest,
+                right: "no less than the least edge",
+            });
+        }
+        if self.weibull.is_nan() || self.weibull < 1.0 {
+            return Err(PlacementError::Value {
+                what: "the Weibull modulus",
+                value: self.weibull,
+                right: "1 or more",
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,395 @@
+//! Runs in folders: `scene.toml`, `energy.csv`, `events.csv`, `forces.csv`, `frames.gsf`, `checkpoint.bin` and `origin.json`.
+//!
+//! Tables and frames are only appended to. The checkpoint, which is written beside its place and renamed, says how long they
+//! were when it was made.
+
+use super::{FileError, Output};
+use greenstick_fibre::Event;
+use greenstick_fibre::scene::Scene;
+use greenstick_fibre::store::{
+    Checkpoint, ENERGY_HEADER, EVENT_HEADER, EnergyRow, FORCE_HEADER, ForceRow, Frame, FrameTimes,
+    IndexedFrames, Progress, RecordLengths, RunError, RunSink, RunSource, StoreError, event_line,
+    parse_energies, parse_events, parse_forces, write_header,
+};
+use greenstick_formats::LengthUnit;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+const SCENE_FILE: &str = "scene.toml";
+const ORIGIN_FILE: &str = "origin.json";
+const CHECKPOINT_FILE: &str = "checkpoint.bin";
+const ENERGY_FILE: &str = "energy.csv";
+const EVENT_FILE: &str = "events.csv";
+const FRAME_FILE: &str = "frames.gsf";
+const FORCE_FILE: &str = "forces.csv";
+
+/// Where the files of a run came from, so that what is made of the run later finds them again.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The mesh that the run is of, where it is of one.
+    pub input: Option<PathBuf>,
+    /// Unit of length in the mesh, `mm`, `cm` or `m`, where one was named.
+    pub unit: Option<String>,
+    /// The folder that files of bodies are relative to.
+    pub beside: PathBuf,
+}
+
+impl Origin {
+    /// Returns the origin of a run on the mesh file `input`, with its unit, and with files of bodies relative to `beside`. Its
+    /// paths are absolute.
+    pub fn new(input: Option<(&Path, Option<LengthUnit>)>, beside: &Path) -> Self {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let beside = if beside.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            beside
+        };
+        Origin {
+            input: input.map(|(path, _)| absolute(path)),
+            unit: input.and_then(|(_, unit)| unit).map(|u| u.to_string()),
+            beside: absolute(beside),
+        }
+    }
+
+    /// Reads the origin of the run in `folder`; an empty one where the folder has none.
+    ///
+    /// # Errors
+    /// [`FileError::Unreadable`] where it is there and cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, FileError> {
+        let path = folder.join(ORIGIN_FILE);
+        if !path.exists() {
+            return Ok(Origin::default());
+        }
+        let unreadable = |source| FileError::Unreadable {
+            path: path.clone(),
+            source,
+        };
+        let text = fs::read_to_string(&path).map_err(unreadable)?;
+        serde_json::from_str(&text).map_err(|e| unreadable(e.into()))
+    }
+
+    /// Returns the mesh file and its unit.
+    pub fn input_file(&self) -> Option<(PathBuf, Option<LengthUnit>)> {
+        let unit = self.unit.as_deref().and_then(|u| u.parse().ok());
+        self.input.clone().map(|path| (path, unit))
+    }
+}
+
+/// Reads the mesh of each body of a scene that names a file, relative to the folder `beside`.
+///
+/// # Errors
+/// [`FileError`] for files that are missing or are no sound meshes.
+pub fn read_body_meshes(
+    scene: &Scene,
+    beside: &Path,
+) -> Result<Vec<Option<greenstick_geometry::Scene>>, FileError> {
+    let read = |file: &String| match file.as_str() {
+        "" => Ok(None),
+        file => super::read(&beside.join(file), None).map(Some),
+    };
+    scene.body.iter().map(|body| read(&body.file)).collect()
+}
+
+/// A file that only grows.
+struct GrowingFile {
+    path: PathBuf,
+    file: BufWriter<File>,
+    length: u64,
+}
+
+impl GrowingFile {
+    /// Opens a file for appending, cut to `length`.
+    fn open(path: PathBuf, length: u64) -> Result<Self, RunError> {
+        let fail = |source| unwritable(&path, source);
+        let mut options = OpenOptions::new();
+        let file = (options.create(true).append(true).open(&path)).map_err(fail)?;
+        let found = file.metadata().map_err(fail)?.len();
+        if found < length {
+            return Err(RunError::Short {
+                location: path.display().to_string(),
+                unit: "bytes",
+                found,
+                expected: length,
+            });
+        }
+        file.set_len(length).map_err(fail)?;
+        Ok(GrowingFile {
+            file: BufWriter::new(file),
+            path,
+            length,
+        })
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), RunError> {
+        self.length += bytes.len() as u64;
+        let written = self.file.write_all(bytes);
+        written.map_err(|source| unwritable(&self.path, source))
+    }
+
+    /// Flushes the file. Returns its length.
+    fn flush(&mut self) -> Result<u64, RunError> {
+        let flushed = self.file.flush();
+        flushed.map_err(|source| unwritable(&self.path, source))?;
+        Ok(self.length)
+    }
+}
+
+/// The growing files of a run.
+struct Records {
+    energies: GrowingFile,
+    events: GrowingFile,
+    frames: GrowingFile,
+    forces: GrowingFile,
+}
+
+impl Records {
+    fn open(folder: &Path, lengths: RecordLengths) -> Result<Self, RunError> {
+        Ok(Records {
+            energies: GrowingFile::open(folder.join(ENERGY_FILE), lengths.energies)?,
+            events: GrowingFile::open(folder.join(EVENT_FILE), lengths.events)?,
+            frames: GrowingFile::open(folder.join(FRAME_FILE), lengths.frames)?,
+            forces: GrowingFile::open(folder.join(FORCE_FILE), lengths.forces)?,
+        })
+    }
+
+    fn flush(&mut self) -> Result<RecordLengths, RunError> {
+        Ok(RecordLengths {
+            energies: self.energies.flush()?,
+            events: self.events.flush()?,
+            frames: self.frames.flush()?,
+            forces: self.forces.flush()?,
+        })
+    }
+}
+
+/// The frames of a run, whose file is open.
+type OpenFrames = IndexedFrames<BufReader<File>>;
+
+/// A run in a folder.
+pub struct RunFolder {
+    path: PathBuf,
+    origin: Origin,
+    /// Open while the run is recorded.
+    records: Option<Records>,
+    /// Open while frames are read.
+    frames: Mutex<Option<OpenFrames>>,
+}
+
+impl RunFolder {
+    /// Returns the run in the folder `path`. Nothing is read or written yet. A run that begins there notes its `origin`.
+    pub fn new(path: impl Into<PathBuf>, origin: Origin) -> Self {
+        RunFolder {
+            path: path.into(),
+            origin,
+            records: None,
+            frames: Mutex::new(None),
+        }
+    }
+
+    /// Returns the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn records(&mut self) -> Result<&mut Records, RunError> {
+        let name = self.name();
+        self.records.as_mut().ok_or(RunError::NoRun {
+            location: name,
+            problem: "the run has neither begun nor been resumed".into(),
+        })
+    }
+
+    fn forget_frames(&mut self) {
+        *self
+            .frames
+            .get_mut()
+            .unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn read_text(&self, file: &str) -> Result<String, RunError> {
+        let path = self.path.join(file);
+        fs::read_to_string(&path).map_err(|source| RunError::Unreadable {
+            location: path.display().to_string(),
+            source,
+        })
+    }
+
+    /// Hands the open frames to `read`.
+    fn with_frames<T>(
+        &self,
+        read: impl FnOnce(&mut OpenFrames) -> Result<T, StoreError>,
+    ) -> Result<T, RunError> {
+        let path = self.path.join(FRAME_FILE);
+        let open = || IndexedFrames::open(BufReader::new(File::open(&path)?));
+        let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+        let result = match &mut *frames {
+            Some(frames) => read(frames),
+            none => open().and_then(|frames| read(none.insert(frames))),
+        };
+        result.map_err(|error| RunError::Store {
+            location: path.display().to_string(),
+            error,
+        })
+    }
+}
+
+impl RunSink for RunFolder {
+    fn begin(&mut self, scene: &Scene) -> Result<(), RunError> {
+        fs::create_dir_all(&self.path).map_err(|source| unwritable(&self.path, source))?;
+        // Paths and words always fit.
+        let origin = serde_json::to_vec_pretty(&self.origin).unwrap_or_default();
+        let outputs = [
+            (SCENE_FILE, scene.to_toml().into_bytes()),
+            (ORIGIN_FILE, origin),
+        ];
+        let outputs = outputs.map(|(name, bytes)| Output {
+            path: self.path.join(name),
+            bytes,
+        });
+        super::write_all(&outputs).map_err(not_written)?;
+        self.forget_frames();
+        let mut records = Records::open(&self.path, RecordLengths::default())?;
+        records.energies.write(ENERGY_HEADER.as_bytes())?;
+        records.events.write(EVENT_HEADER.as_bytes())?;
+        records.forces.write(FORCE_HEADER.as_bytes())?;
+        let mut header = Vec::new();
+        // Memory takes every byte.
+        let _ = write_header(&mut header);
+        records.frames.write(&header)?;
+        self.records = Some(records);
+        Ok(())
+    }
+
+    fn resume(&mut self, progress: &Progress) -> Result<(), RunError> {
+        self.forget_frames();
+        self.records = Some(Records::open(&self.path, progress.lengths)?);
+        Ok(())
+    }
+
+    fn energy(&mut self, row: &EnergyRow) -> Result<(), RunError> {
+        self.records()?.energies.write(row.line().as_bytes())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), RunError> {
+        self.records()?.events.write(event_line(event).as_bytes())
+    }
+
+    fn force(&mut self, row: &ForceRow) -> Result<(), RunError> {
+        self.records()?.forces.write(row.line().as_bytes())
+    }
+
+    fn frame(&mut self, frame: Frame) -> Result<(), RunError> {
+        let mut record = Vec::new();
+        // Memory takes every byte.
+        let _ = frame.write(&mut record);
+        self.forget_frames();
+        self.records()?.frames.write(&record)
+    }
+
+    fn save(&mut self, mut checkpoint: Checkpoint) -> Result<(), RunError> {
+        checkpoint.progress.lengths = self.records()?.flush()?;
+        let path = self.path.join(CHECKPOINT_FILE);
+        let bytes = checkpoint.to_bytes().map_err(|error| RunError::Store {
+            location: path.display().to_string(),
+            error,
+        })?;
+        super::write_all(&[Output { path, bytes }]).map_err(not_written)
+    }
+
+    fn outputs(&self) -> Vec<String> {
+        let names = [
+            ENERGY_FILE,
+            EVENT_FILE,
+            FRAME_FILE,
+            FORCE_FILE,
+            CHECKPOINT_FILE,
+            SCENE_FILE,
+        ];
+        let path = |name| self.path.join(name).display().to_string();
+        names.map(path).to_vec()
+    }
+}
+
+impl RunSource for RunFolder {
+    fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    fn scene(&self) -> Result<Scene, RunError> {
+        let path = self.path.join(SCENE_FILE);
+        let text = fs::read_to_string(&path).map_err(|error| RunError::NoRun {
+            location: self.name(),
+            problem: format!("{SCENE_FILE} cannot be read ({error})"),
+        })?;
+        Scene::read(&text).map_err(|error| RunError::Scene {
+            location: path.display().to_string(),
+            error,
+        })
+    }
+
+    fn checkpoint(&self) -> Result<Option<Checkpoint>, RunError> {
+        let path = self.path.join(CHECKPOINT_FILE);
+        let location = || path.display().to_string();
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => {
+                return Err(RunError::Unreadable {
+                    location: location(),
+                    source,
+                });
+            }
+        };
+        let checkpoint = Checkpoint::from_bytes(&bytes).map_err(|error| RunError::Store {
+            location: location(),
+            error,
+        })?;
+        Ok(Some(checkpoint))
+    }
+
+    fn energies(&self) -> Result<Vec<EnergyRow>, RunError> {
+        Ok(parse_energies(&self.read_text(ENERGY_FILE)?))
+    }
+
+    fn events(&self) -> Result<Vec<Event>, RunError> {
+        Ok(parse_events(&self.read_text(EVENT_FILE)?))
+    }
+
+    fn forces(&self) -> Result<Vec<ForceRow>, RunError> {
+        Ok(parse_forces(&self.read_text(FORCE_FILE)?))
+    }
+
+    fn frames(&self) -> Result<FrameTimes, RunError> {
+        self.with_frames(|frames| {
+            Ok(FrameTimes {
+                times: (0..frames.count()).map(|n| frames.time(n)).collect(),
+                trailing_bytes: frames.trailing_bytes(),
+            })
+        })
+    }
+
+    fn frame(&self, number: usize) -> Result<Arc<Frame>, RunError> {
+        let (frame, count) =
+            self.with_frames(|frames| Ok((frames.read(number)?, frames.count())))?;
+        frame
+            .map(Arc::new)
+            .ok_or(RunError::NoSuchFrame { number, count })
+    }
+}
+
+fn unwritable(path: &Path, source: io::Error) -> RunError {
+    RunError::Unwritable {
+        location: path.display().to_string(),
+        source,
+    }
+}
+
+fn not_written(error: FileError) -> RunError {
+    match error {
+        FileError::Unwritable { path, source } => unwritable(&path, source),
+        other => RunError::Other(Box::new(other)),
+    }
+}
