@@ -13,6 +13,7 @@ use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, sn
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::fray::FrayedBreak;
 use greenstick_skin::hang::{HangReport, hang};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Which part of a broken stem a mesh is.
@@ -74,7 +75,8 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
     let p = &asked.recipe.face;
     let inner = stages.inner_wood(p);
     let mut notes = notes_up_to_the_cut(stages, asked);
-    let plain = [false, true].map(|upper| stages.piece(p, upper));
+    let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));
+    let plain = [lower, upper];
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
         None => plain,
@@ -159,9 +161,14 @@ impl Pieces {
         // What crosses in the input is none of ours.
         let known = KnownPositions::from_mesh(&stages.stem.sound.node().mesh);
         let scale = stages.stem.sound.volume_scale();
-        for (role, mut mesh, motion) in meshes {
+        let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
             snap_to_f32(&mut mesh, inner);
             let collapsed = resolve_self_intersections(&mut mesh, &known);
+            let report = PieceReport::new(&role.name(), &mesh, scale);
+            (role, mesh, motion, collapsed, report)
+        });
+        let meshes: Vec<_> = meshes.collect();
+        for (role, mesh, motion, collapsed, report) in meshes {
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {
                     piece: role.name(),
@@ -169,8 +176,7 @@ impl Pieces {
                     longest_m: collapsed.longest * scale.cbrt(),
                 });
             }
-            self.reports
-                .push(PieceReport::new(&role.name(), &mesh, scale));
+            self.reports.push(report);
             self.pieces.push(Piece {
                 role,
                 mesh: mesh.into(),
