@@ -1,11 +1,11 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{Asked, asked, size, targets, use_threads};
+use crate::break_wood::{ResolvedRequest, resolve_request, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::{scan, simulate, skin, values};
+use crate::{scan, simulate, values};
 use greenstick::fibre::scene::{Scene as Setting, StemWord};
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
@@ -56,15 +56,15 @@ impl Drop for Temporary {
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let Asked { file, input } = asked(options)?;
+    let ResolvedRequest { file, input } = resolve_request(options)?;
     let unit = file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
     if options.request.text("break.seed").is_some() {
         setting.seed = file.common.recipe.face.seed;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, simulation, skin, encode, picture, write] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
@@ -114,7 +114,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         rest: true,
     };
     let last = run.frames() - 1;
-    let mut still = run.at_rest(last, &how, &skin).map_err(skin::failure)?;
+    let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
     part(&mut still, &run, file.common.separation);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
@@ -132,7 +132,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     files::check_distinct(&paths, &inputs)?;
     files::write_all(&outputs)?;
     let stages = progress.finish();
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         let full = FullReport {
             scan: scan.as_ref(),
             simulation: &report,
@@ -141,7 +141,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             outputs: &written(&outputs),
             stages: &stages,
         };
-        print(&told(&full, options.telling.json)?)?;
+        print(&format_report(&full, options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -165,18 +165,13 @@ fn simulated(
     };
     let report = greenstick::simulate::simulate(mesh, &request, &context.part(0.0, SIMULATED))
         .map_err(|error| match error {
-            SimulateError::Cancelled(cancelled) => cancelled.into(),
             SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
                 .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
-            SimulateError::File(error) => error.into(),
-            SimulateError::Solver { .. }
-            | SimulateError::Placement(_)
-            | SimulateError::Unwritable { .. } => Failure::work(error),
-            _ => Failure::request(error),
+            other => other.into(),
         })?;
     let beside = request.origin.beside;
     let run = Run::open(&folder.0, mesh, &beside, &context.part(SIMULATED, 1.0))
-        .map_err(skin::failure)?;
+        .map_err(Failure::from)?;
     Ok((report, folder, run))
 }
 
@@ -193,7 +188,8 @@ fn part(still: &mut Still, run: &Run, by: f64) {
     }
 }
 
-fn told(full: &FullReport, json: bool) -> Result<String, Failure> {
+/// Formats the report.
+fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
     if json {
         return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
     }

@@ -94,9 +94,7 @@ fn one_line(name: &str) -> String {
 
 fn failure(error: FitError) -> Failure {
     match error {
-        FitError::Run(error) => skin::failure(error),
-        FitError::Cancelled(cancelled) => cancelled.into(),
-        FitError::Location { .. } => Failure::work(error),
-        FitError::NoBreak { .. } => Failure::request(error),
+        FitError::Run(error) => error.into(),
+        other => Failure::new(other.kind(), &other),
     }
 }

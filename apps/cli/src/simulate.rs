@@ -37,7 +37,7 @@ struct Listed {
 
 pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.list {
-        return list(options.telling.json);
+        return list(options.reporting.json);
     }
     if options.markdown {
         print(&Scene::reference_markdown())?;
@@ -68,8 +68,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if film.is_some() {
         files::check_writable(output)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work, shots] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
@@ -93,13 +93,13 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     };
     let report = simulate(input.as_ref(), &request, &work).map_err(|e| failure(e, folder))?;
     let pictures = pictures(&request, options, &shots).map_err(|e| {
-        e.or_stopped(format!(
+        e.or_cancelled(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
             folder.display()
         ))
     })?;
     let stages = progress.finish();
-    let text = if options.telling.json {
+    let text = if options.reporting.json {
         let full = FullReport {
             report: &report,
             pictures: &pictures,
@@ -116,11 +116,11 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         let _ = writeln!(text, "took     {} s", spent(&stages));
         text
     };
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         print(&text)?;
     }
     // One report in JSON is enough.
-    let quiet = options.telling.quiet || options.telling.json;
+    let quiet = options.reporting.quiet || options.reporting.json;
     match film.and_then(|run| SkinOptions::film(&run, output, quiet)) {
         Some(film) => skin::run(&film),
         None => Ok(ExitCode::SUCCESS),
@@ -192,16 +192,15 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
 }
 
 fn failure(error: SimulateError, folder: &Path) -> Failure {
-    let resume = "the same command with --resume goes on from the checkpoint";
+    let resume = "the same command with --resume continues from the checkpoint";
     match error {
         SimulateError::Cancelled(_) => {
-            Failure::stopped(format!("stopped; {resume} in {}", folder.display()))
+            Failure::cancelled(format!("stopped; {resume} in {}", folder.display()))
         }
-        SimulateError::File(e) => e.into(),
-        SimulateError::Unwritable { .. } => Failure::work(error).hint(resume),
-        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
-        SimulateError::Taken { .. } => Failure::request(error).hint(resume),
-        _ => Failure::request(error),
+        SimulateError::Unwritable { .. } | SimulateError::Taken { .. } => {
+            Failure::from(error).hint(resume)
+        }
+        _ => error.into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod engines;
 
-use crate::arguments::{MeshOf, SkinOptions};
+use crate::arguments::{MeshOptions, SkinOptions};
 use crate::break_wood::{check_png, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
@@ -56,8 +56,8 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         check_png(path)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
     let run = open(
         &options.run,
@@ -71,7 +71,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     };
     files.extend(engines.files.iter().cloned());
     let stages = progress.finish();
-    let text = if options.telling.json {
+    let text = if options.reporting.json {
         let film = film.map(|f| FilmPart {
             skinned: f.skinned,
             rigid: f.rigid,
@@ -89,7 +89,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     } else {
         words(skin.as_ref(), film.as_ref(), &engines, &files, &stages)
     };
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
@@ -98,7 +98,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(
     folder: &Path,
-    mesh: &MeshOf,
+    mesh: &MeshOptions,
     output: Option<&Path>,
     context: &Context,
 ) -> Result<Run, Failure> {
@@ -117,7 +117,7 @@ pub fn open(
         }
         None => None,
     };
-    Run::open(folder, mesh.as_ref(), &origin.beside, context).map_err(failure)
+    Run::open(folder, mesh.as_ref(), &origin.beside, context).map_err(Failure::from)
 }
 
 fn film_options(options: &SkinOptions, run: &Run) -> FilmOptions {
@@ -166,7 +166,7 @@ fn still(
         ))
     })?;
     let how = film_options(options, &run);
-    let still = run.still(number, &how, &skin).map_err(failure)?;
+    let still = run.still(number, &how, &skin).map_err(Failure::from)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
         let shot = options.picture_parameters.set()?.options();
@@ -204,7 +204,7 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
     let how = film_options(options, &run);
     let (from, to) = options.frames.unwrap_or((0, run.frames()));
     let Some(path) = &options.output else {
-        let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
+        let mut made = run.film(from..to, &how, &skin).map_err(Failure::from)?;
         let files = frame_pictures(&run, &mut made, options, &shots)?;
         return Ok((Some(made.report), None, files, Engines::default()));
     };
@@ -234,7 +234,7 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = run.film(from..to, &how, &skin).map_err(failure)?;
+    let mut made = run.film(from..to, &how, &skin).map_err(Failure::from)?;
     let mut shown = frame_pictures(&run, &mut made, options, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
@@ -268,7 +268,7 @@ fn film(mut run: Run, options: &SkinOptions, context: &Context) -> Result<Made, 
                 ),
             })
         })
-        .map_err(failure)?;
+        .map_err(Failure::from)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let beside: Vec<Output> = beside.into_iter().map(|f| in_folder(folder, f)).collect();
     beside.iter().try_for_each(|output| batch.add(output))?;
@@ -355,7 +355,9 @@ fn series(
         bytes += file.bytes.len();
         Ok(files::write_all(&[in_folder(folder, file)])?)
     };
-    let count = run.series(range, &name, put, context).map_err(failure)?;
+    let count = run
+        .series(range, &name, put, context)
+        .map_err(Failure::from)?;
     let told = format!(
         "{} with the {} files that it lists",
         path.display(),
@@ -386,25 +388,6 @@ fn in_folder(folder: &Path, file: Encoded) -> Output {
 fn ending(path: &Path) -> String {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     ending.unwrap_or_default()
-}
-
-pub fn failure(error: FilmError) -> Failure {
-    match error {
-        FilmError::Cancelled(_) => Failure::stopped("stopped; nothing was written"),
-        FilmError::File(e) => e.into(),
-        FilmError::Write(_) => Failure::work(error),
-        FilmError::Work(e) => e.into(),
-        FilmError::Simulate(greenstick::simulate::SimulateError::NoInput) => {
-            Failure::request("the run was of a mesh, and it is not known which")
-                .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
-        }
-        FilmError::NoRun { .. } => {
-            Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
-        }
-        FilmError::NoFrames { .. } => Failure::request(error)
-            .hint("the command that simulated it, with --resume, goes on with the run"),
-        _ => Failure::request(error),
-    }
 }
 
 fn words(

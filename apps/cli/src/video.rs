@@ -2,7 +2,6 @@
 
 use crate::arguments::SkinOptions;
 use crate::failure::Failure;
-use crate::skin::failure;
 use greenstick::files::{self, Output};
 use greenstick::film::{Run, SkinnedFilm};
 use greenstick::geometry::Context;
@@ -45,12 +44,12 @@ pub fn pictures(
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
     let mut shot = options.picture_parameters.set()?.options();
-    shot.shown = film.bounds().map_err(failure)?;
+    shot.shown = film.bounds().map_err(Failure::from)?;
     let count = film.report.frames;
     let mut made = Vec::new();
     for number in 0..count {
         let shown = context.item(number, count);
-        let scene = film.at(number).map_err(failure)?;
+        let scene = film.at(number).map_err(Failure::from)?;
         let picture = run.picture(&scene, film.inner, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
         let bytes = picture.png();

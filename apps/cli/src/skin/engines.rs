@@ -1,6 +1,6 @@
 //! What game engines want beside a film: collision shapes, levels of detail, vertex animation textures.
 
-use super::{ending, failure, glb_options, in_folder, in_metres};
+use super::{ending, glb_options, in_folder, in_metres};
 use crate::arguments::SkinOptions;
 use crate::break_wood::check_png;
 use crate::failure::Failure;
@@ -118,7 +118,7 @@ pub fn write(
         let path = level_path(film, number + 1);
         let name = name_of(&path);
         let context = levels.item(number, options.lod.len());
-        let (simpler, told) = level(made, share, &context).map_err(failure)?;
+        let (simpler, told) = level(made, share, &context).map_err(Failure::from)?;
         let motion = &mut made.motion;
         let glb = glb_options(options);
         let (told, bytes) = batch
@@ -126,7 +126,7 @@ pub fn write(
                 let written = write_glb(&simpler, motion, &name, &glb, file, &context)?;
                 Ok((told, written.bytes as usize))
             })
-            .map_err(failure)?;
+            .map_err(Failure::from)?;
         engines.levels.push(told);
         engines.files.push((path.display().to_string(), bytes));
     }
@@ -135,7 +135,7 @@ pub fn write(
         let (film, motion) = (&made.film, &mut made.motion);
         let name = name_of(path);
         let (about, encoded) = write_vertex_texture(film, motion, &name, width, &vertices)
-            .map_err(|error| failure(error.into()))?;
+            .map_err(|error| Failure::from(FilmError::from(error)))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
         outputs.iter().try_for_each(|output| batch.add(output))?;

@@ -3,7 +3,7 @@
 use crate::simulate::SimulateError;
 use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::StoreError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_skin::rods::RodSkinError;
 use std::io;
 use std::path::PathBuf;
@@ -70,4 +70,18 @@ pub enum FilmError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl FilmError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FilmError::Cancelled(_) => ErrorKind::Cancelled,
+            FilmError::File(error) => error.kind(),
+            FilmError::Write(error) => error.kind(),
+            FilmError::Work(error) => error.kind(),
+            FilmError::Simulate(error) => error.kind(),
+            _ => ErrorKind::Request,
+        }
+    }
 }

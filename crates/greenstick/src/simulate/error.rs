@@ -6,7 +6,7 @@ use greenstick_fibre::bodies::BodyError;
 use greenstick_fibre::placement::PlacementError;
 use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::StoreError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::{StemError, StemLocationError};
 use std::io;
@@ -102,4 +102,19 @@ pub enum SimulateError {
     /// The caller stopped the work; the checkpoint is there.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl SimulateError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            SimulateError::Cancelled(_) => ErrorKind::Cancelled,
+            SimulateError::File(error) => error.kind(),
+            SimulateError::Stem(error) => error.kind(),
+            SimulateError::Solver { .. }
+            | SimulateError::Placement(_)
+            | SimulateError::Unwritable { .. } => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
+    }
 }
