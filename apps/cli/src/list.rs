@@ -1,4 +1,4 @@
-//! `greenstick parameters` and `greenstick presets`: what there is, from the declarations.
+//! `greenstick parameters`, `greenstick schema` and `greenstick presets`: lists made from the declarations.
 
 use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
@@ -16,8 +16,8 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::process::ExitCode;
 
-/// Most characters in a line of text.
-const WIDTH: usize = 100;
+/// Maximum number of characters in a line.
+const MAX_LINE_WIDTH: usize = 100;
 
 /// A table of a recipe and its parameters.
 #[derive(Serialize)]
@@ -37,13 +37,13 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     } else if options.json {
         json(&sections)?
     } else {
-        sections.iter().map(words).collect()
+        sections.iter().map(format_section).collect()
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The schemas of all kinds of file that hold parameters, with their names.
+/// Returns the schemas of all kinds of file that hold parameters, with their names.
 fn schemas() -> Vec<(&'static str, Value)> {
     vec![
         ("break", RequestFile::schema()),
@@ -103,7 +103,7 @@ fn parameters_markdown(sections: &[Section]) -> String {
     page
 }
 
-/// All parameters, or those whose key is `key` or begins with it and a dot.
+/// Returns all parameters, or those whose key is `key` or begins with `key` and a dot.
 fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     let of_table = |table: &str| -> Vec<ParameterInfo> {
         let all = RequestFile::table().into_iter();
@@ -175,7 +175,8 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     Ok(sections)
 }
 
-fn words(section: &Section) -> String {
+/// Formats a section as text.
+fn format_section(section: &Section) -> String {
     let mut text = match section.table {
         "" => String::new(),
         table => format!("{table}\n"),
@@ -192,7 +193,7 @@ fn words(section: &Section) -> String {
             format!("  {}", p.symbol)
         };
         let _ = writeln!(text, "    {} = {}  ({}){symbol}", p.key, p.value, range(p));
-        for line in wrapped(&p.doc, WIDTH - 8) {
+        for line in wrapped(&p.doc, MAX_LINE_WIDTH - 8) {
             let _ = writeln!(text, "        {line}");
         }
     }
@@ -209,7 +210,7 @@ fn range(p: &ParameterInfo) -> String {
     parts.join(", or ")
 }
 
-/// The text in lines of at most `width` characters.
+/// Wraps text to lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -242,17 +243,21 @@ pub fn presets(options: &PresetsOptions) -> Result<ExitCode, Failure> {
         }
         None if options.json => json(&PRESETS)?,
         None if options.markdown => presets_markdown(),
-        None => presets_words(),
+        None => format_presets(),
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn presets_words() -> String {
+/// Formats the list of presets as text.
+fn format_presets() -> String {
     let width = PRESETS.iter().map(|p| p.name.len()).max().unwrap_or(0);
     let mut text = String::new();
     for p in PRESETS {
-        for (i, line) in wrapped(p.summary, WIDTH - width - 2).iter().enumerate() {
+        for (i, line) in wrapped(p.summary, MAX_LINE_WIDTH - width - 2)
+            .iter()
+            .enumerate()
+        {
             let name = if i == 0 { p.name } else { "" };
             let _ = writeln!(text, "{name:width$}  {line}");
         }
@@ -260,7 +265,7 @@ fn presets_words() -> String {
     text
 }
 
-/// What a preset changes against the defaults.
+/// Lists the parameters for which a preset differs from the defaults.
 fn changes(preset: &Preset) -> Vec<String> {
     let (plain, mut recipe) = (Recipe::default(), Recipe::default());
     if apply_preset(&mut recipe, preset.name).is_err() {
@@ -289,21 +294,21 @@ fn changes(preset: &Preset) -> Vec<String> {
 
 fn presets_markdown() -> String {
     let mut page = String::from(
-        "# Presets\n\nEach is asked for with `--preset NAME`; `greenstick presets NAME` prints it as a recipe. \
+        "# Presets\n\n`--preset NAME` selects one; `greenstick presets NAME` prints it as a recipe. \
          Presets of breaks replace the whole face, presets of cracks replace all cracks, so that one of each can be \
-         put together.\n\n| preset | what it gives |\n|---|---|\n",
+         combined.\n\n| preset | what it gives |\n|---|---|\n",
     );
     for p in PRESETS {
         let _ = writeln!(page, "| `{}` | {} |", p.name, p.summary);
     }
-    page.push_str("\n## What they change against the defaults\n");
+    page.push_str("\n## How they differ from the defaults\n");
     for p in PRESETS {
         let _ = writeln!(page, "\n### {}\n\n{}", p.name, changes(p).join(", "));
     }
     page
 }
 
-/// As JSON text.
+/// Converts a value to JSON text.
 pub fn json(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")

@@ -3,7 +3,7 @@
 mod engines;
 mod plan;
 
-use crate::arguments::{MeshOf, SkinOptions, Telling};
+use crate::arguments::{MeshOptions, ReportingOptions, SkinOptions};
 use crate::break_wood::{check_png, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
@@ -59,8 +59,8 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         check_png(path)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
     let run = open(
         &options.run,
@@ -73,7 +73,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         Some(number) => still(run, number, options, &plan, &work)?,
         None => film(run, &plan, &work)?,
     };
-    report(made, &options.telling, &progress.finish())?;
+    report(made, &options.reporting, &progress.finish())?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -81,22 +81,22 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 pub fn run_plan(
     run: Run,
     plan: &FilmPlan,
-    telling: &Telling,
+    reporting: &ReportingOptions,
     progress: &Progress,
     context: &Context,
 ) -> Result<(), Failure> {
     let made = film(run, plan, context)?;
-    report(made, telling, &progress.finish())
+    report(made, reporting, &progress.finish())
 }
 
 /// Prints what was made.
-fn report(made: Made, telling: &Telling, stages: &[StageTime]) -> Result<(), Failure> {
-    if !telling.reports() {
+fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Result<(), Failure> {
+    if !reporting.prints_report() {
         return Ok(());
     }
     let (skin, film, mut files, engines) = made;
     files.extend(engines.files.iter().cloned());
-    let text = if telling.json {
+    let text = if reporting.json {
         let film = film.map(|f| FilmPart {
             skinned: f.skinned,
             rigid: f.rigid,
@@ -120,7 +120,7 @@ fn report(made: Made, telling: &Telling, stages: &[StageTime]) -> Result<(), Fai
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(
     folder: &Path,
-    mesh: &MeshOf,
+    mesh: &MeshOptions,
     output: Option<&Path>,
     context: &Context,
 ) -> Result<Run, Failure> {

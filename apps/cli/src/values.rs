@@ -1,10 +1,10 @@
-//! Values as they are typed: distances, piths, views, sizes. Errors say what would be right; clap puts the option's name
-//! before them.
+//! Parsing of option values: lengths, locations, piths, sizes. Errors say what would be right; clap puts the option's
+//! name before them.
 
 use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::{PithPosition, StemLocation};
 
-/// `3cm`, `12mm`, `0.1m` or `0`, in metres.
+/// Parses a length such as `3cm`, `12mm`, `0.1m` or `0`; returns metres.
 pub fn distance(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let wrong = || "expected a length with its unit: 3cm, 12mm or 0.1m".to_owned();
@@ -21,7 +21,7 @@ pub fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A number from 0 to 1.
+/// Parses a number from 0 to 1.
 pub fn amount(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
@@ -31,7 +31,7 @@ pub fn amount(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A finite number above 0.
+/// Parses a finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
@@ -39,7 +39,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Moisture content, percent; `green` is wood that holds more water than its cell walls take up.
+/// Parses a moisture content, percent; `green` is wood at or above fibre saturation.
 pub fn moisture(text: &str) -> Result<f64, String> {
     use greenstick::wood::moisture::{FIBRE_SATURATION_PERCENT, WETTEST_PERCENT};
     let text = text.trim();
@@ -55,23 +55,23 @@ pub fn moisture(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A seed.
+/// Parses a seed.
 pub fn seed(text: &str) -> Result<u64, String> {
     text.parse()
         .map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
 }
 
-/// A place, in the unit of the file.
+/// Parses a location, in the unit of the file.
 pub fn place(text: &str, unit: LengthUnit) -> Result<StemLocation, String> {
     StemLocation::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
 }
 
-/// `x,y,z` in the world, or `x,y` in the section, in the unit of the file.
+/// Parses a pith: `x,y,z` in the world or `x,y` in the section, in the unit of the file.
 pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
     PithPosition::parse(text, unit.metres()).map_err(|e| format!("--pith: {e}"))
 }
 
-/// Width of the baked textures, pixels: even, 8 to 16384.
+/// Parses the width of the baked textures, pixels: even, 8 to 16384.
 pub fn texture_size(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(x) if (8..=16_384).contains(&x) && x % 2 == 0 => Ok(x),
@@ -79,7 +79,7 @@ pub fn texture_size(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Voxels along the side of a segment or pixels along that of a section, 32 to 512.
+/// Parses a number of voxels along the side of a segment, or of pixels along the side of a section: 32 to 512.
 pub fn resolution(text: &str) -> Result<usize, String> {
     let range = greenstick::wood::anatomy::RESOLUTION_RANGE;
     match text.parse::<usize>() {
@@ -92,7 +92,7 @@ pub fn resolution(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Two whole numbers with `..` between them, the first below the second.
+/// Parses two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {
         let from = if from.is_empty() {

@@ -8,7 +8,7 @@
 //! nothing of the other square.
 
 use glam::DVec2;
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::{Cancelled, Context, ErrorKind};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
 use greenstick_wood::rings::StemAddress;
 use rayon::prelude::*;
@@ -56,6 +56,17 @@ pub enum TextureError {
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl TextureError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            TextureError::Cancelled(_) => ErrorKind::Cancelled,
+            TextureError::Size { .. } => ErrorKind::Request,
+            _ => ErrorKind::Work,
+        }
+    }
 }
 
 /// Least width of a texture, pixels.

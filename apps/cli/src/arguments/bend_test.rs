@@ -1,6 +1,6 @@
 //! Options of `greenstick bend-test`.
 
-use super::Telling;
+use super::ReportingOptions;
 use crate::values;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -11,12 +11,12 @@ loaded in the middle until the load has fallen to half. The default is the stand
 specimen, 50 x 50 x 760 mm on a span of 710 mm, at 12 % moisture. Where lengths are not given, the
 span is 14.2 heights, and the length is the span and one height more.
 
-Stiffness, bending and crushing strength of the species' table go into the wood, by one rule for all
-species. Work to maximum load goes into nothing: there the test predicts.
+Stiffness, bending and crushing strength of the species' table determine the wood, by one rule for all
+species. Work to maximum load is not used: there the test predicts.
 
 Files in the folder of -o
-  load-deflection.csv  deflection (m), load (N), stress (Pa), work (J), what has failed so far
-  load-deflection.png  the same as a chart, with the table's stiffness and largest load
+  load-deflection.csv  deflection (m), load (N), stress (Pa), work (J), numbers of failures so far
+  load-deflection.png  the same as a chart, with the table's stiffness and maximum load
   events.csv           what yielded and broke, where in the specimen, in order
   bend-test.json       the report
   species.csv, .json   of --all-species in place of these: a row for each species
@@ -44,7 +44,7 @@ pub struct BendTestOptions {
     #[arg(long, value_name = "PERCENT", default_value = "12", value_parser = values::moisture,
         allow_hyphen_values = true)]
     pub moisture: f64,
-    /// Folder for everything that is written; made where it is not there. Without it nothing is
+    /// Folder for all files, created if it does not exist; without it no files are written
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 
@@ -81,13 +81,13 @@ pub struct BendTestOptions {
     #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
         help_heading = "Model")]
     pub edge: Option<f64>,
-    /// Which of all the pieces of wood like this: where rods lie, and where they are weak
+    /// Seed of the placement of rods and of the scatter of their strength
     #[arg(
         long,
         value_name = "NUMBER",
         default_value = "1", value_parser = values::seed, allow_hyphen_values = true, help_heading = "Model")]
     pub seed: u64,
-    /// Weibull modulus of the scatter of strength, 1 or more: small is uneven [default: none]
+    /// Weibull modulus of the scatter of strength, 1 or more; the smaller, the wider the scatter [default: no scatter]
     #[arg(
         long,
         value_name = "NUMBER",
@@ -95,8 +95,8 @@ pub struct BendTestOptions {
         help_heading = "Model"
     )]
     pub scatter: Option<f64>,
-    /// Part of the largest load to which the load falls before the test ends, 0 to below 1 [default: 0.5; of
-    /// --all-species, which ends at the largest load, 0.95]
+    /// Fraction of the maximum load at which the test ends after the load has fallen, 0 to below 1 [default: 0.5; with
+    /// --all-species, whose tests end at the maximum load, 0.95]
     #[arg(
         long,
         value_name = "PART",
@@ -106,5 +106,5 @@ pub struct BendTestOptions {
     pub end: Option<f64>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }

@@ -1,6 +1,6 @@
 //! Options of `greenstick simulate`.
 
-use super::{Declared, MeshOf, Telling};
+use super::{Declared, MeshOptions, ReportingOptions};
 use clap::Args;
 use greenstick::picture::PictureParameters;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub struct SimulateOptions {
     /// Scene: a file that ends in .toml, or the name of one that comes with the program
     pub scene: Option<String>,
     #[command(flatten)]
-    pub mesh: MeshOf,
+    pub mesh: MeshOptions,
     /// Folder for everything that is written, made where it is not there; or a film (.glb, .usdc, .usdz, .mp4, .webm),
     /// and the folder is named after it, ending in .run
     #[arg(short, long, value_name = "FOLDER")]
@@ -74,5 +74,5 @@ pub struct SimulateOptions {
     pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }

@@ -1,6 +1,6 @@
 //! Options of `greenstick skin`.
 
-use super::{Declared, MeshOf, Telling};
+use super::{Declared, MeshOptions, ReportingOptions};
 use crate::values;
 use clap::Args;
 use greenstick::picture::PictureParameters;
@@ -28,7 +28,7 @@ pub struct SkinOptions {
     /// Folder of a run, as `greenstick simulate` leaves it
     pub run: PathBuf,
     #[command(flatten)]
-    pub mesh: MeshOf,
+    pub mesh: MeshOptions,
     /// File for the film or the frame
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -44,7 +44,7 @@ pub struct SkinOptions {
     #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
     pub frames: Option<(usize, usize)>,
 
-    /// Fibre bundles that each rod is parted into, 1 to 1000
+    /// Fibre bundles that each rod is split into, 1 to 1000
     #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u32).range(1..=1000),
         help_heading = "Skin")]
     pub fibres: u32,
@@ -59,7 +59,7 @@ pub struct SkinOptions {
     pub keep_inner: bool,
     /// What bounds the section
     #[arg(long, value_enum, default_value = "contour", help_heading = "Skin")]
-    pub outline: OutlineWord,
+    pub outline: OutlineChoice,
     /// Leave out the bodies that act on the wood
     #[arg(long, help_heading = "Skin")]
     pub no_bodies: bool,
@@ -139,7 +139,7 @@ pub struct SkinOptions {
     pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 /// A share of triangles: above 0, up to 1.
@@ -150,20 +150,20 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What bounds a skin's section.
+/// The outline of a skin's section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum OutlineWord {
+pub enum OutlineChoice {
     /// The stem's own contour, with the bark of its mesh
     Contour,
     /// The convex hull of the rods, as in Sutherland's thesis
     Hull,
 }
 
-impl From<OutlineWord> for greenstick::skin::rods::Outline {
-    fn from(word: OutlineWord) -> Self {
+impl From<OutlineChoice> for greenstick::skin::rods::Outline {
+    fn from(word: OutlineChoice) -> Self {
         match word {
-            OutlineWord::Contour => Self::Contour,
-            OutlineWord::Hull => Self::Hull,
+            OutlineChoice::Contour => Self::Contour,
+            OutlineChoice::Hull => Self::Hull,
         }
     }
 }

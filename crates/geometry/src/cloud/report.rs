@@ -1,6 +1,6 @@
 //! What cleaning a cloud takes, and what it says of its outcome.
 
-use crate::Cancelled;
+use crate::{Cancelled, ErrorKind};
 use std::borrow::Cow;
 
 /// The steps to take, in the order of the fields.
@@ -100,4 +100,14 @@ pub enum CleanError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl CleanError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            CleanError::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Request,
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::stem::StemLocation;
 use greenstick_geometry::cloud::PoissonError;
-use greenstick_geometry::{Cancelled, Mesh};
+use greenstick_geometry::{Cancelled, ErrorKind, Mesh};
 
 /// How the bark of a scan is reconstructed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,6 +159,20 @@ pub enum ScanError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl ScanError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            ScanError::Cancelled(_) => ErrorKind::Cancelled,
+            ScanError::NoStem { .. }
+            | ScanError::LowCoverage { .. }
+            | ScanError::NotStarShaped { .. } => ErrorKind::Work,
+            ScanError::Surface(error) => error.kind(),
+            _ => ErrorKind::Request,
+        }
+    }
 }
 
 impl From<PoissonError> for ScanError {
