@@ -4,6 +4,7 @@ use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
 use greenstick::RequestFile;
 use greenstick::anatomy::AnatomyFile;
+use greenstick::fibre::scene::Scene;
 use greenstick::fracture::parameters::{RadialCrack, TangentialCrack};
 use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::{Recipe, apply_preset};
@@ -52,6 +53,7 @@ fn files() -> Vec<(&'static str, Box<dyn Parameters>)> {
         ("break", Box::new(RequestFile::default())),
         ("anatomy", Box::new(AnatomyFile::default())),
         ("rings", Box::new(RingParameters::default())),
+        ("scene", Box::new(Scene::default())),
     ]
 }
 
