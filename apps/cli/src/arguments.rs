@@ -24,8 +24,7 @@ use greenstick::RequestFile;
 use greenstick::picture::PictureParameters;
 use greenstick::scanning::ScanParameters;
 use greenstick::wood::anatomy::RingParameters;
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples

@@ -5,15 +5,13 @@ use crate::break_wood::{ResolvedRequest, Targets, resolve_request, size, targets
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::{scan, simulate, values};
+use crate::{scan, simulate};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{FilmOptions, Run, SkinReport, Still};
-use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
-use greenstick::schema::Field;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
@@ -126,10 +124,10 @@ fn read_mesh(
     };
     let at = match at {
         Some(_) => asked.file.common.place,
-        None => values::place(&setting.stem.at, LengthUnit::Metre).map_err(Failure::request)?,
+        None => setting.stem.at,
     };
     let loaded = scan::load(path, at, asked.file.unit, &asked.file.scan, context)?;
-    setting.stem.at = loaded.place.to_value().to_string();
+    setting.stem.at = loaded.place;
     setting.stem.kind = StemChoice::Input;
     let mut scene = loaded.scene;
     if let Some(pieces) = &targets.pieces {

@@ -4,6 +4,7 @@ use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
 use greenstick::RequestFile;
 use greenstick::anatomy::AnatomyFile;
+use greenstick::fibre::scene::Scene;
 use greenstick::fracture::parameters::{RadialCrack, TangentialCrack};
 use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::{Recipe, apply_preset};
@@ -54,6 +55,10 @@ fn schemas() -> Vec<(&'static str, Value)> {
         (
             "rings",
             document_schema("Greenstick rings", &RingParameters::default()),
+        ),
+        (
+            "scene",
+            document_schema("Greenstick scene", &Scene::default()),
         ),
     ]
 }

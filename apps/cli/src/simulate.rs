@@ -6,7 +6,7 @@ use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::skin::{self, FilmPlan, is_film};
-use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, SolverChoice, StemChoice};
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Output};
 use greenstick::film::Run;
@@ -196,27 +196,11 @@ pub fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
 }
 
 fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
-    if let Some(seed) = options.seed {
-        scene.seed = seed;
-    }
-    if let Some(duration) = options.duration {
-        scene.duration = duration;
-    }
-    if let Some(step) = options.step {
-        scene.step = Some(step);
-    }
-    if let Some(word) = &options.solver {
-        let found = SolverChoice::ALL.into_iter().find(|s| s.name() == word);
-        let found = found.ok_or_else(|| {
-            let names: Vec<&str> = SolverChoice::ALL.iter().map(|s| s.name()).collect();
-            Failure::request(format!("there is no solver \"{word}\""))
-                .hint(format!("there is {}", names.join(", ")))
-        })?;
-        if found != scene.solver && options.step.is_none() {
-            // A step that was given for another solver says nothing about this one's.
-            scene.step = None;
-        }
-        scene.solver = found;
+    let solver = scene.solver;
+    options.changes.apply(scene, |_, _| Ok(None))?;
+    if scene.solver != solver && options.changes.text("step").is_none() {
+        // A step that was given for another solver says nothing about this one's.
+        scene.step = None;
     }
     scene.check().map_err(|e: SceneError| Failure::request(e))
 }

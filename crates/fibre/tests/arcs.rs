@@ -2,7 +2,7 @@
 
 use greenstick_fibre::energy::strain;
 use greenstick_fibre::placement::fill_stem;
-use greenstick_fibre::scene::{AssembledScene, BUILT_IN, Length, Scene, assemble};
+use greenstick_fibre::scene::{AssembledScene, BUILT_IN, Scene, assemble};
 use greenstick_fibre::store::ForceRow;
 use greenstick_fibre::{
     EdgeLengths, FailureCriteria, NoContacts, PlacementOptions, QuasiStatic, RodCount, Solver,
@@ -24,8 +24,8 @@ fn filled(mesh: Mesh, length: f64, scene: &Scene) -> AssembledScene {
     let options = PlacementOptions {
         rods: RodCount::Number(scene.rods.number),
         edges: EdgeLengths {
-            least: scene.rods.edge[0].0,
-            greatest: scene.rods.edge[1].0,
+            least: scene.rods.edge[0],
+            greatest: scene.rods.edge[1],
         },
         weibull: 12.0,
         ..PlacementOptions::default()
@@ -39,7 +39,7 @@ fn bend() -> Scene {
     let mut scene = Scene::built_in("bend").unwrap();
     scene.rods.number = 24;
     // The arc is that of a continuous stem, from which longer edges deviate more.
-    scene.rods.edge = [Length(4e-3), Length(6e-3)];
+    scene.rods.edge = [4e-3, 6e-3];
     scene
 }
 
@@ -140,16 +140,16 @@ fn scenes_scale_with_their_stem() {
             assert_eq!(scene.for_stem(7.0), scene, "{}", built_in.name);
             continue;
         };
-        assert_eq!(scene.for_stem(length.0), scene, "{}", built_in.name);
-        let larger = scene.for_stem(2.0 * length.0);
-        assert_eq!(larger.for_stem(2.0 * length.0), larger);
+        assert_eq!(scene.for_stem(length), scene, "{}", built_in.name);
+        let larger = scene.for_stem(2.0 * length);
+        assert_eq!(larger.for_stem(2.0 * length), larger);
         assert_eq!(Scene::read(&larger.to_toml()).unwrap(), larger);
-        assert_eq!(larger.rods.edge[1].0, 2.0 * scene.rods.edge[1].0);
+        assert_eq!(larger.rods.edge[1], 2.0 * scene.rods.edge[1]);
         for (a, b) in larger.body.iter().zip(&scene.body) {
-            assert_eq!(a.size.0[2], 2.0 * b.size.0[2]);
-            assert_eq!((a.diameter.0, a.gap.0), (2.0 * b.diameter.0, 2.0 * b.gap.0));
+            assert_eq!(a.size[2], 2.0 * b.size[2]);
+            assert_eq!((a.diameter, a.gap), (2.0 * b.diameter, 2.0 * b.gap));
             for (a, b) in a.key.iter().zip(&b.key) {
-                assert_eq!(a.move_by.0[2], 2.0 * b.move_by.0[2]);
+                assert_eq!(a.move_by[2], 2.0 * b.move_by[2]);
             }
         }
         for (a, b) in larger.clamp.iter().zip(&scene.clamp) {

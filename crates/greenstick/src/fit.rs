@@ -82,10 +82,9 @@ pub struct FitSource<'a> {
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
     context.report(0.0)?;
     let (state, time) = run.fracture_state(number)?;
-    let place = StemLocation::parse(&run.scene.stem.at, 1.0);
     let source = FitSource {
         scene: run.input(),
-        by_point: matches!(place, Ok(StemLocation::Point(_))),
+        by_point: matches!(run.scene.stem.at, StemLocation::Point(_)),
         seed: run.scene.seed,
         time,
     };

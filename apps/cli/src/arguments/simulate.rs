@@ -1,7 +1,8 @@
 //! Options of `greenstick simulate`.
 
-use super::{Declared, MeshOptions, ReportingOptions};
-use clap::Args;
+use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
+use clap::{Arg, Args};
+use greenstick::fibre::scene::Scene;
 use greenstick::picture::PictureParameters;
 use std::path::PathBuf;
 
@@ -38,34 +39,8 @@ pub struct SimulateOptions {
     #[arg(long, value_name = "FILE.toml")]
     pub save_scene: Option<PathBuf>,
 
-    /// Solver
-    #[arg(
-        long,
-        value_name = "NAME",
-        help_heading = "In place of the scene's own"
-    )]
-    pub solver: Option<String>,
-    /// Step of the solver, s; else it chooses
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        help_heading = "In place of the scene's own"
-    )]
-    pub step: Option<f64>,
-    /// Which of all the pieces of wood like this
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        help_heading = "In place of the scene's own"
-    )]
-    pub seed: Option<u64>,
-    /// How long it lasts, s
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        help_heading = "In place of the scene's own"
-    )]
-    pub duration: Option<f64>,
+    #[command(flatten)]
+    pub changes: Declared<Scene>,
 
     /// Take no pictures of the first, middle and last frame
     #[arg(long, help_heading = "Picture")]
@@ -75,4 +50,30 @@ pub struct SimulateOptions {
 
     #[command(flatten)]
     pub reporting: ReportingOptions,
+}
+
+/// The keys of a scene that are options too.
+impl OptionSet for Scene {
+    const EXCLUDED_KEYS: &'static [&'static str] = &[
+        "about",
+        "frames_per_second",
+        "rows_per_second",
+        "for_length",
+    ];
+
+    fn adjust(option: Arg) -> Arg {
+        // The default is what the scene says.
+        let help = option
+            .get_help()
+            .map(ToString::to_string)
+            .unwrap_or_default();
+        let help = help
+            .split(" [default")
+            .next()
+            .unwrap_or_default()
+            .to_owned();
+        option
+            .help(help)
+            .help_heading("In place of the scene's own")
+    }
 }

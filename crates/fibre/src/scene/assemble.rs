@@ -1,11 +1,9 @@
 //! From a scene and a bundle to a world that a solver can move.
 
 use super::arc;
+use super::choices::{BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice};
 use super::error::SceneError;
-use super::keys::{
-    BodyKeys, BondCriterionChoice, ClampKeys, ForceKeys, KeyFrame, MotionChoice, Scene,
-    ShapeChoice, SolverChoice,
-};
+use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, Scene};
 use super::start::{align_with_axes, bend, rotation};
 use crate::bodies::{Bodies, Body, BodyError, BodyMotion, ContactOptions, Shape, clearance};
 use crate::failure::{BondCriterion, FailureCriteria};
@@ -190,7 +188,7 @@ fn motion(
     if !keys.is_empty() {
         let frame = |k: &KeyFrame| {
             let pose = Pose {
-                translation: DVec3::from_array(k.move_by.0),
+                translation: DVec3::from_array(k.move_by),
                 rotation: rotation(k.turn),
             };
             Keyframe { time: k.time, pose }
@@ -255,14 +253,7 @@ fn clamp(
         .iter()
         .map(|&j| state.material_director(bundle, j as usize))
         .collect();
-    if keys.axes.is_empty() || keys.axes.chars().any(|c| !"xyz".contains(c)) {
-        return Err(SceneError::Word {
-            key: format!("axes of clamp {number}"),
-            found: keys.axes.clone(),
-            right: "one or more of x, y and z",
-        });
-    }
-    clamp.axes = ['x', 'y', 'z'].map(|a| keys.axes.contains(a));
+    clamp.axes = keys.axes.0;
     Ok(clamp)
 }
 
@@ -315,8 +306,8 @@ fn add_force(keys: &ForceKeys, world: &mut World, fraction: &[f64], length: f64)
 }
 
 fn shape(number: usize, keys: &BodyKeys, mesh: Option<&Shape>) -> Result<Shape, SceneError> {
-    let size = DVec3::from_array(keys.size.0);
-    let radius = 0.5 * keys.diameter.0;
+    let size = DVec3::from_array(keys.size);
+    let radius = 0.5 * keys.diameter;
     let file = |shape| {
         mesh.cloned().ok_or(SceneError::NoMesh {
             body: number,
@@ -385,7 +376,7 @@ fn body(
     let body = Body {
         name: keys.name.clone(),
         shape: shape(number, keys, mesh)?,
-        position: axis + DVec3::from_array(keys.place.0),
+        position: axis + DVec3::from_array(keys.place),
         rotation: rotation(keys.turn).normalize(),
         motion,
         restitution: keys.restitution,
@@ -395,7 +386,7 @@ fn body(
         return Ok(body);
     };
     let from = DVec3::from_array(from);
-    match moved_to_touch(body, from, keys.gap.0, world, context)? {
+    match moved_to_touch(body, from, keys.gap, world, context)? {
         Some(touching) => Ok(touching),
         None => Err(SceneError::Misses {
             body: number,

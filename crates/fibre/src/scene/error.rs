@@ -3,45 +3,17 @@
 use crate::bodies::BodyError;
 use crate::error::LoadError;
 use greenstick_geometry::Cancelled;
-use greenstick_schema::did_you_mean;
+use greenstick_schema::{DocumentError, ParameterError, did_you_mean};
 
 /// Why a scene cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// Not TOML, or a value of the wrong type.
-    #[error("line {line}: {message}")]
-    Syntax {
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-    },
-    /// A key that does not exist.
-    #[error(
-        "line {line}: unknown key \"{key}\"{}{}",
-        in_table(table),
-        did_you_mean(nearest)
-    )]
-    UnknownKey {
-        /// Line, from 1.
-        line: usize,
-        /// The key.
-        key: String,
-        /// The table in which it stands.
-        table: String,
-        /// Similar keys.
-        nearest: Vec<String>,
-    },
-    /// A number out of range.
-    #[error("{key} is {value}, but it must be {right}")]
-    Value {
-        /// The key with its table.
-        key: String,
-        /// The value found.
-        value: f64,
-        /// The range that is valid.
-        right: String,
-    },
+    /// A part of the file that is wrong.
+    #[error(transparent)]
+    Document(Box<DocumentError>),
+    /// A value that is wrong.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// There is no scene of this name.
     #[error("there is no scene \"{name}\"{}", did_you_mean(nearest))]
     UnknownScene {
@@ -102,16 +74,6 @@ pub enum SceneError {
         /// Its shape.
         shape: &'static str,
     },
-    /// A word that is not valid for its key.
-    #[error("{key} is \"{found}\", but it must be {right}")]
-    Word {
-        /// The key.
-        key: String,
-        /// The word found.
-        found: String,
-        /// What would be right.
-        right: &'static str,
-    },
     /// A solver that cannot run the scene.
     #[error("the {solver} solver cannot be used here: {problem}; choose {right}")]
     Solver {
@@ -142,10 +104,8 @@ impl From<BodyError> for SceneError {
     }
 }
 
-fn in_table(table: &str) -> String {
-    if table.is_empty() {
-        String::new()
-    } else {
-        format!(" in [{table}]")
+impl From<DocumentError> for SceneError {
+    fn from(error: DocumentError) -> Self {
+        SceneError::Document(Box::new(error))
     }
 }

@@ -1,289 +1,229 @@
 //! The keys of a scene file.
 
-use super::declare::{Declared, KeyInfo, Length, Lengths, Numbers, declared, numbers};
-use crate::solvers::{
-    Explicit, IMPLICIT_STEP, INTERACTIVE_STEP, Implicit, Interactive, QuasiStatic, Solver,
+use super::choices::{
+    ArrangementChoice, BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice, StemChoice,
+    TwistChoice,
 };
-use serde::{Deserialize, Serialize};
+use super::held_axes::{HELD_AXES, HeldAxes};
+use crate::solvers::{IMPLICIT_STEP, INTERACTIVE_STEP, Solver};
+use greenstick_schema::{
+    Declaration, Format, Kind, ParameterError, Unit, choice, count, flag, length, list, number,
+    parameters, text,
+};
+use greenstick_wood::stem::{LOCATION, StemLocation};
 
-/// Declares enums whose values are written as words.
-macro_rules! choices {
-    ($($(#[doc = $enum_doc:literal])+ pub enum $name:ident {
-        $($(#[doc = $doc:literal])+ $variant:ident,)+
-    })+) => {
-        $($(#[doc = $enum_doc])+
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(rename_all = "kebab-case")]
-        pub enum $name { $($(#[doc = $doc])+ $variant,)+ }
+/// Greatest seed: TOML's integers have 64 bits with a sign.
+const MAX_SEED: i128 = i64::MAX as i128;
 
-        numbers! { $name: _v => Vec::new(); })+
+const PART: Kind = number(Unit::Fraction, 0.0, 1.0).kind;
+const EDGE: Kind = length(1e-6, 1.0).kind;
+const SPEED: Kind = number(Unit::MetrePerSecond, -1e3, 1e3).kind;
+const STEM_SPEED: Kind = number(Unit::MetrePerSecond, -1e4, 1e4).kind;
+const ANGULAR_SPEED: Kind = number(Unit::DegreePerSecond, -1e6, 1e6).kind;
+const ACCELERATION: Kind = number(Unit::MetrePerSecondSquared, -1e4, 1e4).kind;
+const FORCE: Kind = number(Unit::Newton, -1e9, 1e9).kind;
+const MOMENT: Kind = number(Unit::NewtonMetre, -1e9, 1e9).kind;
+const POSITION: Kind = length(-1e3, 1e3).kind;
+const SIZE: Kind = length(1e-6, 1e3).kind;
+const TURN: Kind = number(Unit::Degree, -180.0, 180.0).kind;
+const DIRECTION: Kind = number(Unit::One, -1.0, 1.0).kind;
+
+/// A vector.
+const fn vector(component: &'static Kind) -> Declaration {
+    list(component, 3, 3)
+}
+
+/// Two values, the second of which is not below the first.
+const fn range(end: &'static Kind) -> Declaration {
+    list(end, 2, 2)
+}
+
+/// A fraction of the stem's length.
+const fn position_along() -> Declaration {
+    number(Unit::Fraction, 0.0, 1.0)
+}
+
+/// A time after the start.
+const fn time() -> Declaration {
+    number(Unit::Second, 0.0, 1e6)
+}
+
+parameters! {
+    /// The stem.
+    pub struct StemKeys {
+        "", "stem" {
+            /// What the stem is; an input is a mesh file given with the scene.
+            kind: StemChoice = StemChoice::Branch, choice(StemChoice::CHOICES);
+            /// Length; an input has its own.
+            length: f64 = 0.3, length(1e-3, 100.0);
+            /// Diameter of a branch or cylinder.
+            diameter: f64 = 0.02, length(1e-4, 10.0);
+            /// Width of a board.
+            width: f64 = 0.02, length(1e-4, 10.0);
+            /// Thickness of a board.
+            thickness: f64 = 0.02, length(1e-4, 10.0);
+            /// Where on an input: a fraction of its length (0.4), a length from its base (12cm), or a point (x,y,z).
+            at: StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
+            /// Part of the length that is filled with rods, from and to.
+            part: [f64; 2] = [0.0, 1.0], range(&PART);
+        }
+    }
+    check |keys| match keys.part {
+        [from, to] if from >= to => Err(ParameterError::Conflict(format!(
+            "part is from {from} to {to}, but the first must be below the second"
+        ))),
+        _ => Ok(()),
     };
 }
 
-choices! {
-    /// Where the stem comes from.
-    pub enum StemChoice {
-        /// The built-in branch.
-        Branch,
-        /// A straight round stem.
-        Cylinder,
-        /// A board.
-        Board,
-        /// The mesh that is given with the scene.
-        Input,
-    }
-    /// How rods are arranged in a cross-section.
-    pub enum ArrangementChoice {
-        /// A Poisson disk sample, as in the thesis.
-        PoissonDisk,
-        /// By ring and sector.
-        Anatomy,
-    }
-    /// Whether rods resist twist.
-    pub enum TwistChoice {
-        /// Only where rods are curved.
-        Auto,
-        /// Always.
-        On,
-        /// Never, as in the thesis; rods must be straight.
-        Off,
-    }
-    /// The solver.
-    pub enum SolverChoice {
-        /// Symplectic Euler, the reference.
-        Explicit,
-        /// Steps of animation at real stiffness, solved accurately.
-        Implicit,
-        /// One step per frame at real stiffness.
-        Interactive,
-        /// One equilibrium after another, without inertia.
-        QuasiStatic,
-    }
-    /// When bonds break.
-    pub enum BondCriterionChoice {
-        /// Never.
-        Never,
-        /// At a threshold of energy, as in the thesis.
-        Potential,
-        /// At the fracture energy of their facet.
-        Griffith,
-        /// At the strength of their facet.
-        Stress,
-    }
-    /// The shape of a body.
-    pub enum ShapeChoice {
-        /// Everything below a plane, whose normal is the body's z.
-        HalfSpace,
-        /// A box of the given size.
-        Box,
-        /// A ball of the given diameter.
-        Sphere,
-        /// A cylinder with round ends along the body's y.
-        Capsule,
-        /// A cylinder along the body's y.
-        Cylinder,
-        /// The hull of a mesh file's vertices.
-        Hull,
-        /// A closed mesh file.
-        Mesh,
-    }
-    /// The motion of a body.
-    pub enum MotionChoice {
-        /// Prescribed: it stays, or moves by its velocity or key frames.
-        Given,
-        /// Free.
-        Free,
-    }
-}
-
-impl SolverChoice {
-    /// All solvers.
-    pub const ALL: [SolverChoice; 4] = [
-        SolverChoice::Explicit,
-        SolverChoice::Implicit,
-        SolverChoice::Interactive,
-        SolverChoice::QuasiStatic,
-    ];
-
-    /// Returns the solver's name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            SolverChoice::Explicit => "explicit",
-            SolverChoice::Implicit => "implicit",
-            SolverChoice::Interactive => "interactive",
-            SolverChoice::QuasiStatic => "quasi-static",
-        }
-    }
-
-    /// Returns how far its velocities lag behind positions, in steps: those of symplectic Euler belong to the middle of the last
-    /// step.
-    pub fn velocity_lag(self) -> f64 {
-        if self == SolverChoice::Explicit {
-            0.5
-        } else {
-            0.0
-        }
-    }
-
-    /// Returns the solver, with a step (s) where one is given.
-    pub fn make(self, step: Option<f64>) -> Box<dyn Solver> {
-        match self {
-            SolverChoice::Explicit => Box::new(Explicit::new(step)),
-            SolverChoice::Implicit => Box::new(Implicit::new(step)),
-            SolverChoice::Interactive => Box::new(Interactive::new(step)),
-            SolverChoice::QuasiStatic => Box::new(QuasiStatic::stateless(step)),
-        }
-    }
-}
-
-const INF: f64 = f64::INFINITY;
-
-declared! {
-    /// The stem.
-    pub struct StemKeys {
-        /// What the stem is: branch, cylinder, board or input (a mesh file given with the scene).
-        kind: StemChoice = StemChoice::Branch, (-INF, INF, "");
-        /// Length; an input has its own.
-        length: Length = Length(0.3), (1e-3, 100.0, "m");
-        /// Diameter of a branch or cylinder.
-        diameter: Length = Length(0.02), (1e-4, 10.0, "m");
-        /// Width of a board.
-        width: Length = Length(0.02), (1e-4, 10.0, "m");
-        /// Thickness of a board.
-        thickness: Length = Length(0.02), (1e-4, 10.0, "m");
-        /// Where on an input: a fraction of its length (0.4), a length from its base (12cm), or a point (x,y,z).
-        at: String = "0.5".to_owned(), (-INF, INF, "");
-        /// Part of the length that is filled with rods, from and to.
-        part: [f64; 2] = [0.0, 1.0], (0.0, 1.0, "");
-    }
-}
-
-declared! {
+parameters! {
     /// The wood.
     pub struct WoodKeys {
-        /// Species, by common or scientific name.
-        species: String = "white ash".to_owned(), (-INF, INF, "");
-        /// Moisture content.
-        moisture: f64 = 12.0, (0.0, 200.0, "% of the dry mass");
-        /// Factor on all moduli of elasticity; strains at failure stay the same.
-        stiffness: f64 = 1.0, (1e-6, 100.0, "");
+        "", "rods" {
+            /// Species, by common or scientific name.
+            species: String = "white ash".to_owned(), text(Format::ANY);
+            /// Moisture content, percent of the oven-dry mass.
+            moisture: f64 = 12.0, number(Unit::Percent, 0.0, 200.0);
+            /// Factor on all moduli of elasticity; strains at failure stay the same.
+            stiffness: f64 = 1.0, number(Unit::One, 1e-6, 100.0).logarithmic();
+        }
     }
 }
 
-declared! {
+parameters! {
     /// The rods.
     pub struct RodKeys {
-        /// Number of rods in a cross-section, where no spacing is given.
-        number: u32 = 100, (1.0, 1e6, "");
-        /// Distance between rods, instead of their number.
-        spacing: Option<Length> = None, (1e-6, 1.0, "m");
-        /// How they are arranged in the cross-section: poisson-disk or anatomy.
-        arrangement: ArrangementChoice = ArrangementChoice::PoissonDisk, (-INF, INF, "");
-        /// Least and greatest length of edges.
-        edge: [Length; 2] = [Length(4e-3), Length(6e-3)], (1e-6, 1.0, "m");
-        /// Whether rods resist twist: auto, on or off.
-        twist: TwistChoice = TwistChoice::Auto, (-INF, INF, "");
-        /// Reach of bonds, in mean distances of rods.
-        reach: f64 = 2.5, (1.0, 5.0, "");
-        /// Weibull modulus of the scatter of strength; without it there is none.
-        weibull: Option<f64> = None, (1.0, 1e6, "");
-        /// Rings, at whose boundaries bonds are weaker.
-        rings: u32 = 0, (0.0, 1000.0, "");
-        /// Rays, across which bonds are weaker.
-        rays: u32 = 0, (0.0, 1000.0, "");
-        /// Strength across a ring boundary over that elsewhere.
-        ring_strength: f64 = 0.7, (1e-3, 1.0, "");
-        /// Strength across a ray over that elsewhere.
-        ray_strength: f64 = 0.8, (1e-3, 1.0, "");
+        "", "rods" {
+            /// Number of rods in a cross-section, where no spacing is given.
+            number: u32 = 100, count(1, 1_000_000).logarithmic();
+            /// Distance between rods, instead of their number.
+            spacing: Option<f64> = None, length(1e-6, 1.0).auto();
+            /// How rods are arranged in the cross-section.
+            arrangement: ArrangementChoice = ArrangementChoice::PoissonDisk, choice(ArrangementChoice::CHOICES);
+            /// Least and greatest length of edges.
+            edge: [f64; 2] = [4e-3, 6e-3], range(&EDGE);
+            /// Whether rods resist twist.
+            twist: TwistChoice = TwistChoice::Auto, choice(TwistChoice::CHOICES);
+            /// Reach of bonds, in mean distances of rods.
+            reach: f64 = 2.5, number(Unit::One, 1.0, 5.0);
+            /// Weibull modulus of the scatter of strength; "auto" is no scatter.
+            weibull: Option<f64> = None, number(Unit::One, 1.0, 1e6).logarithmic().auto();
+            /// Rings, at whose boundaries bonds are weaker.
+            rings: u32 = 0, count(0, 1000);
+            /// Rays, across which bonds are weaker.
+            rays: u32 = 0, count(0, 1000);
+            /// Strength across a ring boundary over that elsewhere.
+            ring_strength: f64 = 0.7, number(Unit::One, 1e-3, 1.0);
+            /// Strength across a ray over that elsewhere.
+            ray_strength: f64 = 0.8, number(Unit::One, 1e-3, 1.0);
+        }
     }
+    check |keys| match keys.edge {
+        [least, greatest] if least > greatest => Err(ParameterError::Conflict(format!(
+            "edge is from {least} to {greatest} m, but the first must not be above the second"
+        ))),
+        _ => Ok(()),
+    };
 }
 
-declared! {
+parameters! {
     /// The stem at the start.
     pub struct StartKeys {
-        /// Angle by which it is bent about y into a circular arc.
-        bend: f64 = 0.0, (-350.0, 350.0, "°");
-        /// Velocity of the whole stem.
-        velocity: [f64; 3] = [0.0; 3], (-1e4, 1e4, "m/s");
+        "", "simulate" {
+            /// Angle by which the stem is bent about y into a circular arc.
+            bend: f64 = 0.0, number(Unit::Degree, -350.0, 350.0);
+            /// Velocity of the whole stem.
+            velocity: [f64; 3] = [0.0; 3], vector(&STEM_SPEED);
+        }
     }
 }
 
-declared! {
+parameters! {
     /// Loads on the whole stem.
     pub struct LoadKeys {
-        /// Acceleration of gravity.
-        gravity: [f64; 3] = [0.0; 3], (-1e4, 1e4, "m/s²");
-        /// Damping: the rate at which velocities decay.
-        damping: f64 = 0.0, (0.0, 1e6, "1/s");
-        /// Snow on the stem, weight per length.
-        snow: f64 = 0.0, (0.0, 1e6, "N/m");
-        /// Time over which the snow load grows; 0 for at once.
-        snow_rise: f64 = 0.0, (0.0, 1e6, "s");
-        /// Velocity of the wind.
-        wind: [f64; 3] = [0.0; 3], (-1e3, 1e3, "m/s");
-        /// Density of the air.
-        air: f64 = 1.2, (0.0, 1e4, "kg/m³");
-        /// Drag coefficient.
-        drag: f64 = 1.0, (0.0, 100.0, "");
+        "", "simulate" {
+            /// Acceleration of gravity.
+            gravity: [f64; 3] = [0.0; 3], vector(&ACCELERATION);
+            /// Damping: the rate at which velocities decay.
+            damping: f64 = 0.0, number(Unit::PerSecond, 0.0, 1e6);
+            /// Snow on the stem, weight per length.
+            snow: f64 = 0.0, number(Unit::NewtonPerMetre, 0.0, 1e6);
+            /// Time over which the snow load grows; 0 for at once.
+            snow_rise: f64 = 0.0, time();
+            /// Velocity of the wind.
+            wind: [f64; 3] = [0.0; 3], vector(&SPEED);
+            /// Density of the air.
+            air: f64 = 1.2, number(Unit::KilogramPerCubicMetre, 0.0, 1e4);
+            /// Drag coefficient.
+            drag: f64 = 1.0, number(Unit::One, 0.0, 100.0);
+        }
     }
 }
 
-declared! {
+parameters! {
     /// When the wood fails.
     pub struct FailureKeys {
-        /// Whether rods break in tension.
-        rods: bool = true, (-INF, INF, "");
-        /// Whether rods yield in compression.
-        yielding: bool = true, (-INF, INF, "");
-        /// When bonds break: never, potential, griffith or stress.
-        bonds: BondCriterionChoice = BondCriterionChoice::Stress, (-INF, INF, "");
-        /// Energy of a bond at which it breaks, for potential.
-        threshold: f64 = 1e-3, (0.0, 1e6, "J");
-        /// Weight of shear against transverse energy, for potential.
-        shear_weight: f64 = 0.5, (0.0, 1.0, "");
-        /// Steps of the explicit solver between two checks for failure.
-        every: u32 = 1, (1.0, 1e6, "steps");
+        "", "simulate" {
+            /// Whether rods break in tension.
+            rods: bool = true, flag();
+            /// Whether rods yield in compression.
+            yielding: bool = true, flag();
+            /// When bonds break.
+            bonds: BondCriterionChoice = BondCriterionChoice::Stress, choice(BondCriterionChoice::CHOICES);
+            /// Energy of a bond at which it breaks, for potential.
+            threshold: f64 = 1e-3, number(Unit::Joule, 0.0, 1e6);
+            /// Weight of shear against transverse energy, for potential.
+            shear_weight: f64 = 0.5, number(Unit::One, 0.0, 1.0);
+            /// Steps of the explicit solver between two checks for failure.
+            every: u32 = 1, count(1, 1_000_000).logarithmic();
+        }
     }
 }
 
-declared! {
+parameters! {
     /// Contact.
     pub struct ContactKeys {
-        /// Whether rods that no bond connects collide.
-        rods: bool = true, (-INF, INF, "");
-        /// Restitution of rods that hit each other.
-        restitution: f64 = 0.0, (0.0, 1.0, "");
+        "", "simulate" {
+            /// Whether rods that no bond connects collide.
+            rods: bool = true, flag();
+            /// Restitution of rods that hit each other.
+            restitution: f64 = 0.0, number(Unit::One, 0.0, 1.0);
+        }
     }
 }
 
-declared! {
+parameters! {
     /// A pose of a clamp or body at a time.
     pub struct KeyFrame {
-        /// Time of the pose.
-        time: f64 = 0.0, (0.0, 1e6, "s");
-        /// Displacement.
-        move_by: Lengths = Lengths([0.0; 3]), (-1e3, 1e3, "m");
-        /// Rotation vector: along the axis, as long as the angle.
-        turn: [f64; 3] = [0.0; 3], (-180.0, 180.0, "°");
+        "Pose", "simulate" {
+            /// Time of the pose.
+            time: f64 = 0.0, time();
+            /// Displacement.
+            move_by: [f64; 3] = [0.0; 3], vector(&POSITION);
+            /// Rotation vector: along the axis, as long as the angle.
+            turn: [f64; 3] = [0.0; 3], vector(&TURN);
+        }
     }
 }
 
-declared! {
+parameters! {
     /// A clamp: a length of the stem that is held or moved.
     pub struct ClampKeys {
-        /// Start of the clamped length.
-        from: f64 = 0.0, (0.0, 1.0, "of the length");
-        /// End of the clamped length.
-        to: f64 = 0.0, (0.0, 1.0, "of the length");
-        /// Velocity.
-        velocity: [f64; 3] = [0.0; 3], (-1e3, 1e3, "m/s");
-        /// Angular velocity about its middle, as a vector along the axis.
-        angular: [f64; 3] = [0.0; 3], (-1e6, 1e6, "°/s");
-        /// Whether it also moves so that the wood between the clamps bends without being stretched or compressed; for a clamp
-        /// with key frames, in a scene with two clamps.
-        arc: bool = false, (-INF, INF, "");
-        /// Which of x, y, z are held.
-        axes: String = "xyz".to_owned(), (-INF, INF, "");
+        "Clamp", "simulate" {
+            /// Start of the clamped length, as a fraction of the stem.
+            from: f64 = 0.0, position_along();
+            /// End of the clamped length.
+            to: f64 = 0.0, position_along();
+            /// Velocity.
+            velocity: [f64; 3] = [0.0; 3], vector(&SPEED);
+            /// Angular velocity about its middle, as a vector along the axis.
+            angular: [f64; 3] = [0.0; 3], vector(&ANGULAR_SPEED);
+            /// Whether it also moves so that the wood between the clamps bends without being stretched or compressed; for a
+            /// clamp with key frames, in a scene with two clamps.
+            arc: bool = false, flag();
+            /// Which of x, y, z are held.
+            axes: HeldAxes = HeldAxes::ALL, text(HELD_AXES);
+        }
     }
     lists {
         /// Poses instead of velocities, in order of time.
@@ -291,55 +231,59 @@ declared! {
     }
 }
 
-declared! {
+parameters! {
     /// A force or moment on a cross-section, shared by its rods.
     pub struct ForceKeys {
-        /// Position along the stem.
-        at: f64 = 1.0, (0.0, 1.0, "of the length");
-        /// Force on the cross-section.
-        force: [f64; 3] = [0.0; 3], (-1e9, 1e9, "N");
-        /// Moment on the cross-section.
-        moment: [f64; 3] = [0.0; 3], (-1e9, 1e9, "N m");
-        /// Time over which they grow; 0 for at once.
-        rise: f64 = 0.0, (0.0, 1e6, "s");
+        "Force", "simulate" {
+            /// Position along the stem, as a fraction of its length.
+            at: f64 = 1.0, position_along();
+            /// Force on the cross-section.
+            force: [f64; 3] = [0.0; 3], vector(&FORCE);
+            /// Moment on the cross-section.
+            moment: [f64; 3] = [0.0; 3], vector(&MOMENT);
+            /// Time over which they grow; 0 for at once.
+            rise: f64 = 0.0, time();
+        }
     }
 }
 
-declared! {
+parameters! {
     /// A body.
     pub struct BodyKeys {
-        /// Name, for messages.
-        name: String = String::new(), (-INF, INF, "");
-        /// Shape: half-space, box, sphere, capsule, cylinder, hull or mesh.
-        shape: ShapeChoice = ShapeChoice::Box, (-INF, INF, "");
-        /// Size of a box; length (y) of a capsule or cylinder.
-        size: Lengths = Lengths([0.02; 3]), (1e-6, 1e3, "m");
-        /// Diameter of a sphere, capsule or cylinder.
-        diameter: Length = Length(0.02), (1e-6, 1e3, "m");
-        /// Mesh file of a hull or mesh, relative to the scene.
-        file: String = String::new(), (-INF, INF, "");
-        /// Position along the stem from which the place is measured.
-        at: f64 = 0.5, (0.0, 1.0, "of the length");
-        /// Position relative to the axis there.
-        place: Lengths = Lengths([0.0; 3]), (-1e3, 1e3, "m");
-        /// Rotation vector: along the axis, as long as the angle.
-        turn: [f64; 3] = [0.0; 3], (-180.0, 180.0, "°");
-        /// Direction from which it is moved in until it touches the stem.
-        touch: Option<[f64; 3]> = None, (-1.0, 1.0, "");
-        /// Gap that is then left to the stem.
-        gap: Length = Length(0.0), (0.0, 1e3, "m");
-        /// Motion: given (by velocity or key frames) or free.
-        motion: MotionChoice = MotionChoice::Given, (-INF, INF, "");
-        /// Velocity of a given motion, or at the start of a free one.
-        velocity: [f64; 3] = [0.0; 3], (-1e3, 1e3, "m/s");
-        /// Angular velocity, likewise.
-        angular: [f64; 3] = [0.0; 3], (-1e6, 1e6, "°/s");
-        /// Density of a free body.
-        density: f64 = 600.0, (1e-3, 1e5, "kg/m³");
-        /// Restitution.
-        restitution: f64 = 0.0, (0.0, 1.0, "");
-        /// Coefficient of friction.
-        friction: f64 = 0.4, (0.0, 100.0, "");
+        "Body", "simulate" {
+            /// Name, for messages.
+            name: String = String::new(), text(Format::ANY);
+            /// Shape.
+            shape: ShapeChoice = ShapeChoice::Box, choice(ShapeChoice::CHOICES);
+            /// Size of a box; length (y) of a capsule or cylinder.
+            size: [f64; 3] = [0.02; 3], vector(&SIZE);
+            /// Diameter of a sphere, capsule or cylinder.
+            diameter: f64 = 0.02, length(1e-6, 1e3);
+            /// Mesh file of a hull or mesh, relative to the scene.
+            file: String = String::new(), text(Format::ANY);
+            /// Position along the stem, as a fraction of its length, from which the place is measured.
+            at: f64 = 0.5, position_along();
+            /// Position relative to the axis there.
+            place: [f64; 3] = [0.0; 3], vector(&POSITION);
+            /// Rotation vector: along the axis, as long as the angle.
+            turn: [f64; 3] = [0.0; 3], vector(&TURN);
+            /// Direction from which it is moved in until it touches the stem; "auto" leaves it at its place.
+            touch: Option<[f64; 3]> = None, vector(&DIRECTION).auto();
+            /// Gap that is then left to the stem.
+            gap: f64 = 0.0, length(0.0, 1e3);
+            /// Motion: given by velocity or key frames, or free.
+            motion: MotionChoice = MotionChoice::Given, choice(MotionChoice::CHOICES);
+            /// Velocity of a given motion, or at the start of a free one.
+            velocity: [f64; 3] = [0.0; 3], vector(&SPEED);
+            /// Angular velocity, likewise.
+            angular: [f64; 3] = [0.0; 3], vector(&ANGULAR_SPEED);
+            /// Density of a free body.
+            density: f64 = 600.0, number(Unit::KilogramPerCubicMetre, 1e-3, 1e5).logarithmic();
+            /// Restitution.
+            restitution: f64 = 0.0, number(Unit::One, 0.0, 1.0);
+            /// Coefficient of friction.
+            friction: f64 = 0.4, number(Unit::One, 0.0, 100.0);
+        }
     }
     lists {
         /// Poses instead of velocities, in order of time.
@@ -347,48 +291,50 @@ declared! {
     }
 }
 
-declared! {
+parameters! {
     /// A scene.
     pub struct Scene {
-        /// What the scene shows, in a sentence.
-        about: String = String::new(), (-INF, INF, "");
-        /// Seed: which of all possible pieces of this wood.
-        seed: u64 = 1, (0.0, i64::MAX as f64, "");
-        /// Duration.
-        duration: f64 = 1.0, (0.0, 1e6, "s");
-        /// Frames that are recorded.
-        frames_per_second: f64 = 25.0, (1e-3, 1e5, "1/s");
-        /// Rows of the energy table; of solvers other than explicit at most one per step.
-        rows_per_second: f64 = 500.0, (1e-3, 1e6, "1/s");
-        /// Solver: explicit, implicit, interactive or quasi-static.
-        solver: SolverChoice = SolverChoice::Explicit, (-INF, INF, "");
-        /// Length of the stem for which the scene is written. On another stem the edges and spacing of rods, the sizes and places
-        /// of bodies, and the displacements and velocities of moved bodies and clamps are scaled in proportion. Without it they
-        /// are not.
-        for_length: Option<Length> = None, (1e-3, 100.0, "m");
-        /// Step of the solver; without it the solver chooses.
-        step: Option<f64> = None, (1e-12, 1.0, "s");
+        "Scene", "simulate" {
+            /// What the scene shows, in a sentence.
+            about: String = String::new(), text(Format::ANY);
+            /// Seed: which of all possible pieces of this wood.
+            seed: u64 = 1, count(0, MAX_SEED).stage("rods");
+            /// Duration.
+            duration: f64 = 1.0, time();
+            /// Frames that are recorded.
+            frames_per_second: f64 = 25.0, number(Unit::PerSecond, 1e-3, 1e5).logarithmic();
+            /// Rows of the energy table; of solvers other than explicit at most one per step.
+            rows_per_second: f64 = 500.0, number(Unit::PerSecond, 1e-3, 1e6).logarithmic();
+            /// Solver.
+            solver: SolverChoice = SolverChoice::Explicit, choice(SolverChoice::CHOICES);
+            /// Length of the stem for which the scene is written. On another stem the edges and spacing of rods, the sizes and
+            /// places of bodies, and the displacements and velocities of moved bodies and clamps are scaled in proportion.
+            /// With "auto" they are not.
+            for_length: Option<f64> = None, length(1e-3, 100.0).auto().stage("rods");
+            /// Step of the solver; with "auto" the solver chooses.
+            step: Option<f64> = None, number(Unit::Second, 1e-12, 1.0).logarithmic().auto();
+        }
     }
     tables {
         /// The stem.
-        stem: StemKeys;
+        stem: StemKeys = StemKeys::default();
         /// The wood.
-        wood: WoodKeys;
+        wood: WoodKeys = WoodKeys::default();
         /// The rods.
-        rods: RodKeys;
+        rods: RodKeys = RodKeys::default();
         /// The start.
-        start: StartKeys;
+        start: StartKeys = StartKeys::default();
         /// Loads.
-        loads: LoadKeys;
-        /// FailureCriteria.
-        failure: FailureKeys;
+        loads: LoadKeys = LoadKeys::default();
+        /// Failure.
+        failure: FailureKeys = FailureKeys::default();
         /// Contact.
-        contact: ContactKeys;
+        contact: ContactKeys = ContactKeys::default();
     }
     lists {
-        /// Clamps.
+        /// Clamps: lengths of the stem that are held or moved.
         clamp: ClampKeys;
-        /// Forces.
+        /// Forces and moments on cross-sections, shared by their rods.
         force: ForceKeys;
         /// Bodies.
         body: BodyKeys;
@@ -419,46 +365,5 @@ impl Scene {
 
     fn quasi_static_step(&self) -> f64 {
         self.step.unwrap_or(0.25 / self.frames_per_second)
-    }
-
-    /// Returns every key that a scene may have.
-    pub fn reference() -> Vec<KeyInfo> {
-        Scene::keys("")
-    }
-
-    /// Returns the keys as a page in Markdown.
-    pub fn reference_markdown() -> String {
-        use std::fmt::Write;
-        let mut text = String::from("# Keys of a scene\n");
-        let mut table = None;
-        for k in Scene::reference() {
-            if table.as_ref() != Some(&k.table) {
-                let name = if k.table.is_empty() {
-                    "(top)"
-                } else {
-                    &k.table
-                };
-                let _ = write!(
-                    text,
-                    "\n## `{name}`\n\n| key | default | unit | range | meaning |\n|---|---|---|---|---|\n"
-                );
-                table = Some(k.table.clone());
-            }
-            let range = match k.range {
-                (a, b) if a.is_finite() && b.is_finite() => format!("{a} to {b}"),
-                _ => String::new(),
-            };
-            let default = if k.default.is_empty() {
-                String::new()
-            } else {
-                format!("`{}`", k.default)
-            };
-            let _ = writeln!(
-                text,
-                "| `{}` | {default} | {} | {range} | {} |",
-                k.key, k.unit, k.doc
-            );
-        }
-        text
     }
 }

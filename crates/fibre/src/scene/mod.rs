@@ -13,26 +13,31 @@
 //! let scene = Scene::read("duration = 0.5\n[wood]\nspecies = \"white oak\"\n[[clamp]]\nto = 0.1")?;
 //! assert_eq!((scene.wood.species.as_str(), scene.clamp.len()), ("white oak", 1));
 //! let error = Scene::read("durration = 3").unwrap_err().to_string();
-//! assert_eq!(error, "line 1: unknown key \"durration\"; did you mean \"duration\"?");
+//! assert_eq!(error, "line 1, column 1: unknown parameter \"durration\"; did you mean \"duration\"?");
 //! # Ok::<(), greenstick_fibre::SceneError>(())
 //! ```
 
 mod arc;
 mod assemble;
 mod built_in;
-mod declare;
+mod choices;
 mod error;
+mod held_axes;
 mod keys;
 mod read;
+mod reference;
 mod scale;
 mod start;
 
 pub use assemble::{AssembledScene, assemble};
 pub use built_in::{BUILT_IN, BuiltIn};
-pub use declare::{Declared, KeyInfo, Length, Lengths};
+pub use choices::{
+    ArrangementChoice, BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice, StemChoice,
+    TwistChoice,
+};
 pub use error::SceneError;
+pub use held_axes::{HELD_AXES, HeldAxes, HeldAxesError};
 pub use keys::{
-    ArrangementChoice, BodyKeys, BondCriterionChoice, ClampKeys, ContactKeys, FailureKeys,
-    ForceKeys, KeyFrame, LoadKeys, MotionChoice, RodKeys, Scene, ShapeChoice, SolverChoice,
-    StartKeys, StemChoice, StemKeys, TwistChoice, WoodKeys,
+    BodyKeys, ClampKeys, ContactKeys, FailureKeys, ForceKeys, KeyFrame, LoadKeys, RodKeys, Scene,
+    StartKeys, StemKeys, WoodKeys,
 };

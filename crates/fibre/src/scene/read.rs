@@ -1,45 +1,49 @@
-//! Reads a scene's TOML; errors have the line of what is wrong.
+//! Reads, writes and checks scenes.
 
 use super::arc;
-use super::declare::{Declared, KeyInfo};
+use super::choices::{MotionChoice, SolverChoice};
 use super::error::SceneError;
-use super::keys::{MotionChoice, Scene, SolverChoice};
-use greenstick_schema::closest_names;
-use toml::de::{DeTable, DeValue};
-
-fn line(text: &str, at: usize) -> usize {
-    text.get(..at).unwrap_or(text).matches('\n').count() + 1
-}
+use super::held_axes::HeldAxes;
+use super::keys::Scene;
+use greenstick_schema::{Parameters, read_toml, write_toml};
 
 impl Scene {
     /// Reads a scene. Keys that it does not have are as in [`Scene::default`].
     ///
     /// # Errors
-    /// [`SceneError`] with the line of what is wrong.
+    /// [`SceneError`] with the line and column of what is wrong.
     pub fn read(text: &str) -> Result<Scene, SceneError> {
-        let document = DeTable::parse(text).map_err(|e| SceneError::Syntax {
-            line: line(text, e.span().unwrap_or(0..0).start),
-            message: e.message().replace('\n', ", "),
-        })?;
-        let keys = Scene::reference();
-        check_keys(text, document.get_ref(), "", &keys)?;
-        let scene: Scene = toml::from_str(text).map_err(|e| SceneError::Syntax {
-            line: line(text, e.span().unwrap_or(0..0).start),
-            message: e.message().replace('\n', ", "),
-        })?;
-        scene.check()?;
+        let mut scene = Scene::default();
+        read_toml(&mut scene, text)?;
+        scene.check_use()?;
         Ok(scene)
     }
 
     /// Returns the scene as TOML, with all keys.
     pub fn to_toml(&self) -> String {
-        toml::to_string(self).unwrap_or_default()
+        write_toml(self)
+    }
+
+    /// Checks every range, and the relations between keys.
+    ///
+    /// # Errors
+    /// [`SceneError::Parameter`] for the first value that is wrong, [`SceneError::Arc`] for a clamp that cannot preserve the
+    /// wood's length, [`SceneError::Solver`] where the solver cannot run the scene.
+    pub fn check(&self) -> Result<(), SceneError> {
+        Parameters::check(self)?;
+        self.check_use()
+    }
+
+    /// Checks that clamps and solver can do what the scene asks of them.
+    fn check_use(&self) -> Result<(), SceneError> {
+        arc::check(&self.clamp)?;
+        self.check_solver()
     }
 
     /// Checks that the scene's solver can run the scene.
     fn check_solver(&self) -> Result<(), SceneError> {
         let refuse = |problem: String, right| {
-            let solver = self.solver.name();
+            let solver = self.solver.word();
             Err(SceneError::Solver {
                 solver,
                 problem,
@@ -66,103 +70,10 @@ impl Scene {
                 others,
             );
         }
-        if !self
-            .clamp
-            .iter()
-            .any(|c| "xyz".chars().all(|a| c.axes.contains(a)))
-        {
+        if !self.clamp.iter().any(|c| c.axes == HeldAxes::ALL) {
             let problem = "it has no inertia, and no clamp holds the wood in x, y and z";
             return refuse(problem.into(), others);
         }
         Ok(())
-    }
-
-    /// Checks every range, and the relations between keys.
-    ///
-    /// # Errors
-    /// [`SceneError::Value`] for the first value that is wrong, [`SceneError::Solver`] where the solver cannot run the scene.
-    pub fn check(&self) -> Result<(), SceneError> {
-        if let Some((k, value)) = self.out_of_range("") {
-            let right = match (k.range, k.unit) {
-                ((a, b), "") => format!("from {a} to {b}"),
-                ((a, b), unit) => format!("from {a} to {b} {unit}"),
-            };
-            let key = if k.table.is_empty() {
-                k.key
-            } else {
-                format!("{}.{}", k.table, k.key)
-            };
-            return Err(SceneError::Value { key, value, right });
-        }
-        let ordered = [
-            ("rods.edge", self.rods.edge.map(|l| l.0)),
-            ("stem.part", self.stem.part),
-        ];
-        for (key, [from, to]) in ordered {
-            if from > to || (key == "stem.part" && from == to) {
-                return Err(SceneError::Value {
-                    key: key.into(),
-                    value: from,
-                    right: format!("below the second number, {to}"),
-                });
-            }
-        }
-        arc::check(&self.clamp)?;
-        self.check_solver()
-    }
-}
-
-/// Refuses keys that do not exist.
-fn check_keys(text: &str, table: &DeTable, name: &str, keys: &[KeyInfo]) -> Result<(), SceneError> {
-    let own = || keys.iter().filter(|k| k.table == name);
-    let inner = |key: &str| {
-        let list = format!("[{key}]");
-        keys.iter()
-            .map(|k| &k.table)
-            .find(|t| *t == key || **t == list)
-            .filter(|t| may_hold(name, t))
-            .cloned()
-    };
-    for (key, value) in table {
-        let word: &str = key.get_ref();
-        if own().any(|k| k.key == word) {
-            continue;
-        }
-        let Some(inside) = inner(word) else {
-            let tables = keys
-                .iter()
-                .filter(|k| may_hold(name, &k.table))
-                .map(|k| k.table.trim_matches(['[', ']']));
-            let mut names: Vec<&str> = own().map(|k| k.key.as_str()).chain(tables).collect();
-            names.dedup();
-            return Err(SceneError::UnknownKey {
-                line: line(text, key.span().start),
-                key: word.to_owned(),
-                table: name.trim_matches(['[', ']']).to_owned(),
-                nearest: closest_names(word, names),
-            });
-        };
-        match value.get_ref() {
-            DeValue::Table(t) => check_keys(text, t, &inside, keys)?,
-            DeValue::Array(entries) => {
-                for entry in entries {
-                    if let DeValue::Table(t) = entry.get_ref() {
-                        check_keys(text, t, &inside, keys)?;
-                    }
-                }
-            }
-            // The TOML reader reports what is wrong with it.
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
-/// Whether a table may stand in another: key frames in clamps and bodies, all others at the top.
-fn may_hold(outer: &str, inner: &str) -> bool {
-    match inner {
-        "" => false,
-        "[key]" => outer == "[clamp]" || outer == "[body]",
-        _ => outer.is_empty(),
     }
 }

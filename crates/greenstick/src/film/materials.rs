@@ -1,15 +1,11 @@
 //! The materials of a film: ours, then those of the input.
 
-use super::{FilmError, FilmOptions, Run};
+use super::error::FilmError;
+use super::options::FilmOptions;
+use super::run::Run;
 use crate::session::materials;
 use greenstick_geometry::{Context, Material, Scene};
 use greenstick_skin::rods_scene::body_material;
-
-/// Places in the list of materials.
-pub(super) const INNER_MATERIAL: u32 = 0;
-pub(super) const BARK_MATERIAL: u32 = 1;
-pub(super) const BODY_MATERIAL: u32 = 2;
-pub(super) const OWN_MATERIALS: u32 = 3;
 
 impl Run {
     /// The materials of all that is shown.

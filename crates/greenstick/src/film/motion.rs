@@ -1,6 +1,7 @@
 //! The poses of a run's joints over time, read frame by frame.
 
-use super::{FilmError, turned};
+use super::error::FilmError;
+use super::poses::turned;
 use glam::DQuat;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};

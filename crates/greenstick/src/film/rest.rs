@@ -1,6 +1,11 @@
 //! What is broken in a frame, as the wood was before it moved.
 
-use super::{Begun, FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
+use super::error::FilmError;
+use super::make_still::{Begun, Still};
+use super::material_numbers::INNER_MATERIAL;
+use super::options::FilmOptions;
+use super::report::SkinReport;
+use super::run::Run;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
 use greenstick_skin::rods::{FractureState, RodPart};

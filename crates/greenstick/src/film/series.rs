@@ -1,6 +1,7 @@
 //! A run as a series of VTK files: rods and bonds with their fields, for ParaView. In the scene's own axes, z up.
 
-use super::{FilmError, Run};
+use super::error::FilmError;
+use super::run::Run;
 use glam::DVec3;
 use greenstick_fibre::store::Frame;
 use greenstick_formats::Encoded;

@@ -7,7 +7,7 @@ use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::RunError;
 use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
-use greenstick_wood::stem::{StemError, StemLocationError};
+use greenstick_wood::stem::StemError;
 
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
@@ -15,9 +15,6 @@ pub enum SimulateError {
     /// The scene is wrong, or does not fit the stem.
     #[error(transparent)]
     Scene(SceneError),
-    /// The location on the input is wrong.
-    #[error("stem.at: {0}")]
-    Place(#[from] StemLocationError),
     /// No stem was found.
     #[error(transparent)]
     Stem(StemError),

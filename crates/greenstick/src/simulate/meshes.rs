@@ -34,21 +34,21 @@ pub(super) fn stem_scene(
     let mesh = match stem.kind {
         StemChoice::Branch => {
             let options = BranchOptions {
-                length: stem.length.0,
-                diameter: stem.diameter.0,
+                length: stem.length,
+                diameter: stem.diameter,
                 ..BranchOptions::default()
             };
             return Ok(StemScene {
                 scene: crate::branch::branch(&options),
-                location: StemLocation::parse("0.5", 1.0)?,
+                location: StemLocation::Fraction(0.5),
             });
         }
-        StemChoice::Cylinder => primitive::cylinder(0.5 * stem.diameter.0, stem.length.0, 48),
-        StemChoice::Board => primitive::board(stem.length.0, stem.width.0, stem.thickness.0),
+        StemChoice::Cylinder => primitive::cylinder(0.5 * stem.diameter, stem.length, 48),
+        StemChoice::Board => primitive::board(stem.length, stem.width, stem.thickness),
         StemChoice::Input => {
             return Ok(StemScene {
                 scene: input.ok_or(SimulateError::NoInput)?.clone(),
-                location: StemLocation::parse(&stem.at, 1.0)?,
+                location: stem.at,
             });
         }
     };
@@ -57,7 +57,7 @@ pub(super) fn stem_scene(
             nodes: vec![Node::new("stem", DAffine3::IDENTITY, mesh)],
             ..Scene::default()
         },
-        location: StemLocation::parse("0.5", 1.0)?,
+        location: StemLocation::Fraction(0.5),
     })
 }
 

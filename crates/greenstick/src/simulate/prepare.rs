@@ -57,7 +57,7 @@ pub fn fill_scene_stem(
     let run_scene = scene.for_stem(match scene.stem.kind {
         StemChoice::Input => range[1] - range[0],
         // The length that the scene states: of a branch a little less may be usable.
-        _ => scene.stem.length.0 * (scene.stem.part[1] - scene.stem.part[0]),
+        _ => scene.stem.length * (scene.stem.part[1] - scene.stem.part[0]),
     });
     run_scene.check()?;
     let options = placement_options(&run_scene, (range[0], range[1]));
@@ -119,12 +119,12 @@ fn placement_options(scene: &fibre::Scene, range: (f64, f64)) -> PlacementOption
             ArrangementChoice::Anatomy => Arrangement::Anatomy,
         },
         rods: match keys.spacing {
-            Some(spacing) => RodCount::Spacing(spacing.0),
+            Some(spacing) => RodCount::Spacing(spacing),
             None => RodCount::Number(keys.number),
         },
         edges: EdgeLengths {
-            least: keys.edge[0].0,
-            greatest: keys.edge[1].0,
+            least: keys.edge[0],
+            greatest: keys.edge[1],
         },
         range: Some(range),
         reach: keys.reach,

@@ -139,7 +139,7 @@ pub(super) fn begin_report(scene: &fibre::Scene, assembled: &AssembledScene) -> 
         bonds: bundle.bonds.len(),
         length_m: assembled.length,
         twist: bundle.twisting,
-        solver: scene.solver.name().to_owned(),
+        solver: scene.solver.word().to_owned(),
         step_s: 0.0,
         limit_s: None,
         steps: 0,
