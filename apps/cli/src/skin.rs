@@ -1,6 +1,7 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
 mod engines;
+mod outputs;
 mod plan;
 
 use crate::arguments::{MeshOptions, ReportingOptions, SkinOptions};
@@ -18,6 +19,7 @@ use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::{Context, Scene, Stage};
 use greenstick::simulate::{RunSource, SceneMeshes};
+use outputs::{ending, in_folder};
 pub use plan::FilmPlan;
 use serde::Serialize;
 use std::fmt::Write;
@@ -384,30 +386,6 @@ fn series(
         count - 1
     );
     Ok((None, None, vec![(told, bytes)], Engines::default()))
-}
-
-/// Writes a scene with the metre as its unit; gives the files' names and sizes.
-fn in_metres(
-    scene: &Scene,
-    path: &Path,
-    batch: &mut Batch,
-) -> Result<Vec<(String, usize)>, Failure> {
-    let outputs = files::encode(scene, path, LengthUnit::Metre)?;
-    outputs.iter().try_for_each(|output| batch.add(output))?;
-    let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
-    Ok(outputs.iter().map(told).collect())
-}
-
-fn in_folder(folder: &Path, file: Encoded) -> Output {
-    Output {
-        path: folder.join(file.name),
-        bytes: file.bytes,
-    }
-}
-
-fn ending(path: &Path) -> String {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    ending.unwrap_or_default()
 }
 
 fn words(
