@@ -36,12 +36,12 @@ struct FullReport<'a> {
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let asked = resolve_request(options)?;
-    let unit = asked.file.unit;
+    let request = resolve_request(options)?;
+    let unit = request.file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
     if options.request.text("break.seed").is_some() {
-        setting.seed = asked.file.common.recipe.face.seed;
+        setting.seed = request.file.common.recipe.face.seed;
     }
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
@@ -54,9 +54,9 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         ("write", 0.1),
     ]);
     read.report(0.0)?;
-    let inputs: Vec<PathBuf> = asked.input.iter().cloned().collect();
+    let inputs: Vec<PathBuf> = request.input.iter().cloned().collect();
     targets.check(&inputs)?;
-    let (mesh, scan) = read_mesh(options, &asked, &mut setting, &targets, &read)?;
+    let (mesh, scan) = read_mesh(options, &request, &mut setting, &targets, &read)?;
     let meshes = SceneMeshes {
         input: mesh,
         bodies: read_body_meshes(&setting, &beside)?,
@@ -67,20 +67,20 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             seed: run.scene.seed,
             ..RodSkinOptions::default()
         },
-        texture_width: asked.file.texture_width,
+        texture_width: request.file.texture_width,
         bodies: false,
         rest: true,
     };
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
-    part(&mut still, &run, asked.file.common.separation);
+    part(&mut still, &run, request.file.common.separation);
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
         outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
-        let shot = asked.file.picture.options();
+        let shot = request.file.picture.options();
         let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
@@ -107,13 +107,13 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
 /// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
 fn read_mesh(
     options: &BreakOptions,
-    asked: &ResolvedRequest,
+    request: &ResolvedRequest,
     setting: &mut Setting,
     targets: &Targets,
     context: &Context,
 ) -> Result<(Option<Scene>, Option<ScannedReport>), Failure> {
     let at = options.request.text("at");
-    let Some(path) = &asked.input else {
+    let Some(path) = &request.input else {
         return match at {
             Some(at) if setting.stem.kind != StemChoice::Input => Err(Failure::request(format!(
                 "--at {at}: the scene makes a stem of its own, and its clamps and bodies say where that breaks"
@@ -123,10 +123,10 @@ fn read_mesh(
         };
     };
     let at = match at {
-        Some(_) => asked.file.common.place,
+        Some(_) => request.file.common.place,
         None => setting.stem.at,
     };
-    let loaded = scan::load(path, at, asked.file.unit, &asked.file.scan, context)?;
+    let loaded = scan::load(path, at, request.file.unit, &request.file.scan, context)?;
     setting.stem.at = loaded.place;
     setting.stem.kind = StemChoice::Input;
     let mut scene = loaded.scene;

@@ -319,7 +319,7 @@ fn film_stages(plan: &FilmPlan) -> [(Stage, f64); 5] {
         .output
         .as_deref()
         .is_some_and(|path| is_video(&ending(path)));
-    let on = |asked: bool, weight: f64| if asked { weight } else { 0.0 };
+    let on = |requested: bool, weight: f64| if requested { weight } else { 0.0 };
     [
         (Stage::new("skin"), 1.0),
         (
@@ -332,7 +332,7 @@ fn film_stages(plan: &FilmPlan) -> [(Stage, f64); 5] {
     ]
 }
 
-/// Pictures of all frames, where they are asked for.
+/// Renders all frames, if pictures of them are requested.
 fn frame_pictures(
     run: &Run,
     made: &mut SkinnedFilm,
@@ -380,12 +380,12 @@ fn series(
     let count = run
         .series(range, &name, put, context)
         .map_err(Failure::from)?;
-    let told = format!(
+    let written = format!(
         "{} with the {} files that it lists",
         path.display(),
         count - 1
     );
-    Ok((None, None, vec![(told, bytes)], Engines::default()))
+    Ok((None, None, vec![(written, bytes)], Engines::default()))
 }
 
 fn words(

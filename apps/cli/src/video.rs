@@ -25,9 +25,9 @@ pub fn is_video(ending: &str) -> bool {
 
 /// Fails where ffmpeg cannot be run.
 pub fn check_ffmpeg() -> Result<(), Failure> {
-    let asked = Command::new("ffmpeg").arg("-version").output();
-    match asked {
-        Ok(told) if told.status.success() => Ok(()),
+    let output = Command::new("ffmpeg").arg("-version").output();
+    match output {
+        Ok(output) if output.status.success() => Ok(()),
         _ => Err(
             Failure::work("videos are made by ffmpeg, which cannot be run here")
                 .hint("install it, or ask for the frames as pictures: --pictures FOLDER"),
@@ -73,7 +73,7 @@ pub fn encode(
         .find(|e| e.0 == ending)
         .map_or(&[][..], |e| e.1);
     let beside = folder.join(format!("video.{ending}"));
-    let told = Command::new("ffmpeg")
+    let output = Command::new("ffmpeg")
         .args(["-y", "-loglevel", "error", "-framerate"])
         .arg(frames_per_second.to_string())
         .arg("-i")
@@ -93,8 +93,8 @@ pub fn encode(
         .arg(&beside)
         .output()
         .map_err(|e| Failure::work(format!("ffmpeg cannot be run: {e}")))?;
-    if !told.status.success() {
-        let says = String::from_utf8_lossy(&told.stderr);
+    if !output.status.success() {
+        let says = String::from_utf8_lossy(&output.stderr);
         return Err(Failure::work(format!("ffmpeg failed: {}", says.trim())));
     }
     let bytes =
@@ -107,7 +107,7 @@ pub fn encode(
     Ok(length)
 }
 
-/// A folder that is gone with all in it when it is no longer needed.
+/// A folder that is removed with its content when dropped.
 pub struct Scratch(pub PathBuf);
 
 impl Scratch {
@@ -125,7 +125,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What cannot be removed stays; there is nobody left to tell.
+        // What cannot be removed stays.
         let _ = fs::remove_dir_all(&self.0);
     }
 }

@@ -129,16 +129,16 @@ pub fn write(
         let path = level_path(film, number + 1);
         let name = name_of(&path);
         let context = levels.item(number, plan.engines.levels.len());
-        let (simpler, told) = level(made, share, &context).map_err(Failure::from)?;
+        let (simpler, report) = level(made, share, &context).map_err(Failure::from)?;
         let motion = &mut made.motion;
         let glb = &plan.glb;
-        let (told, bytes) = batch
+        let (report, bytes) = batch
             .stream(&path, |file| -> Result<_, FilmError> {
                 let written = write_glb(&simpler, motion, &name, glb, file, &context)?;
-                Ok((told, written.bytes as usize))
+                Ok((report, written.bytes as usize))
             })
             .map_err(Failure::from)?;
-        engines.levels.push(told);
+        engines.levels.push(report);
         engines.files.push((path.display().to_string(), bytes));
     }
     if let Some((path, width)) = &plan.engines.vertex_texture {
@@ -149,14 +149,14 @@ pub fn write(
         let folder = path.parent().unwrap_or(Path::new(""));
         let outputs: Vec<_> = encoded.into_iter().map(|f| in_folder(folder, f)).collect();
         outputs.iter().try_for_each(|output| batch.add(output))?;
-        let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
-        engines.files.extend(outputs.iter().map(told));
+        let entry = |o: &Output| (o.path.display().to_string(), o.bytes.len());
+        engines.files.extend(outputs.iter().map(entry));
         engines.vertex_texture = Some(about);
     }
     Ok(engines)
 }
 
-/// The weight of what is asked for, and of what is not.
-fn on(asked: bool) -> f64 {
-    f64::from(u8::from(asked))
+/// Returns the weight of a stage: 1 if it is requested, otherwise 0.
+fn on(requested: bool) -> f64 {
+    f64::from(u8::from(requested))
 }
