@@ -12,11 +12,11 @@ const PAGES: [(&str, &str); 4] = [
     ("species", "species"),
 ];
 
-/// Who writes the pages, for whoever wants to change one.
+/// The first line of every page, which says where to change it.
 const MARK: &str =
     "<!-- Written by `cargo xtask generate`; change the declarations, not this file. -->\n\n";
 
-/// Writes every page, or, with `check`, only compares; a line for each page that is not as it should be.
+/// Writes every page or, with `check`, only compares it. Returns a message for each page that differs.
 pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     let folder = root.join("docs/reference");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
@@ -35,7 +35,7 @@ pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     Ok(faults)
 }
 
-/// What `greenstick COMMAND --markdown` prints.
+/// Returns what `greenstick COMMAND --markdown` prints.
 fn printed(root: &Path, command: &str) -> Result<String, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let arguments = ["run", "--quiet", "--package", "greenstick-cli", "--"];
@@ -45,9 +45,9 @@ fn printed(root: &Path, command: &str) -> Result<String, String> {
         .current_dir(root)
         .output()
         .map_err(|e| format!("cargo run did not start: {e}"))?;
-    let told = String::from_utf8_lossy(&output.stderr);
+    let errors = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        return Err(format!("greenstick {command} --markdown failed: {told}"));
+        return Err(format!("greenstick {command} --markdown failed: {errors}"));
     }
     String::from_utf8(output.stdout)
         .map_err(|e| format!("greenstick {command} --markdown did not print UTF-8: {e}"))

@@ -1,7 +1,7 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
 use crate::arguments::{AnatomyOptions, Declared};
-use crate::break_wood::{doubt_about_unit, in_metres, size, use_threads};
+use crate::break_wood::{in_metres, size, unit_warning, use_threads};
 use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
@@ -17,7 +17,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What `--json` prints: the library's report but for its long lists, which are in the file, and what was written.
+/// What `--json` prints: the library's report without its long lists, which are in the file, and the files written.
 #[derive(Serialize)]
 struct PrintedReport<'a> {
     schema: &'a str,
@@ -45,15 +45,15 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     file.check()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
     let unit = file.unit;
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
     let source = load(options, &file, &read)?;
     file.request.location = source.place;
     let mut folder = OutputFolder::new(&options.output, source.files)?;
     let mut report =
         greenstick::anatomy::anatomy(&source.scene, &file.request, &work, |file| folder.add(file))?;
-    report.notes.extend(doubt_about_unit(
+    report.notes.extend(unit_warning(
         options.input.as_deref(),
         unit,
         report.length_m,
@@ -62,20 +62,20 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     folder.add(report.to_file()?)?;
     let outputs = folder.finish()?;
     let stages = progress.finish();
-    if options.telling.reports() {
-        print(&printed(
+    if options.reporting.prints_report() {
+        print(&format_report(
             &report,
             source.scan.as_ref(),
             &outputs,
             &stages,
-            options.telling.json,
+            options.reporting.json,
         )?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// A folder into which files are written one after the other, all or none. It is made where it is not there, and removed
-/// again where the files are not finished.
+/// A folder into which files are written one after the other, all or none. It is created if it does not exist, and then
+/// removed again if the files are not finished.
 struct OutputFolder {
     path: PathBuf,
     is_new: bool,
@@ -129,16 +129,16 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        // What was staged goes first.
+        // Staged files are removed first.
         self.batch = None;
         if self.is_new {
-            // Only an empty folder goes.
+            // Fails unless the folder is empty.
             let _ = std::fs::remove_dir(&self.path);
         }
     }
 }
 
-/// The scene of an input, a cloud's as the bark of its stem, or the branch that comes with the program.
+/// Loads the scene of an input, of a cloud the bark of its stem, or the branch that comes with the program.
 fn load(
     options: &AnatomyOptions,
     file: &AnatomyFile,
@@ -156,7 +156,7 @@ fn load(
     }
 }
 
-/// Puts options over what is wanted. Points are in the unit of the file.
+/// Applies options to a request. Points are in the unit of the file.
 fn apply_options(file: &mut AnatomyFile, options: &Declared<AnatomyFile>) -> Result<(), Failure> {
     if let Some(word) = options.text("unit") {
         file.set_text("unit", word).map_err(Failure::request)?;
@@ -165,8 +165,8 @@ fn apply_options(file: &mut AnatomyFile, options: &Declared<AnatomyFile>) -> Res
     options.apply(file, |key, text| in_metres(key, text, unit))
 }
 
-/// The report as it is printed.
-fn printed(
+/// Formats the report.
+fn format_report(
     report: &AnatomyReport,
     scan: Option<&ScannedReport>,
     outputs: &[Written],
@@ -175,9 +175,9 @@ fn printed(
 ) -> Result<String, Failure> {
     if json {
         let printed = PrintedReport {
-            schema: report.schema,
+            schema: &report.schema,
             version: report.version,
-            kind: report.kind,
+            kind: &report.kind,
             length_m: report.length_m,
             radius_m: report.radius_m,
             rings: report.rings,

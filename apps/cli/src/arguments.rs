@@ -1,4 +1,4 @@
-//! What may be asked of the program, and the help that explains it.
+//! The commands and options of the program, with their help.
 
 mod anatomy;
 mod bend_test;
@@ -7,19 +7,20 @@ mod fit;
 mod shared;
 mod simulate;
 mod skin;
+mod unit;
 
 pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
 pub use declared::{Declared, OptionSet};
 pub use fit::FitOptions;
-pub use shared::{MeshOf, Telling};
+pub use shared::{MeshOptions, ReportingOptions};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
+pub use unit::UnitChoice;
 
 use crate::values;
-use clap::{Arg, Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, Parser, Subcommand};
 use greenstick::RequestFile;
-use greenstick::formats::LengthUnit;
 use greenstick::picture::PictureParameters;
 use greenstick::scanning::ScanParameters;
 use greenstick::wood::anatomy::RingParameters;
@@ -121,7 +122,7 @@ Examples
 pub struct RingsOptions {
     /// The section (.json)
     pub section: PathBuf,
-    /// Number of rings, of the same mean width (20 where nothing is said)
+    /// Number of rings, all of the same mean width [default: 20]
     #[arg(long, value_name = "N", conflicts_with_all = ["radii", "widths"])]
     pub rings: Option<usize>,
     /// Mean radii from the pith outwards, in the file's units
@@ -206,22 +207,21 @@ pub struct BreakOptions {
     pub request: Declared<RequestFile>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 impl OptionSet for RequestFile {
-    const WITHOUT: &'static [&'static str] = &["input"];
+    const EXCLUDED_KEYS: &'static [&'static str] = &["input"];
     const SHORTCUTS: &'static [&'static str] = &["break.seed", "break.hang"];
 
     fn adjust(option: Arg) -> Arg {
         match option.get_id().as_str() {
-            // A mesh may follow it.
-            "fray" => option
-                .num_args(0..=1)
-                .default_missing_value("0.5")
-                .help("Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 where no amount is given]"),
+            // The input may follow it.
+            "fray" => option.num_args(0..=1).default_missing_value("0.5").help(
+                "Bend thorns and tear some loose: 0 not at all, 1 badly [0.5 without an amount]",
+            ),
             "hang" => option.help_heading("What comes out"),
-            // Beside the input and the output.
+            // Listed with the input and the output.
             "at" | "unit" => option.help_heading(None::<&str>),
             "seed" | "species" | "moisture" => option.help_heading("How it breaks"),
             "picture_size" => PictureParameters::adjust(option),
@@ -265,8 +265,8 @@ pub struct CheckOptions {
     pub files: Vec<PathBuf>,
     /// Unit of length in the files, where their format has none
     #[arg(long)]
-    pub unit: Option<UnitWord>,
-    /// Exit with code 1 where a mesh is not a sound solid; else the code is 0 once the report is printed
+    pub unit: Option<UnitChoice>,
+    /// Exit with code 1 if a mesh is not a sound solid; otherwise the code is 0 once the report is printed
     #[arg(long)]
     pub strict: bool,
     /// Do not look for triangles that cross, which takes most of the time
@@ -287,7 +287,7 @@ pub struct PictureOptions {
     pub output: PathBuf,
     /// Unit of length in the file, where its format has none
     #[arg(long)]
-    pub unit: Option<UnitWord>,
+    pub unit: Option<UnitChoice>,
     #[command(flatten)]
     pub picture_parameters: Declared<PictureParameters>,
     /// Print nothing but errors
@@ -341,25 +341,4 @@ pub struct SpeciesOptions {
     /// Print the reference page in Markdown
     #[arg(long, conflicts_with = "name")]
     pub markdown: bool,
-}
-
-/// Units of length.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum UnitWord {
-    #[value(help = "millimetres")]
-    Mm,
-    #[value(help = "centimetres")]
-    Cm,
-    #[value(help = "metres")]
-    M,
-}
-
-impl From<UnitWord> for LengthUnit {
-    fn from(word: UnitWord) -> Self {
-        match word {
-            UnitWord::Mm => LengthUnit::Millimetre,
-            UnitWord::Cm => LengthUnit::Centimetre,
-            UnitWord::M => LengthUnit::Metre,
-        }
-    }
 }

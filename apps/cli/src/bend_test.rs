@@ -5,10 +5,11 @@ use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
+use greenstick::ErrorKind;
 use greenstick::bending::{
     BendRequest, BendSettings, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all,
 };
-use greenstick::fibre::{BendError, BendTest, PlacementError};
+use greenstick::fibre::BendTest;
 use greenstick::files;
 use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
@@ -36,8 +37,8 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
         };
         files::check_folder(folder, main)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [work, write] = progress.split([("bend", 20.0), ("write", 1.0)]);
     match &options.species {
         Some(species) => {
@@ -47,11 +48,11 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
                 test,
             };
             let bent = bend(&request, &work).map_err(failure)?;
-            tell(options, &bent.report, (&progress, &write), || bent.files())
+            write_report(options, &bent.report, (&progress, &write), || bent.files())
         }
         None => {
             let table = bend_all(settings.moisture, &test, &work).map_err(failure)?;
-            tell(options, &table, (&progress, &write), || table.files())
+            write_report(options, &table, (&progress, &write), || table.files())
         }
     }
 }
@@ -66,7 +67,7 @@ fn test(settings: &BendSettings, all_species: bool) -> BendTest {
 }
 
 /// Writes the files, where a folder was named, and prints the report.
-fn tell<T: Serialize + Display>(
+fn write_report<T: Serialize + Display>(
     options: &BendTestOptions,
     report: &T,
     (progress, write): (&Progress, &Context),
@@ -79,7 +80,7 @@ fn tell<T: Serialize + Display>(
         listed = written(&outputs);
     }
     let stages = progress.finish();
-    let text = if options.telling.json {
+    let text = if options.reporting.json {
         let full = FullReport {
             report,
             outputs: &listed,
@@ -95,27 +96,22 @@ fn tell<T: Serialize + Display>(
         let _ = writeln!(text, "took      {seconds:.2} s");
         text
     };
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 fn failure(error: BendingError) -> Failure {
-    match &error {
-        BendingError::Cancelled(stop) => (*stop).into(),
-        BendingError::Species(_) => {
-            Failure::request(error).hint("`greenstick species` lists all of them")
+    let failure = Failure::new(error.kind(), &error);
+    match (&error, error.kind()) {
+        (BendingError::Species(_), _) => failure.hint("`greenstick species` lists all of them"),
+        (BendingError::Moisture(_) | BendingError::Strength(_), _) => {
+            failure.hint("`greenstick species NAME` shows what is known about one")
         }
-        BendingError::Moisture(_) | BendingError::Strength(_) => {
-            Failure::request(error).hint("`greenstick species NAME` shows what is known of one")
+        (BendingError::Test(_), ErrorKind::Request) => {
+            failure.hint("`greenstick bend-test --help` says how lengths follow from one another")
         }
-        BendingError::Test(
-            BendError::Value { .. }
-            | BendError::TooFine { .. }
-            | BendError::Placement(PlacementError::Value { .. } | PlacementError::NoRods { .. }),
-        ) => Failure::request(error)
-            .hint("`greenstick bend-test --help` tells how lengths follow from one another"),
-        BendingError::Test(_) | BendingError::Report(_) => Failure::work(error),
+        _ => failure,
     }
 }

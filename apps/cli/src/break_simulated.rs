@@ -1,7 +1,7 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{Asked, Targets, asked, size, targets, use_threads};
+use crate::break_wood::{ResolvedRequest, Targets, resolve_request, size, targets, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
@@ -35,15 +35,15 @@ struct FullReport<'a> {
 }
 
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
-    let asked = asked(options)?;
+    let asked = resolve_request(options)?;
     let unit = asked.file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
     if options.request.text("break.seed").is_some() {
         setting.seed = asked.file.common.recipe.face.seed;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, simulation, skin, encode, picture, write] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
@@ -85,7 +85,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     files::check_distinct(&paths, &inputs)?;
     files::write_all(&outputs)?;
     let stages = progress.finish();
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         let full = FullReport {
             scan: scan.as_ref(),
             simulation: &report,
@@ -94,7 +94,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             outputs: &written(&outputs),
             stages: &stages,
         };
-        print(&told(&full, options.telling.json)?)?;
+        print(&format_report(&full, options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -102,7 +102,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
 /// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
 fn read_mesh(
     options: &BreakOptions,
-    asked: &Asked,
+    asked: &ResolvedRequest,
     setting: &mut Setting,
     targets: &Targets,
     context: &Context,
@@ -148,11 +148,9 @@ fn simulate_in_memory(
     let mut store = MemoryRun::new();
     let simulated = simulate_scene(&request, &mut store, &context.part(0.0, SIMULATED));
     let report = simulated.map_err(|error| match error {
-        SimulateError::Cancelled(cancelled) => cancelled.into(),
         SimulateError::NoInput => Failure::request("the scene is of a mesh, and none is named")
             .hint("name it, such as greenstick break pole.ply --simulate scene.toml"),
-        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
-        _ => Failure::request(error),
+        other => other.into(),
     })?;
     let opening = context.part(SIMULATED, 1.0);
     let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
@@ -172,7 +170,8 @@ fn part(still: &mut Still, run: &Run, by: f64) {
     }
 }
 
-fn told(full: &FullReport, json: bool) -> Result<String, Failure> {
+/// Formats the report.
+fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
     if json {
         return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
     }

@@ -9,7 +9,7 @@ use crate::values;
 use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
 use greenstick::geometry::Context;
-use greenstick::schema::{Field, Parameters};
+use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::wood::stem::StemLocation;
 use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
 use serde::Serialize;
@@ -17,10 +17,12 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-const OUTPUT: &str = "broken.glb";
-const PICTURE: &str = "broken.png";
+/// Default name of the pieces' file.
+const DEFAULT_OUTPUT: &str = "broken.glb";
+/// Default name of the picture.
+const DEFAULT_PICTURE: &str = "broken.png";
 
-/// Where everything goes.
+/// The files that a break writes.
 pub struct Targets {
     pub pieces: Option<PathBuf>,
     pub picture: Option<PathBuf>,
@@ -40,14 +42,14 @@ struct FullReport<'a> {
 
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let targets = targets(options)?;
-    let Asked { file, input } = asked(options)?;
+    let ResolvedRequest { file, input } = resolve_request(options)?;
     let unit = file.unit;
     let recipe = match &targets.recipe {
-        Some(path) => Some(saved(&file, input.as_deref(), path)?),
+        Some(path) => Some(recipe_text(&file, input.as_deref(), path)?),
         None => None,
     };
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work, encode, picture, write] = progress.split([
         ("read", 0.5),
         ("break", 2.0),
@@ -58,15 +60,15 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let mut request = file.request();
     let source = load(&file, input.as_deref(), request.breaks[0].place, &read)?;
     targets.check(&source.files)?;
-    move_places(&mut request, &source);
+    set_locations(&mut request, &source);
     let mut scene = source.scene;
     if let (Some(input), Some(pieces)) = (&input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
     broken.report.scan = source.scan;
-    let doubt = doubt_about_unit(input.as_deref(), unit, broken.report.place.stem_length_m);
-    doubt.into_iter().for_each(|note| broken.note(note));
+    let warning = unit_warning(input.as_deref(), unit, broken.report.place.stem_length_m);
+    warning.into_iter().for_each(|note| broken.note(note));
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
@@ -95,20 +97,28 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     files::check_distinct(&paths, &source.files)?;
     files::write_all(&outputs)?;
     let stages = progress.finish();
-    if options.telling.reports() {
+    if options.reporting.prints_report() {
         let full = FullReport {
             report: &broken.report,
-            request_hash: file.hash(),
+            request_hash: hash(&file, input.as_deref()),
             outputs: &written(&outputs),
             stages: &stages,
         };
-        print(&printed(&full, options.telling.json)?)?;
+        print(&format_report(&full, options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The places of the breaks on the stem that was made of a scan; the first was found with it.
-fn move_places(request: &mut BreakRequest, source: &Loaded) {
+/// The hash of a request, whatever folder its input lies in.
+fn hash(file: &RequestFile, input: Option<&Path>) -> String {
+    let name = input.and_then(Path::file_name);
+    let mut file = file.clone();
+    file.input = name.map(|name| name.to_string_lossy().into_owned());
+    file.hash()
+}
+
+/// Sets the locations of the breaks on the stem that was reconstructed from a scan; that of the first was found with it.
+fn set_locations(request: &mut BreakRequest, source: &Loaded) {
     request.breaks[0].place = source.place;
     let origin = source.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
     for one in &mut request.breaks[1..] {
@@ -118,15 +128,17 @@ fn move_places(request: &mut BreakRequest, source: &Loaded) {
     }
 }
 
-/// The request as a recipe at `path` holds it, with the input's name from there.
-fn saved(file: &RequestFile, input: Option<&Path>, path: &Path) -> Result<String, Failure> {
+/// Returns the request as a recipe file at `path`, with the input's path relative to it.
+fn recipe_text(file: &RequestFile, input: Option<&Path>, path: &Path) -> Result<String, Failure> {
     let mut file = file.clone();
-    file.input = input.map(|input| from_folder_of(path, input)).transpose()?;
+    file.input = input
+        .map(|input| path_from_folder_of(path, input))
+        .transpose()?;
     Ok(file.to_toml())
 }
 
-/// The name of `input` from the folder of `path`.
-fn from_folder_of(path: &Path, input: &Path) -> Result<String, Failure> {
+/// Returns the path of `input` relative to the folder of `path`.
+fn path_from_folder_of(path: &Path, input: &Path) -> Result<String, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = if folder == Path::new("") || input.is_absolute() {
         input.to_owned()
@@ -138,19 +150,19 @@ fn from_folder_of(path: &Path, input: &Path) -> Result<String, Failure> {
     };
     name.to_str().map(str::to_owned).ok_or_else(|| {
         Failure::request(format!(
-            "{}: the name is not Unicode, which a recipe cannot hold; expected another name",
+            "{}: the name is not Unicode, so a recipe cannot contain it; expected another name",
             input.display()
         ))
     })
 }
 
-/// With neither file named both are written under their usual names; with one named, only that.
+/// Returns the files to write: the named ones, or both under their default names if none is named.
 pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
     let neither = options.output.is_none() && options.picture.is_none();
-    let usual = |name: &str| neither.then(|| PathBuf::from(name));
+    let default = |name: &str| neither.then(|| PathBuf::from(name));
     let targets = Targets {
-        pieces: options.output.clone().or_else(|| usual(OUTPUT)),
-        picture: options.picture.clone().or_else(|| usual(PICTURE)),
+        pieces: options.output.clone().or_else(|| default(DEFAULT_OUTPUT)),
+        picture: options.picture.clone().or_else(|| default(DEFAULT_PICTURE)),
         recipe: options.save_recipe.clone(),
     };
     if let Some(path) = &targets.pieces
@@ -165,7 +177,7 @@ pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
     Ok(targets)
 }
 
-/// Refuses pictures that would be named as what they are not.
+/// Checks that a picture's name ends in `.png`.
 pub fn check_png(path: &Path) -> Result<(), Failure> {
     let png = path
         .extension()
@@ -181,7 +193,7 @@ pub fn check_png(path: &Path) -> Result<(), Failure> {
 }
 
 impl Targets {
-    /// Whether all of it can be written, before any work is done.
+    /// Checks that all files can be written, before any work is done.
     pub fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         let all: Vec<&Path> = [&self.pieces, &self.picture, &self.recipe]
             .into_iter()
@@ -196,7 +208,7 @@ impl Targets {
     }
 }
 
-/// The input of a request, or the branch that comes with the program.
+/// Loads the input of a request, or the branch that comes with the program.
 fn load(
     file: &RequestFile,
     input: Option<&Path>,
@@ -215,17 +227,13 @@ fn load(
     }
 }
 
-/// Metres. No tree is longer; the tallest known is 116 m high.
-const LONGEST: f64 = 120.0;
+/// Length of a stem above which its unit is doubtful, m: the tallest tree known is 116 m high.
+const MAX_PLAUSIBLE_LENGTH: f64 = 120.0;
 
-/// What to say of a stem that is as long as none, where the file does not tell its unit and nobody else has.
-pub fn doubt_about_unit(
-    input: Option<&Path>,
-    unit: Option<LengthUnit>,
-    length: f64,
-) -> Option<String> {
+/// Warns of a stem that is longer than any tree, if neither its file nor the request says the unit.
+pub fn unit_warning(input: Option<&Path>, unit: Option<LengthUnit>, length: f64) -> Option<String> {
     let format = input.and_then(InputFormat::from_path)?;
-    let doubtful = unit.is_none() && !format.is_in_metres() && length > LONGEST;
+    let doubtful = unit.is_none() && !format.is_in_metres() && length > MAX_PLAUSIBLE_LENGTH;
     doubtful.then(|| {
         format!(
             "{} files do not say their unit; read in metres the stem is {length:.0} m long: if it is in millimetres, \
@@ -235,16 +243,16 @@ pub fn doubt_about_unit(
     })
 }
 
-/// What is asked of a break.
-pub struct Asked {
+/// The request of all layers.
+pub struct ResolvedRequest {
     /// Everything that decides the outcome.
     pub file: RequestFile,
-    /// The input, from where the program runs.
+    /// The input, relative to the working directory.
     pub input: Option<PathBuf>,
 }
 
-/// The request of all layers: presets, recipe, settings, options.
-pub fn asked(options: &BreakOptions) -> Result<Asked, Failure> {
+/// Combines all layers of a request: presets, recipe, settings, options.
+pub fn resolve_request(options: &BreakOptions) -> Result<ResolvedRequest, Failure> {
     let text = options
         .recipe
         .as_ref()
@@ -275,10 +283,10 @@ pub fn asked(options: &BreakOptions) -> Result<Asked, Failure> {
         (None, Some(name)) => Some(folder.unwrap_or(Path::new("")).join(name)),
         (None, None) => None,
     };
-    Ok(Asked { file, input })
+    Ok(ResolvedRequest { file, input })
 }
 
-/// Puts options over a request: of every break, where there are several. Points are in the unit of the file.
+/// Applies options to a request, and to every break if there are several. Points are in the unit of the file.
 fn apply_options(file: &mut RequestFile, options: &Declared<RequestFile>) -> Result<(), Failure> {
     if let Some(word) = options.text("unit") {
         file.set_text("unit", word).map_err(Failure::request)?;
@@ -305,7 +313,7 @@ fn apply_options(file: &mut RequestFile, options: &Declared<RequestFile>) -> Res
     Ok(())
 }
 
-/// Options that are points in the unit of the file, in metres.
+/// Converts options that are points in the unit of the file to metres.
 pub fn in_metres(key: &str, text: &str, unit: LengthUnit) -> Result<Option<String>, Failure> {
     match key {
         "at" => values::place(text, unit).map(|p| Some(p.to_value().to_string())),
@@ -315,20 +323,23 @@ pub fn in_metres(key: &str, text: &str, unit: LengthUnit) -> Result<Option<Strin
     .map_err(Failure::request)
 }
 
-/// Where what is right can be looked up.
+/// Returns where the right values are listed.
 fn hint(error: &RequestFileError) -> &'static str {
     use greenstick::fracture::recipe::Problem;
     match error.problem() {
         Problem::Preset(_) => "`greenstick presets` lists them",
         Problem::NotASetting => "such as --set high.height=2",
-        problem => problem.parameter().map_or(
-            "`greenstick parameters` lists keys, units and ranges",
-            parameter_hint,
-        ),
+        problem => match problem.parameter() {
+            Some(
+                error @ (ParameterError::Format { .. }
+                | ParameterError::NotANumber { required: true, .. }),
+            ) => parameter_hint(error),
+            _ => "`greenstick parameters` lists keys, units and ranges",
+        },
     }
 }
 
-/// Gives the work so many threads.
+/// Sets the number of threads.
 pub fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
     let Some(threads) = threads else {
         return Ok(());
@@ -339,7 +350,8 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), Failure> {
         .map_err(|e| Failure::work(format!("cannot start {threads} threads: {e}")))
 }
 
-fn printed(full: &FullReport, json: bool) -> Result<String, Failure> {
+/// Formats the report.
+fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
     if json {
         let text = serde_json::to_string_pretty(full)
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
@@ -360,7 +372,7 @@ fn printed(full: &FullReport, json: bool) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// A number of bytes in the unit that suits it.
+/// Formats a number of bytes.
 pub fn size(bytes: usize) -> String {
     match bytes as f64 {
         b if b >= 1e6 => format!("{:.1} MB", b / 1e6),

@@ -1,6 +1,7 @@
-//! What can go wrong, in words and as an exit code: 1 where the work failed, 2 where the request was wrong, 130 where
-//! the user stopped it.
+//! Messages of errors, with a hint and an exit code: 1 if the work failed, 2 if the request was wrong, 130 if the user
+//! stopped the program.
 
+use greenstick::ErrorKind;
 use greenstick::files::FileError;
 use greenstick::film::FilmError;
 use greenstick::formats::FormatError;
@@ -10,7 +11,6 @@ use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
 use greenstick::simulate::{RunError, SimulateError};
-use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::stem::{StemError, StemLocation};
@@ -18,53 +18,56 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Code of work that the user stopped.
-const STOPPED: u8 = 130;
-
 /// Why the program ends without having done its work.
 #[derive(Debug)]
 pub struct Failure {
-    code: u8,
+    kind: ErrorKind,
     message: String,
     hint: Option<String>,
 }
 
 impl Failure {
-    /// Something in the request must be changed.
-    pub fn request(message: impl ToString) -> Self {
+    /// A failure of a kind. If the user stopped the work, `error` is not printed.
+    pub fn new(kind: ErrorKind, error: impl ToString) -> Self {
+        let message = match kind {
+            ErrorKind::Cancelled => "stopped; nothing was written".to_owned(),
+            ErrorKind::Request | ErrorKind::Work => error.to_string(),
+        };
         Failure {
-            code: 2,
+            kind,
+            message,
+            hint: None,
+        }
+    }
+
+    /// The request is wrong: something in it must change.
+    pub fn request(message: impl ToString) -> Self {
+        Failure::new(ErrorKind::Request, message)
+    }
+
+    /// The request is valid, but the work failed.
+    pub fn work(message: impl ToString) -> Self {
+        Failure::new(ErrorKind::Work, message)
+    }
+
+    /// The user stopped the work.
+    pub fn cancelled(message: impl ToString) -> Self {
+        Failure {
+            kind: ErrorKind::Cancelled,
             message: message.to_string(),
             hint: None,
         }
     }
 
-    /// The request was right, but the work could not be done.
-    pub fn work(message: impl ToString) -> Self {
-        Failure {
-            code: 1,
-            ..Failure::request(message)
+    /// Replaces the message if the user stopped the work.
+    pub fn or_cancelled(self, message: impl ToString) -> Self {
+        match self.kind {
+            ErrorKind::Cancelled => Failure::cancelled(message),
+            ErrorKind::Request | ErrorKind::Work => self,
         }
     }
 
-    /// The user stopped the work.
-    pub fn stopped(message: impl ToString) -> Self {
-        Failure {
-            code: STOPPED,
-            ..Failure::request(message)
-        }
-    }
-
-    /// Where the user stopped the work, says so in other words.
-    pub fn or_stopped(self, message: impl ToString) -> Self {
-        if self.code == STOPPED {
-            Failure::stopped(message)
-        } else {
-            self
-        }
-    }
-
-    /// A parameter that is wrong, by the option that gave it.
+    /// A wrong parameter, named by the option that set it.
     pub fn parameter(option: &str, error: &ParameterError) -> Self {
         let text = error.to_string();
         let message = match (error, error.key()) {
@@ -75,7 +78,7 @@ impl Failure {
         Failure::request(message).hint(parameter_hint(error))
     }
 
-    /// Names the file that it is about.
+    /// Puts the name of a file before the message.
     pub fn about(self, file: &std::path::Path) -> Self {
         Failure {
             message: format!("{}: {}", file.display(), self.message),
@@ -83,7 +86,7 @@ impl Failure {
         }
     }
 
-    /// Adds what to do next.
+    /// Adds a hint at what to do next.
     pub fn hint(self, hint: impl ToString) -> Self {
         Failure {
             hint: Some(hint.to_string()),
@@ -91,151 +94,146 @@ impl Failure {
         }
     }
 
-    /// Prints the failure; returns its exit code.
-    pub fn tell(self) -> ExitCode {
+    /// Prints the failure and returns its exit code.
+    pub fn report(self) -> ExitCode {
         let mut errors = std::io::stderr().lock();
         let colored = errors.is_terminal() && std::env::var_os("NO_COLOR").is_none();
-        let head = match (self.code, colored) {
-            (STOPPED, _) => "",
+        let head = match (self.kind, colored) {
+            (ErrorKind::Cancelled, _) => "",
             (_, true) => "\x1b[1;31merror:\x1b[0m ",
             (_, false) => "error: ",
         };
         let hint = self
             .hint
             .map_or(String::new(), |h| format!("\n  hint: {h}"));
-        // With stderr closed there is nobody to tell.
+        // If stderr is closed, nobody reads the message.
         let _ = writeln!(errors, "{head}{}{hint}", self.message);
-        ExitCode::from(self.code)
+        ExitCode::from(exit_code(self.kind))
+    }
+}
+
+/// The exit code of a kind of error.
+fn exit_code(kind: ErrorKind) -> u8 {
+    match kind {
+        ErrorKind::Work => 1,
+        ErrorKind::Request => 2,
+        ErrorKind::Cancelled => 130,
     }
 }
 
 impl From<Cancelled> for Failure {
-    fn from(_: Cancelled) -> Self {
-        Failure {
-            code: STOPPED,
-            message: "stopped; nothing was written".to_owned(),
-            hint: None,
-        }
+    fn from(cancelled: Cancelled) -> Self {
+        Failure::new(ErrorKind::Cancelled, cancelled)
     }
 }
 
-impl From<FileError> for Failure {
-    fn from(error: FileError) -> Self {
-        let failure = if error.is_in_the_request() {
-            Failure::request(&error)
-        } else {
-            Failure::work(&error)
-        };
-        match error {
-            FileError::Unwritable { .. } => {
-                failure.hint("name another place with -o or --picture, or create the folder")
+/// Converts errors of the library: the kind decides the exit code, and a function may add a hint.
+macro_rules! from_errors {
+    ($($error:ty => $hint:expr),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                let hint: fn(&$error) -> Option<String> = $hint;
+                Failure {
+                    hint: hint(&error),
+                    ..Failure::new(error.kind(), &error)
+                }
             }
-            FileError::Unreadable { path, .. } => match near(&path) {
-                Some(name) => failure.hint(format!("there is a file {name}")),
-                None => failure,
-            },
-            FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
-                failure.hint("export or download the file again")
-            }
-            _ => failure,
-        }
-    }
+        })*
+    };
 }
 
-impl From<greenstick::Error> for Failure {
-    fn from(error: greenstick::Error) -> Self {
-        use greenstick::Error;
-        let point = "a point of the limb works on any mesh: --at x,y,z in metres";
-        match &error {
-            Error::Cancelled(_)
-            | Error::Stem(StemError::Cancelled(_))
-            | Error::Texture(TextureError::Cancelled(_)) => Cancelled.into(),
-            Error::Stem(
-                StemError::OffStem { nearest, .. }
-                | StemError::Unusable { nearest, .. }
-                | StemError::FarFromWood { nearest, .. },
-            ) => Failure::request(&error).hint(format!("try --at {}", typed(nearest))),
-            Error::Anatomy(AnatomyError::TooLong { .. }) => Failure::work(&error).hint(point),
-            Error::Stem(StemError::Empty | StemError::Invalid { .. })
-            | Error::Species(_)
-            | Error::Amount(_)
-            | Error::Anatomy(
-                AnatomyError::Resolution(_)
-                | AnatomyError::BoardErosion
-                | AnatomyError::InnerCircle(_)
-                | AnatomyError::TooManyParticles(_),
-            ) => {
-                Failure::request(&error)
-            }
-            Error::Stem(StemError::NoStem { .. }) => Failure::work(&error).hint(format!(
-                "{point}; `greenstick check FILE` lists holes and other faults"
-            )),
-            Error::Stem(StemError::NowhereFree { .. }) => Failure::work(&error).hint(point),
-            Error::Scan(error) => scan_failure(error),
-            Error::Cut { .. } => Failure::work(&error).hint(
-                "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may do",
-            ),
-            Error::Crack(CrackError::TooShort { .. }) => Failure::work(&error)
-                .hint("a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself"),
-            _ => Failure::work(&error),
-        }
-    }
+from_errors! {
+    greenstick::Error => break_hint,
+    FileError => file_hint,
+    PictureError => |_| None,
+    FilmError => film_hint,
+    SimulateError => simulate_hint,
 }
 
-impl From<FilmError> for Failure {
-    fn from(error: FilmError) -> Self {
-        match error {
-            FilmError::Cancelled(cancelled) => cancelled.into(),
-            FilmError::File(error) => error.into(),
-            FilmError::Write(_) => Failure::work(error),
-            FilmError::Work(error) => error.into(),
-            FilmError::Simulate(SimulateError::NoInput) => {
-                Failure::request("the run was of a mesh, and it is not known which")
-                    .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
-            }
-            FilmError::Run(RunError::NoRun { .. }) => {
-                Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
-            }
-            FilmError::NoFrames { .. } => Failure::request(error)
-                .hint("the command that simulated it, with --resume, goes on with the run"),
-            _ => Failure::request(error),
-        }
-    }
-}
-
-fn scan_failure(error: &ScanningError) -> Failure {
-    use greenstick::geometry::cloud::CleanError;
-    use greenstick::scanning::ScanningError as Why;
+fn file_hint(error: &FileError) -> Option<String> {
     match error {
-        Why::Scan(ScanError::Cancelled(c)) | Why::Clean(CleanError::Cancelled(c)) => (*c).into(),
-        Why::Scan(ScanError::LowCoverage { .. }) => {
-            Failure::work(error).hint("another --at may do, or a smaller --least-cover")
+        FileError::Unwritable { .. } => {
+            Some("name another place with -o or --picture, or create the folder".to_owned())
         }
-        Why::Scan(ScanError::NotStarShaped { .. }) => Failure::work(error)
-            .hint("another --at, where every ray from the pith meets the bark once"),
-        Why::Scan(ScanError::NoStem { .. }) => {
-            Failure::work(error).hint("--at x,y,z in the file's coordinates names the stem")
+        FileError::Unreadable { path, .. } => {
+            similar_file(path).map(|name| format!("there is a file {name}"))
         }
-        Why::Scan(_) => Failure::request(error),
-        Why::Clean(_) => Failure::request(error).hint(
-            "--no-outliers, --no-isolated and --no-duplicates leave steps of the cleaning out",
-        ),
+        FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
+            Some("export or download the file again".to_owned())
+        }
+        _ => None,
     }
 }
 
-impl From<PictureError> for Failure {
-    fn from(error: PictureError) -> Self {
-        match error {
-            PictureError::Cancelled(cancelled) => cancelled.into(),
-            PictureError::Size { .. } | PictureError::Samples { .. } | PictureError::View(_) => {
-                Failure::request(error)
-            }
-            _ => Failure::work(error),
+fn film_hint(error: &FilmError) -> Option<String> {
+    let hint = match error {
+        FilmError::File(error) => return file_hint(error),
+        FilmError::Work(error) => return break_hint(error),
+        FilmError::Simulate(SimulateError::NoInput) => {
+            "name the mesh of the run behind its folder: greenstick skin run pole.ply -o film.glb"
+        }
+        FilmError::Run(RunError::NoRun { .. }) => "greenstick simulate SCENE -o FOLDER makes one",
+        FilmError::NoFrames { .. } => {
+            "the command that simulated it, with --resume, continues the run"
+        }
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+fn simulate_hint(error: &SimulateError) -> Option<String> {
+    match error {
+        SimulateError::Run(RunError::Unwritable { .. }) => {
+            Some("name another place with -o, or create the folder".to_owned())
+        }
+        _ => None,
+    }
+}
+
+fn break_hint(error: &greenstick::Error) -> Option<String> {
+    use greenstick::Error;
+    let point = "a point of the limb works on any mesh: --at x,y,z in metres";
+    let hint = match error {
+        Error::Stem(
+            StemError::OffStem { nearest, .. }
+            | StemError::Unusable { nearest, .. }
+            | StemError::FarFromWood { nearest, .. },
+        ) => format!("try --at {}", option_text(nearest)),
+        Error::Stem(StemError::NoStem { .. }) => {
+            format!("{point}; `greenstick check FILE` lists holes and other faults")
+        }
+        Error::Stem(StemError::NowhereFree { .. })
+        | Error::Anatomy(AnatomyError::TooLong { .. }) => point.to_owned(),
+        Error::Scan(error) => scan_hint(error)?.to_owned(),
+        Error::Cut { .. } => "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may work"
+            .to_owned(),
+        Error::Crack(CrackError::TooShort { .. }) => {
+            "a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself".to_owned()
+        }
+        _ => return None,
+    };
+    Some(hint)
+}
+
+fn scan_hint(error: &ScanningError) -> Option<&'static str> {
+    match error {
+        ScanningError::Scan(ScanError::LowCoverage { .. }) => {
+            Some("another --at may work, or a smaller --least-cover")
+        }
+        ScanningError::Scan(ScanError::NotStarShaped { .. }) => {
+            Some("another --at, where every ray from the pith meets the bark once")
+        }
+        ScanningError::Scan(ScanError::NoStem { .. }) => {
+            Some("--at x,y,z in the file's coordinates names the stem")
+        }
+        ScanningError::Scan(_) => None,
+        ScanningError::Clean(_) => {
+            Some("--no-outliers, --no-isolated and --no-duplicates skip steps of the cleaning")
         }
     }
 }
 
-/// Where what is right can be looked up.
+/// Returns where the right values are listed.
 pub fn parameter_hint(error: &ParameterError) -> &'static str {
     match error {
         ParameterError::Format { key, .. } if key.ends_with("species") => {
@@ -245,12 +243,12 @@ pub fn parameter_hint(error: &ParameterError) -> &'static str {
             "12 is air-dry, 30 and more is green"
         }
         ParameterError::NotANumber { required: true, .. } => "such as 3cm, 12mm or 0.1m",
-        _ => "`greenstick parameters` lists keys, units and ranges",
+        _ => "`--help` says what each option takes",
     }
 }
 
-/// A file in the folder of one that is not there, with nearly its name.
-fn near(path: &Path) -> Option<String> {
+/// Finds a file with a similar name in the folder of one that does not exist.
+fn similar_file(path: &Path) -> Option<String> {
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
@@ -266,15 +264,15 @@ fn near(path: &Path) -> Option<String> {
     Some(path.with_file_name(found).display().to_string())
 }
 
-/// A place as it can be typed whatever the unit of the file.
-fn typed(place: &StemLocation) -> String {
-    match place {
+/// Formats a location so that it can be typed, whatever the unit of the file.
+fn option_text(location: &StemLocation) -> String {
+    match location {
         StemLocation::Point(p) => format!("{:.4}m,{:.4}m,{:.4}m", p.x, p.y, p.z),
         other => other.to_string(),
     }
 }
 
-/// Prints to stdout. A reader that has gone away (`| head`) is no failure.
+/// Prints to stdout. It is no failure if the reader has closed the pipe (`| head`).
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

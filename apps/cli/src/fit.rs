@@ -95,8 +95,6 @@ fn one_line(name: &str) -> String {
 fn failure(error: FitError) -> Failure {
     match error {
         FitError::Run(error) => error.into(),
-        FitError::Cancelled(cancelled) => cancelled.into(),
-        FitError::Location { .. } => Failure::work(error),
-        FitError::NoBreak { .. } => Failure::request(error),
+        other => Failure::new(other.kind(), &other),
     }
 }

@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What is found of one file.
+/// The report on one file.
 #[derive(Serialize)]
 struct FileReport {
     file: String,
@@ -19,7 +19,7 @@ struct FileReport {
     notes: Vec<String>,
 }
 
-/// What is found of one mesh, in the world's metres.
+/// The report on one mesh, in metres of the world.
 #[derive(Serialize)]
 struct MeshReport {
     name: String,
@@ -38,7 +38,7 @@ pub fn check(options: &CheckOptions) -> Result<ExitCode, Failure> {
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         print(&(text + "\n"))?;
     } else {
-        reports.iter().try_for_each(|r| print(&words(r)))?;
+        reports.iter().try_for_each(|r| print(&format_report(r)))?;
     }
     let sound = reports.iter().flat_map(|r| &r.meshes).all(|m| m.solid);
     Ok(ExitCode::from(u8::from(options.strict && !sound)))
@@ -69,7 +69,8 @@ fn check_file(path: &Path, options: &CheckOptions) -> Result<FileReport, Failure
     })
 }
 
-fn words(file: &FileReport) -> String {
+/// Formats the report on a file.
+fn format_report(file: &FileReport) -> String {
     let mut text = format!("{}\n", file.file);
     for note in &file.notes {
         let _ = writeln!(text, "  note: {note}");

@@ -1,4 +1,4 @@
-//! `greenstick parameters` and `greenstick presets`: what there is, from the declarations.
+//! `greenstick parameters`, `greenstick schema` and `greenstick presets`: lists made from the declarations.
 
 use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
@@ -10,15 +10,15 @@ use greenstick::fracture::presets::{PRESETS, Preset};
 use greenstick::fracture::recipe::{Recipe, apply_preset};
 use greenstick::schema::{
     ParameterInfo, Parameters, closest_names, did_you_mean, document_schema, markdown_tables,
-    object_schema,
 };
 use greenstick::wood::anatomy::RingParameters;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::process::ExitCode;
 
-/// Most characters in a line of text.
-const WIDTH: usize = 100;
+/// Maximum number of characters in a line.
+const MAX_LINE_WIDTH: usize = 100;
 
 /// A table of a recipe and its parameters.
 #[derive(Serialize)]
@@ -34,37 +34,40 @@ pub fn parameters(options: &ParametersOptions) -> Result<ExitCode, Failure> {
     let text = if options.markdown {
         parameters_markdown(&sections)
     } else if options.schema {
-        json(&document_schema(
-            "Greenstick recipe",
-            &RequestFile::default(),
-        ))?
+        json(&RequestFile::schema())?
     } else if options.json {
         json(&sections)?
     } else {
-        sections.iter().map(words).collect()
+        sections.iter().map(format_section).collect()
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every kind of file that holds parameters: its name, and a set with its defaults.
-fn files() -> Vec<(&'static str, Box<dyn Parameters>)> {
+/// Returns the schemas of all kinds of file that hold parameters, with their names.
+fn schemas() -> Vec<(&'static str, Value)> {
     vec![
-        ("break", Box::new(RequestFile::default())),
-        ("anatomy", Box::new(AnatomyFile::default())),
-        ("rings", Box::new(RingParameters::default())),
-        ("scene", Box::new(Scene::default())),
+        ("break", RequestFile::schema()),
+        (
+            "anatomy",
+            document_schema("Greenstick anatomy", &AnatomyFile::default()),
+        ),
+        (
+            "rings",
+            document_schema("Greenstick rings", &RingParameters::default()),
+        ),
+        (
+            "scene",
+            document_schema("Greenstick scene", &Scene::default()),
+        ),
     ]
 }
 
 pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
-    let all = files();
+    let mut all = schemas();
     let text = match &options.name {
         Some(name) => match all.iter().find(|(known, _)| known == name) {
-            Some((_, set)) => json(&document_schema(
-                &format!("Greenstick {name}"),
-                set.as_ref(),
-            ))?,
+            Some((_, schema)) => json(schema)?,
             None => {
                 let names: Vec<&str> = all.iter().map(|f| f.0).collect();
                 return Err(Failure::request(format!("unknown schema \"{name}\""))
@@ -72,12 +75,14 @@ pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
             }
         },
         None => {
-            let definitions: serde_json::Map<_, _> = all
-                .iter()
-                .map(|(name, set)| ((*name).to_owned(), object_schema(set.as_ref())))
-                .collect();
+            let mut definitions = Map::new();
+            for (name, schema) in &mut all {
+                let draft = schema.as_object_mut().and_then(|s| s.remove(DRAFT));
+                debug_assert!(draft.is_some());
+                definitions.insert((*name).to_owned(), schema.take());
+            }
             json(&serde_json::json!({
-                "$schema": "https://json-schema.org/draft/2020-12/schema",
+                DRAFT: "https://json-schema.org/draft/2020-12/schema",
                 "title": "Greenstick",
                 "$defs": definitions,
             }))?
@@ -86,6 +91,9 @@ pub fn schema(options: &SchemaOptions) -> Result<ExitCode, Failure> {
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
+
+/// Key of the draft that a schema follows.
+const DRAFT: &str = "$schema";
 
 fn parameters_markdown(sections: &[Section]) -> String {
     let mut page = String::from(
@@ -100,7 +108,7 @@ fn parameters_markdown(sections: &[Section]) -> String {
     page
 }
 
-/// All parameters, or those whose key is `key` or begins with it and a dot.
+/// Returns all parameters, or those whose key is `key` or begins with `key` and a dot.
 fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     let of_table = |table: &str| -> Vec<ParameterInfo> {
         let all = RequestFile::table().into_iter();
@@ -172,7 +180,8 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     Ok(sections)
 }
 
-fn words(section: &Section) -> String {
+/// Formats a section as text.
+fn format_section(section: &Section) -> String {
     let mut text = match section.table {
         "" => String::new(),
         table => format!("{table}\n"),
@@ -189,7 +198,7 @@ fn words(section: &Section) -> String {
             format!("  {}", p.symbol)
         };
         let _ = writeln!(text, "    {} = {}  ({}){symbol}", p.key, p.value, range(p));
-        for line in wrapped(&p.doc, WIDTH - 8) {
+        for line in wrapped(&p.doc, MAX_LINE_WIDTH - 8) {
             let _ = writeln!(text, "        {line}");
         }
     }
@@ -206,7 +215,7 @@ fn range(p: &ParameterInfo) -> String {
     parts.join(", or ")
 }
 
-/// The text in lines of at most `width` characters.
+/// Wraps text to lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -239,17 +248,21 @@ pub fn presets(options: &PresetsOptions) -> Result<ExitCode, Failure> {
         }
         None if options.json => json(&PRESETS)?,
         None if options.markdown => presets_markdown(),
-        None => presets_words(),
+        None => format_presets(),
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn presets_words() -> String {
+/// Formats the list of presets as text.
+fn format_presets() -> String {
     let width = PRESETS.iter().map(|p| p.name.len()).max().unwrap_or(0);
     let mut text = String::new();
     for p in PRESETS {
-        for (i, line) in wrapped(p.summary, WIDTH - width - 2).iter().enumerate() {
+        for (i, line) in wrapped(p.summary, MAX_LINE_WIDTH - width - 2)
+            .iter()
+            .enumerate()
+        {
             let name = if i == 0 { p.name } else { "" };
             let _ = writeln!(text, "{name:width$}  {line}");
         }
@@ -257,7 +270,7 @@ fn presets_words() -> String {
     text
 }
 
-/// What a preset changes against the defaults.
+/// Lists the parameters for which a preset differs from the defaults.
 fn changes(preset: &Preset) -> Vec<String> {
     let (plain, mut recipe) = (Recipe::default(), Recipe::default());
     if apply_preset(&mut recipe, preset.name).is_err() {
@@ -286,21 +299,21 @@ fn changes(preset: &Preset) -> Vec<String> {
 
 fn presets_markdown() -> String {
     let mut page = String::from(
-        "# Presets\n\nEach is asked for with `--preset NAME`; `greenstick presets NAME` prints it as a recipe. \
+        "# Presets\n\n`--preset NAME` selects one; `greenstick presets NAME` prints it as a recipe. \
          Presets of breaks replace the whole face, presets of cracks replace all cracks, so that one of each can be \
-         put together.\n\n| preset | what it gives |\n|---|---|\n",
+         combined.\n\n| preset | what it gives |\n|---|---|\n",
     );
     for p in PRESETS {
         let _ = writeln!(page, "| `{}` | {} |", p.name, p.summary);
     }
-    page.push_str("\n## What they change against the defaults\n");
+    page.push_str("\n## How they differ from the defaults\n");
     for p in PRESETS {
         let _ = writeln!(page, "\n### {}\n\n{}", p.name, changes(p).join(", "));
     }
     page
 }
 
-/// As JSON text.
+/// Converts a value to JSON text.
 pub fn json(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")

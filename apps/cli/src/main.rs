@@ -27,13 +27,13 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        // Help and version are no failures; they go to stdout with code 0, all else to stderr with code 2.
-        Err(told) => {
-            let _ = told.print();
-            return ExitCode::from(if told.use_stderr() { 2 } else { 0 });
+        // Help and version are no errors: they go to stdout with code 0, everything else to stderr with code 2.
+        Err(message) => {
+            let _ = message.print();
+            return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
         }
     };
-    let done = match &arguments.command {
+    let result = match &arguments.command {
         Command::Break(options) => match &options.simulate {
             Some(scene) => break_simulated::run(options, scene),
             None => break_wood::run(options),
@@ -51,5 +51,5 @@ fn main() -> ExitCode {
         Command::Rings(options) => rings::run(options),
         Command::Species(options) => species::run(options),
     };
-    done.unwrap_or_else(Failure::tell)
+    result.unwrap_or_else(Failure::report)
 }

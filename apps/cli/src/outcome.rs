@@ -1,4 +1,4 @@
-//! What reports of several commands have in common: the files that were written and the time that was spent.
+//! Parts of the reports of several commands: the files that were written and the time that was spent.
 
 use crate::progress::StageTime;
 use greenstick::files::Output;
@@ -11,21 +11,22 @@ pub struct Written {
     pub bytes: usize,
 }
 
-/// Files as reports list them.
+/// Lists files as reports show them.
 pub fn written(outputs: &[Output]) -> Vec<Written> {
-    let told = |o: &Output| Written {
+    let entry = |o: &Output| Written {
         path: o.path.display().to_string(),
         bytes: o.bytes.len(),
     };
-    outputs.iter().map(told).collect()
+    outputs.iter().map(entry).collect()
 }
 
-/// Seconds of every stage that took any worth telling.
+/// Lists the seconds of every stage that took at least 5 ms.
 pub fn spent(stages: &[StageTime]) -> String {
-    let told = |s: &StageTime| (s.seconds >= 0.005).then(|| format!("{} {:.2}", s.name, s.seconds));
+    let entry =
+        |s: &StageTime| (s.seconds >= 0.005).then(|| format!("{} {:.2}", s.name, s.seconds));
     stages
         .iter()
-        .filter_map(told)
+        .filter_map(entry)
         .collect::<Vec<_>>()
         .join(", ")
 }

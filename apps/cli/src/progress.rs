@@ -1,5 +1,4 @@
-//! What the program tells while it works: stages with their seconds, a bar on stderr for work of more than a second, and
-//! Ctrl-C.
+//! Progress: stages with their seconds, a bar on stderr for work of more than a second, and Ctrl-C.
 
 use greenstick::geometry::{CancelToken, Context, Progress as Report, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -8,12 +7,12 @@ use std::io::IsTerminal;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Work that is over sooner needs no bar.
-const SILENT: Duration = Duration::from_secs(1);
-/// Before so much of the work is done, the time left would be a guess.
-const TELLING: f64 = 0.05;
+/// Time after which the bar appears.
+const BAR_DELAY: Duration = Duration::from_secs(1);
+/// Fraction of the work below which the remaining time is not estimated.
+const MIN_DONE_FOR_ESTIMATE: f64 = 0.05;
 /// Steps of the bar.
-const STEPS: u64 = 1000;
+const BAR_STEPS: u64 = 1000;
 
 /// A stage of the work and the time it took.
 #[derive(Debug, Clone, Serialize)]
@@ -54,10 +53,10 @@ impl Progress {
             since: start,
             bar: None,
         }));
-        let telling = state.clone();
+        let reported = state.clone();
         let root = Context::new(token, move |report| {
-            let mut state = telling.lock().unwrap_or_else(|e| e.into_inner());
-            state.tell(report, shown.then_some(start));
+            let mut state = reported.lock().unwrap_or_else(|e| e.into_inner());
+            state.update(report, shown.then_some(start));
         });
         Progress { root, state }
     }
@@ -99,21 +98,21 @@ impl Drop for Progress {
 }
 
 impl State {
-    /// Takes note of a report, and shows it where the work is long and began at `shown_since`.
-    fn tell(&mut self, report: Report, shown_since: Option<Instant>) {
+    /// Records a report, and shows it on the bar if there is one: for work that began at `shown_since` and takes long.
+    fn update(&mut self, report: Report, shown_since: Option<Instant>) {
         let now = Instant::now();
         let name = report.stage.name();
         if self.stages.last().is_none_or(|s| s.name != name) {
             self.end_stage(now);
             self.stages.push(StageTime { name, seconds: 0.0 });
         }
-        let Some(start) = shown_since.filter(|start| now - *start >= SILENT) else {
+        let Some(start) = shown_since.filter(|start| now - *start >= BAR_DELAY) else {
             return;
         };
         let bar = self.bar.get_or_insert_with(new_bar);
-        bar.set_position((report.overall * STEPS as f64) as u64);
+        bar.set_position((report.overall * BAR_STEPS as f64) as u64);
         bar.set_prefix(name);
-        bar.set_message(if report.overall > TELLING {
+        bar.set_message(if report.overall > MIN_DONE_FOR_ESTIMATE {
             let spent = (now - start).as_secs_f64();
             format!(
                 "{} left",
@@ -134,7 +133,7 @@ impl State {
 }
 
 fn new_bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+    let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
     if let Ok(style) =
         ProgressStyle::with_template("{spinner} {prefix:10} {bar:30} {percent:>3} % {msg}")
     {
@@ -143,7 +142,7 @@ fn new_bar() -> ProgressBar {
     bar
 }
 
-/// A time that is left, no more exact than a guess can be.
+/// Formats a remaining time as an estimate.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("about {:.0} s", seconds.max(1.0))

@@ -13,9 +13,9 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Number of rings where none is given.
+/// Default number of rings.
 const DEFAULT_RINGS: usize = 20;
-/// Pixels along each side of the bitmap that is eroded, where none are given.
+/// Default number of pixels along each side of the bitmap that is eroded.
 const DEFAULT_RESOLUTION: usize = 512;
 
 pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
@@ -85,12 +85,12 @@ fn method(options: &RingsOptions) -> Result<SectionRingMethod, Failure> {
     let method = source.method();
     if let (RingMethod::Erosion(_), Some(option)) = (&method, counted) {
         return Err(Failure::request(format!(
-            "{option}: an erosion makes its own number of rings, by its kernels and the --resolution; leave it out"
+            "{option}: an erosion makes its own number of rings, by its kernels and --resolution; leave the option out"
         )));
     }
     match method {
         RingMethod::Field if options.resolution.is_some() => Err(Failure::request(
-            "--resolution is of an erosion; say --rings-by erosion with it",
+            "--resolution belongs to an erosion; add --rings-by erosion",
         )),
         RingMethod::Field => Ok(SectionRingMethod::Field(
             match (options.rings, &options.radii, &options.widths) {
@@ -117,7 +117,7 @@ fn pith(options: &RingsOptions) -> Result<Option<[f64; 2]>, Failure> {
     }
 }
 
-/// A line about the rings that were made.
+/// Summarises the rings in one line.
 fn summary(path: &Path, section: &RingsFile, method: &SectionRingMethod, units: &str) -> String {
     let rings = &section.rings;
     let pith = rings.pith();

@@ -1,4 +1,4 @@
-//! Inputs: from a mesh or point cloud to a scene.
+//! Loading of inputs: meshes and point clouds.
 
 use crate::failure::Failure;
 use greenstick::files;
@@ -8,22 +8,22 @@ use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan
 use greenstick::wood::stem::StemLocation;
 use std::path::{Path, PathBuf};
 
-/// The part of loading a cloud that reading its file takes.
-const READ: f64 = 0.3;
+/// The fraction of loading a cloud that reading its file takes.
+const READING: f64 = 0.3;
 
-/// What an input file gave.
+/// A loaded input.
 pub struct Loaded {
     /// The meshes, or the bark of the scan.
     pub scene: Scene,
-    /// The place asked for, in that scene.
+    /// The requested location, in that scene.
     pub place: StemLocation,
-    /// What was made of the scan, where it was one.
+    /// The report on the scan, if the input was one.
     pub scan: Option<ScannedReport>,
     /// The files that were read.
     pub files: Vec<PathBuf>,
 }
 
-/// Reads a mesh as it is and a cloud as the bark of the stem at `place`.
+/// Loads a mesh as it is, and a cloud as the bark of the stem at `place`.
 pub fn load(
     path: &Path,
     place: StemLocation,
@@ -46,7 +46,7 @@ pub fn load(
         Content::Cloud(cloud) => cloud,
     };
     let request = parameters.request();
-    let scanned = scan_to_scene(&cloud, &place, &request, &context.part(READ, 1.0))
+    let scanned = scan_to_scene(&cloud, &place, &request, &context.part(READING, 1.0))
         .map_err(|failure| Failure::from(failure).about(path))?;
     Ok(Loaded {
         scene: scanned.scene,

@@ -1,6 +1,6 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
-use crate::arguments::{SimulateOptions, Telling};
+use crate::arguments::{ReportingOptions, SimulateOptions};
 use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
@@ -40,7 +40,7 @@ struct Listed {
 
 pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.list {
-        return list(options.telling.json);
+        return list(options.reporting.json);
     }
     if options.markdown {
         print(&Scene::reference_markdown())?;
@@ -71,8 +71,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if film.is_some() {
         files::check_writable(output)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work, shots, filming] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
@@ -96,7 +96,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     };
     let report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
     let pictures = pictures(&run, &request.meshes, options, &shots).map_err(|e| {
-        e.or_stopped(format!(
+        e.or_cancelled(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
             folder.display()
         ))
@@ -106,7 +106,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         pictures: &pictures,
         stages: &progress.finish(),
     };
-    print_report(&full, &options.telling)?;
+    print_report(&full, &options.reporting)?;
     if film.is_some() {
         if let (Some(path), Some(mesh)) = (&options.mesh.input, &mut request.meshes.input) {
             files::carry_images(mesh, path, output);
@@ -116,11 +116,11 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn print_report(full: &FullReport, telling: &Telling) -> Result<(), Failure> {
-    if !telling.reports() {
+fn print_report(full: &FullReport, reporting: &ReportingOptions) -> Result<(), Failure> {
+    if !reporting.prints_report() {
         return Ok(());
     }
-    let text = if telling.json {
+    let text = if reporting.json {
         let text = serde_json::to_string_pretty(full)
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         text + "\n"
@@ -148,13 +148,13 @@ fn make_film(
     let run = Run::open(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
     let shot = options.picture_parameters.set()?.options();
     let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
-    let telling = Telling {
+    let reporting = ReportingOptions {
         // One report in JSON is enough.
-        quiet: options.telling.quiet || options.telling.json,
+        quiet: options.reporting.quiet || options.reporting.json,
         json: false,
-        ..options.telling.clone()
+        ..options.reporting.clone()
     };
-    skin::run_plan(run, &plan, &telling, progress, &filming)
+    skin::run_plan(run, &plan, &reporting, progress, &filming)
 }
 
 fn list(json: bool) -> Result<ExitCode, Failure> {
@@ -206,15 +206,15 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
 }
 
 fn failure(error: SimulateError, folder: &Path) -> Failure {
-    let resume = "the same command with --resume goes on from the checkpoint";
+    let resume = "the same command with --resume continues from the checkpoint";
     match error {
         SimulateError::Cancelled(_) => {
-            Failure::stopped(format!("stopped; {resume} in {}", folder.display()))
+            Failure::cancelled(format!("stopped; {resume} in {}", folder.display()))
         }
-        SimulateError::Run(RunError::Unwritable { .. }) => Failure::work(error).hint(resume),
-        SimulateError::Solver { .. } | SimulateError::Placement(_) => Failure::work(error),
-        SimulateError::Taken { .. } => Failure::request(error).hint(resume),
-        _ => Failure::request(error),
+        SimulateError::Run(RunError::Unwritable { .. }) | SimulateError::Taken { .. } => {
+            Failure::from(error).hint(resume)
+        }
+        _ => error.into(),
     }
 }
 

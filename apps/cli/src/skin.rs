@@ -1,9 +1,10 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
 mod engines;
+mod outputs;
 mod plan;
 
-use crate::arguments::{MeshOf, SkinOptions, Telling};
+use crate::arguments::{MeshOptions, ReportingOptions, SkinOptions};
 use crate::break_wood::{check_png, size, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
@@ -18,6 +19,7 @@ use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::{Context, Scene, Stage};
 use greenstick::simulate::{RunSource, SceneMeshes};
+use outputs::{ending, in_folder};
 pub use plan::FilmPlan;
 use serde::Serialize;
 use std::fmt::Write;
@@ -59,8 +61,8 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         check_png(path)?;
     }
-    use_threads(options.telling.threads)?;
-    let progress = Progress::start(options.telling.quiet);
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
     let run = open(
         &options.run,
@@ -73,7 +75,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         Some(number) => still(run, number, options, &plan, &work)?,
         None => film(run, &plan, &work)?,
     };
-    report(made, &options.telling, &progress.finish())?;
+    report(made, &options.reporting, &progress.finish())?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -81,22 +83,22 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
 pub fn run_plan(
     run: Run,
     plan: &FilmPlan,
-    telling: &Telling,
+    reporting: &ReportingOptions,
     progress: &Progress,
     context: &Context,
 ) -> Result<(), Failure> {
     let made = film(run, plan, context)?;
-    report(made, telling, &progress.finish())
+    report(made, reporting, &progress.finish())
 }
 
 /// Prints what was made.
-fn report(made: Made, telling: &Telling, stages: &[StageTime]) -> Result<(), Failure> {
-    if !telling.reports() {
+fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Result<(), Failure> {
+    if !reporting.prints_report() {
         return Ok(());
     }
     let (skin, film, mut files, engines) = made;
     files.extend(engines.files.iter().cloned());
-    let text = if telling.json {
+    let text = if reporting.json {
         let film = film.map(|f| FilmPart {
             skinned: f.skinned,
             rigid: f.rigid,
@@ -120,7 +122,7 @@ fn report(made: Made, telling: &Telling, stages: &[StageTime]) -> Result<(), Fai
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(
     folder: &Path,
-    mesh: &MeshOf,
+    mesh: &MeshOptions,
     output: Option<&Path>,
     context: &Context,
 ) -> Result<Run, Failure> {
@@ -384,30 +386,6 @@ fn series(
         count - 1
     );
     Ok((None, None, vec![(told, bytes)], Engines::default()))
-}
-
-/// Writes a scene with the metre as its unit; gives the files' names and sizes.
-fn in_metres(
-    scene: &Scene,
-    path: &Path,
-    batch: &mut Batch,
-) -> Result<Vec<(String, usize)>, Failure> {
-    let outputs = files::encode(scene, path, LengthUnit::Metre)?;
-    outputs.iter().try_for_each(|output| batch.add(output))?;
-    let told = |o: &Output| (o.path.display().to_string(), o.bytes.len());
-    Ok(outputs.iter().map(told).collect())
-}
-
-fn in_folder(folder: &Path, file: Encoded) -> Output {
-    Output {
-        path: folder.join(file.name),
-        bytes: file.bytes,
-    }
-}
-
-fn ending(path: &Path) -> String {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    ending.unwrap_or_default()
 }
 
 fn words(

@@ -1,4 +1,4 @@
-//! `greenstick species`: the table of all, and everything that is known of one.
+//! `greenstick species`: the table of all species, and everything that is known about one.
 
 use crate::arguments::SpeciesOptions;
 use crate::failure::{Failure, print};
@@ -28,7 +28,7 @@ pub fn run(options: &SpeciesOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the tables of all species show: headings with units, and the cells of one species.
+/// Headings of the tables of all species, with units.
 const HEADINGS: [&str; 8] = [
     "species",
     "scientific name",
@@ -40,6 +40,7 @@ const HEADINGS: [&str; 8] = [
     "height rule",
 ];
 
+/// Returns the cells of one species.
 fn cells(s: &Species) -> [String; 8] {
     let number = |x: Option<f64>, unit: f64, digits: usize| {
         x.map_or("–".to_owned(), |x| format!("{:.digits$}", x / unit))
@@ -56,7 +57,7 @@ fn cells(s: &Species) -> [String; 8] {
     ]
 }
 
-/// Which rule gives the height of the broken face of air-dry wood, and what it gives.
+/// Returns the rule for the height of the broken face of air-dry wood, and its result.
 fn rule(s: &Species) -> String {
     if let Ok(ratio) = s.equation_9() {
         return format!("Eq. 9, {ratio:.2} radii");
@@ -99,14 +100,14 @@ fn table() -> String {
     }
     let _ = write!(
         text,
-        "\n{EXPLANATION}\n`greenstick species NAME` tells all of one.\n"
+        "\n{EXPLANATION}\n`greenstick species NAME` shows everything about one.\n"
     );
     text
 }
 
 fn markdown() -> String {
     let mut page = format!(
-        "# Species\n\n{EXPLANATION} `greenstick species NAME` prints all that is known of one, \
+        "# Species\n\n{EXPLANATION} `greenstick species NAME` prints everything that is known about one, \
          `--json` with every digit. Sources are listed in `crates/wood/data/SOURCES.md`.\n\n| {} |\n|{}\n",
         HEADINGS.join(" | "),
         "---|".repeat(HEADINGS.len())
@@ -188,7 +189,7 @@ fn one(s: &Species) -> String {
     text
 }
 
-/// The unit in which a property is easy to read, and its size in SI.
+/// Returns the unit in which a property is shown, and its size in SI units.
 fn shown_in(property: Property) -> (f64, &'static str) {
     match property {
         Property::ModulusOfElasticity => (1e9, "GPa"),
@@ -199,7 +200,7 @@ fn shown_in(property: Property) -> (f64, &'static str) {
     }
 }
 
-/// Four significant digits at most.
+/// Formats a number with at most four significant digits.
 fn significant(x: f64) -> String {
     let decimals = (3 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
     let text = format!("{x:.decimals$}");

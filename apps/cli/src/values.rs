@@ -1,20 +1,20 @@
-//! Values as they are typed: locations, piths, ranges. Errors say what would be right; clap puts the option's name
-//! before them.
+//! Parsing of option values: locations, piths, ranges. Errors say what would be right; clap puts the option's name before
+//! them.
 
 use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::{PithPosition, StemLocation};
 
-/// A place, in the unit of the file.
+/// Parses a location, in the unit of the file.
 pub fn place(text: &str, unit: LengthUnit) -> Result<StemLocation, String> {
     StemLocation::parse(text, unit.metres()).map_err(|e| format!("--at: {e}"))
 }
 
-/// `x,y,z` in the world, or `x,y` in the section, in the unit of the file.
+/// Parses a pith: `x,y,z` in the world or `x,y` in the section, in the unit of the file.
 pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
     PithPosition::parse(text, unit.metres()).map_err(|e| format!("--pith: {e}"))
 }
 
-/// Voxels along the side of a segment or pixels along that of a section, 32 to 512.
+/// Parses a number of voxels along the side of a segment, or of pixels along the side of a section: 32 to 512.
 pub fn resolution(text: &str) -> Result<usize, String> {
     let range = greenstick::wood::anatomy::RESOLUTION_RANGE;
     match text.parse::<usize>() {
@@ -27,7 +27,7 @@ pub fn resolution(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Two whole numbers with `..` between them, the first below the second.
+/// Parses two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {
         let from = if from.is_empty() {

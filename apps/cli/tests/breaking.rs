@@ -155,6 +155,99 @@ fn a_saved_recipe_gives_the_same_break_again() {
     assert!(folder.read("a.ply") == folder.read("b.ply"));
 }
 
+/// All that decides the outcome stands in the recipe, the input's name too, which starts from the recipe's folder.
+#[test]
+fn a_recipe_alone_gives_the_same_bytes() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.0.join("kept")).unwrap();
+    folder.write("kept/pole.ply", std::fs::read(data("pole.ply")).unwrap());
+    let report = |run: &support::Run| {
+        assert_eq!(run.code, 0, "{}", run.err);
+        json(&run.out)["request_hash"].as_str().unwrap().to_owned()
+    };
+    let made = folder.quick(&[
+        "kept/pole.ply",
+        "--unit",
+        "mm",
+        "--at",
+        "0.37",
+        "--pith",
+        "3,-2",
+        "--preset",
+        "twist",
+        "--set",
+        "rings=12",
+        "--species",
+        "white oak",
+        "--moisture",
+        "19",
+        "--seed",
+        "9",
+        "--part",
+        "3cm",
+        "--fray",
+        "0.2",
+        "--view",
+        "30,10",
+        "-o",
+        "a.glb",
+        "--picture",
+        "a.png",
+        "--save-recipe",
+        "kept/r.toml",
+        "--json",
+    ]);
+    let hash = report(&made);
+    let again = folder.run(&[
+        "break",
+        "--recipe",
+        "kept/r.toml",
+        "-o",
+        "b.glb",
+        "--picture",
+        "b.png",
+        "--save-recipe",
+        "kept/again.toml",
+        "--json",
+    ]);
+    assert_eq!(report(&again), hash);
+    for (a, b) in [
+        ("a.glb", "b.glb"),
+        ("a.png", "b.png"),
+        ("kept/r.toml", "kept/again.toml"),
+    ] {
+        assert!(folder.read(a) == folder.read(b), "{a} and {b} differ");
+    }
+    let other = folder.run(&[
+        "break",
+        "--recipe",
+        "kept/r.toml",
+        "--seed",
+        "8",
+        "-o",
+        "c.ply",
+        "--json",
+    ]);
+    assert_ne!(report(&other), hash);
+}
+
+/// A recipe of several breaks gives one piece more than there are breaks.
+#[test]
+fn a_recipe_may_hold_several_breaks_of_one_stem() {
+    let folder = Folder::new();
+    folder.write(
+        "two.toml",
+        "break.rings = 10\n[[breaks]]\nat = 0.3\n[[breaks]]\nat = '40 cm'\npart = '2 cm'\n",
+    );
+    let run = folder.quick(&["--recipe", "two.toml", "-o", "two.glb", "--json"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert_volumes_add_up(&json(&run.out));
+    assert_eq!(json(&run.out)["pieces"].as_array().unwrap().len(), 3);
+    let run = folder.quick(&["--recipe", "two.toml", "--at", "0.5", "-o", "no.glb"]);
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("[[breaks]]"), "{}", run.err);
+}
+
 #[test]
 fn units_scale_and_parts_move() {
     let folder = Folder::new();

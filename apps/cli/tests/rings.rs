@@ -127,7 +127,7 @@ fn bad_sections_are_refused_with_the_field() {
     );
     folder.write("axis.json", with("y_axis", json!("left")));
     folder.write("bare.json", with("rings", Value::Null));
-    for (arguments, told) in [
+    for (arguments, expected) in [
         ("text.json", "no JSON"),
         ("list.json", "object"),
         ("none.json", "`outer_contour` is missing"),
@@ -147,7 +147,7 @@ fn bad_sections_are_refused_with_the_field() {
         ("good.json --rings 3 --radii 4", "--radii"),
         ("good.json --picture p.jpg", "png"),
         ("good.json -o good.json", "good.json"),
-        ("good.json --kernels 3", "--rings-by erosion"),
+        ("good.json --kernels 3", "rings_by \"erosion\""),
         ("good.json --resolution 64", "--rings-by erosion"),
         ("good.json --rings-by erosion --rings 9", "--rings"),
         (
@@ -163,7 +163,7 @@ fn bad_sections_are_refused_with_the_field() {
         words.extend(arguments.split(' '));
         let run = folder.run(&words);
         assert_eq!(run.code, 2, "{arguments}: {} {}", run.out, run.err);
-        assert!(run.err.contains(told), "{arguments}: {}", run.err);
+        assert!(run.err.contains(expected), "{arguments}: {}", run.err);
     }
     assert_eq!(folder.names().len(), 9);
 }

@@ -21,7 +21,7 @@ fn cylinder(seen: f64) -> String {
 }
 
 #[test]
-fn a_cloud_is_broken_and_told() {
+fn a_cloud_is_broken_and_reported() {
     let folder = Folder::new();
     folder.write("a.xyz", cylinder(1.0));
     let run = folder.quick(&["a.xyz", "--at", "0.5", "-o", "b.glb", "--json"]);
@@ -54,7 +54,7 @@ fn a_cloud_is_broken_and_told() {
     for part in [
         "columns 1, 2, 3 are coordinates",
         "cover ",
-        "were taken off",
+        "were subtracted",
     ] {
         assert!(run.out.contains(part), "{}", run.out);
     }

@@ -155,7 +155,7 @@ fn wrong_options_are_refused_with_what_would_be_right() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_told_before_the_work_and_leaves_nothing() {
+fn a_place_that_cannot_be_written_is_reported_before_the_work_and_leaves_nothing() {
     let folder = Folder::new();
     folder.write("file", "x");
     let message = refused(&folder, 1, &["-o", "file/broken.glb"]);
@@ -248,7 +248,7 @@ fn an_interrupt_stops_the_work_and_leaves_nothing() {
     assert!(sent.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(told, "stopped; nothing was written\n");
+    let printed = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(printed, "stopped; nothing was written\n");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }

@@ -11,6 +11,7 @@ pub mod components;
 pub mod context;
 pub mod convex;
 mod eigen;
+mod error_kind;
 pub mod film;
 pub mod intersect;
 pub mod material;
@@ -31,6 +32,7 @@ pub use components::{Adjacency, Shells};
 pub use context::{CancelToken, Cancelled, Context, Progress, Stage};
 pub use convex::{ConvexOptions, ConvexParts, convex_parts};
 pub use eigen::symmetric_eigen;
+pub use error_kind::ErrorKind;
 pub use film::{
     Binding, EarlierBindings, Extra, Film, Joint, Motion, Pose, RigidBody, SkinnedMesh,
 };

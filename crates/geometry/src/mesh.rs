@@ -4,7 +4,7 @@
 //! Topology is therefore defined on *points* ([`Mesh::points`]): vertices at bitwise equal positions are one point.
 
 use glam::{DAffine3, DVec3};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// A per-vertex attribute: `width` numbers for each vertex, in the order of vertices.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,18 +96,7 @@ impl Mesh {
     /// Numbers the points of the mesh. Vertices at bitwise equal positions (0 and −0 count as equal) share a point.
     /// Returns the point of each vertex, counted from 0 in order of first appearance, and the number of points.
     pub fn points(&self) -> (Vec<u32>, usize) {
-        let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(self.positions.len());
-        let numbers = self
-            .positions
-            .iter()
-            .map(|p| {
-                let next = seen.len() as u32;
-                *seen
-                    .entry((*p + DVec3::ZERO).to_array().map(f64::to_bits))
-                    .or_insert(next)
-            })
-            .collect();
-        (numbers, seen.len())
+        crate::components::number_points(&self.positions)
     }
 
     /// Signed volume by the divergence theorem, positive for a closed mesh oriented outwards. For an open mesh the

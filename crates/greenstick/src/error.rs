@@ -1,18 +1,18 @@
-//! Everything that can go wrong between a file and its broken pieces.
+//! Errors of breaks, scans and the inside of stems.
 
 use greenstick_fracture::cut::CutError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_skin::BreakError;
 use greenstick_wood::anatomy::AnatomyError;
 use greenstick_wood::stem::StemError;
 
-/// Why a break failed.
+/// Why there is no result.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The stem at the place could not be found, or cannot be broken there.
+    /// There is no stem at the location, or it cannot be broken there.
     #[error(transparent)]
     Stem(#[from] StemError),
-    /// The mesh could not be cut.
+    /// The mesh cannot be cut.
     #[error("{error}; in the world that is at {at} (m)")]
     Cut {
         /// What went wrong.
@@ -20,39 +20,58 @@ pub enum Error {
         /// Where, m.
         at: glam::DVec3,
     },
-    /// The recipe asks for something that is not known.
+    /// The shrinkage of the recipe's wood is not known.
     #[error(transparent)]
     Recipe(#[from] greenstick_fracture::recipe::ShrinkageError),
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] greenstick_wood::species::UnknownSpecies),
-    /// The textures of the wood inside could not be made.
+    /// The textures of the wood inside cannot be made.
     #[error(transparent)]
     Texture(#[from] greenstick_skin::texture::TextureError),
-    /// Cracks could not be made.
+    /// Cracks cannot be made.
     #[error(transparent)]
     Crack(#[from] greenstick_fracture::cracks::CrackError),
-    /// A scan gives no bark.
+    /// No bark can be reconstructed from a scan.
     #[error(transparent)]
     Scan(#[from] crate::scanning::error::ScanningError),
-    /// The inside of the stem could not be made.
+    /// The inside of the stem cannot be made.
     #[error(transparent)]
     Anatomy(AnatomyError),
     /// A parameter is wrong.
     #[error(transparent)]
     Parameter(#[from] greenstick_schema::ParameterError),
-    /// A number asked for is out of range.
+    /// The number of something in the request is out of range.
     #[error("{0}")]
     Amount(String),
-    /// Something does not fit the format it was to be written in.
+    /// A format cannot represent the result.
     #[error(transparent)]
     Format(#[from] greenstick_formats::FormatError),
-    /// The report could not be put into JSON.
-    #[error("the report cannot be put into JSON: {0}")]
+    /// The report cannot be converted to JSON.
+    #[error("the report cannot be converted to JSON: {0}")]
     Report(String),
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl Error {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Error::Cancelled(_) => ErrorKind::Cancelled,
+            Error::Stem(error) => error.kind(),
+            Error::Texture(error) => error.kind(),
+            Error::Scan(error) => error.kind(),
+            Error::Anatomy(error) => error.kind(),
+            Error::Recipe(_) | Error::Species(_) | Error::Parameter(_) | Error::Amount(_) => {
+                ErrorKind::Request
+            }
+            Error::Cut { .. } | Error::Crack(_) | Error::Format(_) | Error::Report(_) => {
+                ErrorKind::Work
+            }
+        }
+    }
 }
 
 impl From<BreakError> for Error {

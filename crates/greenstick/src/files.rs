@@ -1,6 +1,6 @@
-//! The file layer: mesh files with their companions in, several files out at once or not at all.
+//! Reading and writing of files: mesh files with their companions in, several files out together or not at all.
 //!
-//! This is the one place in the libraries that touches the file system; all stages work on scenes.
+//! This is the only module of the libraries that accesses the file system; all stages work on scenes.
 
 #[cfg(feature = "simulate")]
 pub mod run;
@@ -8,17 +8,17 @@ pub mod run;
 use greenstick_formats::{
     CloudFormat, Content, Encoded, Format, FormatError, InputFormat, LengthUnit,
 };
-use greenstick_geometry::{ImageSource, Scene};
+use greenstick_geometry::{ErrorKind, ImageSource, Scene};
 use std::cell::RefCell;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
-/// Why files could not be read or written.
+/// Why files cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// A file could not be opened or read.
+    /// A file cannot be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Unreadable {
         /// The file.
@@ -26,21 +26,21 @@ pub enum FileError {
         /// Why.
         source: io::Error,
     },
-    /// A name whose ending is that of no format.
+    /// The ending of a name is that of no format.
     #[error("{}: {}; expected a name that ends in {}", path.display(), ending_of(path), expected)]
     UnknownEnding {
         /// The file.
         path: PathBuf,
-        /// The endings that are known.
+        /// The known endings.
         expected: String,
     },
-    /// The content is no sound mesh.
+    /// The content is invalid.
     #[error(transparent)]
     Content(FormatError),
-    /// The scene does not fit the format.
+    /// The format cannot represent the scene.
     #[error(transparent)]
     Encoding(FormatError),
-    /// A file could not be written; nothing was.
+    /// A file cannot be written; no other file was written either.
     #[error("{}: cannot be written: {source}; nothing was written", path.display())]
     Unwritable {
         /// The file.
@@ -53,15 +53,18 @@ pub enum FileError {
     WouldOverwrite {
         /// The file.
         path: PathBuf,
-        /// What it is already.
+        /// What the file already is.
         what: &'static str,
     },
 }
 
 impl FileError {
-    /// Whether other input or other names would help; otherwise the place failed.
-    pub fn is_in_the_request(&self) -> bool {
-        !matches!(self, FileError::Unwritable { .. } | FileError::Encoding(_))
+    /// Returns the kind of the error: [`ErrorKind::Request`] if other input or other names would help.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FileError::Unwritable { .. } | FileError::Encoding(_) => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
     }
 }
 
@@ -72,7 +75,7 @@ fn ending_of(path: &Path) -> String {
     }
 }
 
-/// Endings of mesh files, as messages list them.
+/// Lists the endings of mesh files for messages.
 pub fn mesh_endings() -> String {
     Format::ALL
         .map(|f| format!(".{}", f.extension()))
@@ -91,21 +94,21 @@ pub struct Source {
 /// A file that is to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// Where.
+    /// Its path.
     pub path: PathBuf,
     /// Its content.
     pub bytes: Vec<u8>,
 }
 
-/// Reads a mesh file. `unit` is what one unit of length in it stands for (see [`greenstick_formats::read`]).
+/// Reads a mesh file. `unit` is the unit of length in it (see [`greenstick_formats::read`]).
 ///
 /// # Errors
-/// [`FileError`] where the file or a companion that it needs is not there or is no sound mesh.
+/// [`FileError`] if the file or a companion that it needs does not exist or is invalid.
 pub fn read(path: &Path, unit: Option<LengthUnit>) -> Result<Scene, FileError> {
     load(path, unit).map(|source| source.scene)
 }
 
-/// As [`read`], with the names of all files that were read.
+/// Reads a mesh file as [`read`] does, and lists all files that were read.
 ///
 /// # Errors
 /// As [`read`].
@@ -120,7 +123,7 @@ pub fn load(path: &Path, unit: Option<LengthUnit>) -> Result<Source, FileError> 
     Ok(Source { scene, files })
 }
 
-/// As [`load`], of meshes and of point clouds.
+/// Reads a file with a mesh or a point cloud, and lists all files that were read.
 ///
 /// # Errors
 /// As [`read`].
@@ -139,7 +142,7 @@ pub fn load_content(
     })
 }
 
-/// Hands the bytes of a file and the way to its companions to `read`; gives what that makes and all files it took.
+/// Calls `read` with the bytes of a file and a function that reads its companions. Returns the result and all files read.
 fn fetch<T>(
     path: &Path,
     read: impl FnOnce(&[u8], &str, greenstick_formats::Resolve) -> Result<T, FileError>,
@@ -169,11 +172,11 @@ fn fetch<T>(
     Ok((made, files.into_inner()))
 }
 
-/// The file that `main` refers to. References may leave the folder of `main` (`../textures/bark.png`) but must be
-/// relative and name a plain file, so that a mesh file can make nobody read a device or a folder of the system.
+/// Returns the file that `main` refers to. References may leave the folder of `main` (`../textures/bark.png`) but must be
+/// relative and name a regular file, so that no mesh file causes a device or a system folder to be read.
 fn companion(main: &Path, reference: &str) -> io::Result<PathBuf> {
     let refuse = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why.to_owned());
-    // Files from Windows have backslashes; no sane name on other systems does.
+    // Files from Windows have backslashes, which names on other systems hardly ever have.
     let reference = reference.replace('\\', "/");
     let relative = Path::new(&reference);
     let drive = reference.as_bytes().get(1) == Some(&b':');
@@ -190,8 +193,8 @@ fn companion(main: &Path, reference: &str) -> io::Result<PathBuf> {
     Ok(path)
 }
 
-/// Makes references to images hold when the scene, read from `source`, is written to `target`: where the folder is
-/// another one, images that exist are taken into the scene. A note names each that does not exist and stays a reference.
+/// Keeps references to images valid when the scene, read from `source`, is written to `target`: if the folders differ,
+/// images that exist are embedded in the scene. Images that do not exist stay references, and a note names each.
 pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
     let folder = |path: &Path| fs::canonicalize(folder_of(path)).ok();
     let same = folder(source).is_some() && folder(source) == folder(target);
@@ -217,7 +220,7 @@ pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
                 }
             }
             Err(error) => {
-                let note = format!("texture {reference} is kept as a reference: {error}");
+                let note = format!("texture {reference} remains a reference: {error}");
                 if !scene.notes.contains(&note) {
                     scene.notes.push(note);
                 }
@@ -226,7 +229,7 @@ pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
     }
 }
 
-/// `bark 1.png` of `bark%201.png`.
+/// Decodes percent-encoded bytes: `bark%201.png` is `bark 1.png`.
 fn percent_decoded(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());
@@ -242,7 +245,7 @@ fn percent_decoded(uri: &str) -> String {
     String::from_utf8(decoded).unwrap_or_else(|_| uri.to_owned())
 }
 
-/// Media type of an image that glTF knows.
+/// Returns the media type of an image, if glTF supports it.
 fn mime_type(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         Some("image/png")
@@ -253,10 +256,10 @@ fn mime_type(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// The scene as files: the one at `path`, in the format of its ending, then its companions beside it.
+/// Encodes a scene as files: the one at `path`, in the format of its ending, then its companions in the same folder.
 ///
 /// # Errors
-/// [`FileError`] where the ending is unknown or the scene does not fit the format.
+/// [`FileError`] if the ending is unknown or the format cannot represent the scene.
 pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output>, FileError> {
     let unknown = || FileError::UnknownEnding {
         path: path.to_owned(),
@@ -281,18 +284,18 @@ pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output
         .collect())
 }
 
-/// Checks that a file could be written at `path`, without leaving anything there: for programs that would rather know
-/// before they work than after.
+/// Checks that a file can be written at `path`, without leaving anything there, so that a program can fail before its
+/// work instead of after it.
 ///
 /// # Errors
-/// [`FileError::Unwritable`] where not.
+/// [`FileError::Unwritable`] if not.
 pub fn check_writable(path: &Path) -> Result<(), FileError> {
     let staged = Staged::new(path, &[])?;
     drop(staged);
     Ok(())
 }
 
-/// Refuses outputs that are the same file as one that was read, or as each other.
+/// Checks that no output is the same file as an input or another output.
 ///
 /// # Errors
 /// [`FileError::WouldOverwrite`].
@@ -323,8 +326,8 @@ pub fn check_distinct(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), FileE
     Ok(())
 }
 
-/// Writes all files or none: each beside its place first, and only when all are there they take their names, companions
-/// before the main file. No reader sees half a file, and what was there before is put back where a step fails.
+/// Writes all files or none: each under a temporary name in its folder first; when all are complete they are renamed,
+/// companions before the main file. No reader sees half a file, and earlier files are restored if a step fails.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] with the file that failed.
@@ -334,7 +337,7 @@ pub fn write_all(outputs: &[Output]) -> Result<(), FileError> {
     batch.finish()
 }
 
-/// Writes one file as `write` makes it, beside its place first. Where `write` fails nothing is left of it.
+/// Writes one file in a stream, under a temporary name first. If `write` fails, nothing is left of it.
 ///
 /// # Errors
 /// Those of `write`, and [`FileError::Unwritable`].
@@ -348,8 +351,8 @@ pub fn write_streamed<T, E: From<FileError>>(
     Ok(written)
 }
 
-/// Files that are written one after the other beside their places, and take their names together at the end. Where that
-/// is not reached nothing is left of them.
+/// Files that are written one after the other under temporary names and renamed together at the end. If the batch is
+/// dropped unfinished, nothing is left of them.
 #[derive(Default)]
 pub struct Batch(Vec<Staged>);
 
@@ -363,7 +366,7 @@ impl Batch {
         Ok(())
     }
 
-    /// Writes a file as `write` makes it.
+    /// Writes a file in a stream.
     ///
     /// # Errors
     /// Those of `write`, and [`FileError::Unwritable`].
@@ -383,44 +386,44 @@ impl Batch {
         Ok(written)
     }
 
-    /// Gives all files their names, those that came last first. What was there before is put back where a step fails.
+    /// Renames all files, the last one first. Earlier files are restored if a step fails.
     ///
     /// # Errors
     /// [`FileError::Unwritable`] with the file that failed.
     pub fn finish(mut self) -> Result<(), FileError> {
         for i in (0..self.0.len()).rev() {
-            if let Err(error) = self.0[i].take_place() {
+            if let Err(error) = self.0[i].rename() {
                 self.0.iter_mut().for_each(Staged::undo);
                 return Err(error);
             }
         }
-        self.0.iter_mut().for_each(Staged::keep);
+        self.0.iter_mut().for_each(Staged::commit);
         Ok(())
     }
 }
 
-/// Checks that a file `name` could be written into a folder, which need not be there yet.
+/// Checks that a file `name` can be written into a folder, which need not exist yet.
 ///
 /// # Errors
-/// [`FileError::Unwritable`] where not.
+/// [`FileError::Unwritable`] if not.
 pub fn check_folder(folder: &Path, name: &str) -> Result<(), FileError> {
-    let mut there = folder;
-    while !there.exists() {
-        there = match there.parent() {
+    let mut existing = folder;
+    while !existing.exists() {
+        existing = match existing.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
     }
-    check_writable(&there.join(name))
+    check_writable(&existing.join(name))
 }
 
-/// Writes all files into a folder or none; makes the folder where it is not there, and takes it away again where a file
+/// Writes all files into a folder or none. The folder is created if it does not exist, and then removed again if a file
 /// cannot be written.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] with what failed.
 pub fn write_folder(folder: &Path, files: Vec<Encoded>) -> Result<Vec<Output>, FileError> {
-    let made = !folder.exists();
+    let is_new = !folder.exists();
     fs::create_dir_all(folder).map_err(|source| FileError::Unwritable {
         path: folder.to_owned(),
         source,
@@ -435,8 +438,8 @@ pub fn write_folder(folder: &Path, files: Vec<Encoded>) -> Result<Vec<Output>, F
     match write_all(&outputs) {
         Ok(()) => Ok(outputs),
         Err(error) => {
-            if made {
-                // Only an empty folder goes.
+            if is_new {
+                // Fails unless the folder is empty.
                 let _ = fs::remove_dir(folder);
             }
             Err(error)
@@ -444,108 +447,109 @@ pub fn write_folder(folder: &Path, files: Vec<Encoded>) -> Result<Vec<Output>, F
     }
 }
 
-/// A file beside its place. Dropping it removes what lies beside.
+/// A file under a temporary name. Dropping it removes the temporary file and the backup.
 struct Staged {
-    place: PathBuf,
-    beside: Option<PathBuf>,
-    /// A second name of the file that was at the place before.
-    before: Option<PathBuf>,
-    placed: bool,
+    target: PathBuf,
+    temporary: Option<PathBuf>,
+    /// A second name of the file that the target was before.
+    backup: Option<PathBuf>,
+    renamed: bool,
 }
 
 impl Staged {
-    fn new(place: &Path, bytes: &[u8]) -> Result<Self, FileError> {
-        let (staged, mut file) = Staged::begin(place)?;
+    fn new(target: &Path, bytes: &[u8]) -> Result<Self, FileError> {
+        let (staged, mut file) = Staged::begin(target)?;
         file.write_all(bytes)
             .and_then(|()| file.flush())
             .map_err(|source| FileError::Unwritable {
-                path: place.to_owned(),
+                path: target.to_owned(),
                 source,
             })?;
         Ok(staged)
     }
 
-    /// An empty file beside a place.
-    fn begin(place: &Path) -> Result<(Self, fs::File), FileError> {
+    /// Creates an empty temporary file for a target.
+    fn begin(target: &Path) -> Result<(Self, fs::File), FileError> {
         let unwritable = |source| FileError::Unwritable {
-            path: place.to_owned(),
+            path: target.to_owned(),
             source,
         };
-        if place.is_dir() {
+        if target.is_dir() {
             return Err(unwritable(io::Error::other("a folder has this name")));
         }
-        if place.file_name().is_none() {
+        if target.file_name().is_none() {
             return Err(unwritable(io::Error::other("it names no file")));
         }
-        if !folder_of(place).is_dir() {
-            let missing = format!("there is no folder {}", folder_of(place).display());
+        if !folder_of(target).is_dir() {
+            let missing = format!("there is no folder {}", folder_of(target).display());
             return Err(unwritable(io::Error::new(io::ErrorKind::NotFound, missing)));
         }
-        let (beside, file) =
-            free_name(place, |path| fs::File::create_new(path)).map_err(unwritable)?;
+        let (temporary, file) =
+            free_name(target, |path| fs::File::create_new(path)).map_err(unwritable)?;
         let staged = Staged {
-            place: place.to_owned(),
-            beside: Some(beside),
-            before: None,
-            placed: false,
+            target: target.to_owned(),
+            temporary: Some(temporary),
+            backup: None,
+            renamed: false,
         };
         Ok((staged, file))
     }
 
-    fn take_place(&mut self) -> Result<(), FileError> {
-        let Some(beside) = &self.beside else {
+    fn rename(&mut self) -> Result<(), FileError> {
+        let Some(temporary) = &self.temporary else {
             return Ok(());
         };
-        if self.place.exists() {
-            // File systems without second names go without the way back.
-            let kept = free_name(&self.place, |path| fs::hard_link(&self.place, path));
-            self.before = kept.ok().map(|(path, ())| path);
+        if self.target.exists() {
+            // Without hard links in the file system there is no backup.
+            let backup = free_name(&self.target, |path| fs::hard_link(&self.target, path));
+            self.backup = backup.ok().map(|(path, ())| path);
         }
-        fs::rename(beside, &self.place).map_err(|source| FileError::Unwritable {
-            path: self.place.clone(),
+        fs::rename(temporary, &self.target).map_err(|source| FileError::Unwritable {
+            path: self.target.clone(),
             source,
         })?;
-        (self.beside, self.placed) = (None, true);
+        (self.temporary, self.renamed) = (None, true);
         Ok(())
     }
 
-    /// Puts things back as they were. What cannot be put back stays as it is: there is nobody left to tell.
+    /// Restores what was there before, as far as possible.
     fn undo(&mut self) {
-        match self.before.take() {
-            Some(before) if self.placed => drop(fs::rename(before, &self.place)),
-            Some(before) => drop(fs::remove_file(before)),
-            None if self.placed => drop(fs::remove_file(&self.place)),
+        match self.backup.take() {
+            Some(backup) if self.renamed => drop(fs::rename(backup, &self.target)),
+            Some(backup) => drop(fs::remove_file(backup)),
+            None if self.renamed => drop(fs::remove_file(&self.target)),
             None => {}
         }
-        self.placed = false;
+        self.renamed = false;
     }
 
-    fn keep(&mut self) {
-        if let Some(before) = self.before.take() {
-            drop(fs::remove_file(before));
+    /// Removes the backup of the file that was replaced.
+    fn commit(&mut self) {
+        if let Some(backup) = self.backup.take() {
+            drop(fs::remove_file(backup));
         }
     }
 }
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        if let Some(beside) = self.beside.take() {
-            drop(fs::remove_file(beside));
+        if let Some(temporary) = self.temporary.take() {
+            drop(fs::remove_file(temporary));
         }
-        if let Some(before) = self.before.take() {
-            drop(fs::remove_file(before));
+        if let Some(backup) = self.backup.take() {
+            drop(fs::remove_file(backup));
         }
     }
 }
 
-/// Tries names beside `place` until `make` finds one free.
-fn free_name<T>(place: &Path, make: impl Fn(&Path) -> io::Result<T>) -> io::Result<(PathBuf, T)> {
+/// Tries temporary names in the folder of `target` until `make` succeeds with one.
+fn free_name<T>(target: &Path, make: impl Fn(&Path) -> io::Result<T>) -> io::Result<(PathBuf, T)> {
     const TRIES: u32 = 100;
-    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
     let process = std::process::id();
     let mut last = io::Error::other("no free name");
     for i in 0..TRIES {
-        let path = place.with_file_name(format!(".{name}.{process}-{i}.part"));
+        let path = target.with_file_name(format!(".{name}.{process}-{i}.part"));
         match make(&path) {
             Ok(made) => return Ok((path, made)),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,

@@ -6,7 +6,7 @@
 use crate::film::{FilmError, Run};
 use crate::{Break, BreakRequest, BreakSession, Error};
 use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::{Cancelled, Context, Scene, Stage};
+use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene, Stage};
 use greenstick_skin::fit::BreakFit;
 pub use greenstick_skin::fit::{FitReport, FittedValue, TissueBreaks, UnfittedKeys};
 use greenstick_skin::rods::{FractureState, Wood};
@@ -37,6 +37,18 @@ pub enum FitError {
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl FitError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FitError::Cancelled(_) => ErrorKind::Cancelled,
+            FitError::Run(error) => error.kind(),
+            FitError::NoBreak { .. } => ErrorKind::Request,
+            FitError::Location { .. } => ErrorKind::Work,
+        }
+    }
 }
 
 /// Parameters of a break as a run had it.

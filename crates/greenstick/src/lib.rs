@@ -72,6 +72,7 @@ pub use greenstick_fibre as fibre;
 pub use greenstick_formats as formats;
 pub use greenstick_fracture as fracture;
 pub use greenstick_geometry as geometry;
+pub use greenstick_geometry::ErrorKind;
 pub use greenstick_picture as picture;
 pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;

@@ -13,14 +13,14 @@ use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
 
-/// Shades the wood inside by its address at the pixel, and the skin as bark where nothing better is known.
+/// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour.
 struct StemShader<'a> {
     /// The wood inside, by material; bark and sawn ends are those of the first.
     woods: Vec<Inside<'a>>,
     plain: PlainShader,
-    /// For each material whether it says nothing of the colour: no colour of its own, or only a texture.
+    /// Whether each material has no colour to show: none at all, or only a texture.
     blank: Vec<bool>,
-    /// Whether the wood has moved since it grew, so that the stem's frames say nothing of directions.
+    /// Whether the wood has moved since it grew, so that the stem's frames no longer give directions.
     moved: bool,
 }
 
@@ -43,7 +43,7 @@ impl<'a> Inside<'a> {
 }
 
 impl StemShader<'_> {
-    /// The wood whose bark and sawn ends are shown.
+    /// Returns the wood whose bark and sawn ends are shown.
     fn own(&self) -> Inside<'_> {
         self.woods[0]
     }
@@ -52,7 +52,7 @@ impl StemShader<'_> {
         let frame = inside.stem.grain.axis().frame(grain.z);
         let (ring, angle) = inside.stem.rings.address(grain.truncate());
         let (directions, end_grain) = match self.moved.then(|| hit.gradients("_GRAIN")).flatten() {
-            // A length along the grain that does not change along a face means that the face lies across it.
+            // If the length along the grain is constant on a face, the face lies across the grain.
             Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
             None => (
                 [frame.x, frame.y, frame.tangent],
@@ -75,7 +75,7 @@ impl StemShader<'_> {
     fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
         let stem = self.own().stem;
         let along = stem.grain.axis().frame(grain.z).tangent;
-        let end = !self.moved && hit.geometric_normal.dot(along).abs() > SAWN;
+        let end = !self.moved && hit.geometric_normal.dot(along).abs() > SAWN_END_COSINE;
         stem.kind == StemKind::Board || end
     }
 
@@ -97,7 +97,7 @@ impl StemShader<'_> {
                 (point, moved.unwrap_or([frame.x, frame.y, frame.tangent]))
             }
             None => {
-                // Off the limb: the world's own axes, as far as the bark's look goes as good as any.
+                // Off the limb the world's axes serve for the appearance of bark.
                 let p = hit.position;
                 let angle = libm::atan2(hit.normal.z, hit.normal.x);
                 let point = BarkPoint {
@@ -146,7 +146,8 @@ impl Shader for StemShader<'_> {
     }
 }
 
-/// Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
+/// Returns for each material whether it has no colour to show: our own bark, materials without a colour, and those whose
+/// colour is in a texture.
 fn blank(scene: &Scene) -> Vec<bool> {
     let blank = |m: &greenstick_geometry::Material| {
         m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
@@ -154,8 +155,8 @@ fn blank(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(blank).collect()
 }
 
-/// A picture of wood that has moved since it grew: `inner` is the material of the wood inside, whose address its meshes
-/// carry.
+/// Renders wood that has moved since it grew. `inner` is the material of the wood inside, whose address is an attribute of
+/// the meshes.
 ///
 /// # Errors
 /// As [`render`].
@@ -181,7 +182,7 @@ pub fn picture_of_skin(
     render(&items(scene, &shader), options, context)
 }
 
-/// A picture of a broken stem, turned to the break unless `options` say otherwise.
+/// Renders a broken stem, seen towards the break unless `options` name a view.
 ///
 /// # Errors
 /// As [`render`].
@@ -196,7 +197,7 @@ pub fn picture_of_break(
         blank: blank(&broken.scene),
         moved: false,
     };
-    // Only a stem that is broken once is opened for its picture.
+    // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
         return render(&items(&broken.scene, &shader), options, context);
     };
@@ -227,26 +228,27 @@ pub fn picture_of_break(
 }
 
 /// Cosine of the angle to the grain within which a face of the skin is a sawn end.
-const SAWN: f64 = 0.9;
+const SAWN_END_COSINE: f64 = 0.9;
 
-/// How steeply an opened break is looked down on, rad.
+/// Elevation of the camera over an opened break, rad.
 const ELEVATION: f64 = 0.5;
-/// The same for a break that hangs open, and how far it is turned from its side, rad.
+/// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
 const HANGING_ELEVATION: f64 = 0.22;
 const HANGING_TURN: f64 = 0.45;
-/// Length of stem that is shown behind each face: radii, and part of the face's height.
-const STUB: (f64, f64) = (0.9, 0.08);
-/// Ring coordinate from which on the face is near the skin: how far down there it reaches can be seen.
-const OUTER: f64 = 0.85;
-/// Part of the face near the skin that lies higher than the stub's beginning.
-const MOST_OF_IT: f64 = 0.85;
+/// Length of stem that is shown behind each face: in radii, plus this fraction of the face's height.
+const STUB_RADII: f64 = 0.9;
+const STUB_OF_HEIGHT: f64 = 0.08;
+/// Ring coordinate beyond which the face is near the skin, so that its depth can be seen from outside.
+const OUTER_RING: f64 = 0.85;
+/// Fraction of the face near the skin that lies higher than where the stub begins.
+const SHOWN_FRACTION: f64 = 0.85;
 
-/// Points the camera at the whole of both faces and a stub of stem behind each.
+/// Aims the camera at both faces and a stub of stem behind each.
 fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureOptions) {
     let stem = &wood.stem;
     let frame = stem.grain.axis().frame(stem.location);
     let [low, high] = broken.report.face.range_m;
-    let stub = STUB.0 * stem.radius + STUB.1 * (high - low);
+    let stub = STUB_RADII * stem.radius + STUB_OF_HEIGHT * (high - low);
     let lower = NodeRole::Piece(PieceRole::Lower);
     let Some(at) = broken.roles.iter().position(|&role| role == lower) else {
         return;
@@ -264,7 +266,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         let face = (node.mesh.triangles.iter().enumerate())
             .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&wood.material))
             .flat_map(|(_, corners)| corners.map(|v| v as usize));
-        // How far down the outside the break can be seen, m from the place of the break.
+        // How far down the outside the break can be seen, m from the location of the break.
         let mut ends = vec![0.0];
         for v in face {
             let Some(&at) = node.mesh.positions.get(v) else {
@@ -272,7 +274,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
             };
             let height = (rest.transform.transform_point3(at) - origin).dot(along);
             let stands = if upper { -height } else { height };
-            let outer = rings.is_none_or(|r| f64::from(r.at(v)[0]) > OUTER);
+            let outer = rings.is_none_or(|r| f64::from(r.at(v)[0]) > OUTER_RING);
             if outer {
                 ends.push(-stands);
             }
@@ -283,10 +285,10 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         if matches!(role, PieceRole::Splinter(_)) {
             continue;
         }
-        // The stem runs on behind the face: its section once more. Pieces have one transform at rest.
+        // The section at the end of the stub. All pieces have the same transform at rest.
         let moved = node.transform * rest.transform.inverse();
         ends.sort_unstable_by(f64::total_cmp);
-        let end = ends[(MOST_OF_IT * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
+        let end = ends[(SHOWN_FRACTION * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
         let end = if upper { end } else { -end };
         let at = stem.grain.axis().frame(stem.location + end);
         shown.extend(
@@ -319,7 +321,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
     }
 }
 
-/// From where the two faces stand side by side, rad, in the horizontal axes of the picture's camera.
+/// Returns the azimuth from which the two faces appear side by side, rad, in the horizontal axes of the picture's camera.
 fn azimuth(frame: &Frame) -> f64 {
     let Horizontal {
         right: across,
@@ -329,18 +331,18 @@ fn azimuth(frame: &Frame) -> f64 {
     libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
 
-/// How far the upper piece is set aside, m.
-fn aside(wood: &BrokenWood, across: DVec3) -> DVec3 {
+/// Returns the displacement of the upper piece beside the lower one, m.
+fn side_displacement(wood: &BrokenWood, across: DVec3) -> DVec3 {
     across * (1.2 * wood.width)
 }
 
-/// The scene with the upper piece turned over and set beside the lower, both faces up.
+/// Returns the scene with the upper piece turned over beside the lower one, both faces up.
 fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
     let frame = wood.stem.grain.axis().frame(wood.stem.location);
     let [low, high] = broken.report.face.range_m;
     let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
     let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-    let about = DAffine3::from_translation(centre + aside(wood, frame.x))
+    let about = DAffine3::from_translation(centre + side_displacement(wood, frame.x))
         * turn
         * DAffine3::from_translation(-centre);
     let mut scene = broken.scene.clone();
@@ -350,14 +352,14 @@ fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
                 node.transform = about * node.transform;
             }
             NodeRole::Piece(_) => {}
-            // It would only stand in the way.
+            // It would hide the faces.
             NodeRole::Untouched => node.mesh = Arc::default(),
         }
     }
     scene
 }
 
-/// A picture of any scene in its materials' plain colours.
+/// Renders any scene in the plain colours of its materials.
 ///
 /// # Errors
 /// As [`render`].

@@ -1,12 +1,12 @@
-//! What a break did, in numbers with units.
+//! Reports on breaks, in numbers with units.
 
 use greenstick_geometry::Mesh;
 use greenstick_skin::hang::HangReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The mesh that came in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InputReport {
     /// Meshes in the scene.
     pub meshes: usize,
@@ -14,16 +14,16 @@ pub struct InputReport {
     pub triangles: usize,
     /// Area of all of them, m².
     pub area_m2: f64,
-    /// Volume, m³; none unless the part that was cut is closed and oriented.
+    /// Volume, m³; none unless the shell that was cut is closed and oriented.
     pub volume_m3: Option<f64>,
-    /// Whether the part that was cut is closed.
+    /// Whether the shell that was cut is closed.
     pub closed: bool,
-    /// What the reader left out or repaired, and what was made of the mesh, one sentence each.
+    /// What was left out, repaired or changed in the mesh; one sentence each.
     pub repairs: Vec<String>,
 }
 
 /// Where the break is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaceReport {
     /// Name of the mesh that was cut.
     pub mesh: String,
@@ -44,7 +44,7 @@ pub struct PlaceReport {
 }
 
 /// The broken face.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FaceReport {
     /// `smooth` or `fibrous`.
     pub surface: String,
@@ -52,7 +52,7 @@ pub struct FaceReport {
     pub bundles: usize,
     /// Thorns.
     pub thorns: usize,
-    /// Lowest and highest point, m from the place of the break along the grain.
+    /// Lowest and highest point, m from the location of the break along the grain.
     pub range_m: [f64; 2],
     /// Corners whose height was limited because it would have left the stem or met another limb.
     pub limited: usize,
@@ -60,8 +60,8 @@ pub struct FaceReport {
     pub wanted_m: [f64; 2],
 }
 
-/// What the species did to the break.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The effect of the species on the break.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SpeciesReport {
     /// Common name.
     pub name: String,
@@ -69,18 +69,18 @@ pub struct SpeciesReport {
     pub scientific_name: String,
     /// Moisture content, percent.
     pub moisture_percent: f64,
-    /// Rule that the height comes from.
+    /// Rule for the height.
     pub rule: String,
-    /// Where the values behind it come from.
+    /// Source of the values that it uses.
     pub basis: String,
-    /// Height that the rule gives, m: of the whole face by Eq. 9, of a bundle 1 mm wide by shear lag.
+    /// Height by the rule, m: of the whole face by Eq. 9, of a bundle 1 mm wide by shear lag.
     pub height_m: f64,
-    /// Factor that it puts on the torn relief.
+    /// Factor on the torn relief.
     pub relief: f64,
 }
 
-/// A piece that came out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A piece.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PieceReport {
     /// Name of its node.
     pub name: String,
@@ -92,49 +92,49 @@ pub struct PieceReport {
     pub closed: bool,
 }
 
-/// Everything that is worth knowing about a break.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The report on a break.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakReport {
-    /// The scan that the mesh was made from, where it was one.
+    /// The scan from which the mesh was reconstructed, if the input was one.
     pub scan: Option<crate::scanning::ScannedReport>,
-    /// What came in.
+    /// The input.
     pub input: InputReport,
-    /// Where it was broken.
+    /// Where it broke.
     pub place: PlaceReport,
     /// The broken face.
     pub face: FaceReport,
-    /// The species, where one was named.
+    /// The species, if one was named.
     pub species: Option<SpeciesReport>,
-    /// What came out.
+    /// The pieces.
     pub pieces: Vec<PieceReport>,
-    /// How the upper piece hangs on, where it does.
+    /// How the upper piece hangs, if it does.
     pub hang: Option<HangReport>,
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
     /// Breaks of the request after the first one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further_breaks: Vec<FurtherBreak>,
-    /// What was assumed or could not be done, one sentence each.
+    /// What was assumed, limited or not possible; one sentence each.
     pub notes: Vec<String>,
 }
 
 /// A break of a stem that is broken at several places.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FurtherBreak {
     /// Where it is.
     pub place: PlaceReport,
     /// Its face.
     pub face: FaceReport,
-    /// The species, where one was named.
+    /// The species, if one was named.
     pub species: Option<SpeciesReport>,
-    /// How what lies beyond it hangs on, where it does.
+    /// How the part beyond it hangs, if it does.
     pub hang: Option<HangReport>,
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
 }
 
 impl PieceReport {
-    /// The report on a mesh whose coordinates must be multiplied by `scale` (m³ per unit³) for its volume.
+    /// Reports on a mesh whose volume must be multiplied by `scale`, m³ per unit³.
     pub(crate) fn new(name: &str, mesh: &Mesh, scale: f64) -> Self {
         let (closed, volume) = closed_volume(mesh);
         PieceReport {
@@ -146,7 +146,7 @@ impl PieceReport {
     }
 }
 
-/// Whether a mesh is closed, and its volume where it is and is oriented.
+/// Returns whether a mesh is closed, and its volume if it is closed and oriented.
 pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
     let report = mesh.check_with(greenstick_geometry::CheckOptions {
         self_intersections: false,
@@ -154,7 +154,7 @@ pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
     (report.closed, report.volume_m3)
 }
 
-/// A volume in the unit that suits it.
+/// Formats a volume.
 fn volume(v: f64) -> String {
     if v.abs() >= 1e-3 {
         format!("{v:.6} m³")
@@ -163,7 +163,7 @@ fn volume(v: f64) -> String {
     }
 }
 
-/// A length in the unit that suits it.
+/// Formats a length.
 fn length(l: f64) -> String {
     match l.abs() {
         a if a >= 1.0 => format!("{l:.3} m"),

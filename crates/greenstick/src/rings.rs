@@ -2,7 +2,7 @@
 
 use crate::images::picture;
 use glam::DVec2;
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::{Cancelled, Context, ErrorKind};
 use greenstick_picture::Picture;
 use greenstick_wood::rings::{
     AnnotatedRing, SectionOutline, SectionRingError, SectionRingMethod, SectionRings,
@@ -36,6 +36,17 @@ pub enum RingsError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl RingsError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            RingsError::Cancelled(_) => ErrorKind::Cancelled,
+            RingsError::Rings(error) => error.kind(),
+            _ => ErrorKind::Request,
+        }
+    }
 }
 
 /// The file of a section.

@@ -1,4 +1,4 @@
-//! A session that keeps its stages gives the same bits as one that starts anew, after any change, in any thread.
+//! A session with cached stages gives the same bits as a new one, after any change, in any thread.
 
 mod support;
 
@@ -31,14 +31,22 @@ fn assert_same(a: &Broken, b: &Broken, what: &str) {
     assert!(a.scene == b.scene, "{what}: other scene");
 }
 
-/// One change after another, each of which starts at another stage or switches something on or off.
 #[test]
-fn a_session_after_changes_equals_a_new_one() {
-    let small = ["rings=8", "sectors=16"];
-    let mut now = request(&small);
+fn a_report_comes_back_from_json() {
     let mut session = BreakSession::new(built_in_branch());
-    type Change = (&'static str, fn(&mut BreakRequest), Option<BreakStage>);
-    let changes: [Change; 18] = [
+    let asked = request(&["rings=8", "sectors=16", "species=white oak", "fray=0.4"]);
+    let report = session.broken(&asked, &Context::quiet()).unwrap().report;
+    let text = serde_json::to_string(&report).unwrap();
+    let back: greenstick::BreakReport = serde_json::from_str(&text).unwrap();
+    assert_eq!(back, report);
+}
+
+/// A change of a request, and the stage at which the session starts after it.
+type Change = (&'static str, fn(&mut BreakRequest), Option<BreakStage>);
+
+/// Changes of the location, the grain and the cells.
+fn changes_of_the_stem() -> Vec<Change> {
+    vec![
         ("nothing", |_| {}, None),
         (
             "slabs",
@@ -66,6 +74,12 @@ fn a_session_after_changes_equals_a_new_one() {
             |r| change(r, &["spiral_angle=0"]),
             Some(BreakStage::Layout),
         ),
+    ]
+}
+
+/// Changes of the wood, of what happens to the pieces, and of where heights come from.
+fn changes_of_the_pieces() -> Vec<Change> {
+    vec![
         (
             "species",
             |r| change(r, &["species=temple juniper"]),
@@ -117,15 +131,25 @@ fn a_session_after_changes_equals_a_new_one() {
             |r| r.breaks[0].heights = steps(),
             Some(BreakStage::Heights),
         ),
-    ];
+    ]
+}
+
+/// One change after another, each of which starts at another stage or switches something on or off.
+#[test]
+fn a_session_after_changes_equals_a_new_one() {
+    let mut now = request(&["rings=8", "sectors=16"]);
+    let mut session = BreakSession::new(built_in_branch());
     let context = Context::quiet();
     session.broken(&now, &context).unwrap();
+    let changes = changes_of_the_stem()
+        .into_iter()
+        .chain(changes_of_the_pieces());
     for (what, change, expected) in changes {
         change(&mut now);
-        let kept = session.broken(&now, &context).unwrap();
+        let cached = session.broken(&now, &context).unwrap();
         assert_eq!(session.started_at(), expected, "{what}");
         let fresh = BreakSession::new(built_in_branch()).broken(&now, &context);
-        assert_same(&kept, &fresh.unwrap(), what);
+        assert_same(&cached, &fresh.unwrap(), what);
     }
 }
 
@@ -213,7 +237,7 @@ fn a_stem_breaks_at_several_places_into_pieces_in_order() {
     for (i, expected) in [0.0, 0.03, 0.06, 0.09].into_iter().enumerate() {
         assert!((moved(i) - expected).abs() < 0.01, "{}", moved(i));
     }
-    // Faces lie where they were asked for, and each has a material of its own.
+    // Faces lie where they were requested, and each has a material of its own.
     let place = |i: usize| match i {
         0 => &report.place,
         i => &report.further_breaks[i - 1].place,
@@ -226,10 +250,10 @@ fn a_stem_breaks_at_several_places_into_pieces_in_order() {
     // A change of the lowest break leaves the others as they are.
     let mut changed = request.clone();
     apply_setting(&mut changed.breaks[2], "slab_height=0.5").unwrap();
-    let kept = session.broken(&changed, &Context::quiet()).unwrap();
+    let cached = session.broken(&changed, &Context::quiet()).unwrap();
     assert_eq!(session.started_at(), Some(BreakStage::Heights));
     let fresh = BreakSession::new(built_in_branch()).broken(&changed, &Context::quiet());
-    assert_same(&kept, &fresh.unwrap(), "lowest break");
+    assert_same(&cached, &fresh.unwrap(), "lowest break");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Why a picture cannot be rendered, and the limits.
 
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Largest width and height of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -72,4 +72,17 @@ pub enum PictureError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl PictureError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            PictureError::Cancelled(_) => ErrorKind::Cancelled,
+            PictureError::Size { .. } | PictureError::Samples { .. } | PictureError::View(_) => {
+                ErrorKind::Request
+            }
+            _ => ErrorKind::Work,
+        }
+    }
 }

@@ -7,8 +7,17 @@ use std::fmt::Write;
 /// such as "###".
 pub fn markdown_tables(list: &[ParameterInfo], level: &str) -> String {
     let mut page = String::new();
-    let mut group = None;
+    let mut groups: Vec<&str> = Vec::new();
     for p in list {
+        if !groups.contains(&p.group.as_str()) {
+            groups.push(&p.group);
+        }
+    }
+    let in_groups = groups
+        .iter()
+        .flat_map(|group| list.iter().filter(move |p| p.group == *group));
+    let mut group = None;
+    for p in in_groups {
         if group != Some(&p.group) {
             group = Some(&p.group);
             let _ = write!(

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::heights::Wedge;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::Mesh;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Part of the wedge's angle that lies above the section: most strings stand on the lower piece.
@@ -30,7 +30,7 @@ const CLEARANCE: f64 = 0.01;
 const COMPARED_REACH: f64 = 3.0;
 
 /// How the upper piece hangs on the lower one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HangReport {
     /// Angle that it turned by, degrees.
     pub angle_degrees: f64,

@@ -8,9 +8,10 @@
 //! nothing of the other square.
 
 use glam::DVec2;
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::{Cancelled, Context, ErrorKind};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
 use greenstick_wood::rings::StemAddress;
+use rayon::prelude::*;
 
 /// The square of a section that a texture covers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,12 +58,26 @@ pub enum TextureError {
     Cancelled(#[from] Cancelled),
 }
 
+impl TextureError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            TextureError::Cancelled(_) => ErrorKind::Cancelled,
+            TextureError::Size { .. } => ErrorKind::Request,
+            _ => ErrorKind::Work,
+        }
+    }
+}
+
 /// Least width of a texture, pixels.
 const MIN_WIDTH: u32 = 8;
 /// Greatest width of a texture, pixels.
 const MAX_WIDTH: u32 = 16_384;
 /// Columns on either side of the seam that repeat their neighbour.
 const PADDING: u32 = 2;
+
+/// Gives the ring coordinate and the angle (rad) at a point of a section, m from its middle.
+pub type SectionAddress<'a> = &'a (dyn Fn(DVec2) -> (f64, f64) + Sync);
 
 /// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m. `section` returns the ring
 /// coordinate and the angle (rad) at a point of the section, m from its middle.
@@ -84,7 +99,7 @@ const PADDING: u32 = 2;
 pub fn bake(
     size: u32,
     width: f64,
-    section: &dyn Fn(DVec2) -> (f64, f64),
+    section: SectionAddress,
     appearance: &WoodAppearance,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
@@ -103,53 +118,102 @@ pub fn bake(
         period: Some(width),
         ..appearance.clone()
     };
-    let encode = Encoder::new();
+    let baker = Baker {
+        encode: Encoder::new(),
+        section,
+        appearance,
+        tiling,
+        half,
+        width,
+        texel,
+    };
+    let row = size as usize * 3;
     let texels = (size * half) as usize;
-    let mut color = Vec::with_capacity(texels * 3);
-    let mut normal = Vec::with_capacity(texels * 3);
-    let mut roughness = Vec::with_capacity(texels * 3);
-    for row in 0..half {
-        if row % 64 == 0 {
-            context.report(f64::from(row) / f64::from(half))?;
-        }
-        let v = (f64::from(row) + 0.5) * texel;
-        for column in 0..size {
-            let left = column < half;
-            let within = if left {
-                column.min(half - 1 - PADDING.min(half / 4))
-            } else {
-                (column - half).max(PADDING.min(half / 4))
-            };
-            let u = (f64::from(within) + 0.5) * texel;
-            let (surface, rise) = if left {
-                end_grain(
-                    appearance,
-                    section,
-                    DVec2::new(u, v) - DVec2::splat(width / 2.0),
-                    texel,
-                )
-            } else {
-                side_grain(&tiling, section, u, v, texel)
-            };
-            color.extend(surface.color.map(|c| encode.srgb(c)));
-            // The normal leans away from where the relief rises; green counts against v.
-            let length = (rise.length_squared() + 1.0).sqrt();
-            normal.extend([-rise.x, rise.y, 1.0].map(|n| byte(0.5 + 0.5 * n / length)));
-            roughness.extend([255, byte(surface.roughness), 0]);
-        }
+    let [mut color, mut normal, mut roughness] = [(); 3].map(|()| vec![0; texels * 3]);
+    let band = BAND * row;
+    let bands =
+        (color.chunks_mut(band).zip(normal.chunks_mut(band))).zip(roughness.chunks_mut(band));
+    for (number, ((color, normal), roughness)) in bands.enumerate() {
+        let first = (number * BAND) as u32;
+        context.report(f64::from(first) / f64::from(half))?;
+        let rows = color
+            .par_chunks_mut(row)
+            .zip(normal.par_chunks_mut(row))
+            .zip(roughness.par_chunks_mut(row))
+            .enumerate();
+        rows.for_each(|(i, ((color, normal), roughness))| {
+            baker.bake_row(first + i as u32, [color, normal, roughness]);
+        });
     }
     context.report(1.0)?;
+    let (color, (normal, roughness)) = rayon::join(
+        || png(size, half, &color, true),
+        || {
+            rayon::join(
+                || png(size, half, &normal, false),
+                || png(size, half, &roughness, false),
+            )
+        },
+    );
     Ok(WoodTextures {
-        color: png(size, half, &color, true)?,
-        normal: png(size, half, &normal, false)?,
-        roughness: png(size, half, &roughness, false)?,
+        color: color?,
+        normal: normal?,
+        roughness: roughness?,
     })
+}
+
+/// Rows that are baked between two looks at the caller's wish to stop.
+const BAND: usize = 64;
+
+/// What the rows of a texture are baked from.
+struct Baker<'a> {
+    encode: Encoder,
+    section: SectionAddress<'a>,
+    appearance: &'a WoodAppearance,
+    /// The appearance with the period in which side grain repeats.
+    tiling: WoodAppearance,
+    /// Columns of each of the two squares.
+    half: u32,
+    /// Side of the squares, m.
+    width: f64,
+    /// Side of a texel, m.
+    texel: f64,
+}
+
+impl Baker<'_> {
+    /// Bakes a row into its colours, normals and roughnesses.
+    fn bake_row(&self, row: u32, [color, normal, roughness]: [&mut [u8]; 3]) {
+        let padding = PADDING.min(self.half / 4);
+        let v = (f64::from(row) + 0.5) * self.texel;
+        for column in 0..2 * self.half {
+            let is_end_grain = column < self.half;
+            let within = if is_end_grain {
+                column.min(self.half - 1 - padding)
+            } else {
+                (column - self.half).max(padding)
+            };
+            let u = (f64::from(within) + 0.5) * self.texel;
+            let (surface, rise) = if is_end_grain {
+                let across = DVec2::new(u, v) - DVec2::splat(self.width / 2.0);
+                end_grain(self.appearance, self.section, across, self.texel)
+            } else {
+                side_grain(&self.tiling, self.section, u, v, self.texel)
+            };
+            // The normal leans away from where the relief rises; green counts against v.
+            let length = (rise.length_squared() + 1.0).sqrt();
+            let at = 3 * column as usize;
+            color[at..at + 3].copy_from_slice(&surface.color.map(|c| self.encode.srgb(c)));
+            normal[at..at + 3]
+                .copy_from_slice(&[-rise.x, rise.y, 1.0].map(|n| byte(0.5 + 0.5 * n / length)));
+            roughness[at..at + 3].copy_from_slice(&[255, byte(surface.roughness), 0]);
+        }
+    }
 }
 
 /// Returns the surface at a point of the section, and the slope of its relief along u and v (m per m).
 fn end_grain(
     appearance: &WoodAppearance,
-    section: &dyn Fn(DVec2) -> (f64, f64),
+    section: SectionAddress,
     across: DVec2,
     texel: f64,
 ) -> (WoodSurface, DVec2) {
@@ -172,7 +236,7 @@ fn end_grain(
 /// Returns the surface at distance `radius` (m) from the pith and length `along` (m), and the slope of its relief along u and v.
 fn side_grain(
     appearance: &WoodAppearance,
-    section: &dyn Fn(DVec2) -> (f64, f64),
+    section: SectionAddress,
     radius: f64,
     along: f64,
     texel: f64,

@@ -119,9 +119,49 @@ pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -
     best
 }
 
+/// The points that may be corners of the convex hull: those outside a polygon of extreme points that is made a little
+/// smaller (Akl and Toussaint 1978, A Fast Convex Hull Algorithm).
+fn outer_points(points: &[DVec2]) -> Vec<DVec2> {
+    /// Fewer points are sorted as fast as they are looked through.
+    const MIN_POINTS: usize = 1000;
+    /// Size of the polygon, so that no point near the hull is lost to rounding.
+    const SHRINKAGE: f64 = 0.95;
+    if points.len() < MIN_POINTS {
+        return points.to_vec();
+    }
+    let directions = [
+        (1.0, 0.0),
+        (1.0, 1.0),
+        (0.0, 1.0),
+        (-1.0, 1.0),
+        (-1.0, 0.0),
+        (-1.0, -1.0),
+        (0.0, -1.0),
+        (1.0, -1.0),
+    ]
+    .map(DVec2::from);
+    let mut extremes = [points[0]; 8];
+    for &p in points {
+        for (extreme, direction) in extremes.iter_mut().zip(&directions) {
+            if p.dot(*direction) > extreme.dot(*direction) {
+                *extreme = p;
+            }
+        }
+    }
+    let middle = extremes.iter().sum::<DVec2>() / 8.0;
+    let polygon = extremes.map(|p| middle + (p - middle) * SHRINKAGE);
+    let is_inside = |p: DVec2| {
+        (0..8).all(|k| {
+            let (a, b) = (polygon[k], polygon[(k + 1) % 8]);
+            a == b || (b - a).perp_dot(p - a) > 0.0
+        })
+    };
+    points.iter().copied().filter(|&p| !is_inside(p)).collect()
+}
+
 /// The convex hull, counter-clockwise (Andrew 1979, Another Efficient Algorithm for Convex Hulls in Two Dimensions).
 fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
-    let mut sorted = points.to_vec();
+    let mut sorted = outer_points(points);
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
     if sorted.len() < 3 {

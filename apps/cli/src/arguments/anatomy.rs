@@ -1,6 +1,6 @@
 //! Options of `greenstick anatomy`.
 
-use super::{Declared, OptionSet, Telling};
+use super::{Declared, OptionSet, ReportingOptions};
 use clap::{Arg, Args};
 use greenstick::anatomy::AnatomyFile;
 use greenstick::scanning::ScanParameters;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 const ANATOMY_EXAMPLES: &str = "\
 What is written (--only takes a list of the first words; all by default)
   sections      section_LENGTH_contour.png, ..._rings.png and ..._zones.png
-  longitudinal  longitudinal.png, the stem cut in half along its pith, laid straight
+  longitudinal  longitudinal.png, the stem cut in half along its pith, straightened
   volume        volume.vti, or volume.vtm with a volume_NNN.vti for each segment: ring, zone, colour of every voxel
   particles     particles.ply, .vtp, .csv and .parquet: place, ring, sector, layer, zone, colour, bundle area
   surface       surface_rings.glb and surface_sectors.glb, rebuilt from the particles
@@ -28,18 +28,18 @@ pub struct AnatomyOptions {
     /// Mesh of a stem (.glb, .gltf, .obj, .ply, .stl or .off) or point cloud (.ply, .xyz, .las or .laz); without it, a
     /// branch that comes with the program
     pub input: Option<PathBuf>,
-    /// Folder for the files; made where it is not there
+    /// Folder for the files; created if it does not exist
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     #[command(flatten)]
     pub request: Declared<AnatomyFile>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 impl OptionSet for AnatomyFile {
-    const WITHOUT: &'static [&'static str] = &["input"];
+    const EXCLUDED_KEYS: &'static [&'static str] = &["input"];
 
     fn adjust(option: Arg) -> Arg {
         match option.get_id().as_str() {

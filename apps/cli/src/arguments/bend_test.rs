@@ -1,6 +1,6 @@
 //! Options of `greenstick bend-test`.
 
-use super::{Declared, OptionSet, Telling};
+use super::{Declared, OptionSet, ReportingOptions};
 use clap::{Arg, ArgGroup, Args};
 use greenstick::bending::BendSettings;
 use std::path::PathBuf;
@@ -11,12 +11,12 @@ loaded in the middle until the load has fallen to half. The default is the stand
 specimen, 50 x 50 x 760 mm on a span of 710 mm, at 12 % moisture. Where lengths are not given, the
 span is 14.2 heights, and the length is the span and one height more.
 
-Stiffness, bending and crushing strength of the species' table go into the wood, by one rule for all
-species. Work to maximum load goes into nothing: there the test predicts.
+Stiffness, bending and crushing strength of the species' table determine the wood, by one rule for all
+species. Work to maximum load is not used: there the test predicts.
 
 Files in the folder of -o
-  load-deflection.csv  deflection (m), load (N), stress (Pa), work (J), what has failed so far
-  load-deflection.png  the same as a chart, with the table's stiffness and largest load
+  load-deflection.csv  deflection (m), load (N), stress (Pa), work (J), numbers of failures so far
+  load-deflection.png  the same as a chart, with the table's stiffness and maximum load
   events.csv           what yielded and broke, where in the specimen, in order
   bend-test.json       the report
   species.csv, .json   of --all-species in place of these: a row for each species
@@ -40,7 +40,7 @@ pub struct BendTestOptions {
     /// Every species of the Wood Handbook, as a table beside the handbook's
     #[arg(long)]
     pub all_species: bool,
-    /// Folder for everything that is written; made where it is not there. Without it nothing is
+    /// Folder for all files, created if it does not exist; without it no files are written
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 
@@ -48,7 +48,7 @@ pub struct BendTestOptions {
     pub settings: Declared<BendSettings>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 impl OptionSet for BendSettings {

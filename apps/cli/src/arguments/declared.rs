@@ -1,4 +1,4 @@
-//! Options that the library's declarations make: one for each parameter of a set.
+//! Options made from the library's declarations: one for each parameter of a set.
 
 use crate::failure::Failure;
 use clap::builder::PossibleValue;
@@ -10,44 +10,44 @@ use std::marker::PhantomData;
 
 /// A set of parameters whose keys are options: `texture_size` is `--texture-size`.
 pub trait OptionSet: Parameters + Default {
-    /// Keys at the top that have no option.
-    const WITHOUT: &'static [&'static str] = &[];
-    /// Keys in tables that have one, named by their last part.
+    /// Top-level keys that have no option.
+    const EXCLUDED_KEYS: &'static [&'static str] = &[];
+    /// Keys in tables that have an option, named after their last part.
     const SHORTCUTS: &'static [&'static str] = &[];
 
-    /// An option with what its declaration does not say.
+    /// Adds to an option what its declaration does not say.
     fn adjust(option: Arg) -> Arg {
         option
     }
 }
 
-/// The options of a set that were given, as they were typed.
+/// The options of a set that were given, with their text.
 #[derive(Debug, Clone)]
 pub struct Declared<T> {
     given: Vec<(ParameterInfo, String)>,
     set: PhantomData<T>,
 }
 
-/// The parameters of a set that have options.
+/// Returns the parameters of a set that have options.
 fn options<T: OptionSet>() -> impl Iterator<Item = ParameterInfo> {
     T::table().into_iter().filter(|p| {
         let key = p.key.as_str();
-        let at_the_top = !key.contains('.') && !T::WITHOUT.contains(&key);
+        let at_the_top = !key.contains('.') && !T::EXCLUDED_KEYS.contains(&key);
         at_the_top || T::SHORTCUTS.contains(&key)
     })
 }
 
-/// The name of a parameter's option in clap.
+/// Returns the name of a parameter's option in clap.
 fn id(p: &ParameterInfo) -> &str {
     p.key.rsplit('.').next().unwrap_or(&p.key)
 }
 
-/// The option as it is typed.
+/// Returns the option as it is typed.
 fn flag(p: &ParameterInfo) -> String {
     format!("--{}", id(p).replace('_', "-"))
 }
 
-/// What `--help` says of a parameter.
+/// Returns what `--help` says about a parameter.
 fn help(p: &ParameterInfo) -> String {
     let mut text = p.doc.trim_end_matches('.').to_owned();
     text += &range(p);
@@ -59,9 +59,9 @@ fn help(p: &ParameterInfo) -> String {
     text
 }
 
-/// The range of a number with few digits, in brackets.
+/// Returns the range of a number in parentheses, unless it is too wide to be of use.
 fn range(p: &ParameterInfo) -> String {
-    const WIDE: f64 = 1e9;
+    const MAX_SHOWN_LIMIT: f64 = 1e9;
     let (Some(min), Some(max)) = (p.min(), p.max()) else {
         return String::new();
     };
@@ -70,7 +70,7 @@ fn range(p: &ParameterInfo) -> String {
         unit => format!(" {unit}"),
     };
     match p.kind {
-        _ if max >= WIDE => String::new(),
+        _ if max >= MAX_SHOWN_LIMIT => String::new(),
         Kind::Number { above: true, .. } => format!(" (above {min}, up to {max}{unit})"),
         _ => format!(" ({min} to {max}{unit})"),
     }
@@ -89,7 +89,7 @@ fn option<T: OptionSet>(p: &ParameterInfo) -> Arg {
             };
             let auto = p
                 .auto
-                .then(|| PossibleValue::new("auto").help("judged by the program"));
+                .then(|| PossibleValue::new("auto").help("decided by the program"));
             arg.value_name("WORD")
                 .value_parser(options.iter().map(word).chain(auto).collect::<Vec<_>>())
         }
@@ -139,13 +139,13 @@ impl<T: OptionSet> FromArgMatches for Declared<T> {
 }
 
 impl<T: OptionSet> Declared<T> {
-    /// The text given for a key.
+    /// Returns the text that was given for a key.
     pub fn text(&self, key: &str) -> Option<&str> {
         let given = self.given.iter().find(|(p, _)| p.key == key);
         given.map(|(_, text)| text.as_str())
     }
 
-    /// Puts the options over a set that has their keys. `rewrite` may write a text anew, given its key.
+    /// Applies the options to a set that has all of their keys. `rewrite` may replace the text of a key.
     pub fn apply(
         &self,
         target: &mut dyn Parameters,
@@ -163,7 +163,7 @@ impl<T: OptionSet> Declared<T> {
         Ok(())
     }
 
-    /// Puts those options over a set that have keys there.
+    /// Applies the options to a set that has only some of their keys.
     pub fn apply_known(&self, target: &mut dyn Parameters) -> Result<(), Failure> {
         for (p, text) in &self.given {
             match target.set_text(&p.key, text) {
@@ -174,7 +174,7 @@ impl<T: OptionSet> Declared<T> {
         Ok(())
     }
 
-    /// The set with the options over its defaults.
+    /// Returns the set with its defaults and the options.
     pub fn set(&self) -> Result<T, Failure> {
         let mut set = T::default();
         self.apply(&mut set, |_, _| Ok(None))?;

@@ -1,12 +1,12 @@
 //! Options of `greenstick fit`.
 
-use super::MeshOf;
+use super::MeshOptions;
 use clap::Args;
 use std::path::PathBuf;
 
 const FIT_EXAMPLES: &str = "\
 Where every rod of the run broke, how high and why, gives the ductile zone, inclination, layers, thorns and relief of a
-drawn break. The report says from how many breaks each value comes, and what the run does not tell.
+drawn break. The report says how many breaks each value comes from, and what the run does not determine.
 
 Examples
   greenstick simulate bend pole.ply -o run
@@ -19,7 +19,7 @@ pub struct FitOptions {
     /// Folder of a run, as `greenstick simulate` leaves it
     pub run: PathBuf,
     #[command(flatten)]
-    pub mesh: MeshOf,
+    pub mesh: MeshOptions,
     /// File for the recipe; without it only the report is printed
     #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,

@@ -1,13 +1,13 @@
 //! Options that several commands share.
 
-use super::UnitWord;
+use super::unit::UnitChoice;
 use clap::Args;
 use std::path::PathBuf;
 
-/// How work is told, and with how many threads it is done.
+/// What is printed about the work, and the threads that do it.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "How it is told")]
-pub struct Telling {
+#[command(next_help_heading = "Reporting")]
+pub struct ReportingOptions {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
@@ -19,19 +19,19 @@ pub struct Telling {
     pub threads: Option<u16>,
 }
 
-impl Telling {
-    /// Whether a report is printed.
-    pub fn reports(&self) -> bool {
+impl ReportingOptions {
+    /// Returns whether a report is printed.
+    pub fn prints_report(&self) -> bool {
         !self.quiet || self.json
     }
 }
 
-/// The mesh that a simulation is of.
+/// The mesh that is simulated.
 #[derive(Debug, Args)]
-pub struct MeshOf {
-    /// Mesh that is simulated in place of the scene's stem; that of a run is found again where it still is
+pub struct MeshOptions {
+    /// Mesh that is simulated instead of the scene's stem; the mesh of a run is found again if it has not moved
     pub input: Option<PathBuf>,
-    /// Unit of length in the mesh, where its format has none; also of a mesh that is written
+    /// Unit of length in the mesh, if its format has none; also of a mesh that is written
     #[arg(long)]
-    pub unit: Option<UnitWord>,
+    pub unit: Option<UnitChoice>,
 }

@@ -1,6 +1,6 @@
 //! Options of `greenstick simulate`.
 
-use super::{Declared, MeshOf, OptionSet, Telling};
+use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use clap::{Arg, Args};
 use greenstick::fibre::scene::Scene;
 use greenstick::picture::PictureParameters;
@@ -21,7 +21,7 @@ pub struct SimulateOptions {
     /// Scene: a file that ends in .toml, or the name of one that comes with the program
     pub scene: Option<String>,
     #[command(flatten)]
-    pub mesh: MeshOf,
+    pub mesh: MeshOptions,
     /// Folder for everything that is written, made where it is not there; or a film (.glb, .usdc, .usdz, .mp4, .webm),
     /// and the folder is named after it, ending in .run
     #[arg(short, long, value_name = "FOLDER")]
@@ -49,12 +49,12 @@ pub struct SimulateOptions {
     pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 /// The keys of a scene that are options too.
 impl OptionSet for Scene {
-    const WITHOUT: &'static [&'static str] = &[
+    const EXCLUDED_KEYS: &'static [&'static str] = &[
         "about",
         "frames_per_second",
         "rows_per_second",

@@ -1,6 +1,6 @@
 //! Options of `greenstick skin`.
 
-use super::{Declared, MeshOf, OptionSet, Telling};
+use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
 use clap::{Arg, Args};
 use greenstick::film::FilmParameters;
@@ -29,7 +29,7 @@ pub struct SkinOptions {
     /// Folder of a run, as `greenstick simulate` leaves it
     pub run: PathBuf,
     #[command(flatten)]
-    pub mesh: MeshOf,
+    pub mesh: MeshOptions,
     /// File for the film or the frame
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -95,7 +95,7 @@ pub struct SkinOptions {
     pub picture_parameters: Declared<PictureParameters>,
 
     #[command(flatten)]
-    pub telling: Telling,
+    pub reporting: ReportingOptions,
 }
 
 /// A share of triangles: above 0, up to 1.

@@ -1,7 +1,7 @@
 //! What game engines want beside a film: collision shapes, levels of detail, vertex animation textures.
 
+use super::outputs::{ending, in_folder, in_metres};
 use super::plan::FilmPlan;
-use super::{ending, in_folder, in_metres};
 use crate::break_wood::check_png;
 use crate::failure::Failure;
 use greenstick::files::{Batch, Output};

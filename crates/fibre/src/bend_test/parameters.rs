@@ -52,12 +52,12 @@ parameters! {
             spacing: Option<f64> = None, dimension();
             /// Longest edge of rods; "auto" is a 36th of the span.
             edge: Option<f64> = None, dimension();
-            /// Seed: which of all possible pieces of this wood, where rods lie and where they are weak.
+            /// Seed of the placement of rods and of the scatter of their strength.
             seed: u64 = 1, count(0, u64::MAX as i128);
-            /// Weibull modulus of the scatter of strength: small is uneven, "auto" is no scatter.
+            /// Weibull modulus of the scatter of strength; the smaller, the wider the scatter, and "auto" is no scatter.
             scatter: Option<f64> = None, number(Unit::One, 1.0, f64::INFINITY).logarithmic().auto();
-            /// Fraction of the largest load to which the load falls before the test ends, from 0 to below 1; "auto" is 0.5, or
-            /// 0.95 for a table of species, whose tests end at the largest load.
+            /// Fraction of the maximum load at which the test ends after the load has fallen, from 0 to below 1; "auto" is
+            /// 0.5, or 0.95 for a table of species, whose tests end at the maximum load.
             end: Option<f64> = None, number(Unit::Fraction, 0.0, 1.0).auto();
         }
     }

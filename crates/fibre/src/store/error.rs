@@ -1,6 +1,7 @@
 //! Errors of stored runs.
 
 use crate::scene::SceneError;
+use greenstick_geometry::ErrorKind;
 use std::io;
 
 /// Why stored bytes cannot be used.
@@ -110,4 +111,14 @@ pub enum RunError {
     /// Another error of a sink or a source.
     #[error(transparent)]
     Other(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl RunError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            RunError::Unwritable { .. } => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
+    }
 }

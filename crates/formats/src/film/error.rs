@@ -1,7 +1,7 @@
 //! Why a film could not be written.
 
 use crate::error::FormatError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use std::error::Error;
 
 /// Why a film could not be written.
@@ -32,4 +32,14 @@ pub enum FilmError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl FilmError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FilmError::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Work,
+        }
+    }
 }

@@ -7,11 +7,12 @@
 
 mod walls;
 
+use super::error::CutError;
 use super::follow::{Chains, follow};
 use super::ground::{Ground, NEAR};
-use super::overlay::Overlay;
+use super::overlay::outline::Overlay;
+use super::parts::CapFace;
 use super::polygon;
-use super::{CapFace, CutError};
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_geometry::triangulate::Triangulator;

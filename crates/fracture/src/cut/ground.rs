@@ -1,7 +1,7 @@
 //! What of a cut stays while its parameters change: the skin sorted along the grain and across it, and which facets of a
 //! layout lie near it.
 
-use super::{Side, Solid};
+use super::parts::{Side, Solid};
 use crate::surface::{FractureSurface, NONE, SectionLayout, range};
 use glam::DVec2;
 use greenstick_geometry::Unions;

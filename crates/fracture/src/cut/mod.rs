@@ -2,96 +2,25 @@
 
 mod cap;
 mod chips;
+mod error;
 mod follow;
 mod ground;
 mod layers;
 mod overlay;
+mod parts;
 mod polygon;
+
+pub use error::CutError;
+pub use ground::{Ground, Sides, Skin};
+pub use parts::{CapFace, CutVertex, Host, Side, SkinTriangle, Solid};
 
 use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_geometry::Unions;
-pub use ground::{Ground, Sides, Skin};
-use overlay::{Overlay, Place, clips::Clips};
+use overlay::clips::Clips;
+use overlay::outline::Overlay;
+use overlay::{Place, SplitMemory};
 use std::sync::Arc;
-
-/// Where a vertex of a cut lies, so that positions and attributes can be taken from the mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Host {
-    /// A point of the mesh.
-    Point(u32),
-    /// On the edge between two points, the smaller number first, at fraction `t` from it.
-    Edge {
-        /// The edge's points.
-        ends: [u32; 2],
-        /// Fraction from the first to the second, 0 to 1.
-        t: f64,
-    },
-    /// Inside a triangle of the mesh, with barycentric weights.
-    Face {
-        /// The triangle.
-        triangle: u32,
-        /// Weights of its corners; their sum is 1.
-        weights: [f64; 3],
-    },
-    /// Inside the wood, placed by its grain coordinates.
-    Inside,
-}
-
-/// A vertex made by a cut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CutVertex {
-    /// Grain coordinates (x, y, s), m.
-    pub grain: DVec3,
-    /// Where it lies.
-    pub host: Host,
-}
-
-/// What a triangle of the broken face belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CapFace {
-    /// Cell (fibre bundle) of the surface's layout; for a wall the one that stands higher.
-    pub cell: u32,
-    /// True for the top of a cell, false for a wall along the grain.
-    pub top: bool,
-}
-
-/// A part of a cut triangle of the skin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SkinTriangle {
-    /// The triangle of the mesh it is a part of.
-    pub source: u32,
-    /// Vertices, numbered as in [`Cut`].
-    pub corners: [u32; 3],
-    /// Whether it belongs to the upper piece.
-    pub upper: bool,
-}
-
-/// Which piece a whole triangle of the mesh goes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// Not part of the shell that was cut.
-    Elsewhere,
-    /// Unchanged in the lower piece.
-    Lower,
-    /// Unchanged in the upper piece.
-    Upper,
-    /// Cut into [`Cut::skin`].
-    Split,
-}
-
-/// A mesh to cut. Topology is by points: vertices at equal positions have one number.
-#[derive(Debug, Clone, Copy)]
-pub struct Solid<'a> {
-    /// Point numbers of each triangle's corners.
-    pub triangles: &'a [[u32; 3]],
-    /// Grain coordinates of each point; NaN for points off the limb.
-    pub points: &'a [DVec3],
-    /// The triangles of the shell to cut.
-    pub shell: &'a [u32],
-    /// Those of the shell that the surface may meet; all their points have grain coordinates.
-    pub limb: &'a [u32],
-}
 
 /// A mesh cut in two. Vertices are numbered through: points of the mesh first, then [`Cut::vertices`], then those within
 /// the wood.
@@ -117,46 +46,6 @@ pub struct Cut {
     pub walls: Vec<u32>,
     /// Closed outlines of the break on the skin.
     pub outlines: usize,
-}
-
-/// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CutError {
-    /// The layout does not reach beyond the skin.
-    #[error("the skin reaches beyond the break surface near {at} (grain coordinates, m)")]
-    OffLayout {
-        /// Where.
-        at: DVec3,
-    },
-    /// The outline on a triangle of the skin does not close.
-    #[error(
-        "the break's outline on triangle {triangle} does not close near {at} (grain coordinates, m)"
-    )]
-    Outline {
-        /// The triangle.
-        triangle: u32,
-        /// Where.
-        at: DVec3,
-    },
-    /// A broken face cannot be closed: the skin has a hole or is not a manifold there.
-    #[error(
-        "the broken face cannot be closed near {at} (grain coordinates, m): the mesh has a hole or is not a manifold there"
-    )]
-    Face {
-        /// Where.
-        at: DVec3,
-    },
-    /// The surface does not meet the skin.
-    #[error("the break surface does not meet the mesh")]
-    Misses,
-    /// Both sides of the cut are joined elsewhere.
-    #[error(
-        "the two sides of the break are joined elsewhere by the mesh (at triangle {triangle}), so the cut would not part it"
-    )]
-    Joined {
-        /// A triangle that belongs to both sides.
-        triangle: u32,
-    },
 }
 
 /// Cuts `solid` along `surface`.
@@ -236,6 +125,7 @@ fn lay(
 ) -> Result<Sides, CutError> {
     let band = surface.range();
     let mut relief = ground::Relief::new(skin, ground, surface);
+    let mut memory = SplitMemory::default();
     let window = skin.window(band);
     let mut sides = Sides::new(skin, window);
     let mut doubtful = false;
@@ -262,11 +152,13 @@ fn lay(
                                 at: solid.points[corners[0] as usize],
                             });
                         }
-                        Side::Split => match overlay.split(t, corners, clips, parts)? {
-                            Place::Lower => Side::Lower,
-                            Place::Upper => Side::Upper,
-                            Place::Split => Side::Split,
-                        },
+                        Side::Split => {
+                            match overlay.split(t, corners, clips, parts, &mut memory)? {
+                                Place::Lower => Side::Lower,
+                                Place::Upper => Side::Upper,
+                                Place::Split => Side::Split,
+                            }
+                        }
                         side => side,
                     }
                 }

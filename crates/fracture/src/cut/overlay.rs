@@ -7,13 +7,14 @@
 
 pub(super) mod clips;
 mod join;
+pub(super) mod outline;
 
-use super::{CutError, CutVertex, Host, SkinTriangle};
-use crate::surface::{FractureSurface, NONE};
+use super::error::CutError;
+use super::parts::Host;
+use crate::surface::NONE;
 use clips::{Clips, Corner, Part, Slot, Support};
-use glam::DVec3;
-use greenstick_geometry::triangulate::Triangulator;
-use rustc_hash::FxHashMap;
+use join::{JoinMemory, Piece};
+use outline::{EdgeCut, Overlay};
 
 /// A corner of the part of a triangle over a facet.
 #[derive(Clone, Copy, Debug)]
@@ -26,69 +27,32 @@ struct Placed {
     agreed: bool,
 }
 
-/// A point where the surface cuts an edge of a clipped polygon.
+/// A corner of a clipped polygon, or a point where the surface cuts its boundary.
 #[derive(Clone, Copy, Debug)]
-struct Cut {
-    fraction: f64,
+struct RingCorner {
     id: u32,
-    above: [u64; 2],
-    /// The next one on the same edge, or [`NONE`].
-    next: u32,
+    /// Whether it lies above the surface; none for a cut point.
+    upper: Option<bool>,
+    /// What the edge to the next corner lies on.
+    support: Support,
+    /// As in [`Placed`].
+    agreed: bool,
 }
 
-/// A directed edge of the lower or the upper part of a triangle.
-#[derive(Clone, Copy, Debug)]
-struct Piece {
-    from: u32,
-    to: u32,
-    upper: bool,
-    /// The edge of the layout it lies on, or [`NONE`].
-    edge: u32,
-    /// Side of the skin's triangle it lies on, or 3.
-    side: u8,
-}
-
-/// Memory for one triangle after another.
+/// Memory that is reused from triangle to triangle.
 #[derive(Debug, Default)]
-struct Scratch {
+pub(super) struct SplitMemory {
     pieces: Vec<Piece>,
     /// Height above the surface of every corner of the triangle's parts, m, and where each part lies.
     above: Vec<f64>,
     places: Vec<Place>,
     placed: Vec<Placed>,
-    ring: Vec<(u32, Option<bool>, Support, bool)>,
+    /// The boundary of a clipped polygon with the cut points put in, and where in it those are.
+    ring: Vec<RingCorner>,
     turns: Vec<u32>,
     /// Edges of polygons along the layout's: (ends, edge).
     spans: Vec<(u32, u32, u32)>,
-    join: join::Scratch,
-}
-
-/// The outline of the cut and everything found on the way. Vertex numbers below `points.len()` are the skin's points,
-/// the others index `vertices`.
-pub(super) struct Overlay<'a> {
-    surface: &'a FractureSurface,
-    /// Grain coordinates of the skin's points.
-    points: &'a [DVec3],
-    /// Vertices made by the cut.
-    pub vertices: Vec<CutVertex>,
-    /// Outline on the top of a facet, directed as the upper skin has it: (facet, [from, to]).
-    pub tops: Vec<(u32, [u32; 2])>,
-    /// Outline on the wall over an edge: (edge, [from, to]).
-    pub walls: Vec<(u32, [u32; 2])>,
-    /// Outline points on the top rim of a wall: (edge, which of its facets), fraction of the edge, vertex; see
-    /// [`Overlay::sort`].
-    pub rails: Vec<((u32, u8), f64, u32)>,
-    /// Where the line along the grain over a node pierces the skin: node, length, vertex; see [`Overlay::sort`].
-    pub uprights: Vec<(u32, f64, u32)>,
-    /// New triangles of the skin.
-    pub skin: Vec<SkinTriangle>,
-    /// Number of each of [`Clips::vertices`] in this cut, or [`NONE`].
-    made: Vec<u32>,
-    /// First of `cuts` on the edge between two vertices.
-    first_cuts: FxHashMap<(u32, u32), u32>,
-    cuts: Vec<Cut>,
-    scratch: Scratch,
-    triangulator: Triangulator,
+    join: JoinMemory,
 }
 
 /// Which side of the surface a whole triangle lies on.
@@ -111,67 +75,7 @@ fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
         .min(h[0].max(h[1]).max(h[2]))
 }
 
-impl<'a> Overlay<'a> {
-    /// With room for about as many vertices as the break before had made.
-    pub fn new(surface: &'a FractureSurface, points: &'a [DVec3], room: usize) -> Self {
-        Overlay {
-            surface,
-            points,
-            vertices: Vec::with_capacity(room),
-            tops: Vec::with_capacity(room),
-            walls: Vec::new(),
-            rails: Vec::with_capacity(room),
-            uprights: Vec::new(),
-            skin: Vec::with_capacity(2 * room),
-            made: Vec::new(),
-            first_cuts: FxHashMap::with_capacity_and_hasher(room, Default::default()),
-            cuts: Vec::with_capacity(room),
-            scratch: Scratch::default(),
-            triangulator: Triangulator::default(),
-        }
-    }
-
-    /// Number of the skin's points.
-    pub fn points(&self) -> usize {
-        self.points.len()
-    }
-
-    /// Grain coordinates of a vertex.
-    pub fn grain(&self, id: u32) -> DVec3 {
-        match (id as usize).checked_sub(self.points.len()) {
-            None => self.points[id as usize],
-            Some(i) => self.vertices[i].grain,
-        }
-    }
-
-    pub fn add(&mut self, grain: DVec3, host: Host) -> u32 {
-        self.vertices.push(CutVertex { grain, host });
-        (self.points.len() + self.vertices.len() - 1) as u32
-    }
-
-    /// Sorts what was found by where it lies; to be done before [`Overlay::rail`] and [`Overlay::upright`].
-    pub fn sort(&mut self) {
-        self.rails
-            .sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        self.rails.dedup();
-        self.uprights
-            .sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    }
-
-    /// Outline points on the rim of a wall, by rising fraction.
-    pub fn rail(&self, edge: u32, which: u8) -> impl DoubleEndedIterator<Item = (f64, u32)> {
-        let from = self.rails.partition_point(|r| r.0 < (edge, which));
-        let count = self.rails[from..].partition_point(|r| r.0 == (edge, which));
-        self.rails[from..from + count].iter().map(|r| (r.1, r.2))
-    }
-
-    /// Where the line along the grain over a node pierces the skin, by rising length.
-    pub fn upright(&self, node: u32) -> impl Iterator<Item = (f64, u32)> {
-        let from = self.uprights.partition_point(|r| r.0 < node);
-        let count = self.uprights[from..].partition_point(|r| r.0 == node);
-        self.uprights[from..from + count].iter().map(|r| (r.1, r.2))
-    }
-
+impl Overlay<'_> {
     /// Cuts triangle number `triangle` with the points `corners`; `parts` are its parts over the facets.
     pub fn split(
         &mut self,
@@ -179,15 +83,13 @@ impl<'a> Overlay<'a> {
         corners: [u32; 3],
         clips: &Clips,
         parts: (u32, u32),
+        memory: &mut SplitMemory,
     ) -> Result<Place, CutError> {
         self.made.resize(clips.vertices.len(), NONE);
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let place = match self.measure(corners, clips, parts, &mut scratch) {
-            Place::Split => self.part(triangle, corners, clips, parts, &mut scratch),
+        match self.measure(corners, clips, parts, memory) {
+            Place::Split => self.split_parts(triangle, corners, clips, parts, memory),
             whole => Ok(whole),
-        };
-        self.scratch = scratch;
-        place
+        }
     }
 
     /// Heights of a triangle's parts above the surface, and where each part and all of them lie.
@@ -196,10 +98,10 @@ impl<'a> Overlay<'a> {
         corners: [u32; 3],
         clips: &Clips,
         parts: (u32, u32),
-        scratch: &mut Scratch,
+        memory: &mut SplitMemory,
     ) -> Place {
-        scratch.above.clear();
-        scratch.places.clear();
+        memory.above.clear();
+        memory.places.clear();
         let (mut below, mut above) = (false, false);
         for part in &clips.parts[parts.0 as usize..parts.1 as usize] {
             let heights = &self.surface.heights[part.facet as usize];
@@ -226,10 +128,10 @@ impl<'a> Overlay<'a> {
                 } else {
                     low = true;
                 }
-                scratch.above.push(off);
+                memory.above.push(off);
             }
             (below, above) = (below | low, above | high);
-            scratch.places.push(match (low, high) {
+            memory.places.push(match (low, high) {
                 (true, true) => Place::Split,
                 (false, _) => Place::Upper,
                 (true, false) => Place::Lower,
@@ -242,41 +144,41 @@ impl<'a> Overlay<'a> {
         }
     }
 
-    /// Parts a triangle that [`Overlay::measure`] found on both sides.
-    fn part(
+    /// Splits a triangle that [`Overlay::measure`] found on both sides.
+    fn split_parts(
         &mut self,
         triangle: u32,
         corners: [u32; 3],
         clips: &Clips,
         parts: (u32, u32),
-        scratch: &mut Scratch,
+        memory: &mut SplitMemory,
     ) -> Result<Place, CutError> {
-        scratch.pieces.clear();
-        scratch.spans.clear();
+        memory.pieces.clear();
+        memory.spans.clear();
         let first = clips.parts[parts.0 as usize].slots.0;
         for (i, part) in clips.parts[parts.0 as usize..parts.1 as usize]
             .iter()
             .enumerate()
         {
-            match scratch.places[i] {
+            match memory.places[i] {
                 Place::Split => {
-                    scratch.placed.clear();
+                    memory.placed.clear();
                     for s in part.slots.0..part.slots.1 {
                         let slot = clips.slots[s as usize];
-                        scratch.placed.push(Placed {
+                        memory.placed.push(Placed {
                             id: self.corner(corners, slot, clips),
-                            above: scratch.above[(s - first) as usize],
+                            above: memory.above[(s - first) as usize],
                             slot,
                             agreed: self.agreed(part.facet, slot),
                         });
                     }
-                    self.divide(triangle, corners, part.facet, clips, scratch)?;
+                    self.divide(triangle, corners, part.facet, clips, memory)?;
                 }
-                whole => self.outline(corners, part, clips, (parts.0, whole), scratch)?,
+                whole => self.outline(corners, part, clips, (parts.0, whole), memory)?,
             }
         }
-        self.expand(&scratch.spans, &mut scratch.pieces, &mut scratch.join);
-        self.join(triangle, corners, &mut scratch.pieces, &mut scratch.join)?;
+        self.expand(&memory.spans, &mut memory.pieces, &mut memory.join);
+        self.join(triangle, corners, &mut memory.pieces, &mut memory.join)?;
         Ok(Place::Split)
     }
 
@@ -287,7 +189,7 @@ impl<'a> Overlay<'a> {
         part: &Part,
         clips: &Clips,
         (first, place): (u32, Place),
-        scratch: &mut Scratch,
+        memory: &mut SplitMemory,
     ) -> Result<(), CutError> {
         let layout = &self.surface.layout;
         let slots = &clips.slots[part.slots.0 as usize..part.slots.1 as usize];
@@ -297,7 +199,7 @@ impl<'a> Overlay<'a> {
                 Support::Facet(k) => {
                     if self.agreed(part.facet, slot)
                         || slot.beyond != NONE
-                            && scratch.places[(slot.beyond - first) as usize] == place
+                            && memory.places[(slot.beyond - first) as usize] == place
                     {
                         continue;
                     }
@@ -313,7 +215,7 @@ impl<'a> Overlay<'a> {
             };
             let from = self.corner(corners, slot, clips);
             let to = self.corner(corners, slots[(j + 1) % slots.len()], clips);
-            scratch.pieces.push(Piece {
+            memory.pieces.push(Piece {
                 from,
                 to,
                 upper: place == Place::Upper,
@@ -381,100 +283,92 @@ impl<'a> Overlay<'a> {
         corners: [u32; 3],
         facet: u32,
         clips: &Clips,
-        scratch: &mut Scratch,
+        memory: &mut SplitMemory,
     ) -> Result<(), CutError> {
-        let surface = self.surface;
-        let layout = &surface.layout;
-        let Scratch {
-            pieces,
+        self.cut_ring(triangle, corners, facet, clips, memory);
+        let sides = self.surface.layout.sides[facet as usize];
+        add_ring_pieces(sides, memory);
+        self.add_spans(sides, memory)?;
+        self.add_cut_lines(facet, memory);
+        Ok(())
+    }
+
+    /// Goes around a clipped polygon and puts in a corner wherever the surface cuts an edge.
+    fn cut_ring(
+        &mut self,
+        triangle: u32,
+        corners: [u32; 3],
+        facet: u32,
+        clips: &Clips,
+        memory: &mut SplitMemory,
+    ) {
+        let SplitMemory {
             placed: polygon,
             ring,
             turns,
-            spans,
             ..
-        } = scratch;
-        let count = polygon.len();
-        // The polygon's boundary with the cut points put in: (vertex, in the upper part, support of the next edge).
+        } = memory;
         ring.clear();
         turns.clear();
-        for j in 0..count {
-            let (a, b) = (polygon[j], polygon[(j + 1) % count]);
-            ring.push((a.id, Some(a.above > 0.0), a.slot.support, a.agreed));
+        for j in 0..polygon.len() {
+            let (a, b) = (polygon[j], polygon[(j + 1) % polygon.len()]);
+            let corner = |id, upper| RingCorner {
+                id,
+                upper,
+                support: a.slot.support,
+                agreed: a.agreed,
+            };
+            ring.push(corner(a.id, Some(a.above > 0.0)));
             if (a.above > 0.0) != (b.above > 0.0) {
                 turns.push(ring.len() as u32);
                 let id = self.cut((triangle, corners), facet, a, b, clips);
-                ring.push((id, None, a.slot.support, a.agreed));
+                ring.push(corner(id, None));
             }
         }
-        let is_upper = |i: usize| {
-            // A cut point belongs to the run that follows it.
-            ring[i]
-                .1
-                .unwrap_or_else(|| ring[(i + 1) % ring.len()].1.unwrap_or(false))
-        };
-        for i in 0..ring.len() {
-            let (from, _, support, agreed) = ring[i];
-            if agreed {
+    }
+
+    /// Lists the polygon's edges along those of the layout, between which the neighbouring facet may have cut points.
+    fn add_spans(&self, sides: [u32; 3], memory: &mut SplitMemory) -> Result<(), CutError> {
+        let polygon = &memory.placed;
+        for (j, a) in polygon.iter().enumerate() {
+            let b = &polygon[(j + 1) % polygon.len()];
+            let Support::Facet(k) = a.slot.support else {
+                continue;
+            };
+            if a.agreed {
                 continue;
             }
-            let to = ring[(i + 1) % ring.len()].0;
-            let (edge, side) = match support {
-                Support::Skin(side) => (NONE, side),
-                Support::Facet(k) => (layout.sides[facet as usize][usize::from(k)], 3),
-            };
-            pieces.push(Piece {
-                from,
-                to,
-                upper: is_upper(i),
-                edge,
-                side,
-            });
-        }
-        for a in polygon
-            .iter()
-            .enumerate()
-            .map(|(j, a)| (a, &polygon[(j + 1) % count]))
-        {
-            if let Support::Facet(k) = a.0.slot.support {
-                if a.0.agreed {
-                    continue;
-                }
-                let edge = layout.sides[facet as usize][usize::from(k)];
-                spans.push((a.0.id.min(a.1.id), a.0.id.max(a.1.id), edge));
-                if layout.edges[edge as usize]
-                    .facets
-                    .iter()
-                    .any(|f| f.0 == NONE)
-                {
-                    return Err(CutError::OffLayout {
-                        at: self.grain(a.0.id),
-                    });
-                }
-            }
-        }
-        // Every run of upper corners starts at one cut point and ends at the next; the cut joins them.
-        for (n, &i) in turns.iter().enumerate() {
-            let i = i as usize;
-            if ring[(i + 1) % ring.len()].1 == Some(true) {
-                let (entry, exit) = (ring[i].0, ring[turns[(n + 1) % turns.len()] as usize].0);
-                pieces.push(Piece {
-                    from: exit,
-                    to: entry,
-                    upper: true,
-                    edge: NONE,
-                    side: 3,
+            let edge = sides[usize::from(k)];
+            memory.spans.push((a.id.min(b.id), a.id.max(b.id), edge));
+            let facets = &self.surface.layout.edges[edge as usize].facets;
+            if facets.iter().any(|f| f.0 == NONE) {
+                return Err(CutError::OffLayout {
+                    at: self.grain(a.id),
                 });
-                pieces.push(Piece {
-                    from: entry,
-                    to: exit,
-                    upper: false,
-                    edge: NONE,
-                    side: 3,
-                });
-                self.tops.push((facet, [exit, entry]));
             }
         }
         Ok(())
+    }
+
+    /// Joins the cut points: every run of upper corners starts at one and ends at the next.
+    fn add_cut_lines(&mut self, facet: u32, memory: &mut SplitMemory) {
+        let (ring, turns) = (&memory.ring, &memory.turns);
+        for (n, &i) in turns.iter().enumerate() {
+            let i = i as usize;
+            if ring[(i + 1) % ring.len()].upper == Some(true) {
+                let (entry, exit) = (ring[i].id, ring[turns[(n + 1) % turns.len()] as usize].id);
+                for (from, to, upper) in [(exit, entry, true), (entry, exit, false)] {
+                    memory.pieces.push(Piece {
+                        from,
+                        to,
+                        upper,
+                        edge: NONE,
+                        side: 3,
+                    });
+                }
+                self.tops.push((facet, [exit, entry]));
+            }
+        }
     }
 
     /// The vertex where the surface cuts the polygon's edge a–b.
@@ -531,7 +425,7 @@ impl<'a> Overlay<'a> {
             };
             let id = self.add(grain, host);
             let number = self.cuts.len() as u32;
-            self.cuts.push(Cut {
+            self.cuts.push(EdgeCut {
                 fraction,
                 id,
                 above,
@@ -557,21 +451,28 @@ impl<'a> Overlay<'a> {
         }
         id
     }
+}
 
-    /// Barycentric weights of a vertex in the triangle with the points `corners`.
-    pub fn weights(&self, id: u32, corners: [u32; 3]) -> [f64; 3] {
-        let unit = |p: u32| [0, 1, 2].map(|i| f64::from(u8::from(corners[i] == p)));
-        let Some(i) = (id as usize).checked_sub(self.points.len()) else {
-            return unit(id);
-        };
-        match self.vertices[i].host {
-            Host::Point(p) => unit(p),
-            Host::Edge { ends, t } => {
-                let (u, v) = (unit(ends[0]), unit(ends[1]));
-                [0, 1, 2].map(|i| u[i] * (1.0 - t) + v[i] * t)
-            }
-            Host::Face { weights, .. } => weights,
-            Host::Inside => [f64::NAN; 3],
+/// Adds the edges of a divided polygon's boundary to those of the lower and the upper piece; `sides` are the edges of the
+/// layout along the facet's sides.
+fn add_ring_pieces(sides: [u32; 3], memory: &mut SplitMemory) {
+    let ring = &memory.ring;
+    for (i, corner) in ring.iter().enumerate() {
+        if corner.agreed {
+            continue;
         }
+        let next = ring[(i + 1) % ring.len()];
+        let (edge, side) = match corner.support {
+            Support::Skin(side) => (NONE, side),
+            Support::Facet(k) => (sides[usize::from(k)], 3),
+        };
+        memory.pieces.push(Piece {
+            from: corner.id,
+            to: next.id,
+            // A cut point belongs to the run that follows it.
+            upper: corner.upper.or(next.upper).unwrap_or(false),
+            edge,
+            side,
+        });
     }
 }

@@ -1,6 +1,6 @@
 //! What a check looks for and what it found.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Most places that a report lists for each kind of defect.
 pub(super) const MAX_PLACES: usize = 8;
@@ -23,7 +23,7 @@ impl Default for CheckOptions {
 /// The result of a check. Edges and vertices are those of points: vertices at equal positions count as one. Triangles
 /// with an index out of range, a corner that is not finite, or two corners at one point are counted as such and
 /// otherwise ignored.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Vertices of the mesh.
     pub vertices: usize,
@@ -76,7 +76,7 @@ pub struct Report {
 }
 
 /// Pairs of triangles that meet elsewhere than in a shared vertex or edge (see [`crate::intersect::contact`]).
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SelfIntersections {
     /// Pairs of triangles that pass through each other or overlap in one plane.
     pub crossing: usize,

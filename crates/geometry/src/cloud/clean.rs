@@ -119,7 +119,7 @@ impl Cleaning {
     fn keep(&mut self, kept: Vec<u32>, name: &'static str, why: String) {
         let removed = self.cloud.points.len() - kept.len();
         self.report.steps.push(CleanStep {
-            name,
+            name: name.into(),
             removed,
             left: kept.len(),
             why,

@@ -7,7 +7,7 @@
 
 use super::lattice::Lattice;
 use super::tetrahedra::surface;
-use crate::{Cancelled, Context, Mesh};
+use crate::{Cancelled, Context, ErrorKind, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -51,6 +51,16 @@ pub enum PoissonError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl PoissonError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            PoissonError::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Request,
+        }
+    }
 }
 
 /// Reconstructs the closed surface through `points` whose unit `normals` point outwards. `cell` is the side of a cell of

@@ -1,6 +1,7 @@
 //! What cleaning a cloud takes, and what it says of its outcome.
 
-use crate::Cancelled;
+use crate::{Cancelled, ErrorKind};
+use std::borrow::Cow;
 
 /// The steps to take, in the order of the fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +40,10 @@ impl Default for CleanOptions {
 }
 
 /// One step of the cleaning.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CleanStep {
     /// What kind of points it removes.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Number of points removed.
     pub removed: usize,
     /// Number of points left.
@@ -52,7 +53,7 @@ pub struct CleanStep {
 }
 
 /// The outcome of the cleaning.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct CleanReport {
     /// Number of points before.
     pub read: usize,
@@ -99,4 +100,14 @@ pub enum CleanError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl CleanError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            CleanError::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Request,
+        }
+    }
 }

@@ -49,8 +49,11 @@ pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Co
             (l.min(p), h.max(p))
         });
     let extent = (high - low).length();
-    let is_ours: Vec<bool> = (0..mesh.triangles.len())
-        .map(|t| !mesh.corners(t).iter().all(|&p| known.contains(p)))
+    let is_known: Vec<bool> = mesh.positions.iter().map(|&p| known.contains(p)).collect();
+    let is_ours: Vec<bool> = mesh
+        .triangles
+        .iter()
+        .map(|t| !t.iter().all(|&v| is_known[v as usize]))
         .collect();
     let mut collapser = EdgeCollapser::from_mesh(mesh);
     let mut faults = crossing_among(mesh, &is_ours);

@@ -1,7 +1,7 @@
 //! Snaps a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
 
 use crate::Mesh;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
 /// then lie back to back if at least one of the two has the material `inner`; other such pairs come from the input and
@@ -13,6 +13,17 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
     }
     let (points, _) = mesh.points();
     let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
+    let key = |t: &[u32; 3]| {
+        let mut sorted = corners(t);
+        sorted.sort_unstable();
+        sorted
+    };
+    let is_inner = |i: usize| mesh.material(i) == inner;
+    // A pair goes only where one of the two is of the wood inside, and those are few.
+    let of_inner: FxHashSet<[u32; 3]> = (0..mesh.triangles.len())
+        .filter(|&i| is_inner(i))
+        .map(|i| key(&mesh.triangles[i]))
+        .collect();
     let mut keep = vec![true; mesh.triangles.len()];
     // Triangles so far without one back to back with them, by their points.
     let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
@@ -22,12 +33,13 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
             keep[i] = false;
             continue;
         }
-        let mut sorted = [a, b, c];
-        sorted.sort_unstable();
+        let sorted = key(t);
+        if !of_inner.contains(&sorted) {
+            continue;
+        }
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let forward = turns.contains(&sorted);
         let list = single.entry(sorted).or_default();
-        let is_inner = |i: usize| mesh.material(i) == inner;
         match list
             .iter()
             .position(|o| o.1 != forward && (is_inner(o.0) || is_inner(i)))

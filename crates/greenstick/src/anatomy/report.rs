@@ -6,9 +6,10 @@ use crate::report::closed_volume;
 use greenstick_formats::Encoded;
 use greenstick_geometry::Mesh;
 use greenstick_wood::anatomy::{Anatomy, ParticleLayers, SectionMeasures};
-use greenstick_wood::stem::{FoundStem, StemKind};
+use greenstick_wood::stem::FoundStem;
 use greenstick_wood::tissue::Zone;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 
 /// Name of the file of numbers.
@@ -18,14 +19,14 @@ const MAX_VOLUME_DIFFERENCE: f64 = 2.0;
 
 /// What is known of a stem's inside. Lengths are in m along the centreline or in the world, as their
 /// names say; every name ends with its unit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AnatomyReport {
     /// `greenstick-anatomy`.
-    pub schema: &'static str,
+    pub schema: Cow<'static, str>,
     /// Version of the schema, which rises when a name changes or is removed.
     pub version: u32,
     /// `round` or `board`.
-    pub kind: &'static str,
+    pub kind: Cow<'static, str>,
     /// Species, where one was named.
     pub species: Option<String>,
     /// Length of the centreline, m.
@@ -68,7 +69,7 @@ pub struct AnatomyReport {
 }
 
 /// A voxelised segment.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SegmentReport {
     /// Its file.
     pub file: String,
@@ -91,7 +92,7 @@ pub struct SegmentReport {
 }
 
 /// A section.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionReport {
     /// Length along the centreline, m.
     pub length_m: f64,
@@ -114,7 +115,7 @@ pub struct SectionReport {
 }
 
 /// Rings of a section, column by column.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RingRows {
     /// Mean distance of the ring's outer contour from the pith, m; of an eroded ring the radius of the circle of equal area.
     pub radius_m: Vec<f64>,
@@ -152,12 +153,9 @@ impl Findings<'_> {
         notes.extend(self.note_on_ends());
         notes.extend(self.note_on_coarseness(mesh_volume, voxel_volume));
         AnatomyReport {
-            schema: "greenstick-anatomy",
+            schema: "greenstick-anatomy".into(),
             version: 1,
-            kind: match stem.kind {
-                StemKind::Round => "round",
-                StemKind::Board => "board",
-            },
+            kind: stem.kind.word().into(),
             species: self.request.species.clone(),
             length_m: axis.length(),
             radius_m: stem.radius,

@@ -85,7 +85,7 @@ parameters! {
     check |p| {
         if p.ring_source.rings_by == RingMethodChoice::Erosion && p.ring_count.is_some() {
             return Err(ParameterError::Conflict(
-                "a number of rings for an erosion, whose kernels and resolution make their number; expected only one of the two"
+                "rings: an erosion makes its own number of rings, by its kernels and the resolution; expected only one of the two"
                     .to_owned(),
             ));
         }

@@ -31,9 +31,11 @@ mod report;
 pub use all::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
 pub use report::{BendReport, Compared, Failing, Phase};
 
-use greenstick_fibre::{BendError, BendOutcome, BendParameters, BendTest, WoodMaterial};
+use greenstick_fibre::{
+    BendError, BendOutcome, BendParameters, BendTest, PlacementError, WoodMaterial,
+};
 use greenstick_fracture::recipe::MOISTURE_WORDS;
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::{Cancelled, Context, ErrorKind};
 use greenstick_schema::{Unit, number, parameters};
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback, MoistureError, WETTEST_PERCENT};
 use greenstick_wood::species::{Property, Species, StrengthError, UnknownSpecies};
@@ -96,6 +98,24 @@ pub enum BendingError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl BendingError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            BendingError::Cancelled(_) => ErrorKind::Cancelled,
+            BendingError::Species(_) | BendingError::Moisture(_) | BendingError::Strength(_) => {
+                ErrorKind::Request
+            }
+            BendingError::Test(
+                BendError::Value { .. }
+                | BendError::TooFine { .. }
+                | BendError::Placement(PlacementError::Value { .. } | PlacementError::NoRods { .. }),
+            ) => ErrorKind::Request,
+            BendingError::Test(_) | BendingError::Report(_) => ErrorKind::Work,
+        }
+    }
 }
 
 impl From<BendError> for BendingError {

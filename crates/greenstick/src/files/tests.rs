@@ -63,8 +63,8 @@ fn a_name_that_cannot_be_taken_puts_the_others_back() {
         .iter()
         .map(|name| Staged::new(&folder.0.join(name), b"new").unwrap())
         .collect();
-    staged[2].take_place().unwrap();
-    staged[1].take_place().unwrap();
+    staged[2].rename().unwrap();
+    staged[1].rename().unwrap();
     assert_eq!(fs::read(folder.0.join("b")).unwrap(), b"new");
     staged.iter_mut().for_each(Staged::undo);
     drop(staged);
@@ -127,5 +127,5 @@ fn a_mesh_and_its_companions_are_read_and_written() {
             .contains(".glb, .gltf, .obj")
     );
     let missing = read(&folder.0.join("none.ply"), None).unwrap_err();
-    assert!(missing.to_string().contains("none.ply") && missing.is_in_the_request());
+    assert!(missing.to_string().contains("none.ply") && missing.kind() == ErrorKind::Request);
 }

@@ -2,7 +2,7 @@
 
 use crate::simulate::SimulateError;
 use greenstick_fibre::store::RunError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_skin::rods::RodSkinError;
 
 /// Why there is no skin.
@@ -69,6 +69,21 @@ impl From<greenstick_formats::film::FilmError> for FilmError {
         match error {
             greenstick_formats::film::FilmError::Cancelled(stop) => FilmError::Cancelled(stop),
             other => FilmError::Write(other),
+        }
+    }
+}
+
+impl FilmError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            FilmError::Cancelled(_) => ErrorKind::Cancelled,
+            FilmError::File(error) => error.kind(),
+            FilmError::Write(error) => error.kind(),
+            FilmError::Work(error) => error.kind(),
+            FilmError::Simulate(error) => error.kind(),
+            FilmError::Run(error) => error.kind(),
+            _ => ErrorKind::Request,
         }
     }
 }

@@ -1,19 +1,20 @@
-//! A request as a file holds it.
+//! Request files.
 
 use super::{Break, BreakRequest};
 use crate::scanning::ScanParameters;
 use greenstick_formats::LengthUnit;
+use greenstick_fracture::presets::PRESETS;
 use greenstick_fracture::recipe::{
     HasRecipe, Recipe, RecipeError, apply_preset, apply_setting, apply_toml,
 };
 use greenstick_picture::PictureParameters;
 use greenstick_schema::{
-    FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, parameters, text,
-    write_toml,
+    FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, document_schema,
+    parameters, text, write_toml,
 };
 use greenstick_wood::stem::StemOptions;
 
-/// Why a request cannot be put together.
+/// Why a request is invalid.
 pub type RequestFileError = RecipeError;
 
 parameters! {
@@ -55,11 +56,11 @@ impl HasRecipe for RequestFile {
 }
 
 impl RequestFile {
-    /// The request of the layers, later over earlier: defaults, `presets` (the text's own where this is empty), `text`
-    /// (TOML), `settings` of the form `key=value`; checked as a whole.
+    /// Combines the layers of a request, later ones over earlier ones, and checks the whole: defaults, `presets` (if none,
+    /// those that the text names), `text` (TOML), `settings` of the form `key=value`.
     ///
     /// # Errors
-    /// The first thing that is wrong, with its line in `text` or its setting.
+    /// The first problem, with its line in `text` or its setting.
     ///
     /// ```
     /// use greenstick::RequestFile;
@@ -91,14 +92,14 @@ impl RequestFile {
         Ok(file)
     }
 
-    /// Puts a setting, `key=value`, over the file: of every break that has a table of its own as well.
+    /// Applies a setting, `key=value`, to the file and to every break that has a table of its own.
     ///
     /// # Errors
-    /// What is wrong with the setting.
+    /// The problem of the setting.
     pub fn apply_setting(&mut self, setting: &str) -> Result<(), RequestFileError> {
         apply_setting(self, setting)?;
         for one in &mut self.breaks {
-            // A key of the file that no break has was put above.
+            // Keys of the file that breaks do not have were set above.
             if let Err(error) = apply_setting(one, setting)
                 && !matches!(
                     error.problem().parameter(),
@@ -111,10 +112,10 @@ impl RequestFile {
         Ok(())
     }
 
-    /// Checks everything, and brings species to the names that their table has.
+    /// Checks everything, and replaces names of species by those in their table.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first problem.
     pub fn complete(&mut self) -> Result<(), ParameterError> {
         self.check()?;
         self.common.recipe.complete()?;
@@ -123,7 +124,7 @@ impl RequestFile {
             .try_for_each(|one| one.recipe.complete())
     }
 
-    /// The request.
+    /// Returns the request.
     pub fn request(&self) -> BreakRequest {
         let breaks = match &self.breaks[..] {
             [] => vec![self.common.clone()],
@@ -136,12 +137,23 @@ impl RequestFile {
         }
     }
 
-    /// The file with every parameter, so that it means the same whatever defaults and presets become.
+    /// Writes every parameter, so that the file does not depend on defaults and presets, which may change.
     pub fn to_toml(&self) -> String {
         write_toml(self)
     }
 
-    /// A hash of everything in it, the same on every machine; not for security.
+    /// JSON Schema (draft 2020-12) of such files: that of the parameters, and the presets to start from.
+    pub fn schema() -> serde_json::Value {
+        let mut schema = document_schema("Greenstick recipe", &RequestFile::default());
+        let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+        schema["properties"]["preset"] = serde_json::json!({
+            "description": "Presets to start from, later ones over earlier ones.",
+            "anyOf": [{ "enum": names }, { "type": "array", "items": { "enum": names } }],
+        });
+        schema
+    }
+
+    /// Returns a hash of all parameters, the same on every machine; not for security.
     pub fn hash(&self) -> String {
         content_hash(&self.to_toml())
     }

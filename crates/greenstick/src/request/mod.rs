@@ -1,4 +1,4 @@
-//! What is to be broken, where and how.
+//! Requests: what to break, where and how.
 
 mod file;
 
@@ -43,7 +43,7 @@ impl HasRecipe for Break {
     }
 }
 
-/// Everything that decides how a scene is broken.
+/// Everything that determines how a scene is broken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BreakRequest {
     /// What is known of the stem.
@@ -83,7 +83,7 @@ pub enum BreakStage {
     Heights,
     /// The stem cut along it: what is drawn.
     Cut,
-    /// Pieces as meshes of their own, and the scene with its materials and textures: what files hold.
+    /// Separate pieces, and the scene with its materials and textures: what files hold.
     Finish,
 }
 
@@ -98,7 +98,7 @@ impl BreakStage {
         BreakStage::Finish,
     ];
 
-    /// The stage's name, as progress and tables show it.
+    /// Returns the stage's name, as progress and tables show it.
     pub const fn name(self) -> &'static str {
         match self {
             BreakStage::Input => "input",

@@ -1,4 +1,4 @@
-//! From a point cloud, or a mesh that is to be treated as one, to a scene with the bark of a stem, and a report.
+//! Reconstruction of a stem's bark from a point cloud, or from a mesh that is treated as one.
 
 pub(crate) mod error;
 mod parameters;
@@ -16,7 +16,7 @@ use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene, Stage};
 use greenstick_wood::scan::{ScanOptions, ScannedBark, reconstruct_bark};
 use greenstick_wood::stem::StemLocation;
 
-/// How a scan is treated.
+/// Everything that determines the bark of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ScanRequest {
     /// Steps of the cleaning.
@@ -34,14 +34,14 @@ pub struct Scanned {
     pub location: StemLocation,
     /// Points of the centreline from the base, m.
     pub centreline: Vec<DVec3>,
-    /// What was done.
+    /// The report.
     pub report: ScannedReport,
 }
 
 /// Reconstructs the bark of the stem at a location of a cloud. A point as location is in the file's coordinates.
 ///
 /// # Errors
-/// [`Error::Scan`] where the cloud cannot be cleaned or holds no stem there.
+/// [`Error::Scan`] if the cloud cannot be cleaned or has no stem there.
 pub fn scan_to_scene(
     file: &CloudFile,
     location: &StemLocation,
@@ -86,7 +86,7 @@ fn clean_and_reconstruct(
     Ok((cleaned, bark))
 }
 
-/// Points on the triangles of a scene, about; more where there are more triangles.
+/// Approximate number of points sampled on a scene; more if it has more triangles.
 const SAMPLED_POINTS: f64 = 50_000.0;
 
 /// Samples the meshes of a scene as a cloud, so that a mesh with holes can be treated as a scan.

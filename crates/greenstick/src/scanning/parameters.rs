@@ -1,4 +1,4 @@
-//! What is asked of a scan.
+//! Parameters of the reconstruction of bark from a scan.
 
 use super::ScanRequest;
 use greenstick_geometry::cloud::CleanOptions;
@@ -14,17 +14,17 @@ parameters! {
     /// How a point cloud becomes the bark of a stem.
     pub struct ScanParameters {
         "Point clouds", "input" {
-            /// Treat a mesh as a scan, too: its bark is made anew and its holes are closed.
+            /// Treat a mesh as a scan: its bark is reconstructed and its holes are closed.
             as_scan: bool = false, flag();
             /// Keep points farther from their neighbours than the others are from theirs.
             no_outliers: bool = false, flag();
-            /// Drop points whose mean distance to their neighbours exceeds the cloud's by so many standard deviations.
+            /// Drop points whose mean distance to their neighbours exceeds the cloud's by this many standard deviations.
             outliers: f64 = CleanOptions::OUTLIER_DEVIATIONS, number(Unit::One, 0.0, MAX_MULTIPLE).above().logarithmic();
             /// Keep points without others near them.
             no_isolated: bool = false, flag();
-            /// Drop points without two others within so many spacings of the cloud.
+            /// Drop points without two others within this many spacings of the cloud.
             isolated: f64 = CleanOptions::ISOLATED_SPACINGS, number(Unit::One, 0.0, MAX_MULTIPLE).above().logarithmic();
-            /// Keep several points at one place.
+            /// Keep points at equal positions.
             no_duplicates: bool = false, flag();
             /// Refuse points whose coordinates are not finite instead of dropping them.
             all_finite: bool = false, flag();
@@ -32,14 +32,14 @@ parameters! {
             spacing: f64 = 0.0, length(0.0, MAX_SPACING);
             /// Cut off the points of a fracture surface and keep the bark.
             bark_only: bool = false, flag();
-            /// Share of the girth that must have been seen, along the metre of the place and those kept beside it.
+            /// Share of the girth that must have been seen, along the metre of the location and those used beside it.
             min_coverage as "least_cover": f64 = ScanOptions::MIN_COVERAGE, number(Unit::Fraction, 0.0, 1.0);
         }
     }
 }
 
 impl ScanParameters {
-    /// The request that they make.
+    /// Returns the request.
     pub fn request(&self) -> ScanRequest {
         ScanRequest {
             clean: CleanOptions {

@@ -1,12 +1,12 @@
-//! The report of a scan.
+//! The report on a scan.
 
 use greenstick_geometry::cloud::CleanReport;
 use greenstick_wood::scan::ScanReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is known of a scan.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+/// The report on a scan.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ScannedReport {
     /// The cleaning.
     pub clean: CleanReport,
@@ -16,7 +16,7 @@ pub struct ScannedReport {
     pub triangles: usize,
     /// What was subtracted from the file's coordinates, m.
     pub origin_m: [f64; 3],
-    /// How the file was read and what was assumed, one sentence each.
+    /// How the file was read and what was assumed; one sentence each.
     pub notes: Vec<String>,
 }
 

@@ -1,10 +1,12 @@
-//! The chain of one break: stem → layout → heights → cut, each made from the one before and kept until something that it
-//! depends on changes.
+//! The chain of one break: stem → layout → heights → cut. Each value is computed from the one before and cached until
+//! something that it depends on changes.
 
 use super::notes::BreakNote;
-use super::slot::{Found, Ids, Slot};
+use super::progress::{CUT, HEIGHTS, LAYOUT, STEM};
+use super::slot::{Ids, Slot, SlotValue};
 use super::stages::{
-    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage, inner_wood,
+    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage, has_spiral_grain,
+    inner_wood,
 };
 use crate::Error;
 use crate::report::SpeciesReport;
@@ -12,7 +14,7 @@ use crate::request::{Break, BreakStage};
 use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{self, HeightCache, HeightSource};
-use greenstick_fracture::parameters::{BreakParameters, CrackParameters, SurfaceStyle};
+use greenstick_fracture::parameters::{BreakParameters, CrackParameters};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::broken::{
@@ -22,9 +24,9 @@ use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
 use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule};
-use greenstick_wood::stem::{StemKind, StemLocation, StemOptions};
+use greenstick_wood::stem::{StemLocation, StemOptions};
 
-/// What the cracks of a break are drawn from.
+/// Everything that determines the cracks of a break.
 #[derive(Debug, Clone, PartialEq)]
 struct CrackKey {
     cracks: CrackParameters,
@@ -46,7 +48,7 @@ impl CrackKey {
     }
 }
 
-/// What the stem is found by.
+/// Everything that determines which stem is found.
 #[derive(Debug, Clone, PartialEq)]
 struct FoundKey {
     scene: u64,
@@ -55,7 +57,7 @@ struct FoundKey {
     above: Option<LowestAbove>,
 }
 
-/// What an opened end is made from: the stem, the cracks, and what the wood in it shows.
+/// Everything that determines a cracked end: the stem, the cracks, and what the wood in it shows.
 #[derive(Debug, Clone, PartialEq)]
 struct OpenedKey {
     stem: u64,
@@ -64,7 +66,7 @@ struct OpenedKey {
     material: u32,
 }
 
-/// What heights are made from.
+/// Everything that determines heights.
 #[derive(Debug, Clone, PartialEq)]
 struct HeightKey {
     layout: u64,
@@ -74,7 +76,7 @@ struct HeightKey {
     moisture: Option<f64>,
 }
 
-/// What a cut is made from.
+/// Everything that determines a cut.
 #[derive(Debug, Clone, PartialEq)]
 struct CutKey {
     heights: u64,
@@ -86,8 +88,8 @@ struct CutKey {
 #[derive(Debug, Default)]
 pub(super) struct Chain {
     found: Slot<FoundKey, PreparedStem>,
-    /// Layout and heights on the stem as it was found, where the break asks for another: spiral grain winds no farther
-    /// than the break, and the relief that a species calls for is that of the sound stem.
+    /// Layout and heights on the stem as it was found, if the break needs another stem: spiral grain ends a little beyond
+    /// the break, and the relief of a species is measured on the sound stem.
     found_layout: Slot<(u64, LayoutKey), FaceLayout>,
     found_cache: HeightCache,
     spiral: Slot<(u64, f64, (f64, f64)), PreparedStem>,
@@ -100,7 +102,7 @@ pub(super) struct Chain {
 }
 
 impl Clone for Chain {
-    /// The same values; what is only memory to work in is left behind.
+    /// Copies the cached values, but not the working memory.
     fn clone(&self) -> Self {
         Chain {
             found: self.found.clone(),
@@ -120,18 +122,18 @@ impl Clone for Chain {
 /// The scene that a break is made in.
 pub(super) struct ChainInput<'a> {
     pub scene: &'a Scene,
-    /// Number of the scene, which no other of the session has.
+    /// Unique number of the scene in the session.
     pub id: u64,
     /// What is known of the stem.
     pub stem: &'a StemOptions,
-    /// The lowest place of the break beyond this one, where there is one.
+    /// The lowest point of the break beyond this one, if there is one.
     pub above: Option<LowestAbove>,
-    /// How many breaks have been made whose wood inside has a material of its own.
+    /// The number of breaks made before, each of which adds a material for its wood inside.
     pub inner_wood_before: u32,
 }
 
 impl<'a> ChainInput<'a> {
-    /// The scene that came in.
+    /// The scene of the session's input.
     pub fn whole(scene: &'a Scene, stem: &'a StemOptions) -> Self {
         ChainInput {
             scene,
@@ -143,17 +145,17 @@ impl<'a> ChainInput<'a> {
     }
 }
 
-/// The lowest place of a broken face, which a break nearer to the base stays clear of.
+/// The lowest point of a broken face, which a break nearer to the base stays clear of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LowestAbove {
-    /// A point of the axis there, m.
+    /// The point of the axis at that length, m.
     point: DVec3,
-    /// Length of stem that the break stays away from it, m.
+    /// The length of stem between the two breaks, m.
     margin: f64,
 }
 
-/// Wood that stays whole between two breaks of a stem, radii.
-const BETWEEN_BREAKS: f64 = 0.1;
+/// The least length of whole stem between two breaks, radii.
+const MIN_GAP_BETWEEN_BREAKS: f64 = 0.1;
 
 impl LowestAbove {
     pub fn new(stages: &BreakStages) -> Self {
@@ -161,11 +163,11 @@ impl LowestAbove {
         let low = stages.heights.heights.range.0;
         LowestAbove {
             point: stem.grain.axis().frame(stem.location + low).origin,
-            margin: BETWEEN_BREAKS * stem.radius,
+            margin: MIN_GAP_BETWEEN_BREAKS * stem.radius,
         }
     }
 
-    /// Keeps a stem clear of it.
+    /// Limits the usable length of a stem so that a break stays clear of the point.
     fn limit(self, stem: &mut PreparedStem) {
         let stem = &mut stem.found.stem;
         let length = stem.grain.axis().length_at(self.point) - self.margin;
@@ -173,7 +175,7 @@ impl LowestAbove {
     }
 }
 
-/// Takes down the earliest stage that was made anew.
+/// The earliest stage that was recomputed.
 #[derive(Debug, Default)]
 pub(super) struct Changes(Option<BreakStage>);
 
@@ -190,33 +192,36 @@ impl Changes {
 }
 
 impl Chain {
-    /// Brings all stages up to the cut to what `asked` says.
+    /// Updates all stages up to the cut for a requested break.
     pub fn update(
         &mut self,
         input: &ChainInput,
-        asked: &Break,
+        requested: &Break,
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
     ) -> Result<BreakStages, Error> {
-        let [finding, laying, rising, cutting] = context.split([
-            (super::STEM, 4.0),
-            (super::LAYOUT, 1.0),
-            (super::HEIGHTS, 1.0),
-            (super::CUT, 6.0),
-        ]);
-        let recipe = &asked.recipe;
+        let [stem_context, layout_context, height_context, cut_context] =
+            context.split([(STEM, 4.0), (LAYOUT, 1.0), (HEIGHTS, 1.0), (CUT, 6.0)]);
+        let recipe = &requested.recipe;
         let p = &recipe.face;
         let cracks = Cracks::plan(recipe)?;
-        let (stem, relief) = self.stem(input, asked, cracks.as_ref(), ids, changes, &finding)?;
-        laying.report(0.0)?;
+        let (stem, relief) = self.stem(
+            input,
+            requested,
+            cracks.as_ref(),
+            ids,
+            changes,
+            &stem_context,
+        )?;
+        layout_context.report(0.0)?;
         let key = LayoutKey::new(stem.stem(), p);
         let layout = layout(&mut self.layout, stem.stem(), (stem.id, key), ids)?;
         changes.note(BreakStage::Layout, layout.is_new);
-        rising.report(0.0)?;
-        let heights = self.heights(&stem, &layout, asked, relief, ids)?;
+        height_context.report(0.0)?;
+        let heights = self.heights(&stem, &layout, requested, relief, ids)?;
         changes.note(BreakStage::Heights, heights.is_new);
-        cutting.report(0.0)?;
+        cut_context.report(0.0)?;
         let at_break = cracks.as_ref().filter(|c| !c.sawn);
         let key = CutKey {
             heights: heights.id,
@@ -230,7 +235,7 @@ impl Chain {
             cut_stage(&stem, &layout.value, surface, at_break, &inner, workspace)
         })?;
         changes.note(BreakStage::Cut, cut.is_new);
-        cutting.report(1.0)?;
+        cut_context.report(1.0)?;
         Ok(BreakStages {
             stem,
             layout: layout.value,
@@ -241,21 +246,22 @@ impl Chain {
         })
     }
 
-    /// Brings the stem alone to what `asked` says.
+    /// Updates the stem alone for a requested break.
     pub fn stem_only(
         &mut self,
         input: &ChainInput,
-        asked: &Break,
+        requested: &Break,
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
     ) -> Result<StemStage, Error> {
-        let cracks = Cracks::plan(&asked.recipe)?;
-        let (stem, ..) = self.stem(input, asked, cracks.as_ref(), ids, changes, context)?;
+        let cracks = Cracks::plan(&requested.recipe)?;
+        let (stem, ..) = self.stem(input, requested, cracks.as_ref(), ids, changes, context)?;
         Ok(stem)
     }
 
-    /// Height between the 5th and the 95th hundredth of the corners of a face, m, without what a species adds.
+    /// Returns the range of heights from the 5th to the 95th percentile over the corners of a face, without the factor of a
+    /// species, m.
     pub fn relief_range(
         &mut self,
         stage: &StemStage,
@@ -270,38 +276,38 @@ impl Chain {
         Ok(heights::relief_range(bundles, p, &setting, &mut self.cache))
     }
 
-    /// The stem with the grain and the cracked end that a break asks for, and the relief of the species.
+    /// Returns the stem with the grain and the cracked end that a break requests, and the relief of the species.
     fn stem(
         &mut self,
         input: &ChainInput,
-        asked: &Break,
+        requested: &Break,
         cracks: Option<&Cracks>,
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
     ) -> Result<(StemStage, SpeciesRelief), Error> {
         context.report(0.0)?;
-        let p = &asked.recipe.face;
+        let p = &requested.recipe.face;
         let key = FoundKey {
             scene: input.id,
-            place: asked.place,
+            place: requested.place,
             options: input.stem.clone(),
             above: input.above,
         };
         let found = self.found.get(key, ids, |_| {
             let scene = input.scene.clone();
-            let mut stem = PreparedStem::find(scene, &asked.place, input.stem, context)?;
+            let mut stem = PreparedStem::find(scene, &requested.place, input.stem, context)?;
             if let Some(above) = input.above {
                 above.limit(&mut stem);
             }
             Ok::<_, Error>(stem)
         })?;
         changes.note(BreakStage::Stem, found.is_new);
-        let spiral = is_spiral(&found.value, p);
+        let spiral = has_spiral_grain(&found.value, p);
         let sawn = cracks.filter(|c| c.sawn);
-        let relief = self.relief(&found, asked, spiral || sawn.is_some(), ids)?;
+        let relief = self.relief(&found, requested, spiral || sawn.is_some(), ids)?;
         let sound = if spiral {
-            let spiral = self.spiral(&found, asked, relief.factor, ids)?;
+            let spiral = self.spiral(&found, requested, relief.factor, ids)?;
             changes.note(BreakStage::Stem, spiral.is_new);
             spiral
         } else {
@@ -323,7 +329,7 @@ impl Chain {
             Some(cracks) => {
                 let key = OpenedKey {
                     stem: sound.id,
-                    cracks: CrackKey::new(&asked.recipe),
+                    cracks: CrackKey::new(&requested.recipe),
                     proportions: p.proportions(),
                     material: inner_material,
                 };
@@ -338,14 +344,14 @@ impl Chain {
         Ok((stage, relief))
     }
 
-    /// The layout of the stem as it was found: that of the break itself, unless its stem will be `another`.
+    /// Returns the layout on the stem as it was found: that of the break itself, unless the break needs `another` stem.
     fn found_layout(
         &mut self,
-        found: &Found<PreparedStem>,
+        found: &SlotValue<PreparedStem>,
         p: &BreakParameters,
         another: bool,
         ids: &mut Ids,
-    ) -> Result<Found<FaceLayout>, Error> {
+    ) -> Result<SlotValue<FaceLayout>, Error> {
         let key = (found.id, LayoutKey::new(&found.value, p));
         let slot = if another {
             &mut self.found_layout
@@ -355,26 +361,26 @@ impl Chain {
         layout(slot, &found.value, key, ids)
     }
 
-    /// The stem with grain that spirals about the break and no farther.
+    /// Returns the stem with grain that spirals around the break and a little beyond.
     fn spiral(
         &mut self,
-        found: &Found<PreparedStem>,
-        asked: &Break,
+        found: &SlotValue<PreparedStem>,
+        requested: &Break,
         relief: f64,
         ids: &mut Ids,
-    ) -> Result<Found<PreparedStem>, Error> {
-        let p = &asked.recipe.face;
+    ) -> Result<SlotValue<PreparedStem>, Error> {
+        let p = &requested.recipe.face;
         let layout = self.found_layout(found, p, true, ids)?;
         let setting = height_setting(&found.value, p, relief);
         let heights = heights::heights(
             &layout.value.bundles,
             p,
             &setting,
-            &asked.heights,
+            &requested.heights,
             &mut self.found_cache,
         );
         let stem = &found.value.found.stem;
-        let margin = SPIRAL_BEYOND * stem.radius;
+        let margin = SPIRAL_MARGIN * stem.radius;
         let (low, high) = heights.range;
         let between = (
             (stem.location + low - margin).max(stem.usable.0),
@@ -386,15 +392,16 @@ impl Chain {
         })
     }
 
-    /// The factor that the species puts on the relief. The stem of the break will be `another` than the one found, or it.
+    /// Returns the factor of the species on the relief, measured on the stem as it was found; `another` says whether the
+    /// break needs another stem.
     fn relief(
         &mut self,
-        found: &Found<PreparedStem>,
-        asked: &Break,
+        found: &SlotValue<PreparedStem>,
+        requested: &Break,
         another: bool,
         ids: &mut Ids,
     ) -> Result<SpeciesRelief, Error> {
-        let recipe = &asked.recipe;
+        let recipe = &requested.recipe;
         let none = |note| SpeciesRelief {
             factor: 1.0,
             report: None,
@@ -450,50 +457,44 @@ impl Chain {
     fn heights(
         &mut self,
         stem: &StemStage,
-        layout: &Found<FaceLayout>,
-        asked: &Break,
+        layout: &SlotValue<FaceLayout>,
+        requested: &Break,
         relief: SpeciesRelief,
         ids: &mut Ids,
-    ) -> Result<Found<HeightStage>, Error> {
-        let p = &asked.recipe.face;
+    ) -> Result<SlotValue<HeightStage>, Error> {
+        let p = &requested.recipe.face;
         let key = HeightKey {
             layout: layout.id,
             parameters: p.clone(),
-            source: asked.heights.clone(),
-            species: asked.recipe.species.clone(),
-            moisture: asked.recipe.moisture,
+            source: requested.heights.clone(),
+            species: requested.recipe.species.clone(),
+            moisture: requested.recipe.moisture,
         };
         let cache = &mut self.cache;
         self.heights.get(key, ids, |_| {
             let setting = height_setting(stem.stem(), p, relief.factor);
             let bundles = &layout.value.bundles;
             Ok(HeightStage {
-                heights: heights::heights(bundles, p, &setting, &asked.heights, cache),
+                heights: heights::heights(bundles, p, &setting, &requested.heights, cache),
                 relief,
             })
         })
     }
 }
 
-/// How far beyond the break grain spirals, radii.
-const SPIRAL_BEYOND: f64 = 0.5;
+/// The length beyond the break over which grain still spirals, radii.
+const SPIRAL_MARGIN: f64 = 0.5;
 
 /// Median over the Wood Handbook's species of the shear-lag length over the bundle's width: the wood that the relief
 /// of the parameters stands for.
 const TYPICAL_SLENDERNESS: f64 = 2.87;
-
-/// Whether a break asks for spiral grain and the stem can have it: a fibrous face of a round stem.
-pub(super) fn is_spiral(stem: &PreparedStem, p: &BreakParameters) -> bool {
-    let round = stem.found.stem.kind != StemKind::Board;
-    p.spiral_angle != 0.0 && p.surface == SurfaceStyle::Fibrous && round
-}
 
 fn layout(
     slot: &mut Slot<(u64, LayoutKey), FaceLayout>,
     stem: &PreparedStem,
     key: (u64, LayoutKey),
     ids: &mut Ids,
-) -> Result<Found<FaceLayout>, Error> {
+) -> Result<SlotValue<FaceLayout>, Error> {
     let made = key.1.clone();
     slot.get(key, ids, |_| Ok(FaceLayout::new(stem, &made)))
 }

@@ -1,22 +1,24 @@
-//! Breaking a scene, again and again, with requests that change.
+//! Breaking one scene repeatedly, with requests that change.
 //!
-//! A break is a chain of stages: input → stem → layout → heights → cut → finish. A [`BreakSession`] keeps the last value
-//! of each, and a request makes anew only what follows the first stage that it changes. The chain has three ends: what is
-//! drawn ([`BreakSession::stages`]), meshes ([`BreakSession::pieces`]) and the scene that files hold
+//! A break is a chain of stages: input → stem → layout → heights → cut → finish. A [`BreakSession`] caches the last value
+//! of each stage, and a request recomputes only the first stage that it changes and those after it. The chain has three
+//! ends: what is drawn ([`BreakSession::stages`]), meshes ([`BreakSession::pieces`]) and the scene that files hold
 //! ([`BreakSession::broken`]).
 
 mod chain;
+mod input;
 pub(crate) mod materials;
 mod notes;
 mod order;
 mod pieces;
+mod progress;
 mod report;
 mod scene;
 mod slot;
 mod stages;
 
 pub use notes::BreakNote;
-pub use pieces::{Piece, PieceRole, Pieces};
+pub use pieces::{BreakPieces, Piece, PieceRole, Pieces};
 pub use scene::NodeRole;
 pub use stages::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
 
@@ -25,33 +27,19 @@ use crate::report::BreakReport;
 use crate::request::{Break, BreakRequest, BreakStage};
 use chain::{Chain, ChainInput, Changes, LowestAbove};
 use glam::DVec3;
-use greenstick_geometry::{Context, Scene, Stage};
+use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
-use greenstick_skin::prepared::volume_scale;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
+use input::Input;
 use order::BreakOrder;
+use progress::{CUT, FINISH, STEM, TEXTURES};
 use scene::{Assembled, assemble};
 use slot::{Ids, Slot};
 use std::sync::Arc;
 
-const STEM: Stage = Stage::new("stem");
-const LAYOUT: Stage = Stage::new("layout");
-const HEIGHTS: Stage = Stage::new("heights");
-const CUT: Stage = Stage::new("cut");
-const FINISH: Stage = Stage::new("finish");
-const TEXTURES: Stage = Stage::new("textures");
-
-/// The scene that is broken.
-#[derive(Debug)]
-struct Input {
-    scene: Scene,
-    triangles: usize,
-    area_m2: f64,
-}
-
-/// What the textures of the wood inside are made from beside the stem.
+/// Everything that determines the textures of the wood inside.
 #[derive(Debug, Clone, PartialEq)]
 struct TextureKey {
     stem: Stem,
@@ -60,39 +48,39 @@ struct TextureKey {
     width: u32,
 }
 
-/// The values of one break of a request.
+/// The cached values of one break of a request.
 #[derive(Debug, Clone, Default)]
-struct OneBreak {
+struct CachedBreak {
     chain: Chain,
     pieces: Slot<(u64, Break), Pieces>,
     textures: Slot<TextureKey, WoodTextures>,
-    /// What is left of the scene to be broken further down.
-    rest: Slot<u64, Scene>,
+    /// What is left of the scene at the base, where breaks nearer to it are made.
+    remaining: Slot<u64, Scene>,
 }
 
-/// A scene that is broken again and again. Sessions share nothing that changes, so each thread can have its own:
+/// A scene that is broken repeatedly. Sessions share no mutable state, so that every thread can have its own; see
 /// [`BreakSession::fork`].
+///
+/// ```
+/// use greenstick::geometry::Context;
+/// use greenstick::{BreakRequest, BreakSession, BreakStage, built_in_branch};
+///
+/// let mut session = BreakSession::new(built_in_branch());
+/// let mut request = BreakRequest::default();
+/// session.stages(&request, &Context::quiet())?;
+/// request.breaks[0].recipe.face.inclination = 10.0;
+/// session.stages(&request, &Context::quiet())?;
+/// assert_eq!(session.started_at(), Some(BreakStage::Heights));
+/// # Ok::<(), greenstick::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct BreakSession {
     input: Arc<Input>,
     ids: Ids,
     order: BreakOrder,
     /// In the order in which they are made.
-    breaks: Vec<OneBreak>,
+    breaks: Vec<CachedBreak>,
     changes: Changes,
-}
-
-/// One break of a request, with its pieces.
-#[derive(Debug, Clone)]
-pub struct PiecesOfBreak {
-    /// Its number in the request.
-    pub number: usize,
-    /// The break as it was made.
-    pub made: Break,
-    /// Its stages up to the cut.
-    pub stages: BreakStages,
-    /// Its pieces.
-    pub pieces: Arc<Pieces>,
 }
 
 /// The wood inside a break.
@@ -116,22 +104,22 @@ pub struct Broken {
     pub scene: Scene,
     /// What each node of the scene is.
     pub roles: Vec<NodeRole>,
-    /// What was done.
+    /// The report.
     pub report: BreakReport,
-    /// The notes of the report by their kinds.
+    /// The notes of the report, by kind.
     pub notes: Vec<BreakNote>,
     /// The wood inside each break, in the order of the request.
     pub woods: Vec<BrokenWood>,
-    /// Whether the pieces were moved apart, or one hangs on the other.
+    /// Whether the pieces were moved apart, or the upper one hangs on the lower.
     pub apart: bool,
-    /// Direction of the hinge that the upper piece hangs on, where it does.
+    /// The direction of the hinge that the upper piece hangs on, if it does.
     pub hinge: Option<DVec3>,
-    /// The sawn end that was cracked.
+    /// The sawn end that has cracks, if any.
     pub end: Option<EndOfStem>,
 }
 
 impl Broken {
-    /// Adds a note that only the caller knows.
+    /// Adds a note of the caller's own.
     pub fn note(&mut self, text: String) {
         self.report.notes.push(text.clone());
         self.notes.push(BreakNote::Other(text));
@@ -139,20 +127,10 @@ impl Broken {
 }
 
 impl BreakSession {
-    /// A session that breaks `scene`.
+    /// Starts a session that breaks `scene`.
     pub fn new(scene: Scene) -> Self {
-        let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
-        let area_m2 = scene
-            .nodes
-            .iter()
-            .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
-            .sum();
         BreakSession {
-            input: Arc::new(Input {
-                scene,
-                triangles,
-                area_m2,
-            }),
+            input: Arc::new(Input::new(scene)),
             ids: Ids::default(),
             order: BreakOrder::default(),
             breaks: Vec::new(),
@@ -160,7 +138,7 @@ impl BreakSession {
         }
     }
 
-    /// A session of its own with all that this one has found out, for another thread.
+    /// Returns an independent session with everything that this one has cached, for another thread.
     pub fn fork(&self) -> Self {
         BreakSession {
             input: self.input.clone(),
@@ -171,26 +149,26 @@ impl BreakSession {
         }
     }
 
-    /// The first stage that the last request made anew; none where it found everything.
+    /// The first stage that the last request recomputed; none if all of it was cached.
     pub fn started_at(&self) -> Option<BreakStage> {
         self.changes.first()
     }
 
-    /// The stem of the request's only break.
+    /// Returns the stem of the request's only break.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
     pub fn stem(&mut self, request: &BreakRequest, context: &Context) -> Result<StemStage, Error> {
-        let asked = only(request)?;
+        let requested = only(request)?;
         self.begin(request);
         let input = self.input.clone();
         let input = ChainInput::whole(&input.scene, &request.stem);
         let chain = &mut self.breaks[0].chain;
-        chain.stem_only(&input, asked, &mut self.ids, &mut self.changes, context)
+        chain.stem_only(&input, requested, &mut self.ids, &mut self.changes, context)
     }
 
-    /// Height between the 5th and the 95th hundredth of the corners of the request's only face, before it is limited and
-    /// without what a species adds to its relief, m.
+    /// Returns the range of heights from the 5th to the 95th percentile over the corners of the request's only face, before
+    /// heights are limited and without the factor of a species, m.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
@@ -206,31 +184,32 @@ impl BreakSession {
             .relief_range(&stem, face, &mut self.ids)
     }
 
-    /// The stages of the request's only break up to the cut, which is what is drawn.
+    /// Returns the stages of the request's only break up to the cut: what is drawn.
     ///
     /// # Errors
-    /// [`Error`] where there is no stem at the place, it cannot be cut there, or the caller cancelled.
+    /// [`Error`] if there is no stem at the location, the stem cannot be cut there, or the caller cancelled.
     pub fn stages(
         &mut self,
         request: &BreakRequest,
         context: &Context,
     ) -> Result<BreakStages, Error> {
-        let asked = only(request)?;
+        let requested = only(request)?;
         self.begin(request);
         let input = self.input.clone();
         let input = ChainInput::whole(&input.scene, &request.stem);
         let chain = &mut self.breaks[0].chain;
-        chain.update(&input, asked, &mut self.ids, &mut self.changes, context)
+        chain.update(&input, requested, &mut self.ids, &mut self.changes, context)
     }
 
+    /// Prepares for a request: one cached break for each of its breaks.
     fn begin(&mut self, request: &BreakRequest) {
         self.changes = Changes::default();
         self.breaks
-            .resize_with(request.breaks.len(), OneBreak::default);
+            .resize_with(request.breaks.len(), CachedBreak::default);
     }
 
-    /// The pieces of the request's breaks as meshes of their own, from the farthest break from the base to the nearest.
-    /// Each breaks what the one before left at the base.
+    /// Returns the pieces of the request's breaks as separate meshes, from the break farthest from the base to the nearest.
+    /// Each break is made in what the one before left at the base.
     ///
     /// # Errors
     /// As [`BreakSession::stages`].
@@ -238,26 +217,26 @@ impl BreakSession {
         &mut self,
         request: &BreakRequest,
         context: &Context,
-    ) -> Result<Vec<PiecesOfBreak>, Error> {
+    ) -> Result<Vec<BreakPieces>, Error> {
         self.begin(request);
         let input = self.input.clone();
         let [locating, breaking] = context.split([
             (STEM, request.breaks.len() as f64 - 1.0),
             (CUT, 4.0 * request.breaks.len() as f64),
         ]);
-        let order = self.order.of(&input.scene, request, &locating)?;
-        let mut made: Vec<PiecesOfBreak> = Vec::new();
-        let mut rest: Option<(Arc<Scene>, u64)> = None;
+        let order = self.order.resolve(&input.scene, request, &locating)?;
+        let mut finished: Vec<BreakPieces> = Vec::new();
+        let mut remaining: Option<(Arc<Scene>, u64)> = None;
         for (at, placed) in order.iter().enumerate() {
             let [cutting, finishing] = breaking
                 .item(at, order.len())
                 .split([(CUT, 3.0), (FINISH, 2.0)]);
             let one = &mut self.breaks[at];
-            let (scene, id) = match &rest {
+            let (scene, id) = match &remaining {
                 Some((scene, id)) => (&**scene, *id),
                 None => (&input.scene, 0),
             };
-            let above = made.last().map(|m| LowestAbove::new(&m.stages));
+            let above = finished.last().map(|m| LowestAbove::new(&m.stages));
             let input = ChainInput {
                 scene,
                 id,
@@ -266,55 +245,55 @@ impl BreakSession {
                 inner_wood_before: at as u32,
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
-            let stages = (one.chain).update(&input, &placed.asked, ids, changes, &cutting)?;
+            let stages = (one.chain).update(&input, &placed.requested, ids, changes, &cutting)?;
             finishing.report(0.0)?;
-            let key = (stages.cut_id, placed.asked.clone());
+            let key = (stages.cut_id, placed.requested.clone());
             let pieces = one
                 .pieces
-                .get(key, ids, |_| pieces::finish(&stages, &placed.asked))?;
+                .get(key, ids, |_| pieces::finish(&stages, &placed.requested))?;
             changes.note(BreakStage::Finish, pieces.is_new);
             if at + 1 < order.len() {
-                let found = one.rest.get(pieces.id, ids, |_| {
+                let found = one.remaining.get(pieces.id, ids, |_| {
                     Ok::<_, Error>(scene::left_at_base(&stages, &pieces.value))
                 })?;
-                rest = Some((found.value, found.id));
+                remaining = Some((found.value, found.id));
             }
-            made.push(PiecesOfBreak {
+            finished.push(BreakPieces {
                 number: placed.number,
-                made: placed.asked.clone(),
+                requested: placed.requested.clone(),
                 stages,
                 pieces: pieces.value,
             });
         }
-        Ok(made)
+        Ok(finished)
     }
 
-    /// The broken scene with its materials and textures, as files hold it.
+    /// Returns the broken scene with its materials and textures, as files hold it.
     ///
     /// # Errors
-    /// As [`BreakSession::stages`], or where the textures cannot be made.
+    /// As [`BreakSession::stages`], and if the textures cannot be made.
     pub fn broken(&mut self, request: &BreakRequest, context: &Context) -> Result<Broken, Error> {
         let [breaking, baking] = context.split([(CUT, 1.0), (TEXTURES, 2.0)]);
-        let made = self.pieces(request, &breaking)?;
-        let Assembled { mut scene, roles } = assemble(&made);
+        let breaks = self.pieces(request, &breaking)?;
+        let Assembled { mut scene, roles } = assemble(&breaks);
         materials::add_missing_bark(&mut scene);
         let mut woods = Vec::new();
-        for (at, one) in made.iter().enumerate() {
+        for (at, one) in breaks.iter().enumerate() {
             let width = request.texture_width;
-            let wood = self.bake(at, one, width, &baking.item(at, made.len()))?;
+            let wood = self.bake(at, one, width, &baking.item(at, breaks.len()))?;
             let square = one.stages.stem.stem().square;
             materials::add_inner_wood(&mut scene, square, &wood.1);
             woods.push((one.number, wood.0));
         }
         woods.sort_by_key(|w| w.0);
-        let first = made.iter().min_by_key(|m| m.number);
+        let first = breaks.iter().min_by_key(|m| m.number);
         let pieces = first.map(|m| &m.pieces);
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,
-            report: report::report(&self.input, &made, &scene),
+            report: report::report(&self.input, &breaks, &scene),
             scene,
-            notes: report::notes(&made).into_iter().cloned().collect(),
+            notes: report::notes(&breaks).into_iter().cloned().collect(),
             woods: woods.into_iter().map(|w| w.1).collect(),
             apart: (request.breaks.iter()).any(|b| b.separation != 0.0 || b.recipe.face.hang > 0.0),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),
@@ -322,16 +301,16 @@ impl BreakSession {
         })
     }
 
-    /// Bakes the textures of a break.
+    /// Bakes the textures of the wood inside a break.
     fn bake(
         &mut self,
         at: usize,
-        one: &PiecesOfBreak,
+        one: &BreakPieces,
         width: u32,
         context: &Context,
     ) -> Result<(BrokenWood, Arc<WoodTextures>), Error> {
         context.report(0.0)?;
-        let recipe = &one.made.recipe;
+        let recipe = &one.requested.recipe;
         let prepared = one.stages.stem.stem();
         let (stem, square) = (&prepared.found.stem, prepared.square);
         let face = &recipe.face;
@@ -358,7 +337,7 @@ impl BreakSession {
     }
 }
 
-/// The only break of a request.
+/// Returns the only break of a request.
 fn only(request: &BreakRequest) -> Result<&Break, Error> {
     match &request.breaks[..] {
         [only] => Ok(only),
@@ -369,7 +348,7 @@ fn only(request: &BreakRequest) -> Result<&Break, Error> {
     }
 }
 
-/// Breaks a stem in a scene once.
+/// Breaks a scene once. To break it repeatedly, use a [`BreakSession`].
 ///
 /// # Errors
 /// As [`BreakSession::broken`].

@@ -1,4 +1,4 @@
-//! What is worth saying about a break beside its figures.
+//! Notes on a break beside its figures.
 
 use greenstick_fracture::cracks::{CrackPlan, GroovedSurface};
 use greenstick_fracture::recipe::CrackShrinkage;
@@ -7,12 +7,12 @@ use greenstick_skin::broken::SpiralRepair;
 use greenstick_skin::fray::BendReport;
 use std::fmt;
 
-/// Something that was assumed, limited, repaired or could not be done. Its text is a sentence without a full stop.
+/// Something that was assumed, limited, repaired or not possible. Its text is a sentence without a full stop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BreakNote {
-    /// The species has no height of the face, for this reason.
+    /// The height of the face does not follow the species, for this reason.
     NoSpeciesHeight(String),
-    /// The shrinkage that cracks open by.
+    /// The shrinkage that opens the cracks.
     CrackShrinkage(CrackShrinkage),
     /// Tangential cracks were moved to ring boundaries.
     CracksMoved {
@@ -25,16 +25,16 @@ pub enum BreakNote {
     HeightsLimited {
         /// Corners of the face.
         corners: usize,
-        /// Lowest and highest height wanted, m from the place of the break.
+        /// Lowest and highest height without a limit, m from the location of the break.
         wanted: (f64, f64),
-        /// Lowest and highest height that is free, m from the place of the break.
+        /// Lowest and highest height that fits, m from the location of the break.
         free: (f64, f64),
     },
-    /// Slivers without a hold changed sides.
+    /// Slivers that would have been loose stay with the other piece.
     ChipsMoved(usize),
-    /// A face in spiral grain crossed itself.
+    /// A face in spiral grain intersected itself.
     SpiralRepaired {
-        /// What was done.
+        /// The repair.
         repair: SpiralRepair,
         /// Length of the longest edge collapsed, m.
         longest_m: f64,
@@ -43,7 +43,7 @@ pub enum BreakNote {
     Bent {
         /// Name of the piece.
         piece: String,
-        /// How.
+        /// The bending.
         report: BendReport,
         /// How much was requested, 0 to 1.
         requested: f64,
@@ -59,11 +59,11 @@ pub enum BreakNote {
         /// The angle requested, degrees.
         requested: f64,
     },
-    /// A piece crossed itself at the precision of files.
+    /// A piece intersected itself at the precision of files.
     SelfIntersectionsResolved {
         /// Name of the piece.
         piece: String,
-        /// What was done.
+        /// The repair.
         collapsed: Collapsed,
         /// Length of the longest edge collapsed, m.
         longest_m: f64,
@@ -73,11 +73,11 @@ pub enum BreakNote {
         /// Triangles of other shells that fell with it.
         fallen: usize,
     },
-    /// What was made of the cracks of a face.
+    /// The cracks that a face has.
     CracksMade {
         /// Name of the face.
         face: &'static str,
-        /// Cracks that were made.
+        /// How many.
         cracks: usize,
         /// The widest opening, m.
         widest_m: f64,
@@ -105,12 +105,12 @@ pub enum BreakNote {
         /// How many were left out.
         left_out: usize,
     },
-    /// Something that only the caller knows.
+    /// A note of the caller's own.
     Other(String),
 }
 
 impl BreakNote {
-    /// Notes on the cracks of a face.
+    /// Returns the notes on the cracks of a face.
     pub(super) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
         let mut notes = vec![BreakNote::CracksMade {
             face,
@@ -129,7 +129,7 @@ impl BreakNote {
         notes
     }
 
-    /// The note on cracks that would have crossed, where there were any.
+    /// Returns the note on cracks that would have crossed, if there were any.
     pub(super) fn on_plan(plan: &CrackPlan) -> Option<BreakNote> {
         let (shortened, left_out) = (plan.shortened, plan.skipped);
         (shortened + left_out > 0).then_some(BreakNote::CracksSeparated {
@@ -154,7 +154,7 @@ impl fmt::Display for BreakNote {
             ),
             BreakNote::CracksMoved { moved, rings } => write!(
                 f,
-                "{moved} tangential cracks were brought to the nearest boundary of two of the {rings} rings"
+                "{moved} tangential cracks were moved to the nearest boundary between two of the {rings} rings"
             ),
             BreakNote::HeightsLimited {
                 corners,
@@ -171,7 +171,7 @@ impl fmt::Display for BreakNote {
             ),
             BreakNote::ChipsMoved(chips) => write!(
                 f,
-                "{chips} slivers that would have hung in the air stay with the other piece"
+                "{chips} slivers that would have been loose stay with the other piece"
             ),
             BreakNote::SpiralRepaired { repair, longest_m } => spiral(f, repair, *longest_m),
             BreakNote::Bent {
@@ -180,15 +180,15 @@ impl fmt::Display for BreakNote {
                 requested,
             } => bent(f, piece, report, *requested),
             BreakNote::NoSplinters => f.write_str(
-                "no splinter came loose: no fibre bundle away from the skin stands long enough alone",
+                "no splinter came loose: no fibre bundle away from the skin stands alone over enough length",
             ),
             BreakNote::NoSpiralGrain => f.write_str(
-                "the spiral angle was left out: grain winds in the fibrous face of a round stem only",
+                "the spiral angle was left out: only the fibrous face of a round stem has spiral grain",
             ),
             BreakNote::HangsWider { angle, requested } => write!(
                 f,
-                "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least at which it is clear of the \
-                 lower one"
+                "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
+                 the lower one"
             ),
             BreakNote::SelfIntersectionsResolved {
                 piece,
@@ -205,11 +205,11 @@ fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
     match note {
         BreakNote::EndSawnOff { fallen } => {
             f.write_str(
-                "the end is no face that cracks can be cut into: it was sawn off straight first, and what was sawn off is \
+                "cracks cannot be cut into the end as it is: it was sawn off straight first, and what was sawn off is \
                  left out",
             )?;
             if *fallen > 0 {
-                write!(f, ", with {fallen} triangles of what hangs on it")?;
+                write!(f, ", with {fallen} triangles of what was attached to it")?;
             }
             Ok(())
         }
@@ -246,7 +246,7 @@ fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
 fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> fmt::Result {
     write!(
         f,
-        "{} pairs of triangles of the winding face crossed; {} edges were halved and {} of at most {:.0} µm drawn together",
+        "{} pairs of triangles of the face in spiral grain crossed; {} edges were split and {} of at most {:.0} µm collapsed",
         repair.crossed,
         repair.bisected,
         repair.collapsed,
@@ -272,7 +272,7 @@ fn bent(
     if report.crossed > 0 {
         write!(
             f,
-            "; {} pairs of triangles crossed when bent, and {} edges were halved",
+            "; {} pairs of triangles crossed when bent, and {} edges were split",
             report.crossed, report.bisected
         )?;
     }
@@ -298,7 +298,7 @@ fn resolved(
     write!(
         f,
         "{piece}: {} pairs of triangles crossed or met where the wood is too thin for a file's precision; {} edges of at \
-         most {:.2} µm were drawn together",
+         most {:.2} µm were collapsed",
         collapsed.faults,
         collapsed.edges,
         longest_m * 1e6

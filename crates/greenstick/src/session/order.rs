@@ -8,27 +8,27 @@ use greenstick_skin::prepared::world_meshes;
 use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
 
-/// A break with its place in the world.
+/// A break at its location in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PlacedBreak {
-    /// Its number in the request.
+    /// Its index in the request.
     pub number: usize,
-    /// The break; of several the place is a point.
-    pub asked: Break,
+    /// The break; if the request has several, its location is a point.
+    pub requested: Break,
 }
 
-/// Where the breaks of the last request were.
+/// The locations of the breaks of the last request.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BreakOrder {
-    known: Vec<((StemLocation, StemOptions), Arc<FoundStem>)>,
+    located: Vec<((StemLocation, StemOptions), Arc<FoundStem>)>,
 }
 
 impl BreakOrder {
-    /// The breaks of a request in the order in which they are made.
+    /// Returns the breaks of a request in the order in which they are made.
     ///
     /// # Errors
-    /// [`Error`] where there is no break, no stem at a place, or breaks are on different stems.
-    pub fn of(
+    /// [`Error`] if there is no break, no stem at a location, or the breaks are on different stems.
+    pub fn resolve(
         &mut self,
         scene: &Scene,
         request: &BreakRequest,
@@ -37,7 +37,7 @@ impl BreakOrder {
         if let [only] = &request.breaks[..] {
             return Ok(vec![PlacedBreak {
                 number: 0,
-                asked: only.clone(),
+                requested: only.clone(),
             }]);
         }
         let found = self.locate(scene, request, context)?;
@@ -63,7 +63,7 @@ impl BreakOrder {
             let point = stem.grain.axis().frame(stem.location).origin;
             PlacedBreak {
                 number,
-                asked: Break {
+                requested: Break {
                     place: StemLocation::Point(point),
                     ..request.breaks[number].clone()
                 },
@@ -72,7 +72,7 @@ impl BreakOrder {
         Ok(placed.collect())
     }
 
-    /// The stem at the place of each break.
+    /// Finds the stem at the location of each break.
     fn locate(
         &mut self,
         scene: &Scene,
@@ -80,20 +80,25 @@ impl BreakOrder {
         context: &Context,
     ) -> Result<Vec<Arc<FoundStem>>, Error> {
         let mut meshes = None;
-        let mut known = Vec::new();
-        for (number, asked) in request.breaks.iter().enumerate() {
-            let key = (asked.place, request.stem.clone());
-            let found = match self.known.iter().find(|k| k.0 == key) {
+        let mut located = Vec::new();
+        for (number, requested) in request.breaks.iter().enumerate() {
+            let key = (requested.place, request.stem.clone());
+            let found = match self.located.iter().find(|k| k.0 == key) {
                 Some(known) => known.1.clone(),
                 None => {
                     let meshes = meshes.get_or_insert_with(|| world_meshes(scene));
                     let context = context.item(number, request.breaks.len());
-                    Arc::new(find_stem(meshes, &asked.place, &request.stem, &context)?)
+                    Arc::new(find_stem(
+                        meshes,
+                        &requested.place,
+                        &request.stem,
+                        &context,
+                    )?)
                 }
             };
-            known.push((key, found));
+            located.push((key, found));
         }
-        self.known = known;
-        Ok(self.known.iter().map(|k| k.1.clone()).collect())
+        self.located = located;
+        Ok(self.located.iter().map(|k| k.1.clone()).collect())
     }
 }

@@ -1,8 +1,7 @@
-//! The finish of a break: pieces as meshes of their own, frayed, hung, and brought to the precision of files.
+//! The finish of a break: separate pieces, frayed, hung, and rounded to the precision of files.
 
-use super::chain::is_spiral;
 use super::notes::BreakNote;
-use super::stages::BreakStages;
+use super::stages::{BreakStages, has_spiral_grain};
 use crate::Error;
 use crate::report::PieceReport;
 use crate::request::Break;
@@ -13,16 +12,17 @@ use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, sn
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::fray::FrayedBreak;
 use greenstick_skin::hang::{HangReport, hang};
+use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Which part of a broken stem a mesh is.
+/// The part that a piece has in a broken stem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PieceRole {
     /// What stays at the base.
     Lower,
     /// What lies beyond the break.
     Upper,
-    /// Of a stem that is broken at several places, the piece of this number, from 0 at the base.
+    /// The piece of this number, counted from 0 at the base, of a stem that is broken at several locations.
     Segment(usize),
     /// A splinter that came loose.
     Splinter(usize),
@@ -43,11 +43,11 @@ impl PieceRole {
 /// A piece of a break.
 #[derive(Debug, Clone)]
 pub struct Piece {
-    /// Which it is.
+    /// Its role.
     pub role: PieceRole,
     /// Its mesh, in the coordinates of the node that was cut.
     pub mesh: Arc<Mesh>,
-    /// Its motion in the world, away from where it was in the unbroken stem.
+    /// Its motion in the world from where it was in the unbroken stem.
     pub motion: DAffine3,
 }
 
@@ -56,25 +56,39 @@ pub struct Piece {
 pub struct Pieces {
     /// The lower piece, the upper one, then splinters.
     pub pieces: Vec<Piece>,
-    /// A report on each.
+    /// A report on each of them.
     pub reports: Vec<PieceReport>,
-    /// How the upper piece hangs, where it does.
+    /// How the upper piece hangs, if it does.
     pub hang: Option<HangReport>,
-    /// Volume of the cracks, m³; none where there are none.
+    /// Volume of the cracks, m³; none if there are no cracks.
     pub crack_volume_m3: Option<f64>,
-    /// The sawn end that was cracked.
+    /// The sawn end that has cracks, if any.
     pub end: Option<EndOfStem>,
-    /// What is worth saying.
+    /// What was assumed, limited or repaired.
     pub notes: Vec<BreakNote>,
 }
 
-/// Makes the pieces of a break whose stages up to the cut are `stages`.
-pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Error> {
+/// One break of a request, with its stages and pieces.
+#[derive(Debug, Clone)]
+pub struct BreakPieces {
+    /// Its index in the request.
+    pub number: usize,
+    /// The break that was requested; if the request has several, its location is a point.
+    pub requested: Break,
+    /// Its stages up to the cut.
+    pub stages: BreakStages,
+    /// Its pieces.
+    pub pieces: Arc<Pieces>,
+}
+
+/// Makes the pieces of a break from its stages up to the cut.
+pub(super) fn finish(stages: &BreakStages, requested: &Break) -> Result<Pieces, Error> {
     let stem = stages.stem.stem();
-    let p = &asked.recipe.face;
+    let p = &requested.recipe.face;
     let inner = stages.inner_wood(p);
-    let mut notes = notes_up_to_the_cut(stages, asked);
-    let plain = [false, true].map(|upper| stages.piece(p, upper));
+    let mut notes = notes_up_to_the_cut(stages, requested);
+    let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));
+    let plain = [lower, upper];
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
         None => plain,
@@ -88,8 +102,8 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
         }
     };
     let mut splinters = Vec::new();
-    if asked.fray > 0.0 {
-        let amount = asked.fray.min(1.0);
+    if requested.fray > 0.0 {
+        let amount = requested.fray.min(1.0);
         let made = FrayedBreak {
             stem,
             layout: &stages.layout,
@@ -97,7 +111,7 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
             inner,
             pieces: [&lower, &upper],
             amount,
-            separation: asked.separation,
+            separation: requested.separation,
             seed: p.seed,
         }
         .fray()?;
@@ -114,7 +128,7 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
             notes.push(BreakNote::NoSplinters);
         }
     }
-    if p.spiral_angle != 0.0 && !is_spiral(stem, p) {
+    if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
         notes.push(BreakNote::NoSpiralGrain);
     }
     let range = stages.heights.heights.range;
@@ -126,7 +140,7 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
         });
     }
     let moved =
-        DAffine3::from_translation(along(stages) * asked.separation) * turn.unwrap_or_default();
+        DAffine3::from_translation(along(stages) * requested.separation) * turn.unwrap_or_default();
     let mut meshes = vec![
         (PieceRole::Lower, lower, DAffine3::IDENTITY),
         (PieceRole::Upper, upper, moved),
@@ -146,22 +160,27 @@ pub(super) fn finish(stages: &BreakStages, asked: &Break) -> Result<Pieces, Erro
     Ok(made)
 }
 
-/// The direction of the stem at the break.
+/// Returns the direction of the stem at the break.
 fn along(stages: &BreakStages) -> glam::DVec3 {
     let stem = &stages.stem.stem().found.stem;
     stem.grain.axis().frame(stem.location).tangent
 }
 
 impl Pieces {
-    /// Brings meshes to the precision of files and takes them over.
+    /// Rounds meshes to the precision of files and adds them.
     fn write_meshes(&mut self, stages: &BreakStages, meshes: Vec<(PieceRole, Mesh, DAffine3)>) {
         let inner = stages.stem.inner_material;
-        // What crosses in the input is none of ours.
+        // Self-intersections of the input are left as they are.
         let known = KnownPositions::from_mesh(&stages.stem.sound.node().mesh);
         let scale = stages.stem.sound.volume_scale();
-        for (role, mut mesh, motion) in meshes {
+        let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
             snap_to_f32(&mut mesh, inner);
             let collapsed = resolve_self_intersections(&mut mesh, &known);
+            let report = PieceReport::new(&role.name(), &mesh, scale);
+            (role, mesh, motion, collapsed, report)
+        });
+        let meshes: Vec<_> = meshes.collect();
+        for (role, mesh, motion, collapsed, report) in meshes {
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {
                     piece: role.name(),
@@ -169,8 +188,7 @@ impl Pieces {
                     longest_m: collapsed.longest * scale.cbrt(),
                 });
             }
-            self.reports
-                .push(PieceReport::new(&role.name(), &mesh, scale));
+            self.reports.push(report);
             self.pieces.push(Piece {
                 role,
                 mesh: mesh.into(),
@@ -180,9 +198,9 @@ impl Pieces {
     }
 }
 
-/// What is worth saying of the stages up to the cut.
-fn notes_up_to_the_cut(stages: &BreakStages, asked: &Break) -> Vec<BreakNote> {
-    let p: &BreakParameters = &asked.recipe.face;
+/// Returns the notes on the stages up to the cut.
+fn notes_up_to_the_cut(stages: &BreakStages, requested: &Break) -> Vec<BreakNote> {
+    let p: &BreakParameters = &requested.recipe.face;
     let heights = &stages.heights.heights;
     let stem = &stages.stem.stem().found.stem;
     let mut notes: Vec<BreakNote> = stages.heights.relief.note.iter().cloned().collect();
@@ -215,7 +233,7 @@ fn notes_up_to_the_cut(stages: &BreakStages, asked: &Break) -> Vec<BreakNote> {
     notes
 }
 
-/// What is worth saying of the cracks.
+/// Returns the notes on the cracks.
 fn notes_on_cracks(stages: &BreakStages) -> Vec<BreakNote> {
     let mut notes = Vec::new();
     if let Some(opened) = &stages.stem.opened {

@@ -1,7 +1,9 @@
 //! The report on the breaks of a request.
 
+use super::input::Input;
 use super::notes::BreakNote;
-use super::{Input, PiecesOfBreak};
+use super::pieces::BreakPieces;
+use super::scene::piece_reports;
 use crate::report::{
     BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
 };
@@ -10,16 +12,16 @@ use greenstick_geometry::Scene;
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::stem::StemKind;
 
-/// The notes on all breaks, in the order of the request.
-pub(super) fn notes(made: &[PiecesOfBreak]) -> Vec<&BreakNote> {
-    let mut order: Vec<&PiecesOfBreak> = made.iter().collect();
+/// Returns the notes on all breaks, in the order of the request.
+pub(super) fn notes(breaks: &[BreakPieces]) -> Vec<&BreakNote> {
+    let mut order: Vec<&BreakPieces> = breaks.iter().collect();
     order.sort_by_key(|m| m.number);
     order.iter().flat_map(|m| &m.pieces.notes).collect()
 }
 
-/// The report on breaks that were made in this order, and that gave `scene`.
-pub(super) fn report(input: &Input, made: &[PiecesOfBreak], scene: &Scene) -> BreakReport {
-    let mut order: Vec<&PiecesOfBreak> = made.iter().collect();
+/// Reports on breaks, given in the order in which they were made, and on the pieces in `scene`.
+pub(super) fn report(input: &Input, breaks: &[BreakPieces], scene: &Scene) -> BreakReport {
+    let mut order: Vec<&BreakPieces> = breaks.iter().collect();
     order.sort_by_key(|m| m.number);
     let first = order[0];
     let further = order[1..].iter().map(|one| FurtherBreak {
@@ -29,13 +31,13 @@ pub(super) fn report(input: &Input, made: &[PiecesOfBreak], scene: &Scene) -> Br
         hang: one.pieces.hang.clone(),
         crack_volume_m3: one.pieces.crack_volume_m3,
     });
-    let mut pieces = super::scene::piece_reports(made);
+    let mut pieces = piece_reports(breaks);
     for (report, node) in pieces.iter_mut().zip(&scene.nodes) {
         report.name.clone_from(&node.name);
     }
     BreakReport {
         scan: None,
-        input: input_report(input, &made[0].stages.stem.sound),
+        input: input_report(input, &breaks[0].stages.stem.sound),
         place: place_report(first.stages.stem.stem()),
         face: face_report(first),
         species: first.stages.heights.relief.report.clone(),
@@ -43,14 +45,14 @@ pub(super) fn report(input: &Input, made: &[PiecesOfBreak], scene: &Scene) -> Br
         hang: first.pieces.hang.clone(),
         crack_volume_m3: first.pieces.crack_volume_m3,
         further_breaks: further.collect(),
-        notes: notes(made).iter().map(ToString::to_string).collect(),
+        notes: notes(breaks).iter().map(ToString::to_string).collect(),
     }
 }
 
-fn face_report(one: &PiecesOfBreak) -> FaceReport {
+fn face_report(one: &BreakPieces) -> FaceReport {
     let heights = &one.stages.heights.heights;
     FaceReport {
-        surface: match one.made.recipe.face.surface {
+        surface: match one.requested.recipe.face.surface {
             SurfaceStyle::Smooth => "smooth".into(),
             SurfaceStyle::Fibrous => "fibrous".into(),
         },
@@ -62,14 +64,14 @@ fn face_report(one: &PiecesOfBreak) -> FaceReport {
     }
 }
 
-/// The report on the scene that came in, whose stem is `stem`.
+/// Reports on the input, whose stem is `stem`.
 fn input_report(input: &Input, stem: &PreparedStem) -> InputReport {
     let found = &stem.found;
     let mut repairs = input.scene.notes.clone();
     repairs.extend(found.notes.iter().cloned());
     if stem.split > 0 {
         repairs.push(format!(
-            "{} triangles near the break were parted because the stem is bent there",
+            "{} triangles near the break were split because the stem is bent there",
             stem.split
         ));
     }

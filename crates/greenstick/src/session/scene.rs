@@ -1,25 +1,24 @@
 //! The scene of broken pieces and of everything that was not cut.
 
-use super::PiecesOfBreak;
-use super::pieces::{Piece, PieceRole, Pieces};
+use super::pieces::{BreakPieces, Piece, PieceRole, Pieces};
 use super::stages::BreakStages;
 use crate::report::PieceReport;
 use glam::DAffine3;
 use greenstick_geometry::{Node, Scene};
 use greenstick_skin::prepared::PreparedStem;
 
-/// What a node of a broken scene is.
+/// The role of a node in a broken scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeRole {
     /// A piece of the stem that was broken.
     Piece(PieceRole),
     /// Wood or leaves that hang beyond the break and move with the upper piece.
     Carried,
-    /// What the break did not touch.
+    /// Wood that the break did not touch.
     Untouched,
 }
 
-/// A scene, and what each of its nodes is.
+/// A scene and the roles of its nodes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Assembled {
     pub scene: Scene,
@@ -33,8 +32,8 @@ impl Assembled {
     }
 }
 
-/// For each triangle of each node of the scene that a break was made in, whether it is in another node now: in a piece, or
-/// carried by the upper one.
+/// Returns for each triangle of each node of the scene that was broken whether it is now in another node: in a piece, or
+/// carried by the upper piece.
 fn moved_triangles(stages: &BreakStages) -> Vec<Vec<bool>> {
     let stem = stages.stem.stem();
     let found = &stem.found;
@@ -52,7 +51,7 @@ fn moved_triangles(stages: &BreakStages) -> Vec<Vec<bool>> {
     moved
 }
 
-/// The nodes that a break did not touch, and what is left of those of which it took parts.
+/// Returns the nodes that a break did not touch, and what is left of those from which it took triangles.
 fn untouched(stem: &PreparedStem, moved: &[Vec<bool>]) -> Vec<Node> {
     let remaining = |(source, moved): (&Node, &Vec<bool>)| {
         let mesh = if !moved.contains(&true) {
@@ -69,7 +68,7 @@ fn untouched(stem: &PreparedStem, moved: &[Vec<bool>]) -> Vec<Node> {
     nodes.filter_map(remaining).collect()
 }
 
-/// The scene without what lies beyond a break: what further breaks nearer to the base are made in.
+/// Returns the scene without what lies beyond a break: breaks nearer to the base are made in it.
 pub(super) fn left_at_base(stages: &BreakStages, pieces: &Pieces) -> Scene {
     let stem = stages.stem.stem();
     let lower = pieces.pieces.iter().find(|p| p.role == PieceRole::Lower);
@@ -86,37 +85,37 @@ pub(super) fn left_at_base(stages: &BreakStages, pieces: &Pieces) -> Scene {
     }
 }
 
-/// A piece of a scene with its motion and its part in the scene.
+/// A piece with its motion and its role in the scene.
 struct PlacedPiece<'a> {
     piece: &'a Piece,
     report: &'a PieceReport,
-    /// The break that it comes from.
-    of: usize,
+    /// The index of its break, in the order in which breaks were made.
+    break_index: usize,
     /// Its motion in the world, those of all breaks nearer to the base included.
     motion: DAffine3,
     role: PieceRole,
 }
 
-/// The pieces of breaks that were made in this order: from the base upwards, then splinters.
-fn placed(made: &[PiecesOfBreak]) -> Vec<PlacedPiece<'_>> {
-    let several = made.len() > 1;
+/// Orders the pieces of breaks, which are given as they were made: from the base upwards, then splinters.
+fn placed(breaks: &[BreakPieces]) -> Vec<PlacedPiece<'_>> {
+    let several = breaks.len() > 1;
     let mut below = DAffine3::IDENTITY;
     let (mut segments, mut splinters) = (Vec::new(), Vec::new());
-    for (of, one) in made.iter().enumerate().rev() {
+    for (break_index, one) in breaks.iter().enumerate().rev() {
         let mut beyond = below;
         for (piece, report) in one.pieces.pieces.iter().zip(&one.pieces.reports) {
             let motion = below * piece.motion;
             let placed = |role| PlacedPiece {
                 piece,
                 report,
-                of,
+                break_index,
                 motion,
                 role,
             };
             match piece.role {
                 PieceRole::Splinter(_) => splinters.push(placed(piece.role)),
                 // Of several breaks the lower piece is that of the one nearest to the base.
-                PieceRole::Lower if of + 1 < made.len() => {}
+                PieceRole::Lower if break_index + 1 < breaks.len() => {}
                 _ if several => segments.push(placed(PieceRole::Segment(segments.len()))),
                 role => segments.push(placed(role)),
             }
@@ -133,15 +132,15 @@ fn placed(made: &[PiecesOfBreak]) -> Vec<PlacedPiece<'_>> {
     segments
 }
 
-/// Reports on the pieces of breaks that were made in this order, in the order of the scene's nodes.
-pub(super) fn piece_reports(made: &[PiecesOfBreak]) -> Vec<PieceReport> {
-    placed(made).iter().map(|p| p.report.clone()).collect()
+/// Returns the reports on the pieces of breaks in the order of the scene's nodes.
+pub(super) fn piece_reports(breaks: &[BreakPieces]) -> Vec<PieceReport> {
+    placed(breaks).iter().map(|p| p.report.clone()).collect()
 }
 
-/// Puts the pieces of breaks that were made in this order in place of the stem.
-pub(super) fn assemble(made: &[PiecesOfBreak]) -> Assembled {
+/// Replaces the stem by the pieces of breaks, which are given in the order in which they were made.
+pub(super) fn assemble(breaks: &[BreakPieces]) -> Assembled {
     let mut out = Assembled::default();
-    let Some(last) = made.last() else {
+    let Some(last) = breaks.last() else {
         return out;
     };
     let scene = &last.stages.stem.stem().scene;
@@ -149,20 +148,19 @@ pub(super) fn assemble(made: &[PiecesOfBreak]) -> Assembled {
     out.scene.textures.clone_from(&scene.textures);
     out.scene.images.clone_from(&scene.images);
     // Node and motion of the piece beyond each break.
-    let mut upper = vec![(0, DAffine3::IDENTITY); made.len()];
-    for placed in placed(made) {
+    let mut upper = vec![(0, DAffine3::IDENTITY); breaks.len()];
+    for placed in placed(breaks) {
         if placed.piece.role == PieceRole::Upper {
-            upper[placed.of] = (out.scene.nodes.len(), placed.motion);
+            upper[placed.break_index] = (out.scene.nodes.len(), placed.motion);
         }
-        let stem = made[placed.of].stages.stem.stem();
+        let stem = breaks[placed.break_index].stages.stem.stem();
         let transform = placed.motion * *stem.transform();
         let mesh = placed.piece.mesh.clone();
         let node = Node::new(placed.role.name(), transform, mesh);
         out.push(node, NodeRole::Piece(placed.role));
     }
-    for (of, one) in made.iter().enumerate() {
+    for (one, (node, motion)) in breaks.iter().zip(upper) {
         let stem = one.stages.stem.stem();
-        let (node, motion) = upper[of];
         for (number, shell) in stem.found.carried.iter().enumerate() {
             let source = &stem.scene.nodes[shell.node];
             let mesh = source

@@ -1,18 +1,18 @@
-//! Values that are kept from one request to the next.
+//! Values that are cached from one request to the next.
 
 use std::sync::Arc;
 
-/// A value, what it was made from, and a number that no other value of the session has.
+/// A value with the key that determines it and a number that is unique in the session.
 #[derive(Debug)]
-pub(super) struct Kept<K, V> {
+pub(super) struct CachedValue<K, V> {
     key: K,
     pub id: u64,
     pub value: Arc<V>,
 }
 
-impl<K: Clone, V> Clone for Kept<K, V> {
+impl<K: Clone, V> Clone for CachedValue<K, V> {
     fn clone(&self) -> Self {
-        Kept {
+        CachedValue {
             key: self.key.clone(),
             id: self.id,
             value: self.value.clone(),
@@ -20,7 +20,7 @@ impl<K: Clone, V> Clone for Kept<K, V> {
     }
 }
 
-/// Numbers values.
+/// Gives values unique numbers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Ids(u64);
 
@@ -31,9 +31,9 @@ impl Ids {
     }
 }
 
-/// The last value of a stage, where there is one.
+/// The last value of a stage, if there is one.
 #[derive(Debug)]
-pub(super) struct Slot<K, V>(Option<Kept<K, V>>);
+pub(super) struct Slot<K, V>(Option<CachedValue<K, V>>);
 
 impl<K, V> Default for Slot<K, V> {
     fn default() -> Self {
@@ -49,46 +49,49 @@ impl<K: Clone, V> Clone for Slot<K, V> {
 
 /// A value from a slot.
 #[derive(Debug)]
-pub(super) struct Found<V> {
+pub(super) struct SlotValue<V> {
     pub value: Arc<V>,
-    /// Its number.
+    /// Its unique number.
     pub id: u64,
-    /// Whether it was made anew.
+    /// Whether it was recomputed.
     pub is_new: bool,
 }
 
 impl<K: PartialEq, V> Slot<K, V> {
-    /// The value made from `key`: the one that is there, or a new one. `make` gets the old value where nobody else uses
-    /// it, to reuse its memory. Where `make` fails the slot is empty.
+    /// Returns the value of `key`: the cached one, or the one that `make` computes. `make` gets the old value if nobody else
+    /// uses it, to reuse its memory. If `make` fails, the slot is empty.
     pub fn get<E>(
         &mut self,
         key: K,
         ids: &mut Ids,
         make: impl FnOnce(Option<V>) -> Result<V, E>,
-    ) -> Result<Found<V>, E> {
-        if let Some(kept) = self.0.as_ref().filter(|kept| kept.key == key) {
-            return Ok(Found {
-                value: kept.value.clone(),
-                id: kept.id,
+    ) -> Result<SlotValue<V>, E> {
+        if let Some(cached) = self.0.as_ref().filter(|cached| cached.key == key) {
+            return Ok(SlotValue {
+                value: cached.value.clone(),
+                id: cached.id,
                 is_new: false,
             });
         }
-        let old = self.0.take().and_then(|kept| Arc::into_inner(kept.value));
+        let old = self
+            .0
+            .take()
+            .and_then(|cached| Arc::into_inner(cached.value));
         let value = Arc::new(make(old)?);
         let id = ids.next();
-        self.0 = Some(Kept {
+        self.0 = Some(CachedValue {
             key,
             id,
             value: value.clone(),
         });
-        Ok(Found {
+        Ok(SlotValue {
             value,
             id,
             is_new: true,
         })
     }
 
-    /// Forgets the value.
+    /// Drops the value.
     pub fn clear(&mut self) {
         self.0 = None;
     }

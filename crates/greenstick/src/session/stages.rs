@@ -1,4 +1,4 @@
-//! What the stages of a break are made of.
+//! The values of the stages of a break.
 
 use super::notes::BreakNote;
 use crate::Error;
@@ -11,23 +11,24 @@ use greenstick_geometry::Mesh;
 use greenstick_skin::broken::{BrokenFace, FaceLayout, InnerWood};
 use greenstick_skin::cracks::{CrackedFace, OpenedEnd};
 use greenstick_skin::prepared::PreparedStem;
+use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
 
 /// The stem of a break.
 #[derive(Debug, Clone)]
 pub struct StemStage {
-    /// The stem as it was found, with the grain that the break asks for.
+    /// The stem as it was found, with the grain that the break requests.
     pub sound: Arc<PreparedStem>,
-    /// The same with cracks in its end, where the break asks for them there.
+    /// The same stem with cracks in its end, if the break requests them there.
     pub opened: Option<Arc<OpenedEnd>>,
-    /// Material of the wood inside.
+    /// The index of the material of the wood inside.
     pub inner_material: u32,
-    /// Number of the stem that is broken, which no other of the session has.
+    /// Unique number of this stem in the session.
     pub(super) id: u64,
 }
 
 impl StemStage {
-    /// The stem that is broken.
+    /// Returns the stem that is broken.
     pub fn stem(&self) -> &PreparedStem {
         match &self.opened {
             Some(opened) => &opened.stem,
@@ -39,20 +40,20 @@ impl StemStage {
 /// The heights of a break.
 #[derive(Debug, Clone)]
 pub struct HeightStage {
-    /// The surface, and what was done to fit it in.
+    /// The surface, and how it was limited to the stem.
     pub heights: Heights,
-    /// What the species did.
+    /// The effect of the species.
     pub relief: SpeciesRelief,
 }
 
-/// What a species does to the relief of a face.
+/// The effect of a species on the relief of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeciesRelief {
     /// Factor on the torn relief.
     pub factor: f64,
-    /// Where the factor comes from, where a species is named and has the values.
+    /// Where the factor comes from, if a species is named and has the values.
     pub report: Option<SpeciesReport>,
-    /// Why it is 1 although a species is named.
+    /// Why the factor is 1 although a species is named.
     pub note: Option<BreakNote>,
 }
 
@@ -61,35 +62,35 @@ pub struct SpeciesRelief {
 pub struct CutStage {
     /// The broken face of both pieces, without cracks.
     pub face: BrokenFace,
-    /// The faces of the lower and the upper piece with cracks, where the break asks for them there.
+    /// The faces of the lower and the upper piece with cracks, if the break requests them there.
     pub cracked: Option<Box<[CrackedFace; 2]>>,
 }
 
-/// The cracks of a break, drawn for a stem.
+/// The cracks of a break, planned for a stem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cracks {
-    /// The cracks.
+    /// Where they run.
     pub plan: CrackPlan,
     /// Whether they open at a sawn end instead of at the break.
     pub sawn: bool,
-    /// The shrinkage that they open by.
+    /// The shrinkage that opens them.
     pub shrinkage: CrackShrinkage,
-    /// How many tangential cracks were moved to a ring boundary.
+    /// The number of tangential cracks that were moved to a ring boundary.
     pub moved: usize,
 }
 
 impl Cracks {
-    /// The cracks that a recipe asks for, if any.
+    /// Plans the cracks of a recipe, if it has any.
     pub(super) fn plan(recipe: &Recipe) -> Result<Option<Cracks>, Error> {
         if recipe.cracks.is_empty() {
             return Ok(None);
         }
         let shrinkage = recipe.crack_shrinkage()?;
-        let mut asked = recipe.cracks.clone();
-        let moved = asked.follow_rings(recipe.face.rings);
+        let mut parameters = recipe.cracks.clone();
+        let moved = parameters.follow_rings(recipe.face.rings);
         Ok(Some(Cracks {
             plan: plan(
-                &asked,
+                &parameters,
                 (shrinkage.tangential, shrinkage.radial),
                 recipe.face.seed,
             ),
@@ -109,22 +110,22 @@ pub struct BreakStages {
     pub layout: Arc<FaceLayout>,
     /// The heights of its face.
     pub heights: Arc<HeightStage>,
-    /// The cracks.
+    /// The cracks, if any.
     pub cracks: Option<Cracks>,
-    /// The stem cut along them.
+    /// The stem cut along the heights.
     pub cut: Arc<CutStage>,
-    /// Number of the cut, which no other of the session has.
+    /// Unique number of the cut in the session.
     pub(super) cut_id: u64,
 }
 
 impl BreakStages {
-    /// One piece of the break as a mesh of its own, without cracks and as it broke.
+    /// Returns one piece of the break as a separate mesh, where it broke and without cracks.
     pub fn piece(&self, p: &BreakParameters, upper: bool) -> Mesh {
         let inner = self.inner_wood(p);
         (self.cut.face).piece(&self.stem.stem().source(), &inner, upper)
     }
 
-    /// What the broken face shows.
+    /// Returns what the broken face shows.
     pub fn inner_wood<'a>(&'a self, p: &BreakParameters) -> InnerWood<'a> {
         inner_wood(&self.stem, &self.layout, p)
     }
@@ -144,4 +145,10 @@ pub(super) fn inner_wood<'a>(
         square: stem.square,
         smooth: p.surface == SurfaceStyle::Smooth,
     }
+}
+
+/// Whether a break requests spiral grain and the stem can have it: a fibrous face of a round stem.
+pub(super) fn has_spiral_grain(stem: &PreparedStem, p: &BreakParameters) -> bool {
+    let round = stem.found.stem.kind != StemKind::Board;
+    p.spiral_angle != 0.0 && p.surface == SurfaceStyle::Fibrous && round
 }

@@ -5,7 +5,7 @@ use greenstick_fibre::bodies::BodyError;
 use greenstick_fibre::placement::PlacementError;
 use greenstick_fibre::scene::SceneError;
 use greenstick_fibre::store::RunError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::StemError;
 
@@ -92,3 +92,16 @@ macro_rules! from_cancellable {
 }
 
 from_cancellable!(SceneError => Scene, StemError => Stem, PlacementError => Placement, BodyError => Bodies);
+
+impl SimulateError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            SimulateError::Cancelled(_) => ErrorKind::Cancelled,
+            SimulateError::Stem(error) => error.kind(),
+            SimulateError::Run(error) => error.kind(),
+            SimulateError::Solver { .. } | SimulateError::Placement(_) => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
+    }
+}

@@ -143,7 +143,7 @@ impl FaceFit {
                     "{}, × {factor:.3} for the height of the whole face",
                     v.basis
                 );
-                fitted.set(v.key, v.value * factor, v.breaks, basis);
+                fitted.set(v.key.clone(), v.value * factor, v.breaks, basis);
             }
         }
         self.report.face_m = relief_range(&fitted.face)?;
@@ -168,7 +168,7 @@ fn with_scaled(face: &BreakParameters, scaled: &[FittedValue], factor: f64) -> B
         let most = table.iter().find(|p| p.key == v.key);
         let most = most.and_then(|p| p.max()).unwrap_or(f64::INFINITY);
         // A number in its range is never refused.
-        let _ = face.set(v.key, &Value::Number((v.value * factor).min(most)));
+        let _ = face.set(&v.key, &Value::Number((v.value * factor).min(most)));
     }
     face
 }

@@ -2,13 +2,14 @@
 
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_schema::{Parameters, Value};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// A parameter that was fitted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FittedValue {
     /// Its key.
-    pub key: &'static str,
+    pub key: Cow<'static, str>,
     /// The value, in the parameter's unit.
     pub value: f64,
     /// Number of breaks that it comes from.
@@ -18,10 +19,10 @@ pub struct FittedValue {
 }
 
 /// Parameters that were not fitted and keep their defaults.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UnfittedKeys {
     /// Which parameters.
-    pub keys: &'static str,
+    pub keys: Cow<'static, str>,
     /// Why.
     pub why: String,
 }
@@ -67,7 +68,14 @@ const NEVER_FITTED: [(&str, &str); 6] = [
 
 impl FittedParameters {
     /// Sets a parameter to the nearest value in its range. A later value for a key replaces the earlier one.
-    pub fn set(&mut self, key: &'static str, value: f64, breaks: usize, basis: impl Into<String>) {
+    pub fn set(
+        &mut self,
+        key: impl Into<Cow<'static, str>>,
+        value: f64,
+        breaks: usize,
+        basis: impl Into<String>,
+    ) {
+        let key = key.into();
         let table = BreakParameters::table();
         let range = table.iter().find(|p| p.key == key);
         let Some((least, most)) = range.and_then(|p| p.min().zip(p.max())) else {
@@ -79,7 +87,7 @@ impl FittedParameters {
             basis += &format!(", {value:.3} limited to the parameter's range");
         }
         let rounded = (inside * DECIMALS).round() / DECIMALS;
-        if let Err(error) = self.face.set(key, &Value::Number(rounded)) {
+        if let Err(error) = self.face.set(&key, &Value::Number(rounded)) {
             return self.leave(key, error.to_string());
         }
         self.values.retain(|v| v.key != key);
@@ -92,9 +100,12 @@ impl FittedParameters {
     }
 
     /// Leaves parameters at their defaults, and says why.
-    pub fn leave(&mut self, keys: &'static str, why: impl Into<String>) {
+    pub fn leave(&mut self, keys: impl Into<Cow<'static, str>>, why: impl Into<String>) {
         let why = why.into();
-        self.unfitted.push(UnfittedKeys { keys, why });
+        self.unfitted.push(UnfittedKeys {
+            keys: keys.into(),
+            why,
+        });
     }
 
     /// Leaves the parameters that no run decides at their defaults.

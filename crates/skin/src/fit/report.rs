@@ -7,11 +7,11 @@ use super::statistics::{Weighted, quantile, spread};
 use crate::rods::Wood;
 use greenstick_wood::stem::{Stem, StemLocation};
 use greenstick_wood::tissue::Zone;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The breaks in a tissue.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TissueBreaks {
     /// The tissue, where the section has the default proportions.
     pub tissue: Zone,
@@ -26,7 +26,7 @@ pub struct TissueBreaks {
 }
 
 /// What was fitted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitReport {
     /// Number of rods of the wood.
     pub rods: usize,

@@ -2,7 +2,7 @@
 
 use super::limits::{MAX_PARTICLES, MAX_SEGMENTS, RESOLUTION_RANGE};
 use crate::rings::InnerCircleError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Why there is no anatomy.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -42,4 +42,15 @@ pub enum AnatomyError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl AnatomyError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            AnatomyError::Cancelled(_) => ErrorKind::Cancelled,
+            AnatomyError::NoSections(_) | AnatomyError::TooLong { .. } => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::stem::StemLocation;
 use greenstick_geometry::cloud::PoissonError;
-use greenstick_geometry::{Cancelled, Mesh};
+use greenstick_geometry::{Cancelled, ErrorKind, Mesh};
 
 /// How the bark of a scan is reconstructed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ impl Default for ScanOptions {
 }
 
 /// The share of the girth that was seen along a part of the stem.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Coverage {
     /// Where the part begins, m from the base.
     pub from_m: f64,
@@ -42,7 +42,7 @@ pub struct Coverage {
 }
 
 /// The report of a reconstruction.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct ScanReport {
     /// Points of the bark that the surface was made from.
     pub points: usize,
@@ -159,6 +159,20 @@ pub enum ScanError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl ScanError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            ScanError::Cancelled(_) => ErrorKind::Cancelled,
+            ScanError::NoStem { .. }
+            | ScanError::LowCoverage { .. }
+            | ScanError::NotStarShaped { .. } => ErrorKind::Work,
+            ScanError::Surface(error) => error.kind(),
+            _ => ErrorKind::Request,
+        }
+    }
 }
 
 impl From<PoissonError> for ScanError {

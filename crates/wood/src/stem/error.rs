@@ -1,7 +1,7 @@
 //! Why a stem is not found, and what would work instead.
 
 use super::StemLocation;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Why there is no stem at a location.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -69,4 +69,15 @@ pub enum StemError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl StemError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            StemError::Cancelled(_) => ErrorKind::Cancelled,
+            StemError::NoStem { .. } | StemError::NowhereFree { .. } => ErrorKind::Work,
+            _ => ErrorKind::Request,
+        }
+    }
 }

@@ -2,11 +2,12 @@
 
 use super::bytes::{u16_at, u32_at};
 use super::extra::WAVE_PACKET_SIZE;
-use super::layered::LAYERED_POINT_SIZE;
 use super::point::POINT_SIZE;
 
 /// Bytes before the list of items.
 const HEADER_SIZE: usize = 34;
+/// Bytes of a point of format 6.
+const LAYERED_POINT_SIZE: usize = 30;
 /// Bytes of an entry in the list of items.
 const ENTRY_SIZE: usize = 6;
 

@@ -12,8 +12,6 @@ use super::median::RunningMedian;
 use super::model::{LazyModels, SymbolModel};
 use super::returns::{Returns, coordinate_context};
 
-/// Bytes of a point of format 6.
-pub(super) const LAYERED_POINT_SIZE: usize = 30;
 /// Scanner channels, each of which has its own models.
 const CHANNELS: usize = 4;
 // Where the fields of a point are.

@@ -1,8 +1,9 @@
 //! The walls of the broken face, along the grain between tops of different heights.
 
+use super::super::error::CutError;
 use super::super::follow::{Chains, follow};
+use super::super::parts::CapFace;
 use super::super::polygon;
-use super::super::{CapFace, CutError};
 use super::{Builder, INSIDE, of};
 use crate::surface::Edge;
 use glam::DVec2;

@@ -2,7 +2,7 @@
 //! facet. It is worked out once for each triangle that a break comes near and kept for the next break.
 
 use super::super::ground::{Ground, Skin};
-use super::super::{Host, Solid};
+use super::super::parts::{Host, Solid};
 use crate::surface::{NONE, SectionLayout};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::intersect::orient2d as orientation;

@@ -1,13 +1,27 @@
 //! Joining the pieces of a triangle of the skin on either side of the surface.
 
-use super::super::{CutError, SkinTriangle, polygon};
-use super::{Overlay, Piece};
+use super::super::error::CutError;
+use super::super::parts::SkinTriangle;
+use super::super::polygon;
+use super::outline::Overlay;
 use crate::surface::NONE;
 use glam::DVec2;
 
-/// Memory for one triangle after another.
+/// A directed edge of the lower or the upper part of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub from: u32,
+    pub to: u32,
+    pub upper: bool,
+    /// The edge of the layout it lies on, or [`NONE`].
+    pub edge: u32,
+    /// Side of the skin's triangle it lies on, or 3.
+    pub side: u8,
+}
+
+/// Memory that is reused from triangle to triangle.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(super) struct JoinMemory {
     /// Cuts on edges along the layout's: edge, the edge's ends, fraction between them, vertex.
     inner: Vec<Inner>,
     between: Vec<(f64, u32)>,
@@ -57,9 +71,9 @@ impl Overlay<'_> {
         &self,
         spans: &[(u32, u32, u32)],
         pieces: &mut Vec<Piece>,
-        scratch: &mut Scratch,
+        memory: &mut JoinMemory,
     ) {
-        let inner = &mut scratch.inner;
+        let inner = &mut memory.inner;
         inner.clear();
         for &(a, b, edge) in spans {
             let mut next = self.first_cuts.get(&(a, b)).copied().unwrap_or(NONE);
@@ -79,7 +93,7 @@ impl Overlay<'_> {
         if inner.is_empty() {
             return;
         }
-        scratch.expanded.clear();
+        memory.expanded.clear();
         for &piece in pieces.iter() {
             let list = if piece.edge == NONE {
                 &inner[..0]
@@ -97,10 +111,10 @@ impl Overlay<'_> {
                 })
             };
             let (Some(u), Some(v)) = (place(piece.from), place(piece.to)) else {
-                scratch.expanded.push(piece);
+                memory.expanded.push(piece);
                 continue;
             };
-            let between = &mut scratch.between;
+            let between = &mut memory.between;
             between.clear();
             between.extend(
                 list.iter()
@@ -117,16 +131,16 @@ impl Overlay<'_> {
             }
             let mut from = piece.from;
             for &(_, id) in between.iter() {
-                scratch.expanded.push(Piece {
+                memory.expanded.push(Piece {
                     from,
                     to: id,
                     ..piece
                 });
                 from = id;
             }
-            scratch.expanded.push(Piece { from, ..piece });
+            memory.expanded.push(Piece { from, ..piece });
         }
-        std::mem::swap(pieces, &mut scratch.expanded);
+        std::mem::swap(pieces, &mut memory.expanded);
     }
 
     /// Joins the pieces of a triangle on either side of the surface and triangulates them.
@@ -135,10 +149,10 @@ impl Overlay<'_> {
         triangle: u32,
         corners: [u32; 3],
         pieces: &mut Vec<Piece>,
-        scratch: &mut Scratch,
+        memory: &mut JoinMemory,
     ) -> Result<(), CutError> {
         // Edges along the layout's, by their ends; of several the last counts.
-        let twins = &mut scratch.twins;
+        let twins = &mut memory.twins;
         twins.clear();
         twins.extend(
             pieces
@@ -163,35 +177,35 @@ impl Overlay<'_> {
             }
             other != Some(p.upper)
         });
-        drop_needless(pieces, corners, &mut scratch.along);
+        drop_needless(pieces, corners, &mut memory.along);
         for upper in [false, true] {
-            scratch.edges.clear();
-            scratch.edges.extend(
+            memory.edges.clear();
+            memory.edges.extend(
                 pieces
                     .iter()
                     .filter(|p| p.upper == upper)
                     .map(|p| [p.from, p.to]),
             );
-            self.fill(triangle, corners, upper, scratch)?;
+            self.fill(triangle, corners, upper, memory)?;
         }
         Ok(())
     }
 
-    /// Fills what the edges in `scratch` enclose.
+    /// Fills what the edges in `memory` enclose.
     fn fill(
         &mut self,
         triangle: u32,
         corners: [u32; 3],
         upper: bool,
-        scratch: &mut Scratch,
+        memory: &mut JoinMemory,
     ) -> Result<(), CutError> {
-        let Scratch {
+        let JoinMemory {
             edges,
             ring,
             flat: places,
             filled,
             ..
-        } = scratch;
+        } = memory;
         edges.sort_unstable();
         filled.clear();
         let mut triangulator = std::mem::take(&mut self.triangulator);

@@ -2,7 +2,7 @@
 
 use super::super::InnerCircleError;
 use super::super::series::RingError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Why a section has no rings.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,4 +24,14 @@ pub enum SectionRingError {
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl SectionRingError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            SectionRingError::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Request,
+        }
+    }
 }
