@@ -7,9 +7,9 @@ use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use greenstick::ErrorKind;
 use greenstick::bending::{
-    BendRequest, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all, specimen,
+    BendRequest, BendSettings, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all,
 };
-use greenstick::fibre::{BendSection, BendTest, RodCount};
+use greenstick::fibre::BendTest;
 use greenstick::files;
 use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
@@ -26,7 +26,8 @@ struct FullReport<'a, T> {
 }
 
 pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
-    let test = test(options);
+    let settings = options.settings.set()?;
+    let test = test(&settings, options.all_species);
     test.check().map_err(|e| failure(e.into()))?;
     if let Some(folder) = &options.output {
         let main = if options.all_species {
@@ -43,47 +44,26 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
         Some(species) => {
             let request = BendRequest {
                 species: species.clone(),
-                moisture: options.moisture,
+                moisture: settings.moisture,
                 test,
             };
             let bent = bend(&request, &work).map_err(failure)?;
             write_report(options, &bent.report, (&progress, &write), || bent.files())
         }
         None => {
-            let table = bend_all(options.moisture, &test, &work).map_err(failure)?;
+            let table = bend_all(settings.moisture, &test, &work).map_err(failure)?;
             write_report(options, &table, (&progress, &write), || table.files())
         }
     }
 }
 
-fn test(options: &BendTestOptions) -> BendTest {
-    let section = match (options.diameter, options.width, options.height) {
-        (Some(diameter), ..) => Some(BendSection::Round { diameter }),
-        (None, None, None) => None,
-        (None, width, height) => {
-            let side = height.or(width).unwrap_or_default();
-            Some(BendSection::Rectangle {
-                width: width.unwrap_or(side),
-                height: side,
-            })
-        }
-    };
-    let standard = specimen(section, options.length, options.span);
-    BendTest {
-        rods: match options.spacing {
-            Some(spacing) => RodCount::Spacing(spacing),
-            None => RodCount::Number(options.rods),
-        },
-        edge: options.edge.unwrap_or(standard.edge),
-        seed: options.seed,
-        weibull: options.scatter.unwrap_or(standard.weibull),
-        end: options.end.unwrap_or(if options.all_species {
-            END_OF_TABLE
-        } else {
-            standard.end
-        }),
-        ..standard
+/// Returns the test. That of a table ends earlier where nothing else is asked for.
+fn test(settings: &BendSettings, all_species: bool) -> BendTest {
+    let mut test = settings.specimen.test();
+    if all_species && settings.specimen.end.is_none() {
+        test.end = END_OF_TABLE;
     }
+    test
 }
 
 /// Writes the files, where a folder was named, and prints the report.

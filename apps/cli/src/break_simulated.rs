@@ -9,14 +9,13 @@ use crate::{scan, simulate};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
-use greenstick::film::{FilmOptions, Run, SkinReport, Still};
+use greenstick::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
-use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -63,13 +62,9 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     };
     let (report, mut run) = simulate_in_memory(setting, meshes, &simulation)?;
     let how = FilmOptions {
-        skin: RodSkinOptions {
-            seed: run.scene.seed,
-            ..RodSkinOptions::default()
-        },
         texture_width: request.file.texture_width,
         bodies: false,
-        rest: true,
+        ..FilmParameters::default().film_options(run.scene.seed)
     };
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;

@@ -51,7 +51,9 @@ pub mod topology;
 mod vectors;
 mod world;
 
-pub use bend_test::{BendError, BendEvent, BendOutcome, BendPoint, BendSection, BendTest};
+pub use bend_test::{
+    BendError, BendEvent, BendOutcome, BendParameters, BendPoint, BendSection, BendTest,
+};
 pub use bodies::{
     Bodies, BodiesState, Body, BodyError, BodyMotion, BodyState, ContactLedger, ContactOptions,
     ContactsState, Shape,

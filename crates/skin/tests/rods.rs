@@ -358,5 +358,5 @@ fn frames_of_other_wood_are_refused() {
         ..RodSkinOptions::default()
     };
     let refused = rod_skin(&wood, &FractureState::unbroken(&wood), &MATERIALS, &options);
-    assert!(matches!(refused, Err(RodSkinError::Value { .. })));
+    assert!(matches!(refused, Err(RodSkinError::Option(_))));
 }

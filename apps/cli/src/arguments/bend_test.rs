@@ -1,8 +1,8 @@
 //! Options of `greenstick bend-test`.
 
-use super::ReportingOptions;
-use crate::values;
-use clap::{ArgGroup, Args};
+use super::{Declared, OptionSet, ReportingOptions};
+use clap::{Arg, ArgGroup, Args};
+use greenstick::bending::BendSettings;
 use std::path::PathBuf;
 
 const BEND_EXAMPLES: &str = "\
@@ -40,71 +40,24 @@ pub struct BendTestOptions {
     /// Every species of the Wood Handbook, as a table beside the handbook's
     #[arg(long)]
     pub all_species: bool,
-    /// Moisture content, percent of the oven-dry mass, or `green`
-    #[arg(long, value_name = "PERCENT", default_value = "12", value_parser = values::moisture,
-        allow_hyphen_values = true)]
-    pub moisture: f64,
     /// Folder for all files, created if it does not exist; without it no files are written
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
 
-    /// Height of the section along the load, such as 5cm [default: 5cm, or the width]
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        help_heading = "Specimen")]
-    pub height: Option<f64>,
-    /// Width of the section [default: the height]
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        help_heading = "Specimen")]
-    pub width: Option<f64>,
-    /// Diameter of a round section, in place of height and width
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        conflicts_with_all = ["height", "width"], help_heading = "Specimen")]
-    pub diameter: Option<f64>,
-    /// Length of the specimen [default: the span and one height]
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        help_heading = "Specimen")]
-    pub length: Option<f64>,
-    /// Distance of the supports [default: 14.2 heights]
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        help_heading = "Specimen")]
-    pub span: Option<f64>,
-
-    /// Number of rods in the section
-    #[arg(long, value_name = "NUMBER", default_value = "25",
-        value_parser = clap::value_parser!(u32).range(1..), help_heading = "Model")]
-    pub rods: u32,
-    /// Distance between rods, in place of their number
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        conflicts_with = "rods", help_heading = "Model")]
-    pub spacing: Option<f64>,
-    /// Longest edge of rods [default: a 36th of the span]
-    #[arg(long, value_name = "LENGTH", value_parser = values::distance, allow_hyphen_values = true,
-        help_heading = "Model")]
-    pub edge: Option<f64>,
-    /// Seed of the placement of rods and of the scatter of their strength
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        default_value = "1", value_parser = values::seed, allow_hyphen_values = true, help_heading = "Model")]
-    pub seed: u64,
-    /// Weibull modulus of the scatter of strength, 1 or more; the smaller, the wider the scatter [default: no scatter]
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        help_heading = "Model"
-    )]
-    pub scatter: Option<f64>,
-    /// Fraction of the maximum load at which the test ends after the load has fallen, 0 to below 1 [default: 0.5; with
-    /// --all-species, whose tests end at the maximum load, 0.95]
-    #[arg(
-        long,
-        value_name = "PART",
-        allow_hyphen_values = true,
-        help_heading = "Model"
-    )]
-    pub end: Option<f64>,
+    #[command(flatten)]
+    pub settings: Declared<BendSettings>,
 
     #[command(flatten)]
     pub reporting: ReportingOptions,
+}
+
+impl OptionSet for BendSettings {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "moisture" => option.help_heading(None::<&str>),
+            "diameter" => option.conflicts_with_all(["height", "width"]),
+            "spacing" => option.conflicts_with("rods"),
+            _ => option,
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! Options of `greenstick skin`.
 
-use super::{Declared, MeshOptions, ReportingOptions};
+use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
-use clap::Args;
+use clap::{Arg, Args};
+use greenstick::film::FilmParameters;
 use greenstick::picture::PictureParameters;
 use std::path::PathBuf;
 
@@ -44,39 +45,8 @@ pub struct SkinOptions {
     #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
     pub frames: Option<(usize, usize)>,
 
-    /// Fibre bundles that each rod is split into, 1 to 1000
-    #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u32).range(1..=1000),
-        help_heading = "Skin")]
-    pub fibres: u32,
-    /// Length of splinters over what shear lag gives; 0 for flat ends
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::amount, help_heading = "Skin")]
-    pub splinters: f64,
-    /// Slabs along the grain for each edge of a rod
-    #[arg(long, value_name = "NUMBER", default_value = "2", value_parser = values::positive, help_heading = "Skin")]
-    pub slabs: f64,
-    /// Keep the faces between rods that hold together, so that every rod is closed by itself
-    #[arg(long, help_heading = "Skin")]
-    pub keep_inner: bool,
-    /// What bounds the section
-    #[arg(long, value_enum, default_value = "contour", help_heading = "Skin")]
-    pub outline: OutlineChoice,
-    /// Leave out the bodies that act on the wood
-    #[arg(long, help_heading = "Skin")]
-    pub no_bodies: bool,
-    /// Leave out what the rods do not fill: the mesh beyond their ends, and twigs that hang on them
-    #[arg(long, help_heading = "Skin")]
-    pub only_rods: bool,
-    /// Width of the baked textures, pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1024", value_parser = values::texture_size,
-        help_heading = "Skin")]
-    pub texture_size: u32,
-    /// Most joints of a piece in a film [default: as many as there are]; the report says what error that makes
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Film")]
-    pub max_joints: Option<u32>,
-    /// Most joints that a vertex of a film follows, 1 to 8; many viewers know no more than 4
-    #[arg(long, value_name = "NUMBER", default_value = "4", value_parser = clap::value_parser!(u8).range(1..=8),
-        help_heading = "Film")]
-    pub influences: u8,
+    #[command(flatten)]
+    pub parameters: Declared<FilmParameters>,
 
     /// Convex collision shapes of the pieces at rest, as meshes UCX_piece_000_00 and so on, in a mesh file
     #[arg(
@@ -86,15 +56,6 @@ pub struct SkinOptions {
         help_heading = "For engines"
     )]
     pub collision: Option<PathBuf>,
-    /// Most convex shapes of a piece
-    #[arg(long, value_name = "NUMBER", default_value = "16", requires = "collision",
-        value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "For engines")]
-    pub collision_shapes: u16,
-    /// Most vertices of a convex shape
-    #[arg(long, value_name = "NUMBER", default_value = "32", requires = "collision",
-        value_parser = clap::value_parser!(u16).range(4..=255), help_heading = "For engines")]
-    pub collision_vertices: u16,
-
     /// Levels of detail: shares of the triangles, in files beside the film, film_lod1.glb and so on
     #[arg(
         long,
@@ -114,11 +75,6 @@ pub struct SkinOptions {
         help_heading = "For engines"
     )]
     pub vat: Option<PathBuf>,
-    /// Most pixels in a row of such a picture
-    #[arg(long, value_name = "PIXELS", default_value = "8192", requires = "vat",
-        value_parser = clap::value_parser!(u16).range(1..=16384), help_heading = "For engines")]
-    pub vat_width: u16,
-
     /// Folder for a picture of every frame of a film; made where it is not there
     #[arg(
         long,
@@ -150,20 +106,12 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The outline of a skin's section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum OutlineChoice {
-    /// The stem's own contour, with the bark of its mesh
-    Contour,
-    /// The convex hull of the rods, as in Sutherland's thesis
-    Hull,
-}
-
-impl From<OutlineChoice> for greenstick::skin::rods::Outline {
-    fn from(word: OutlineChoice) -> Self {
-        match word {
-            OutlineChoice::Contour => Self::Contour,
-            OutlineChoice::Hull => Self::Hull,
+impl OptionSet for FilmParameters {
+    fn adjust(option: Arg) -> Arg {
+        match option.get_id().as_str() {
+            "collision_shapes" | "collision_vertices" => option.requires("collision"),
+            "vat_width" => option.requires("vat"),
+            _ => option,
         }
     }
 }

@@ -3,11 +3,10 @@
 
 use crate::arguments::SkinOptions;
 use crate::failure::Failure;
-use greenstick::film::FilmOptions;
+use greenstick::film::{FilmOptions, FilmParameters};
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
-use greenstick::skin::rods::RodSkinOptions;
 use std::path::PathBuf;
 
 /// What is made of a run.
@@ -40,26 +39,15 @@ pub struct EnginePlan {
     pub vertex_texture: Option<(PathBuf, usize)>,
 }
 
-/// Most joints that a vertex follows: many viewers know no more. It is the default of `--influences`.
-const MAX_INFLUENCES: usize = 4;
-
 impl FilmPlan {
     /// Returns the plan of a film of all frames, in the file `output`, with the wood of this seed.
     pub fn whole_film(output: PathBuf, seed: u64, shot: PictureOptions) -> Self {
+        let parameters = FilmParameters::default();
         FilmPlan {
             output: Some(output),
             frames: None,
-            film: FilmOptions {
-                skin: RodSkinOptions {
-                    seed,
-                    ..RodSkinOptions::default()
-                },
-                ..FilmOptions::default()
-            },
-            glb: GlbOptions {
-                max_influences: MAX_INFLUENCES,
-                ..GlbOptions::default()
-            },
+            film: parameters.film_options(seed),
+            glb: parameters.glb_options(),
             engines: EnginePlan::default(),
             pictures: None,
             shot,
@@ -68,45 +56,22 @@ impl FilmPlan {
 
     /// Returns the plan that options ask for, with the wood of this seed.
     pub fn from_options(options: &SkinOptions, seed: u64) -> Result<Self, Failure> {
+        let parameters = options.parameters.set()?;
         Ok(FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
-            film: FilmOptions {
-                skin: RodSkinOptions {
-                    fibres: options.fibres,
-                    splinters: options.splinters,
-                    slabs: options.slabs,
-                    keep_inner: options.keep_inner,
-                    outline: options.outline.into(),
-                    seed,
-                },
-                texture_width: options.texture_size,
-                bodies: !options.no_bodies,
-                rest: !options.only_rods,
+            film: parameters.film_options(seed),
+            glb: parameters.glb_options(),
+            engines: EnginePlan {
+                collision: (options.collision.clone())
+                    .map(|path| (path, parameters.convex_options())),
+                levels: options.lod.clone(),
+                vertex_texture: (options.vat.clone())
+                    .map(|path| (path, parameters.vat_width as usize)),
             },
-            glb: GlbOptions {
-                max_joints: options.max_joints.map(|n| n as usize),
-                max_influences: usize::from(options.influences),
-            },
-            engines: EnginePlan::from_options(options),
             pictures: options.pictures.clone(),
             shot: options.picture_parameters.set()?.options(),
         })
-    }
-}
-
-impl EnginePlan {
-    fn from_options(options: &SkinOptions) -> Self {
-        let convex = ConvexOptions {
-            shapes: usize::from(options.collision_shapes),
-            vertices: usize::from(options.collision_vertices),
-            ..ConvexOptions::default()
-        };
-        EnginePlan {
-            collision: options.collision.clone().map(|path| (path, convex)),
-            levels: options.lod.clone(),
-            vertex_texture: (options.vat.clone()).map(|path| (path, options.vat_width.into())),
-        }
     }
 }
 

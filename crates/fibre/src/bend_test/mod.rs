@@ -8,16 +8,19 @@
 //! | module | content |
 //! |---|---|
 //! | `specimen` | [`BendTest`]: the specimen and the test |
+//! | `parameters` | [`BendParameters`]: the specimen and the model as files and options give them |
 //! | `rig` | the specimen on its supports |
 //! | `run` | the test itself |
 //! | `outcome` | [`BendOutcome`]: what a test returns, and its evaluation |
 
 mod error;
 mod outcome;
+mod parameters;
 mod rig;
 mod run;
 mod specimen;
 
 pub use error::BendError;
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
+pub use parameters::BendParameters;
 pub use specimen::{BendSection, BendTest};

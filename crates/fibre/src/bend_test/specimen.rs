@@ -48,8 +48,8 @@ impl BendSection {
     }
 }
 
-/// A bending test. The default is the primary method of ASTM D143: 50 mm × 50 mm × 760 mm on a span of 710 mm, loaded in the
-/// middle until the load has fallen to half.
+/// A bending test. The default is that of [`super::BendParameters`]: the primary method of ASTM D143, 50 mm × 50 mm × 760 mm
+/// on a span of 710 mm, loaded in the middle until the load has fallen to half.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BendTest {
     /// Cross-section.
@@ -68,24 +68,6 @@ pub struct BendTest {
     pub weibull: f64,
     /// The test ends when the load has fallen to this fraction of the largest.
     pub end: f64,
-}
-
-impl Default for BendTest {
-    fn default() -> Self {
-        BendTest {
-            section: BendSection::Rectangle {
-                width: 0.05,
-                height: 0.05,
-            },
-            length: 0.76,
-            span: 0.71,
-            rods: RodCount::Number(25),
-            edge: 0.02,
-            seed: 1,
-            weibull: f64::INFINITY,
-            end: 0.5,
-        }
-    }
 }
 
 /// Largest matrix, GB.

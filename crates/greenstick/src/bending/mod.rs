@@ -32,16 +32,13 @@ pub use all::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
 pub use report::{BendReport, Compared, Failing, Phase};
 
 use greenstick_fibre::{
-    BendError, BendOutcome, BendSection, BendTest, PlacementError, WoodMaterial,
+    BendError, BendOutcome, BendParameters, BendTest, PlacementError, WoodMaterial,
 };
+use greenstick_fracture::recipe::MOISTURE_WORDS;
 use greenstick_geometry::{Cancelled, Context, ErrorKind};
-use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback, MoistureError};
+use greenstick_schema::{Unit, number, parameters};
+use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback, MoistureError, WETTEST_PERCENT};
 use greenstick_wood::species::{Property, Species, StrengthError, UnknownSpecies};
-
-/// Span over height in ASTM D143: 710 mm over 50 mm.
-const SPAN: f64 = 14.2;
-/// Edges in a span where nothing is said.
-const EDGES: f64 = 36.0;
 
 /// A bending test of a species.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,23 +62,18 @@ impl BendRequest {
     }
 }
 
-/// A specimen in the proportions of ASTM D143: lengths (m) that are not given follow from those that are, and all of them
-/// from the section's height. Nothing given is its primary specimen, 50 mm × 50 mm × 760 mm on a span of 710 mm.
-pub fn specimen(section: Option<BendSection>, length: Option<f64>, span: Option<f64>) -> BendTest {
-    let standard = BendTest::default();
-    let section = section.unwrap_or(standard.section);
-    let height = section.height();
-    let span = match (span, length) {
-        (Some(span), _) => span,
-        (None, Some(length)) => length - height,
-        (None, None) => SPAN * height,
-    };
-    BendTest {
-        section,
-        length: length.unwrap_or(span + height),
-        span,
-        edge: span / EDGES,
-        ..standard
+parameters! {
+    /// The parameters of a bending test: the moisture of its wood, the specimen and its model.
+    pub struct BendSettings {
+        "Wood", "bend" {
+            /// Moisture content, percent of the oven-dry mass: 12 is air-dry, 30 and more is green.
+            moisture: f64 = AIR_DRY_PERCENT,
+                number(Unit::Percent, 0.0, WETTEST_PERCENT).above().words(MOISTURE_WORDS);
+        }
+    }
+    include {
+        /// The specimen and its model.
+        specimen: BendParameters = BendParameters::default();
     }
 }
 

@@ -2,8 +2,8 @@
 
 use greenstick_skin::rods::RodSkinOptions;
 
-/// How a skin is made.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How a skin is made. The default is that of [`super::FilmParameters`].
+#[derive(Debug, Clone, PartialEq)]
 pub struct FilmOptions {
     /// The skin.
     pub skin: RodSkinOptions,
@@ -13,15 +13,4 @@ pub struct FilmOptions {
     pub bodies: bool,
     /// Whether the rest of the input is carried along: what lies beyond the rods' ends and what hangs on them.
     pub rest: bool,
-}
-
-impl Default for FilmOptions {
-    fn default() -> Self {
-        FilmOptions {
-            skin: RodSkinOptions::default(),
-            texture_width: 1024,
-            bodies: true,
-            rest: true,
-        }
-    }
 }

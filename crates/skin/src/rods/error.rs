@@ -1,5 +1,7 @@
 //! Errors of the skin of rods.
 
+use greenstick_schema::ParameterError;
+
 /// Why there is no skin.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RodSkinError {
@@ -13,16 +15,9 @@ pub enum RodSkinError {
         /// How.
         problem: String,
     },
-    /// A number out of range.
-    #[error("{what} is {value}, but it must be {right}")]
-    Value {
-        /// Which.
-        what: &'static str,
-        /// The value found.
-        value: f64,
-        /// The range allowed.
-        right: &'static str,
-    },
+    /// An option that is wrong.
+    #[error(transparent)]
+    Option(#[from] ParameterError),
     /// More prisms than memory or file formats can hold.
     #[error(
         "the skin would have {prisms} parts ({columns} columns of {slabs} slabs), more than {max}; ask for fewer fibres or slabs"

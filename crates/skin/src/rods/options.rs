@@ -1,41 +1,35 @@
 //! Options of a skin.
 
-/// Options of a skin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RodSkinOptions {
-    /// Approximate number of fibre bundles that a rod's cell is split into; 1 for the cell itself.
-    pub fibres: u32,
-    /// Length of splinters over that of shear lag; 0 for flat ends at the broken vertices, as in the thesis.
-    pub splinters: f64,
-    /// Slabs for each edge of a rod.
-    pub slabs: f64,
-    /// Whether to keep faces between bonded rods, so that every rod's mesh is closed by itself.
-    pub keep_inner: bool,
-    /// The outline of the section.
-    pub outline: Outline,
-    /// Seed of all random numbers.
-    pub seed: u64,
+use greenstick_schema::{Unit, choice, choices, count, flag, number, parameters};
+
+choices! {
+    /// The outline of a skin's section.
+    pub enum Outline {
+        /// The stem's own contour, on the bark of its mesh.
+        Contour = "contour",
+        /// The convex hull of the rods, with a margin of half the distance between rods (Sutherland 2012 §5.1.1).
+        Hull = "hull",
+    }
 }
 
-/// The outline of a skin's section.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Outline {
-    /// The stem's own contour, on the bark of its mesh.
-    #[default]
-    Contour,
-    /// The convex hull of the rods, with a margin of half the distance between rods (Sutherland 2012 §5.1.1).
-    Hull,
-}
-
-impl Default for RodSkinOptions {
-    fn default() -> Self {
-        RodSkinOptions {
-            fibres: 4,
-            splinters: 1.0,
-            slabs: 2.0,
-            keep_inner: false,
-            outline: Outline::Contour,
-            seed: 1,
+parameters! {
+    /// Options of a skin.
+    pub struct RodSkinOptions {
+        "Skin", "skin" {
+            /// Approximate number of fibre bundles that each rod is split into; 1 for the rod's own cell.
+            fibres: u32 = 4, count(1, 1000).logarithmic();
+            /// Length of splinters over that of shear lag; 0 for flat ends at the broken vertices.
+            splinters: f64 = 1.0, number(Unit::One, 0.0, 100.0);
+            /// Slabs along the grain for each edge of a rod.
+            slabs: f64 = 2.0, number(Unit::One, 0.25, 64.0).logarithmic();
+            /// Keep the faces between bonded rods, so that every rod's mesh is closed by itself.
+            keep_inner: bool = false, flag();
+            /// Outline of the section.
+            outline: Outline = Outline::Contour, choice(Outline::CHOICES);
         }
+    }
+    other {
+        /// Seed of all random numbers.
+        seed: u64 = 1;
     }
 }

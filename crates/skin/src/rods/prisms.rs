@@ -446,20 +446,6 @@ fn layer(from_pith: DVec2, spacing: f64) -> (i64, i64) {
 
 /// Returns the lengths along the axis of the even planes between slabs, m.
 fn stations(wood: &Wood, options: &RodSkinOptions) -> Result<Vec<f64>, RodSkinError> {
-    if !(options.slabs >= 0.25 && options.slabs <= 64.0) {
-        return Err(RodSkinError::Value {
-            what: "the number of slabs for each edge",
-            value: options.slabs,
-            right: "from 0.25 to 64",
-        });
-    }
-    if !(options.splinters >= 0.0 && options.splinters <= 100.0) {
-        return Err(RodSkinError::Value {
-            what: "the length of splinters",
-            value: options.splinters,
-            right: "from 0 to 100",
-        });
-    }
     let low = wood.along.iter().copied().fold(f64::INFINITY, f64::min);
     let high = wood.along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let edges = wood.bundle.vertices() as f64 / wood.bundle.rods() as f64 - 1.0;

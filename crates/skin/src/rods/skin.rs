@@ -18,6 +18,7 @@ use super::weight_history::{WeightHistory, weight_history};
 use super::wood::Wood;
 use greenstick_geometry::SkinnedMesh;
 use greenstick_geometry::film::Extra;
+use greenstick_schema::Parameters;
 use rustc_hash::FxHashMap;
 
 /// The skin of a bundle.
@@ -111,13 +112,7 @@ fn make_skin(
     materials: &Materials,
     options: &RodSkinOptions,
 ) -> Result<RodSkin, RodSkinError> {
-    if options.fibres == 0 || options.fibres > 1000 {
-        return Err(RodSkinError::Value {
-            what: "the number of fibre bundles for each rod",
-            value: f64::from(options.fibres),
-            right: "from 1 to 1000",
-        });
-    }
+    options.check()?;
     let convex = (options.outline == Outline::Hull).then(|| hull(wood));
     let wood = &match &convex {
         Some((outline, cells)) => Wood {

@@ -1,0 +1,115 @@
+//! The parameters of a bending test: a specimen in the proportions of ASTM D143, and the model of it.
+
+use super::specimen::{BendSection, BendTest};
+use crate::placement::RodCount;
+use greenstick_schema::{Declaration, ParameterError, Unit, count, length, number, parameters};
+
+/// Height and width of the primary specimen of ASTM D143, m.
+const STANDARD_SIDE: f64 = 0.05;
+/// Span over height in ASTM D143: 710 mm over 50 mm.
+const SPAN_PER_HEIGHT: f64 = 14.2;
+/// Edges in a span where no length is given.
+const EDGES_PER_SPAN: f64 = 36.0;
+/// The fraction of the largest load at which ASTM D143 allows a test to end.
+const END: f64 = 0.5;
+
+/// A length of the specimen or the model, which follows from others where it is not given.
+const fn dimension() -> Declaration {
+    length(0.0, 100.0).above().auto()
+}
+
+parameters! {
+    /// The parameters of a bending test. Lengths that are not given follow from those that are, and all of them from the height
+    /// of the section. Where none are given, it is the primary specimen of ASTM D143: 50 mm × 50 mm × 760 mm on a span of
+    /// 710 mm.
+    ///
+    /// ```
+    /// use greenstick_fibre::BendParameters;
+    /// use greenstick_schema::Parameters;
+    ///
+    /// let mut parameters = BendParameters::default();
+    /// parameters.set_text("height", "2 cm")?;
+    /// assert!((parameters.test().span - 0.284).abs() < 1e-12);
+    /// # Ok::<(), greenstick_schema::ParameterError>(())
+    /// ```
+    pub struct BendParameters {
+        "Specimen", "bend" {
+            /// Height of the section along the load, such as 5cm; "auto" is the width, or 5 cm.
+            height: Option<f64> = None, dimension();
+            /// Width of the section; "auto" is the height.
+            width: Option<f64> = None, dimension();
+            /// Diameter of a round section, in place of height and width.
+            diameter: Option<f64> = None, dimension();
+            /// Length of the specimen; "auto" is the span and one height.
+            length: Option<f64> = None, dimension();
+            /// Distance between the supports; "auto" is 14.2 heights.
+            span: Option<f64> = None, dimension();
+        }
+        "Model", "bend" {
+            /// Number of rods in the section.
+            rods: u32 = 25, count(1, u32::MAX as i128).logarithmic();
+            /// Distance between rods, in place of their number.
+            spacing: Option<f64> = None, dimension();
+            /// Longest edge of rods; "auto" is a 36th of the span.
+            edge: Option<f64> = None, dimension();
+            /// Seed of the placement of rods and of the scatter of their strength.
+            seed: u64 = 1, count(0, u64::MAX as i128);
+            /// Weibull modulus of the scatter of strength; the smaller, the wider the scatter, and "auto" is no scatter.
+            scatter: Option<f64> = None, number(Unit::One, 1.0, f64::INFINITY).logarithmic().auto();
+            /// Fraction of the maximum load at which the test ends after the load has fallen, from 0 to below 1; "auto" is
+            /// 0.5, or 0.95 for a table of species, whose tests end at the maximum load.
+            end: Option<f64> = None, number(Unit::Fraction, 0.0, 1.0).auto();
+        }
+    }
+    check |p| if p.diameter.is_some() && (p.height.is_some() || p.width.is_some()) {
+        Err(ParameterError::Conflict(
+            "diameter and height or width are both given; expected a round section or a rectangle".to_owned(),
+        ))
+    } else {
+        Ok(())
+    };
+}
+
+impl BendParameters {
+    /// Returns the cross-section.
+    fn section(&self) -> BendSection {
+        if let Some(diameter) = self.diameter {
+            return BendSection::Round { diameter };
+        }
+        let side = self.height.or(self.width).unwrap_or(STANDARD_SIDE);
+        BendSection::Rectangle {
+            width: self.width.unwrap_or(side),
+            height: side,
+        }
+    }
+
+    /// Returns the test that they describe.
+    pub fn test(&self) -> BendTest {
+        let section = self.section();
+        let height = section.height();
+        let span = match (self.span, self.length) {
+            (Some(span), _) => span,
+            (None, Some(length)) => length - height,
+            (None, None) => SPAN_PER_HEIGHT * height,
+        };
+        BendTest {
+            section,
+            length: self.length.unwrap_or(span + height),
+            span,
+            rods: match self.spacing {
+                Some(spacing) => RodCount::Spacing(spacing),
+                None => RodCount::Number(self.rods),
+            },
+            edge: self.edge.unwrap_or(span / EDGES_PER_SPAN),
+            seed: self.seed,
+            weibull: self.scatter.unwrap_or(f64::INFINITY),
+            end: self.end.unwrap_or(END),
+        }
+    }
+}
+
+impl Default for BendTest {
+    fn default() -> Self {
+        BendParameters::default().test()
+    }
+}

@@ -1,0 +1,77 @@
+//! Parameters of stills and films of a run.
+
+use super::FilmOptions;
+use greenstick_formats::film::GlbOptions;
+use greenstick_geometry::ConvexOptions;
+use greenstick_schema::{Unit, count, flag, parameters};
+use greenstick_skin::rods::RodSkinOptions;
+
+parameters! {
+    /// Parameters of stills and films of a run, and of their files for game engines.
+    pub struct FilmParameters {
+        "Skin", "skin" {
+            /// Leave out the bodies that act on the wood.
+            no_bodies: bool = false, flag();
+            /// Leave out what the rods do not fill: the mesh beyond their ends, and twigs that hang on them.
+            only_rods: bool = false, flag();
+            /// Width of the baked textures.
+            texture_size: u32 = 1024, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic().stage("textures");
+        }
+        "Film", "write" {
+            /// Most joints of a piece in a film; "auto" is as many as there are. The report says what error that makes.
+            max_joints: Option<u32> = None, count(1, u32::MAX as i128).logarithmic().auto();
+            /// Most joints that a vertex of a film follows; many viewers support no more than 4.
+            influences: u32 = 4, count(1, 8);
+        }
+        "For engines", "for engines" {
+            /// Most convex collision shapes of a piece.
+            collision_shapes: u32 = 16, count(1, 1024).logarithmic();
+            /// Most vertices of a convex collision shape.
+            collision_vertices: u32 = 32, count(4, 255).logarithmic();
+            /// Most pixels in a row of a vertex animation texture.
+            vat_width: u32 = 8192, count(1, 16_384).unit(Unit::Pixel).logarithmic();
+        }
+    }
+    include {
+        /// The skin of the rods.
+        skin: RodSkinOptions = RodSkinOptions::default();
+    }
+}
+
+impl FilmParameters {
+    /// Returns the options of a still or film; `seed` is that of the wood.
+    pub fn film_options(&self, seed: u64) -> FilmOptions {
+        FilmOptions {
+            skin: RodSkinOptions {
+                seed,
+                ..self.skin.clone()
+            },
+            texture_width: self.texture_size,
+            bodies: !self.no_bodies,
+            rest: !self.only_rods,
+        }
+    }
+
+    /// Returns the options of a film in a GLB file.
+    pub fn glb_options(&self) -> GlbOptions {
+        GlbOptions {
+            max_joints: self.max_joints.map(|n| n as usize),
+            max_influences: self.influences as usize,
+        }
+    }
+
+    /// Returns the options of collision shapes.
+    pub fn convex_options(&self) -> ConvexOptions {
+        ConvexOptions {
+            shapes: self.collision_shapes as usize,
+            vertices: self.collision_vertices as usize,
+            ..ConvexOptions::default()
+        }
+    }
+}
+
+impl Default for FilmOptions {
+    fn default() -> Self {
+        FilmParameters::default().film_options(RodSkinOptions::default().seed)
+    }
+}
