@@ -9,7 +9,7 @@ use crate::{scan, simulate, values};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
-use greenstick::film::{FilmOptions, Run, SkinReport, Still};
+use greenstick::film::{open_run, picture_of_run};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
@@ -18,6 +18,7 @@ use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
+use greenstick::skin::film::{FilmOptions, Run, SkinReport, Still};
 use greenstick::skin::rods::RodSkinOptions;
 use serde::Serialize;
 use std::fmt::Write;
@@ -83,7 +84,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     }
     if let Some(path) = &targets.picture {
         let shot = asked.file.picture.options();
-        let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
+        let picture = picture_of_run(&run, &still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
     }
@@ -162,7 +163,7 @@ fn simulate_in_memory(
         _ => Failure::request(error),
     })?;
     let opening = context.part(SIMULATED, 1.0);
-    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
+    let run = open_run(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
     Ok((report, run))
 }
 

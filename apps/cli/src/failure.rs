@@ -10,6 +10,7 @@ use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
 use greenstick::simulate::{RunError, SimulateError};
+use greenstick::skin::film;
 use greenstick::skin::texture::TextureError;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
@@ -193,13 +194,19 @@ impl From<FilmError> for Failure {
                 Failure::request("the run was of a mesh, and it is not known which")
                     .hint("name it behind the folder: greenstick skin run pole.ply -o film.glb")
             }
-            FilmError::Run(RunError::NoRun { .. }) => {
+            FilmError::Skin(film::FilmError::Run(RunError::NoRun { .. })) => {
                 Failure::request(error).hint("greenstick simulate SCENE -o FOLDER makes one")
             }
-            FilmError::NoFrames { .. } => Failure::request(error)
+            FilmError::Skin(film::FilmError::NoFrames { .. }) => Failure::request(error)
                 .hint("the command that simulated it, with --resume, goes on with the run"),
             _ => Failure::request(error),
         }
+    }
+}
+
+impl From<film::FilmError> for Failure {
+    fn from(error: film::FilmError) -> Self {
+        FilmError::from(error).into()
     }
 }
 

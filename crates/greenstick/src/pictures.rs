@@ -1,6 +1,5 @@
 //! Pictures of broken stems and of any scene.
 
-use crate::branch::OWN_BARK;
 use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Context, Scene};
@@ -9,6 +8,7 @@ use greenstick_picture::{
     Sphere, View, render,
 };
 use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface};
+use greenstick_wood::branch::BARK_MATERIAL_NAME;
 use greenstick_wood::rings::StemAddress;
 use greenstick_wood::stem::{Frame, Stem, StemKind};
 use std::sync::Arc;
@@ -149,7 +149,9 @@ impl Shader for StemShader<'_> {
 /// Materials that say nothing of the colour: ours, those without a colour, and those whose colour is in a texture.
 fn blank(scene: &Scene) -> Vec<bool> {
     let blank = |m: &greenstick_geometry::Material| {
-        m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
+        m.name == BARK_MATERIAL_NAME
+            || m.base_color_texture.is_some()
+            || m.base_color[..3] == [1.0; 3]
     };
     scene.materials.iter().map(blank).collect()
 }

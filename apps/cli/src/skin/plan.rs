@@ -3,10 +3,10 @@
 
 use crate::arguments::SkinOptions;
 use crate::failure::Failure;
-use greenstick::film::FilmOptions;
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
+use greenstick::skin::film::FilmOptions;
 use greenstick::skin::rods::RodSkinOptions;
 use std::path::PathBuf;
 

@@ -2,7 +2,6 @@
 
 use super::request::AnatomyRequest;
 use crate::Error;
-use crate::images::picture;
 use greenstick_formats::Encoded;
 use greenstick_geometry::Context;
 use greenstick_wood::anatomy::Anatomy;
@@ -56,6 +55,6 @@ pub(super) fn longitudinal(anatomy: &Anatomy, context: &Context) -> Result<Encod
 fn png(image: RgbImage, name: String) -> Encoded {
     Encoded {
         name,
-        bytes: picture(image).png(),
+        bytes: image.png(),
     }
 }

@@ -6,7 +6,6 @@
 //! ([`BreakSession::broken`]).
 
 mod chain;
-pub(crate) mod materials;
 mod notes;
 mod order;
 mod pieces;
@@ -27,6 +26,7 @@ use chain::{Chain, ChainInput, Changes, LowestAbove};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_skin::cracks::EndOfStem;
+use greenstick_skin::materials;
 use greenstick_skin::prepared::volume_scale;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
 use greenstick_wood::appearance::StemAppearance;

@@ -1,10 +1,12 @@
 //! What a film's frames tell of its breaks: when cracks open, which pieces part, and how far cracks gape before in a file
 //! whose weights are fixed.
 
+use super::error::FilmError;
 use super::pieces::Following;
-use super::{FilmError, Run, SkinReport};
+use super::report::{GapeReport, SkinReport};
+use super::run::Run;
+use crate::rods::{BreakHistory, CrackOpening, RodPart, RodSkin};
 use greenstick_geometry::Context;
-use greenstick_skin::rods::{BreakHistory, CrackOpening, RodPart, RodSkin};
 use std::ops::Range;
 
 impl Run {
@@ -51,13 +53,11 @@ impl Run {
         }
         let spacing = self.wood().spacing();
         let most = (gapes.iter()).max_by(|a, b| a.distance.total_cmp(&b.distance));
-        report.gape = most
-            .filter(|g| g.distance > 0.0)
-            .map(|g| super::GapeReport {
-                gape_m: g.distance,
-                of_spacing: g.distance / spacing,
-                time_s: g.time,
-            });
+        report.gape = most.filter(|g| g.distance > 0.0).map(|g| GapeReport {
+            gape_m: g.distance,
+            of_spacing: g.distance / spacing,
+            time_s: g.time,
+        });
         Ok(())
     }
 }

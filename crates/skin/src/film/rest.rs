@@ -1,9 +1,14 @@
 //! What is broken in a frame, as the wood was before it moved.
 
-use super::{Begun, FilmError, FilmOptions, INNER_MATERIAL, Run, SkinReport, Still};
+use super::error::FilmError;
+use super::make_still::{Begun, Still};
+use super::material_numbers::INNER_MATERIAL;
+use super::options::FilmOptions;
+use super::report::SkinReport;
+use super::run::Run;
+use crate::rods::{FractureState, RodPart};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_skin::rods::{FractureState, RodPart};
 
 /// A piece that has this part of the rods at an end of the wood holds that end; one with fewer has a splinter of it.
 const HOLDS: f64 = 0.25;
@@ -21,7 +26,7 @@ impl Run {
 
     /// The scene that its stem was found in.
     pub fn input(&self) -> &Scene {
-        &self.grown.scene
+        &self.wood.input
     }
 
     /// The pieces of frame `number` at rest, where the input has the wood: they fit each other. The two largest are
@@ -44,7 +49,7 @@ impl Run {
             mut scene,
             ..
         } = self.begin(number, options, context)?;
-        let back: DAffine3 = self.laid.inverse();
+        let back: DAffine3 = self.wood.scene_from_stem.inverse();
         let mut nodes: Vec<Node> = skin
             .pieces
             .into_iter()
@@ -90,9 +95,9 @@ impl Run {
         parts: &[Vec<(u32, RodPart)>],
         report: &mut SkinReport,
     ) -> bool {
-        let axis = self.grown.stem.grain.axis();
+        let axis = self.wood.stem.grain.axis();
         // From end to end; two such pieces are wood that is split lengthwise.
-        let ends = held_ends(parts, self.bundle.rods());
+        let ends = held_ends(parts, self.wood.bundle.rods());
         let whole = |held: &[f64; 2]| held.iter().all(|h| *h >= HOLDS);
         let spans: Vec<bool> = ends.iter().take(2).map(whole).collect();
         let (mut halves, mut swapped) = (2, false);

@@ -1,6 +1,8 @@
 //! Pieces whose joints move as one follow one of them: what flew off or came to rest is then no skin but a plain node.
 
-use super::{FilmError, SkinnedFilm};
+use super::error::FilmError;
+use super::poses::corners;
+use super::skinned_film::SkinnedFilm;
 use glam::DVec3;
 use greenstick_geometry::{Binding, Context, Motion, Pose};
 
@@ -25,7 +27,7 @@ impl SkinnedFilm {
         let film = &self.film;
         let whole = film.pieces.iter().enumerate().filter_map(|(piece, p)| {
             let joints = p.binding.used_joints();
-            let corners = super::corners(p.mesh.bounds()?);
+            let corners = corners(p.mesh.bounds()?);
             (joints.len() > 1).then_some(Whole {
                 piece,
                 joints,

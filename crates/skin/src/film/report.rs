@@ -1,9 +1,8 @@
 //! What a skin is made of, and how far a film strays from what it shows.
 
-use super::RestReport;
+use crate::rods::{RodPart, RodSkin};
 use greenstick_fibre::store::FrameTimes;
 use greenstick_geometry::film::Extra;
-use greenstick_skin::rods::{RodPart, RodSkin};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
@@ -25,6 +24,32 @@ pub struct FilmPiece {
     pub triangles: usize,
     /// Greatest distance between both sides of a crack of its before it opens, m, in a file whose weights are fixed.
     pub gape_m: f64,
+}
+
+/// A part of the input that the rods do not fill.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CarriedPiece {
+    /// Its name.
+    pub name: String,
+    /// The input's mesh that it is of.
+    pub input: String,
+    /// The piece of the skin whose rods carry it; none for what hangs on nothing and stands still.
+    pub carried_by: Option<String>,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Whether it is closed; what is open in the input stays open.
+    pub closed: bool,
+}
+
+/// The rest of an input.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct RestReport {
+    /// Its parts.
+    pub pieces: Vec<CarriedPiece>,
+    /// Volume of the stem's real ends beyond the rods' ends, which is left out, m³.
+    pub left_out_m3: f64,
+    /// What could not be done as it should, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// How far cracks gape before they open in a film whose weights are fixed, as those of glTF are.

@@ -1,6 +1,7 @@
 //! Levels of detail of a film: the same pieces and joints with fewer triangles.
 
-use super::{FilmError, SkinnedFilm};
+use super::error::FilmError;
+use super::skinned_film::SkinnedFilm;
 use greenstick_geometry::{
     Binding, Cancelled, Context, EarlierBindings, Film, Motion, Pose, Simplified, SkinnedMesh,
     simplify,

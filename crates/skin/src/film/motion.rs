@@ -1,11 +1,12 @@
 //! The poses of a run's joints over time, read frame by frame.
 
-use super::{FilmError, turned};
+use super::error::FilmError;
+use super::poses::turned;
+use crate::remainder::{Follower, pose_followers};
+use crate::rods::{Joints, frame_poses};
 use glam::DQuat;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};
-use greenstick_skin::remainder::{Follower, pose_followers};
-use greenstick_skin::rods::{Joints, frame_poses};
 use std::sync::Arc;
 
 /// How the joints of a film move, and its bodies. Holds one frame at a time.

@@ -1,15 +1,12 @@
 //! The materials of a film: ours, then those of the input.
 
-use super::{FilmError, FilmOptions, Run};
-use crate::session::materials;
+use super::error::FilmError;
+use super::options::FilmOptions;
+use super::run::Run;
+use crate::materials;
+use crate::rods_scene::body_material;
 use greenstick_geometry::{Context, Material, Scene};
-use greenstick_skin::rods_scene::body_material;
-
-/// Places in the list of materials.
-pub(super) const INNER_MATERIAL: u32 = 0;
-pub(super) const BARK_MATERIAL: u32 = 1;
-pub(super) const BODY_MATERIAL: u32 = 2;
-pub(super) const OWN_MATERIALS: u32 = 3;
+use greenstick_wood::branch::bark_material;
 
 impl Run {
     /// The materials of all that is shown.
@@ -21,7 +18,7 @@ impl Run {
         let mut out = Scene::default();
         if options.texture_width > 0 {
             let width = options.texture_width;
-            let stem = &self.grown.stem;
+            let stem = &self.wood.stem;
             let baked = materials::bake(stem, self.square, &self.appearance.wood, width, context)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
@@ -32,10 +29,10 @@ impl Run {
                 ..Material::default()
             });
         }
-        out.materials.push(crate::branch::bark_material());
+        out.materials.push(bark_material());
         out.materials.push(body_material());
         // Those of the input behind ours.
-        let input = &self.grown.scene;
+        let input = &self.wood.input;
         let (textures, images) = (out.textures.len(), out.images.len());
         out.images.extend(input.images.iter().cloned());
         out.textures.extend(input.textures.iter().map(|texture| {

@@ -1,0 +1,124 @@
+//! Films of a run: a range of frames with the pieces that the last one leaves.
+
+use super::error::FilmError;
+use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
+use super::motion::RunMotion;
+use super::options::FilmOptions;
+use super::poses::{film_of, turned, upright};
+use super::report::SkinReport;
+use super::rigid::TOLERANCE;
+use super::run::Run;
+use super::skinned_film::SkinnedFilm;
+use crate::rods::rod_skin_over_time;
+use crate::rods_scene::{BodyNode, body_nodes};
+use glam::DAffine3;
+use greenstick_fibre::store::Frame;
+use greenstick_geometry::film::Extra;
+use greenstick_geometry::{Context, Film, Joint, Pose, RigidBody, Stage};
+
+impl Run {
+    /// All frames of a range as a film, in the pieces that its last frame leaves.
+    ///
+    /// # Errors
+    /// [`FilmError`].
+    pub fn film(
+        &mut self,
+        range: std::ops::Range<usize>,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<SkinnedFilm, FilmError> {
+        let count = self.frames.count();
+        if range.is_empty() || range.end > count {
+            return Err(FilmError::NoSuchFrame {
+                number: range.end.saturating_sub(1),
+                count,
+            });
+        }
+        let [breaks, shape, textures, pieces, rigid] = context.split([
+            (Stage::new("breaks"), 1.0),
+            (Stage::new("skin"), 1.0),
+            (Stage::new("textures"), 1.0),
+            (Stage::new("pieces"), 1.0),
+            (Stage::new("rigid pieces"), 1.0),
+        ]);
+        let first = self.frame(range.start)?;
+        let history = self.history(range.clone(), &breaks)?;
+        shape.report(0.0)?;
+        let skin = self.with_materials(|wood, materials| {
+            rod_skin_over_time(wood, &history, materials, &options.skin)
+        })?;
+        let materials = self.materials(options, &textures)?;
+        let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
+        let joints = skin.joints.clone();
+        self.follow(&skin, range.clone(), &mut report, &pieces)?;
+        let mut film = film_of(skin, &self.scene);
+        film.materials = materials.materials;
+        film.textures = materials.textures;
+        film.images = materials.images;
+        let moving = match options.bodies {
+            true => self.add_bodies(&mut film, &first),
+            false => Vec::new(),
+        };
+        add_extras(&mut film, &report);
+        let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.wood.stem.radius);
+        let motion = RunMotion::new(
+            self.source.clone(),
+            self.frames.times[range.clone()].to_vec(),
+            range.start,
+            (joints, moving, carried),
+            upright(),
+        );
+        let mut made = SkinnedFilm {
+            film,
+            motion,
+            report,
+            inner: INNER_MATERIAL,
+        };
+        made.stiffen(TOLERANCE * self.wood().spacing(), &rigid)?;
+        Ok(made)
+    }
+
+    /// Adds the bodies of the first frame to a film, each that moves with a joint of its own. Returns the numbers of those.
+    fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
+        let up = upright();
+        let mut moving = Vec::new();
+        for body in body_nodes(first, &self.wood.shapes, BODY_MATERIAL) {
+            let BodyNode { mut node, follows } = body;
+            node.transform = DAffine3::from_quat(up) * node.transform;
+            let Some(number) = follows else {
+                film.fixed.push(node);
+                continue;
+            };
+            let body = first.bodies[number];
+            let named = self.scene.body.get(number);
+            node.name = named.map_or(node.name, |b| b.name.clone());
+            film.bodies.push(RigidBody {
+                node,
+                joint: film.joints.len() as u32,
+            });
+            let rest = Pose {
+                translation: body.centre,
+                rotation: body.rotation,
+            };
+            film.joints.push(Joint {
+                name: format!("body_{number}"),
+                rest: turned(rest, up),
+            });
+            moving.push(number);
+        }
+        moving
+    }
+}
+
+/// Adds what is reported of each piece to it.
+fn add_extras(film: &mut Film, report: &SkinReport) {
+    for (piece, reported) in film.pieces.iter_mut().zip(&report.pieces) {
+        let extras = &mut piece.extras;
+        extras.insert("gape_m".into(), Extra::Number(reported.gape_m));
+        if let Some((time, from)) = &reported.parted {
+            extras.insert("parted_s".into(), Extra::Number(*time));
+            extras.insert("parted_from".into(), Extra::Text(from.clone()));
+        }
+    }
+}
