@@ -1,4 +1,4 @@
-//! The materials of a film: ours, then those of the input.
+//! The materials of a film: its own, then those of the input.
 
 use super::error::FilmError;
 use super::options::FilmOptions;
@@ -9,7 +9,7 @@ use greenstick_geometry::{Context, Material, Scene};
 use greenstick_wood::branch::bark_material;
 
 impl Run {
-    /// The materials of all that is shown.
+    /// Returns the materials of all that is shown.
     pub(super) fn materials(
         &self,
         options: &FilmOptions,
@@ -31,7 +31,7 @@ impl Run {
         }
         out.materials.push(bark_material());
         out.materials.push(body_material());
-        // Those of the input behind ours.
+        // Then those of the input.
         let input = &self.wood.input;
         let (textures, images) = (out.textures.len(), out.images.len());
         out.images.extend(input.images.iter().cloned());

@@ -15,15 +15,15 @@ mod make_still;
 mod material_numbers;
 mod materials;
 mod motion;
-mod opening;
 mod options;
-mod pieces;
 mod poses;
 mod report;
 mod rest;
 mod rigid;
 mod run;
+mod separation;
 mod skinned_film;
+mod tracking;
 
 pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;

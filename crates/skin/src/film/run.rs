@@ -2,7 +2,7 @@
 
 use super::error::FilmError;
 use super::material_numbers::{BARK_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
-use super::poses::upright;
+use super::poses::upright_rotation;
 use crate::rods::{FractureState, Materials, RodSkin, RodSkinOptions, Wood, rod_skin};
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2};
@@ -61,8 +61,8 @@ pub struct Run {
     pub(super) square: SectionSquare,
 }
 
-/// Why vertices of the unbroken rods broke.
-fn causes(events: &[Event]) -> BTreeMap<u32, Cause> {
+/// Returns why vertices of the unbroken rods broke.
+fn break_causes(events: &[Event]) -> BTreeMap<u32, Cause> {
     let broken = events.iter().filter(|e| e.kind == EventKind::RodBroke);
     broken
         .map(|event| {
@@ -109,7 +109,7 @@ impl Run {
         if frames.count() == 0 {
             return Err(FilmError::NoFrames { run: source.name() });
         }
-        let causes = causes(&source.events()?);
+        let causes = break_causes(&source.events()?);
         let species = Species::find(&scene.wood.species).ok();
         let tissues = BreakParameters::default().proportions();
         let appearance = StemAppearance::new(&wood.stem, &tissues, scene.seed, species, BARK_START);
@@ -127,17 +127,17 @@ impl Run {
         })
     }
 
-    /// Number of whole frames.
+    /// Returns the number of whole frames.
     pub fn frames(&self) -> usize {
         self.frames.count()
     }
 
-    /// The appearance of its wood and bark.
+    /// Returns the appearance of its wood and bark.
     pub fn appearance(&self) -> &StemAppearance {
         &self.appearance
     }
 
-    /// The stem that its rods fill.
+    /// Returns the stem that its rods fill.
     pub fn stem(&self) -> &Stem {
         &self.wood.stem
     }
@@ -152,10 +152,10 @@ impl Run {
 
     /// Returns the map from the stem's world to that of stills and films.
     pub(super) fn film_from_stem(&self) -> DAffine3 {
-        DAffine3::from_quat(upright()) * self.wood.scene_from_stem
+        DAffine3::from_quat(upright_rotation()) * self.wood.scene_from_stem
     }
 
-    /// Its wood, unbroken.
+    /// Returns its wood, unbroken.
     pub fn wood(&self) -> Wood<'_> {
         let material = &self.wood.material;
         Wood {
@@ -170,7 +170,7 @@ impl Run {
         }
     }
 
-    /// The skin of what is broken in `frame`, at rest.
+    /// Returns the skin of what is broken in `frame`, at rest.
     pub(super) fn skin(
         &self,
         frame: &Frame,
@@ -180,7 +180,7 @@ impl Run {
         Ok(self.with_materials(|wood, materials| rod_skin(wood, &state, materials, options))?)
     }
 
-    /// What is made of its wood with the materials that it has here.
+    /// Calls `make` with the wood and the materials of stills and films.
     pub(super) fn with_materials<T, E>(
         &self,
         make: impl FnOnce(&Wood, &Materials) -> Result<T, E>,
