@@ -6,12 +6,13 @@ use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
-use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyReport, SegmentReport};
+use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, report_file};
 use greenstick::files::{self, Batch, FileError, Output};
 use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
 use greenstick::scanning::ScannedReport;
 use greenstick::schema::Parameters;
+use greenstick::wood::anatomy::{AnatomyReport, SegmentReport};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -59,7 +60,7 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
         report.length_m,
     ));
     write.report(0.0)?;
-    folder.add(report.to_file()?)?;
+    folder.add(report_file(&report)?)?;
     let outputs = folder.finish()?;
     let stages = progress.finish();
     if options.reporting.prints_report() {

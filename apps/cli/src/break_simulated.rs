@@ -9,13 +9,14 @@ use crate::{scan, simulate};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
-use greenstick::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
+use greenstick::film::{open_run, picture_of_run};
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
+use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     }
     if let Some(path) = &targets.picture {
         let shot = request.file.picture.options();
-        let picture = run.picture(&still.scene, still.inner, &shot, &picture)?;
+        let picture = picture_of_run(&run, &still.scene, still.inner, &shot, &picture)?;
         let (path, bytes) = (path.clone(), picture.png());
         outputs.push(Output { path, bytes });
     }
@@ -153,7 +154,7 @@ fn simulate_in_memory(
         other => other.into(),
     })?;
     let opening = context.part(SIMULATED, 1.0);
-    let run = Run::open(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
+    let run = open_run(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
     Ok((report, run))
 }
 

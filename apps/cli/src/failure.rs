@@ -11,6 +11,7 @@ use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
 use greenstick::simulate::{RunError, SimulateError};
+use greenstick::skin::film;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::stem::{StemError, StemLocation};
@@ -150,6 +151,12 @@ from_errors! {
     SimulateError => simulate_hint,
 }
 
+impl From<film::FilmError> for Failure {
+    fn from(error: film::FilmError) -> Self {
+        FilmError::from(error).into()
+    }
+}
+
 fn file_hint(error: &FileError) -> Option<String> {
     match error {
         FileError::Unwritable { .. } => {
@@ -172,8 +179,10 @@ fn film_hint(error: &FilmError) -> Option<String> {
         FilmError::Simulate(SimulateError::NoInput) => {
             "name the mesh of the run behind its folder: greenstick skin run pole.ply -o film.glb"
         }
-        FilmError::Run(RunError::NoRun { .. }) => "greenstick simulate SCENE -o FOLDER makes one",
-        FilmError::NoFrames { .. } => {
+        FilmError::Skin(film::FilmError::Run(RunError::NoRun { .. })) => {
+            "greenstick simulate SCENE -o FOLDER makes one"
+        }
+        FilmError::Skin(film::FilmError::NoFrames { .. }) => {
             "the command that simulated it, with --resume, continues the run"
         }
         _ => return None,

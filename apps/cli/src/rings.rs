@@ -3,12 +3,13 @@
 use crate::arguments::RingsOptions;
 use crate::break_wood::check_png;
 use crate::failure::{Failure, print};
-use greenstick::anatomy::RingMethod;
 use greenstick::files::{self, Output};
 use greenstick::geometry::Context;
-use greenstick::rings::{RingComparison, RingsError, RingsFile, SectionFile};
 use greenstick::schema::Parameters;
-use greenstick::wood::rings::{RingSeries, SectionRingMethod};
+use greenstick::wood::anatomy::RingMethod;
+use greenstick::wood::rings::{
+    RingComparison, RingSeries, RingsFile, SectionFile, SectionFileError, SectionRingMethod,
+};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -37,7 +38,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     outputs.iter().try_for_each(|p| files::check_writable(p))?;
 
     let context = Context::quiet();
-    let about_file = |e: RingsError| Failure::request(format!("{}: {e}", path.display()));
+    let about_file = |e: SectionFileError| Failure::request(format!("{}: {e}", path.display()));
     let section = SectionFile::parse(&text).map_err(about_file)?;
     let units = section.units().to_owned();
     let section = section
@@ -62,7 +63,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         files.push(Output {
             path: path.clone(),
-            bytes: section.picture(options.picture_size, &context)?.png(),
+            bytes: section.paint(options.picture_size, &context)?.png(),
         });
     }
     files::write_all(&files)?;

@@ -9,7 +9,7 @@ use crate::skin::{self, FilmPlan, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Output};
-use greenstick::film::Run;
+use greenstick::film::open_run;
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Stage};
 use greenstick::picture::PictureOptions;
@@ -145,7 +145,7 @@ fn make_film(
 ) -> Result<(), Failure> {
     let [opening, filming] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
     opening.report(0.0)?;
-    let run = Run::open(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
+    let run = open_run(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
     let shot = options.picture_parameters.set()?.options();
     let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
     let reporting = ReportingOptions {

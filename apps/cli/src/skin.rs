@@ -13,12 +13,13 @@ use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Batch, Output};
-use greenstick::film::{FilmError, Run, SkinReport, SkinnedFilm};
+use greenstick::film::{FilmError, open_run, picture_of_run, write_series};
 use greenstick::formats::film::{FilmReport, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::{Context, Scene, Stage};
 use greenstick::simulate::{RunSource, SceneMeshes};
+use greenstick::skin::film::{Run, SkinReport, SkinnedFilm};
 use outputs::{ending, in_folder};
 pub use plan::FilmPlan;
 use serde::Serialize;
@@ -148,7 +149,7 @@ pub fn open(
         input,
         bodies: read_body_meshes(&scene, &beside)?,
     };
-    Run::open(Arc::new(run), &meshes, context).map_err(Failure::from)
+    open_run(Arc::new(run), &meshes, context).map_err(Failure::from)
 }
 
 /// The skin, the film's file, the files with their sizes in bytes, and what engines want.
@@ -186,7 +187,7 @@ fn still(
         .map_err(Failure::from)?;
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
-        let picture = run.picture(&still.scene, still.inner, &plan.shot, &picture)?;
+        let picture = picture_of_run(&run, &still.scene, still.inner, &plan.shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),
             bytes: picture.png(),
@@ -362,12 +363,7 @@ fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Outpu
 }
 
 /// Rods and bonds as a series of VTK files beside `path`.
-fn series(
-    mut run: Run,
-    range: Range<usize>,
-    path: &Path,
-    context: &Context,
-) -> Result<Made, Failure> {
+fn series(run: Run, range: Range<usize>, path: &Path, context: &Context) -> Result<Made, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = path
         .file_stem()
@@ -377,9 +373,7 @@ fn series(
         bytes += file.bytes.len();
         Ok(files::write_all(&[in_folder(folder, file)])?)
     };
-    let count = run
-        .series(range, &name, put, context)
-        .map_err(Failure::from)?;
+    let count = write_series(&run, range, &name, put, context).map_err(Failure::from)?;
     let written = format!(
         "{} with the {} files that it lists",
         path.display(),

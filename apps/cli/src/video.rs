@@ -2,9 +2,10 @@
 
 use crate::failure::Failure;
 use greenstick::files::{self, Output};
-use greenstick::film::{Run, SkinnedFilm};
+use greenstick::film::picture_of_run;
 use greenstick::geometry::Context;
 use greenstick::picture::PictureOptions;
+use greenstick::skin::film::{Run, SkinnedFilm};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -52,7 +53,7 @@ pub fn pictures(
     for number in 0..count {
         let shown = context.item(number, count);
         let scene = film.at(number).map_err(Failure::from)?;
-        let picture = run.picture(&scene, film.inner, &shot, &shown)?;
+        let picture = picture_of_run(run, &scene, film.inner, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
         let bytes = picture.png();
         made.push((path.display().to_string(), bytes.len()));

@@ -3,10 +3,11 @@
 //! [`fit`] reads a run; [`fit_fracture_state`] takes the wood and its state of fracture. The algorithm is that of
 //! [`greenstick_skin::fit`]; here it meets the run and the chain that draws a break.
 
-use crate::film::{FilmError, Run};
+use crate::film::FilmError;
 use crate::{Break, BreakRequest, BreakSession, Error};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene, Stage};
+use greenstick_skin::film::Run;
 use greenstick_skin::fit::BreakFit;
 pub use greenstick_skin::fit::{FitReport, FittedValue, TissueBreaks, UnfittedKeys};
 use greenstick_skin::rods::{FractureState, Wood};
@@ -81,7 +82,7 @@ pub struct FitSource<'a> {
 /// [`FitError`].
 pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitError> {
     context.report(0.0)?;
-    let (state, time) = run.fracture_state(number)?;
+    let (state, time) = run.fracture_state(number).map_err(FilmError::from)?;
     let source = FitSource {
         scene: run.input(),
         by_point: matches!(run.scene.stem.at, StemLocation::Point(_)),

@@ -47,7 +47,6 @@
 pub mod anatomy;
 #[cfg(feature = "simulate")]
 pub mod bending;
-mod branch;
 mod error;
 #[cfg(feature = "files")]
 pub mod files;
@@ -55,17 +54,14 @@ pub mod files;
 pub mod film;
 #[cfg(feature = "simulate")]
 pub mod fit;
-mod images;
 mod pictures;
 mod report;
 mod request;
-pub mod rings;
 pub mod scanning;
 pub mod session;
 #[cfg(feature = "simulate")]
 pub mod simulate;
 
-pub use branch::built_in_branch;
 pub use error::Error;
 #[cfg(feature = "simulate")]
 pub use greenstick_fibre as fibre;
@@ -79,6 +75,7 @@ pub use greenstick_skin as skin;
 #[cfg(feature = "simulate")]
 pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
+pub use greenstick_wood::branch::built_in_branch;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};

@@ -1,16 +1,16 @@
 //! Pictures of broken stems and of any scene.
 
-use crate::branch::OWN_BARK;
 use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
     Sphere, View, render,
 };
-use greenstick_wood::appearance::{BarkPoint, StemAppearance, WoodPoint, WoodSurface};
-use greenstick_wood::rings::StemAddress;
-use greenstick_wood::stem::{Frame, Stem, StemKind};
+use greenstick_skin::broken::{BreakView, ViewedPiece};
+use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
+use greenstick_wood::branch::BARK_MATERIAL_NAME;
+use greenstick_wood::stem::{Frame, Stem};
 use std::sync::Arc;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour.
@@ -48,100 +48,39 @@ impl StemShader<'_> {
         self.woods[0]
     }
 
-    fn wood(&self, inside: Inside, hit: &Hit, grain: DVec3) -> Appearance {
-        let frame = inside.stem.grain.axis().frame(grain.z);
-        let (ring, angle) = inside.stem.rings.address(grain.truncate());
-        let (directions, end_grain) = match self.moved.then(|| hit.gradients("_GRAIN")).flatten() {
-            // If the length along the grain is constant on a face, the face lies across the grain.
-            Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
-            None => (
-                [frame.x, frame.y, frame.tangent],
-                hit.geometric_normal.dot(frame.tangent).abs(),
-            ),
-        };
-        let point = WoodPoint {
-            address: StemAddress {
-                rho: ring,
-                angle,
-                across: grain.truncate() - inside.stem.rings.pith(),
-                along: grain.z,
-            },
-            end_grain,
-        };
-        let surface = inside.appearance.wood.surface_at(&point, hit.footprint);
-        finish(hit, &surface, directions)
-    }
-
-    fn is_sawn(&self, hit: &Hit, grain: DVec3) -> bool {
-        let stem = self.own().stem;
-        let along = stem.grain.axis().frame(grain.z).tangent;
-        let end = !self.moved && hit.geometric_normal.dot(along).abs() > SAWN_END_COSINE;
-        stem.kind == StemKind::Board || end
-    }
-
-    fn bark(&self, hit: &Hit, grain: Option<DVec3>) -> Appearance {
-        let Inside {
-            stem, appearance, ..
-        } = self.own();
-        let (point, directions) = match grain {
-            Some(grain) => {
-                let frame = stem.grain.axis().frame(grain.z);
-                let across: DVec2 = grain.truncate() - stem.rings.pith();
-                let angle = libm::atan2(across.y, across.x);
-                let point = BarkPoint {
-                    angle,
-                    along: grain.z,
-                    radius: across.length(),
-                };
-                let moved = self.moved.then(|| hit.gradients("_GRAIN")).flatten();
-                (point, moved.unwrap_or([frame.x, frame.y, frame.tangent]))
-            }
-            None => {
-                // Off the limb the world's axes serve for the appearance of bark.
-                let p = hit.position;
-                let angle = libm::atan2(hit.normal.z, hit.normal.x);
-                let point = BarkPoint {
-                    angle,
-                    along: p.y,
-                    radius: stem.radius,
-                };
-                (point, [DVec3::X, DVec3::Z, DVec3::Y])
-            }
-        };
-        let surface = appearance.bark.surface_at(&point, hit.footprint);
-        finish(hit, &surface, directions)
-    }
-}
-
-fn finish(hit: &Hit, surface: &WoodSurface, [x, y, along]: [DVec3; 3]) -> Appearance {
-    let rise = x * surface.slope.x + y * surface.slope.y + along * surface.slope.z;
-    Appearance {
-        color: surface.color,
-        roughness: surface.roughness,
-        normal: hit.bumped_normal(rise),
+    /// The point of the stem that a ray meets.
+    fn point(&self, hit: &Hit) -> SurfacePoint {
+        let grain = hit.attribute("_GRAIN");
+        SurfacePoint {
+            position: hit.position,
+            normal: hit.normal,
+            geometric_normal: hit.geometric_normal,
+            grain: grain
+                .map(|g| DVec3::new(g[0], g[1], g[2]))
+                .filter(|g| *g != DVec3::ZERO),
+            moved: self.moved,
+            grain_gradients: self.moved.then(|| hit.gradients("_GRAIN")).flatten(),
+            footprint: hit.footprint,
+        }
     }
 }
 
 impl Shader for StemShader<'_> {
     fn shade(&self, hit: &Hit) -> Appearance {
-        let grain = hit
-            .attribute("_GRAIN")
-            .map(|g| DVec3::new(g[0], g[1], g[2]))
-            .filter(|g| *g != DVec3::ZERO);
+        let point = self.point(hit);
         let material = hit.material();
         let inside = self.woods.iter().find(|w| w.material == material);
-        match (grain, inside) {
-            (Some(grain), Some(inside)) => self.wood(*inside, hit, grain),
-            (grain, _) => {
-                if !self.blank.get(material as usize).copied().unwrap_or(true) {
-                    return self.plain.shade(hit);
-                }
-                match grain {
-                    // A board's skin is sawn wood, and so are the ends of a stem.
-                    Some(grain) if self.is_sawn(hit, grain) => self.wood(self.own(), hit, grain),
-                    grain => self.bark(hit, grain),
-                }
+        let oriented = match (point.grain, inside) {
+            (Some(grain), Some(inside)) => inside.appearance.wood_at(inside.stem, grain, &point),
+            _ if !self.blank.get(material as usize).copied().unwrap_or(true) => {
+                return self.plain.shade(hit);
             }
+            _ => self.own().appearance.skin_at(self.own().stem, &point),
+        };
+        Appearance {
+            color: oriented.surface.color,
+            roughness: oriented.surface.roughness,
+            normal: hit.bumped_normal(oriented.relief_gradient()),
         }
     }
 }
@@ -150,7 +89,9 @@ impl Shader for StemShader<'_> {
 /// colour is in a texture.
 fn blank(scene: &Scene) -> Vec<bool> {
     let blank = |m: &greenstick_geometry::Material| {
-        m.name == OWN_BARK || m.base_color_texture.is_some() || m.base_color[..3] == [1.0; 3]
+        m.name == BARK_MATERIAL_NAME
+            || m.base_color_texture.is_some()
+            || m.base_color[..3] == [1.0; 3]
     };
     scene.materials.iter().map(blank).collect()
 }
@@ -227,76 +168,39 @@ pub fn picture_of_break(
     render(&items(scene, &shader), &options, context)
 }
 
-/// Cosine of the angle to the grain within which a face of the skin is a sawn end.
-const SAWN_END_COSINE: f64 = 0.9;
-
-/// Elevation of the camera over an opened break, rad.
+/// How steeply an opened break is looked down on, rad.
 const ELEVATION: f64 = 0.5;
 /// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
 const HANGING_ELEVATION: f64 = 0.22;
 const HANGING_TURN: f64 = 0.45;
-/// Length of stem that is shown behind each face: in radii, plus this fraction of the face's height.
-const STUB_RADII: f64 = 0.9;
-const STUB_OF_HEIGHT: f64 = 0.08;
-/// Ring coordinate beyond which the face is near the skin, so that its depth can be seen from outside.
-const OUTER_RING: f64 = 0.85;
-/// Fraction of the face near the skin that lies higher than where the stub begins.
-const SHOWN_FRACTION: f64 = 0.85;
+/// A break as a picture shows it.
+fn view<'a>(broken: &Broken, wood: &'a BrokenWood) -> BreakView<'a> {
+    BreakView {
+        stem: &wood.stem,
+        material: wood.material,
+        range: broken.report.face.range_m,
+        width: wood.width,
+    }
+}
 
 /// Aims the camera at both faces and a stub of stem behind each.
 fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureOptions) {
-    let stem = &wood.stem;
-    let frame = stem.grain.axis().frame(stem.location);
-    let [low, high] = broken.report.face.range_m;
-    let stub = STUB_RADII * stem.radius + STUB_OF_HEIGHT * (high - low);
     let lower = NodeRole::Piece(PieceRole::Lower);
     let Some(at) = broken.roles.iter().position(|&role| role == lower) else {
         return;
     };
-    let rest = &broken.scene.nodes[at];
-    let (along, origin) = (frame.tangent, frame.origin);
-    let reach = 0.5 * wood.width;
-    let mut shown = Vec::new();
-    for (node, role) in scene.nodes.iter().zip(&broken.roles) {
-        let NodeRole::Piece(role) = role else {
-            continue;
-        };
-        let upper = *role == PieceRole::Upper;
-        let rings = node.mesh.attributes.get("_RING");
-        let face = (node.mesh.triangles.iter().enumerate())
-            .filter(|(t, _)| node.mesh.materials.get(*t) == Some(&wood.material))
-            .flat_map(|(_, corners)| corners.map(|v| v as usize));
-        // How far down the outside the break can be seen, m from the location of the break.
-        let mut ends = vec![0.0];
-        for v in face {
-            let Some(&at) = node.mesh.positions.get(v) else {
-                continue;
-            };
-            let height = (rest.transform.transform_point3(at) - origin).dot(along);
-            let stands = if upper { -height } else { height };
-            let outer = rings.is_none_or(|r| f64::from(r.at(v)[0]) > OUTER_RING);
-            if outer {
-                ends.push(-stands);
-            }
-            if stands > 0.0 {
-                shown.push(node.transform.transform_point3(at));
-            }
-        }
-        if matches!(role, PieceRole::Splinter(_)) {
-            continue;
-        }
-        // The section at the end of the stub. All pieces have the same transform at rest.
-        let moved = node.transform * rest.transform.inverse();
-        ends.sort_unstable_by(f64::total_cmp);
-        let end = ends[(SHOWN_FRACTION * (ends.len() - 1) as f64) as usize].max(0.0) + stub;
-        let end = if upper { end } else { -end };
-        let at = stem.grain.axis().frame(stem.location + end);
-        shown.extend(
-            [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
-                .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach)),
-        );
-    }
-    options.shown = shown;
+    let nodes = scene.nodes.iter().zip(&broken.roles);
+    let pieces = nodes.filter_map(|(node, role)| match role {
+        NodeRole::Piece(role) => Some(ViewedPiece {
+            node,
+            is_upper: *role == PieceRole::Upper,
+            is_splinter: matches!(role, PieceRole::Splinter(_)),
+        }),
+        NodeRole::Carried | NodeRole::Untouched => None,
+    });
+    let (view, at_rest) = (view(broken, wood), &broken.scene.nodes[at].transform);
+    options.shown = view.points(pieces, at_rest);
+    let frame = view.frame();
     let (up, view) = match broken.hinge {
         None if broken.apart => return,
         // Both faces look up, seen from the side on which they stand next to each other.
@@ -331,20 +235,9 @@ fn azimuth(frame: &Frame) -> f64 {
     libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
 
-/// Returns the displacement of the upper piece beside the lower one, m.
-fn side_displacement(wood: &BrokenWood, across: DVec3) -> DVec3 {
-    across * (1.2 * wood.width)
-}
-
-/// Returns the scene with the upper piece turned over beside the lower one, both faces up.
+/// The scene with the upper piece turned over and set beside the lower, both faces up.
 fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
-    let frame = wood.stem.grain.axis().frame(wood.stem.location);
-    let [low, high] = broken.report.face.range_m;
-    let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
-    let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-    let about = DAffine3::from_translation(centre + side_displacement(wood, frame.x))
-        * turn
-        * DAffine3::from_translation(-centre);
+    let about = view(broken, wood).opened();
     let mut scene = broken.scene.clone();
     for (node, role) in scene.nodes.iter_mut().zip(&broken.roles) {
         match role {

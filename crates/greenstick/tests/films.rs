@@ -3,10 +3,11 @@
 
 use glam::{DAffine3, DVec3};
 use greenstick::fibre::scene::Scene as Setting;
-use greenstick::film::{FilmOptions, Run, SkinnedFilm, collision, level};
+use greenstick::film::open_run;
 use greenstick::geometry::convex::is_convex;
 use greenstick::geometry::{Bvh, Context, ConvexOptions, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
+use greenstick::skin::film::{FilmOptions, Run, SkinnedFilm, collision, level};
 use greenstick::wood::primitive;
 use std::sync::Arc;
 
@@ -98,7 +99,7 @@ fn run() -> Run {
     let context = Context::quiet();
     let mut store = MemoryRun::new();
     simulate(&request, &mut store, &context).unwrap();
-    Run::open(Arc::new(store), &request.meshes, &context).unwrap()
+    open_run(Arc::new(store), &request.meshes, &context).unwrap()
 }
 
 fn options(rest: bool) -> FilmOptions {

@@ -5,9 +5,12 @@ pub mod broken;
 pub mod cracks;
 mod error;
 #[cfg(feature = "rods")]
+pub mod film;
+#[cfg(feature = "rods")]
 pub mod fit;
 pub mod fray;
 pub mod hang;
+pub mod materials;
 pub mod prepared;
 #[cfg(feature = "rods")]
 pub mod remainder;

@@ -40,3 +40,30 @@ pub struct RgbImage {
     /// Red, green and blue of each pixel, row by row from the top.
     pub rgb: Vec<u8>,
 }
+
+impl RgbImage {
+    /// Encodes the picture as PNG. Returns nothing if `rgb` does not have the size of the picture.
+    ///
+    /// ```
+    /// use greenstick_wood::colour::RgbImage;
+    ///
+    /// let white = RgbImage { width: 1, height: 1, rgb: vec![255; 3] };
+    /// assert!(white.png().starts_with(b"\x89PNG"));
+    /// ```
+    pub fn png(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let written = encoder.write_header().and_then(|mut writer| {
+            let data = writer.write_image_data(&self.rgb);
+            data.and_then(|()| writer.finish())
+        });
+        // Writing to memory cannot fail.
+        match written {
+            Ok(()) => bytes,
+            Err(_) => Vec::new(),
+        }
+    }
+}

@@ -4,6 +4,7 @@
 
 pub mod anatomy;
 pub mod appearance;
+pub mod branch;
 pub mod colour;
 pub mod moisture;
 pub mod noise;

@@ -3,8 +3,8 @@
 use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
 use clap::{Arg, Args};
-use greenstick::film::FilmParameters;
 use greenstick::picture::PictureParameters;
+use greenstick::skin::film::FilmParameters;
 use std::path::PathBuf;
 
 const SKIN_EXAMPLES: &str = "\

@@ -3,10 +3,10 @@
 
 use crate::arguments::SkinOptions;
 use crate::failure::Failure;
-use greenstick::film::{FilmOptions, FilmParameters};
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
+use greenstick::skin::film::{FilmOptions, FilmParameters};
 use std::path::PathBuf;
 
 /// What is made of a run.
@@ -47,7 +47,7 @@ impl FilmPlan {
             output: Some(output),
             frames: None,
             film: parameters.film_options(seed),
-            glb: parameters.glb_options(),
+            glb: glb_options(&parameters),
             engines: EnginePlan::default(),
             pictures: None,
             shot,
@@ -61,7 +61,7 @@ impl FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
             film: parameters.film_options(seed),
-            glb: parameters.glb_options(),
+            glb: glb_options(&parameters),
             engines: EnginePlan {
                 collision: (options.collision.clone())
                     .map(|path| (path, parameters.convex_options())),
@@ -72,6 +72,14 @@ impl FilmPlan {
             pictures: options.pictures.clone(),
             shot: options.picture_parameters.set()?.options(),
         })
+    }
+}
+
+/// The options of a film in a GLB file.
+fn glb_options(parameters: &FilmParameters) -> GlbOptions {
+    GlbOptions {
+        max_joints: parameters.max_joints.map(|n| n as usize),
+        max_influences: parameters.influences as usize,
     }
 }
 

@@ -2,26 +2,27 @@
 //! reconstructed from them, and their numbers.
 
 mod pictures;
-mod report;
 mod request;
 mod volume;
 
-pub use greenstick_wood::anatomy::{RingColouring, RingMethod};
-pub use report::{ANATOMY_FILE, AnatomyReport, RingRows, SectionReport, SegmentReport};
 pub use request::{AnatomyFile, AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
-use glam::DAffine3;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_geometry::{Context, Material, Mesh, Node, Scene, Stage};
+use greenstick_geometry::{Context, Mesh, Scene, Stage};
 use greenstick_schema::Parameters;
-use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, ParticleLayers, SurfaceColouring};
+use greenstick_skin::prepared::world_meshes;
+use greenstick_wood::anatomy::{
+    Anatomy, AnatomyFindings, AnatomyOptions, AnatomyReport, ParticleLayers, RingMethod,
+    SurfaceColouring,
+};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, find_stem};
-use report::Findings;
 
+/// Name of the file of numbers.
+pub const ANATOMY_FILE: &str = "anatomy.json";
 /// Ring coordinate at which bark begins in pictures.
 const BARK: f64 = 0.95;
 
@@ -48,12 +49,12 @@ pub fn anatomy_files(
         files.push(file);
         Ok(())
     })?;
-    files.push(report.to_file()?);
+    files.push(report_file(&report)?);
     Ok(AnatomyFiles { report, files })
 }
 
 /// Makes the inside of the stem at a location. Each file is handed to `sink` as soon as it is ready, and none is held; the
-/// last, [`AnatomyReport::to_file`], is left to the caller, who may have something to add.
+/// last, [`report_file`], is left to the caller, who may have something to add.
 ///
 /// # Errors
 /// Those of `sink`, and [`Error`] where there is no stem at the location, a number is out of range, or the caller
@@ -67,7 +68,7 @@ pub fn anatomy<E: From<Error>>(
     let stages = Stages::new(request, context);
     request.check().map_err(Error::from)?;
     stages.stem.report(0.0).map_err(Error::from)?;
-    let meshes: Vec<Mesh> = scene.nodes.iter().map(in_world).collect();
+    let meshes = world_meshes(scene);
     let found =
         find_stem(&meshes, &request.location, &request.stem, &stages.stem).map_err(Error::from)?;
     let mesh = &meshes[found.node];
@@ -98,8 +99,9 @@ pub fn anatomy<E: From<Error>>(
         sink(pictures::longitudinal(&anatomy, &stages.longitudinal)?)?;
     }
     stages.report.report(0.0).map_err(Error::from)?;
-    let findings = Findings {
-        request,
+    let findings = AnatomyFindings {
+        species: request.species.clone(),
+        ring_method: request.ring_method(),
         mesh,
         found: &found,
         anatomy: &anatomy,
@@ -108,6 +110,18 @@ pub fn anatomy<E: From<Error>>(
         notes,
     };
     Ok(findings.report())
+}
+
+/// Returns a report as the file `anatomy.json`.
+///
+/// # Errors
+/// [`Error::Report`] where it cannot be converted to JSON.
+pub fn report_file(report: &AnatomyReport) -> Result<Encoded, Error> {
+    let bytes = report.to_json().map_err(|e| Error::Report(e.to_string()))?;
+    Ok(Encoded {
+        name: ANATOMY_FILE.to_owned(),
+        bytes,
+    })
 }
 
 /// The stages of the work.
@@ -221,13 +235,12 @@ fn write_surfaces<E: From<Error>>(
         (SurfaceColouring::Ring, "surface_rings.glb"),
         (SurfaceColouring::Sector, "surface_sectors.glb"),
     ] {
-        let Some(mesh) = layers.surface(ring, colouring) else {
+        let Some(scene) = layers.surface_scene(ring, colouring) else {
             return Ok(Some(
                 "no surface was rebuilt: that takes a round stem, two layers, and a ring of three sectors that is whole in each"
                     .to_owned(),
             ));
         };
-        let scene = surface_scene(mesh, ring);
         let files = greenstick_formats::write(Format::Glb, &scene, name, LengthUnit::Metre);
         files
             .map_err(Error::from)?
@@ -235,29 +248,4 @@ fn write_surfaces<E: From<Error>>(
             .try_for_each(&mut *sink)?;
     }
     Ok(None)
-}
-
-fn surface_scene(mut mesh: Mesh, ring: u16) -> Scene {
-    mesh.materials = vec![0; mesh.triangles.len()];
-    let name = format!("ring_{ring}");
-    Scene {
-        nodes: vec![Node::new(name, DAffine3::IDENTITY, mesh)],
-        materials: vec![Material {
-            name: "particles".into(),
-            ..Material::default()
-        }],
-        ..Scene::default()
-    }
-}
-
-/// A node's mesh in the world, without its attributes and materials.
-fn in_world(node: &Node) -> Mesh {
-    let positions = node.mesh.positions.iter();
-    Mesh {
-        positions: positions
-            .map(|&p| node.transform.transform_point3(p))
-            .collect(),
-        triangles: node.mesh.triangles.clone(),
-        ..Mesh::default()
-    }
 }

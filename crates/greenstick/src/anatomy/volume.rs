@@ -4,27 +4,21 @@
 //! A segment's sections are square to the centreline; its image is placed in the world by the frame at its middle. For a
 //! straight stem that is exact; the report gives how far the centreline of a bent one leaves it.
 
-use super::report::SegmentReport;
 use crate::Error;
 use glam::DVec3;
 use greenstick_formats::Encoded;
 use greenstick_formats::vtk::{
     Block, Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
 };
-use greenstick_geometry::{Cancelled, Context};
-use greenstick_wood::anatomy::{Anatomy, Segment, VoxelSlice};
-use rayon::prelude::*;
-
-/// Sections between two reports of progress.
-const SECTIONS_PER_REPORT: usize = 32;
+use greenstick_geometry::Context;
+use greenstick_wood::anatomy::{Anatomy, Segment, SegmentReport, SliceMeasures, VoxelSlice};
 
 /// The compressed voxels of a section.
 struct CompressedSlice {
     rings: Vec<u8>,
     tissues: Vec<u8>,
     colours: Vec<u8>,
-    wood_voxels: usize,
-    bridged: f64,
+    measures: SliceMeasures,
 }
 
 impl CompressedSlice {
@@ -38,8 +32,7 @@ impl CompressedSlice {
             rings: compress(&rings),
             tissues: compress(&slice.tissues),
             colours: compress(slice.colours.as_flattened()),
-            wood_voxels: slice.wood_voxels,
-            bridged: slice.bridged,
+            measures: slice.into(),
         }
     }
 }
@@ -53,13 +46,16 @@ pub(super) fn volume<E: From<Error>>(
     let segments = &anatomy.sections().segments;
     let (mut reports, mut blocks) = (Vec::new(), Vec::new());
     for (i, segment) in segments.iter().enumerate() {
-        let slices = compressed_slices(anatomy, segment, &context.item(i, segments.len()))
+        let compress = |slice: &VoxelSlice| CompressedSlice::new(slice, ring_number(anatomy));
+        let slices = anatomy
+            .map_slices(segment, compress, &context.item(i, segments.len()))
             .map_err(Error::from)?;
         let name = match segments.len() {
             1 => "volume.vti".to_owned(),
             _ => format!("volume_{i:03}.vti"),
         };
-        reports.push(report(anatomy, segment, &slices, &name));
+        let measures: Vec<SliceMeasures> = slices.iter().map(|s| s.measures).collect();
+        reports.push(SegmentReport::new(anatomy, segment, &measures, &name));
         let file = write_image(&image(anatomy, segment, slices), &name);
         sink(file.map_err(Error::from)?)?;
         blocks.push(Block {
@@ -71,30 +67,6 @@ pub(super) fn volume<E: From<Error>>(
         sink(write_multiblock(&blocks, "volume.vtm"))?;
     }
     Ok(reports)
-}
-
-fn compressed_slices(
-    anatomy: &Anatomy,
-    segment: &Segment,
-    context: &Context,
-) -> Result<Vec<CompressedSlice>, Cancelled> {
-    let stem = anatomy.sections();
-    let count = stem.grid.count;
-    let number = ring_number(anatomy);
-    let mut slices = Vec::with_capacity(count);
-    for start in (0..count).step_by(SECTIONS_PER_REPORT) {
-        context.report(start as f64 / count as f64)?;
-        let batch: Vec<CompressedSlice> = (start..count.min(start + SECTIONS_PER_REPORT))
-            .into_par_iter()
-            .map(|k| {
-                let length = stem.length_in_segment(segment, k);
-                let slice = anatomy.voxel_slice(length, context)?;
-                Ok(CompressedSlice::new(&slice, number))
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        slices.extend(batch);
-    }
-    Ok(slices)
 }
 
 /// The type of numbers that holds all rings.
@@ -134,27 +106,5 @@ fn image(anatomy: &Anatomy, segment: &Segment, slices: Vec<CompressedSlice>) -> 
             array("zone", 1, ImageNumber::U8, tissues),
             array("colour", 3, ImageNumber::U8, colours),
         ],
-    }
-}
-
-fn report(
-    anatomy: &Anatomy,
-    segment: &Segment,
-    slices: &[CompressedSlice],
-    name: &str,
-) -> SegmentReport {
-    let grid = &anatomy.sections().grid;
-    let spacing = anatomy.sections().spacing();
-    let voxels: usize = slices.iter().map(|s| s.wood_voxels).sum();
-    SegmentReport {
-        file: name.to_owned(),
-        range_m: [segment.range.0, segment.range.1],
-        voxels: grid.count,
-        voxel_m: [grid.pixel, grid.pixel, spacing],
-        volume_m3: voxels as f64 * (grid.pixel * grid.pixel * spacing),
-        off_straight_m: segment.sagitta,
-        sections_with_holes: slices.iter().filter(|s| s.bridged > 0.0).count(),
-        sections_without_wood: slices.iter().filter(|s| s.wood_voxels == 0).count(),
-        girth_guessed: slices.iter().map(|s| s.bridged).fold(0.0, f64::max),
     }
 }

@@ -1,37 +1,20 @@
-//! Why there is no skin.
+//! Errors between a recorded run and the files of its skin.
 
 use crate::simulate::SimulateError;
 use greenstick_fibre::store::RunError;
 use greenstick_geometry::{Cancelled, ErrorKind};
-use greenstick_skin::rods::RodSkinError;
+use greenstick_skin::film;
 
 /// Why there is no skin.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// The run cannot be read.
+    /// The run cannot be read, or no still or film can be made of it.
     #[error(transparent)]
-    Run(#[from] RunError),
-    /// There is no complete frame.
-    #[error("{run}: holds no complete frame; run the simulation, or resume it")]
-    NoFrames {
-        /// The run.
-        run: String,
-    },
-    /// A frame beyond the last.
-    #[error("there is no frame {number}: the run has {count}, counted from 0")]
-    NoSuchFrame {
-        /// The frame asked for.
-        number: usize,
-        /// How many there are.
-        count: usize,
-    },
+    Skin(film::FilmError),
     /// The wood of the scene cannot be grown again.
     #[error(transparent)]
     Simulate(SimulateError),
-    /// The frames do not fit the wood, or an option is out of range.
-    #[error(transparent)]
-    Skin(#[from] RodSkinError),
-    /// The textures cannot be made.
+    /// The textures cannot be made, or a format cannot represent the result.
     #[error(transparent)]
     Work(crate::Error),
     /// The film cannot be written.
@@ -41,15 +24,31 @@ pub enum FilmError {
     #[cfg(feature = "files")]
     #[error(transparent)]
     File(#[from] crate::files::FileError),
-    /// The caller stopped the work.
+    /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<film::FilmError> for FilmError {
+    fn from(error: film::FilmError) -> Self {
+        match error {
+            film::FilmError::Cancelled(cancelled) => FilmError::Cancelled(cancelled),
+            film::FilmError::Texture(error) => FilmError::Work(error.into()),
+            other => FilmError::Skin(other),
+        }
+    }
+}
+
+impl From<RunError> for FilmError {
+    fn from(error: RunError) -> Self {
+        FilmError::Skin(error.into())
+    }
 }
 
 impl From<SimulateError> for FilmError {
     fn from(error: SimulateError) -> Self {
         match error {
-            SimulateError::Cancelled(stop) => FilmError::Cancelled(stop),
+            SimulateError::Cancelled(cancelled) => FilmError::Cancelled(cancelled),
             other => FilmError::Simulate(other),
         }
     }
@@ -58,7 +57,7 @@ impl From<SimulateError> for FilmError {
 impl From<crate::Error> for FilmError {
     fn from(error: crate::Error) -> Self {
         match error {
-            crate::Error::Cancelled(stop) => FilmError::Cancelled(stop),
+            crate::Error::Cancelled(cancelled) => FilmError::Cancelled(cancelled),
             other => FilmError::Work(other),
         }
     }
@@ -67,7 +66,9 @@ impl From<crate::Error> for FilmError {
 impl From<greenstick_formats::film::FilmError> for FilmError {
     fn from(error: greenstick_formats::film::FilmError) -> Self {
         match error {
-            greenstick_formats::film::FilmError::Cancelled(stop) => FilmError::Cancelled(stop),
+            greenstick_formats::film::FilmError::Cancelled(cancelled) => {
+                FilmError::Cancelled(cancelled)
+            }
             other => FilmError::Write(other),
         }
     }
@@ -78,12 +79,12 @@ impl FilmError {
     pub fn kind(&self) -> ErrorKind {
         match self {
             FilmError::Cancelled(_) => ErrorKind::Cancelled,
-            FilmError::File(error) => error.kind(),
             FilmError::Write(error) => error.kind(),
             FilmError::Work(error) => error.kind(),
             FilmError::Simulate(error) => error.kind(),
-            FilmError::Run(error) => error.kind(),
-            _ => ErrorKind::Request,
+            FilmError::Skin(error) => error.kind(),
+            #[cfg(feature = "files")]
+            FilmError::File(error) => error.kind(),
         }
     }
 }

@@ -1,36 +1,12 @@
-//! The skin of a simulated run: stills and films of it (Sutherland 2012 §5).
+//! The skin of a simulated run from its recording to its files (Sutherland 2012 §5).
 //!
-//! [`Run::open`] takes a run that was recorded; [`Run::still`] gives one frame as a scene, in pieces as they are then, and
-//! [`Run::film`] all frames as one skinned film, in the pieces that the last frame leaves. Both are in metres with y up.
+//! [`open_run`] grows the wood of a recorded run again, [`picture_of_run`] takes pictures of its stills and films, and
+//! [`write_series`] writes it for ParaView. What is made of a run is in [`greenstick_skin::film`].
 
-mod carried;
-mod collision;
 mod error;
-mod level;
-mod make_film;
-mod make_still;
-mod material_numbers;
-mod materials;
-mod motion;
-mod opening;
-mod options;
-mod parameters;
-mod pieces;
-mod poses;
-mod report;
-mod rest;
-mod rigid;
-mod run;
+mod open;
 mod series;
-mod skinned_film;
 
-pub use collision::{Collision, CollisionPiece, collision};
 pub use error::FilmError;
-pub use level::{LevelReport, level};
-pub use make_still::Still;
-pub use motion::RunMotion;
-pub use options::FilmOptions;
-pub use parameters::FilmParameters;
-pub use report::{CarriedPiece, FilmPiece, GapeReport, RestReport, SkinReport};
-pub use run::Run;
-pub use skinned_film::SkinnedFilm;
+pub use open::{open_run, picture_of_run};
+pub use series::write_series;

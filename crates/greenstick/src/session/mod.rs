@@ -7,7 +7,6 @@
 
 mod chain;
 mod input;
-pub(crate) mod materials;
 mod notes;
 mod order;
 mod pieces;
@@ -29,6 +28,7 @@ use chain::{Chain, ChainInput, Changes, LowestAbove};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
+use greenstick_skin::materials;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;

@@ -39,7 +39,7 @@ pub(super) fn stem_scene(
                 ..BranchOptions::default()
             };
             return Ok(StemScene {
-                scene: crate::branch::branch(&options),
+                scene: greenstick_wood::branch::branch_scene(&options),
                 location: StemLocation::Fraction(0.5),
             });
         }

@@ -8,7 +8,8 @@ use super::particles::{Particle, particles_from_field, particles_from_raster};
 use super::sections::{StemSections, TransverseSection};
 use super::sectors::{SectorDivision, SectorLayout};
 use super::surface::{SurfaceColouring, reconstruct_surface};
-use greenstick_geometry::{Cancelled, Column, Context, Mesh, Table, Values};
+use glam::DAffine3;
+use greenstick_geometry::{Cancelled, Column, Context, Material, Mesh, Node, Scene, Table, Values};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -211,6 +212,21 @@ impl ParticleLayers {
             self.layers.last()?.section.pith,
         ];
         reconstruct_surface(&particles, &self.layout, ring, piths, colouring)
+    }
+
+    /// Returns the same surface as a scene with one node, `ring_` and the ring's number. `None` as for
+    /// [`ParticleLayers::surface`].
+    pub fn surface_scene(&self, ring: u16, colouring: SurfaceColouring) -> Option<Scene> {
+        let mut mesh = self.surface(ring, colouring)?;
+        mesh.materials = vec![0; mesh.triangles.len()];
+        Some(Scene {
+            nodes: vec![Node::new(format!("ring_{ring}"), DAffine3::IDENTITY, mesh)],
+            materials: vec![Material {
+                name: "particles".into(),
+                ..Material::default()
+            }],
+            ..Scene::default()
+        })
     }
 }
 

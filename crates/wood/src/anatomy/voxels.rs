@@ -1,7 +1,12 @@
 //! Voxels of a section.
 
 use super::model::Anatomy;
+use super::sections::Segment;
 use greenstick_geometry::{Cancelled, Context};
+use rayon::prelude::*;
+
+/// Slices between two reports of progress.
+const SLICES_PER_REPORT: usize = 32;
 
 /// The code of the tissue of voxels that are not wood; wood has [`crate::tissue::Zone::code`].
 pub const NO_TISSUE: u8 = 255;
@@ -22,6 +27,33 @@ pub struct VoxelSlice {
 }
 
 impl Anatomy<'_> {
+    /// Converts the voxels of each section of a segment by all threads of the current pool. No more slices are held than
+    /// are converted at a time.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn map_slices<T: Send>(
+        &self,
+        segment: &Segment,
+        convert: impl Fn(&VoxelSlice) -> T + Sync,
+        context: &Context,
+    ) -> Result<Vec<T>, Cancelled> {
+        let count = self.sections().grid.count;
+        let mut slices = Vec::with_capacity(count);
+        for start in (0..count).step_by(SLICES_PER_REPORT) {
+            context.report(start as f64 / count as f64)?;
+            let batch: Vec<T> = (start..count.min(start + SLICES_PER_REPORT))
+                .into_par_iter()
+                .map(|k| {
+                    let length = self.sections().length_in_segment(segment, k);
+                    Ok(convert(&self.voxel_slice(length, context)?))
+                })
+                .collect::<Result<_, Cancelled>>()?;
+            slices.extend(batch);
+        }
+        Ok(slices)
+    }
+
     /// The voxels of the section at a length, m. A plane that misses the stem has none of wood.
     ///
     /// # Errors

@@ -9,11 +9,13 @@
 mod bark;
 mod figures;
 mod mix;
+mod shading;
 mod stem;
 mod surface;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
+pub use shading::{OrientedSurface, SurfacePoint};
 pub use stem::StemAppearance;
 pub use surface::WoodSurface;
 pub use wood::{WoodAppearance, WoodPoint};

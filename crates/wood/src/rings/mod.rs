@@ -23,8 +23,8 @@ pub use irregular::{IrregularRings, TissueEdges};
 pub(crate) use irregular::{latewood_strength, periodic_cells};
 pub use pith::estimate_pith;
 pub use section::{
-    AnnotatedRing, RingComparison, RingCurve, SectionOutline, SectionRingError, SectionRingMethod,
-    SectionRings,
+    AnnotatedRing, RingComparison, RingCurve, RingsFile, SectionFile, SectionFileError,
+    SectionOutline, SectionRingError, SectionRingMethod, SectionRings,
 };
 pub use series::{RingError, RingSeries};
 pub use source::{RingPart, RingPosition, RingSource};

@@ -1,8 +1,8 @@
 //! Options of stills and films.
 
-use greenstick_skin::rods::RodSkinOptions;
+use crate::rods::RodSkinOptions;
 
-/// How a skin is made. The default is that of [`super::FilmParameters`].
+/// How a skin is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmOptions {
     /// The skin.

@@ -1,10 +1,9 @@
 //! Parameters of stills and films of a run.
 
 use super::FilmOptions;
-use greenstick_formats::film::GlbOptions;
+use crate::rods::RodSkinOptions;
 use greenstick_geometry::ConvexOptions;
 use greenstick_schema::{Unit, count, flag, parameters};
-use greenstick_skin::rods::RodSkinOptions;
 
 parameters! {
     /// Parameters of stills and films of a run, and of their files for game engines.
@@ -49,14 +48,6 @@ impl FilmParameters {
             texture_width: self.texture_size,
             bodies: !self.no_bodies,
             rest: !self.only_rods,
-        }
-    }
-
-    /// Returns the options of a film in a GLB file.
-    pub fn glb_options(&self) -> GlbOptions {
-        GlbOptions {
-            max_joints: self.max_joints.map(|n| n as usize),
-            max_influences: self.influences as usize,
         }
     }
 

@@ -1,27 +1,33 @@
-//! The built-in branch with its bark.
+//! The built-in branch as a scene, with its bark.
 
-use crate::images::picture;
+use crate::primitive::{self, BranchOptions};
 use glam::DAffine3;
 use greenstick_geometry::{Image, ImageSource, Material, Node, Scene, Texture, TextureReference};
-use greenstick_wood::primitive::{self, BranchOptions};
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-/// Name of the material that stands for bark where the input has none.
-pub(crate) const OWN_BARK: &str = "bark";
+/// Name of the material of bark where the input has none.
+pub const BARK_MATERIAL_NAME: &str = "bark";
 
 /// Linear colour by which the texture of the branch's bark is multiplied. Viewers without textures show this alone.
 const BASE_COLOR: [f32; 3] = [0.34, 0.27, 0.2];
 /// Pixels of the bark's texture around the branch.
 const PIXELS_AROUND: u32 = 192;
 
-/// The built-in branch as a scene.
+/// Returns the built-in branch as a scene.
+///
+/// ```
+/// use greenstick_wood::branch::built_in_branch;
+///
+/// let scene = built_in_branch();
+/// assert!(scene.nodes[0].mesh.volume() > 0.0);
+/// ```
 pub fn built_in_branch() -> Scene {
-    branch(&BranchOptions::default())
+    branch_scene(&BranchOptions::default())
 }
 
-/// A branch like the built-in one, of other dimensions.
-pub(crate) fn branch(options: &BranchOptions) -> Scene {
+/// Returns a branch like the built-in one, of other dimensions, as a scene.
+pub fn branch_scene(options: &BranchOptions) -> Scene {
     let turns = options.length / (0.5 * TAU * options.diameter);
     let node = Node {
         name: "branch".into(),
@@ -37,7 +43,7 @@ pub(crate) fn branch(options: &BranchOptions) -> Scene {
         bake(options, turns)
     };
     let bark = Material {
-        name: OWN_BARK.into(),
+        name: BARK_MATERIAL_NAME.into(),
         base_color: [BASE_COLOR[0], BASE_COLOR[1], BASE_COLOR[2], 1.0],
         roughness: 0.95,
         base_color_texture: Some(TextureReference {
@@ -66,22 +72,16 @@ pub(crate) fn branch(options: &BranchOptions) -> Scene {
     }
 }
 
-/// The bark as a PNG file.
+/// Paints the bark as a PNG file.
 fn bake(options: &BranchOptions, turns: f64) -> Vec<u8> {
     let height = (f64::from(PIXELS_AROUND) * turns).round().max(1.0) as u32;
-    picture(primitive::paint_bark(
-        options,
-        PIXELS_AROUND,
-        height,
-        BASE_COLOR,
-    ))
-    .png()
+    primitive::paint_bark(options, PIXELS_AROUND, height, BASE_COLOR).png()
 }
 
-/// Bark as one colour, for meshes that come without a material.
-pub(crate) fn bark_material() -> Material {
+/// Returns bark as one colour, for meshes that come without a material.
+pub fn bark_material() -> Material {
     Material {
-        name: OWN_BARK.into(),
+        name: BARK_MATERIAL_NAME.into(),
         base_color: [0.18, 0.125, 0.085, 1.0],
         roughness: 0.95,
         ..Material::default()

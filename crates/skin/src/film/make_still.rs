@@ -3,29 +3,29 @@
 use super::error::FilmError;
 use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
 use super::options::FilmOptions;
-use super::poses::{film_of, posed, turned, upright};
+use super::poses::{film_from_skin, posed_pieces, rotated, upright_rotation};
 use super::report::SkinReport;
 use super::run::Run;
+use crate::remainder::{CarriedParts, pose_followers};
+use crate::rods::{RodSkin, frame_poses};
+use crate::rods_scene::{BodyNode, body_nodes};
 use glam::DAffine3;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::{Context, Pose, Scene, Stage};
-use greenstick_skin::remainder::{CarriedParts, pose_followers};
-use greenstick_skin::rods::{RodSkin, frame_poses};
-use greenstick_skin::rods_scene::{BodyNode, body_nodes};
 use std::sync::Arc;
 
 /// A frame with skin.
 pub struct Still {
     /// Pieces, then bodies.
     pub scene: Scene,
-    /// What was made.
+    /// The report.
     pub report: SkinReport,
     /// Index of the material of the wood inside.
     pub inner: u32,
 }
 
-/// What a frame's skin begins with.
-pub(super) struct Begun {
+/// The skin of a frame at rest, with all that goes with it.
+pub(super) struct SkinnedFrame {
     pub frame: Arc<Frame>,
     pub skin: RodSkin,
     pub rest: CarriedParts,
@@ -35,22 +35,22 @@ pub(super) struct Begun {
 }
 
 impl Run {
-    /// The skin of what is broken in frame `number`, and what goes with it.
-    pub(super) fn begin(
+    /// Returns the skin of what is broken in frame `number`, at rest.
+    pub(super) fn skin_frame(
         &mut self,
         number: usize,
         options: &FilmOptions,
         context: &Context,
-    ) -> Result<Begun, FilmError> {
+    ) -> Result<SkinnedFrame, FilmError> {
         let [shape, textures] =
             context.split([(Stage::new("skin"), 1.0), (Stage::new("textures"), 1.0)]);
         shape.report(0.0)?;
         let frame = self.frame(number)?;
         let skin = self.skin(&frame, &options.skin)?;
-        let mut report = SkinReport::of(&skin, &self.frames, number..number + 1);
+        let mut report = SkinReport::new(&skin, &self.frames, number..number + 1);
         let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let scene = self.materials(options, &textures)?;
-        Ok(Begun {
+        Ok(SkinnedFrame {
             frame,
             skin,
             rest,
@@ -59,34 +59,34 @@ impl Run {
         })
     }
 
-    /// Frame `number` as a scene.
+    /// Returns frame `number` as a scene.
     ///
     /// # Errors
-    /// [`FilmError`].
+    /// [`FilmError`] where the frame cannot be read, an option is out of range, or the caller cancelled.
     pub fn still(
         &mut self,
         number: usize,
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Still, FilmError> {
-        let Begun {
+        let SkinnedFrame {
             frame,
             skin,
             rest,
             report,
             mut scene,
-        } = self.begin(number, options, context)?;
-        let up = upright();
+        } = self.skin_frame(number, options, context)?;
+        let up = upright_rotation();
         let poses = frame_poses(&skin.joints, &frame).into_iter();
-        let mut poses: Vec<Pose> = poses.map(|p| turned(p, up)).collect();
-        let mut film = film_of(skin, &self.scene);
-        let followers = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
+        let mut poses: Vec<Pose> = poses.map(|p| rotated(p, up)).collect();
+        let mut film = film_from_skin(skin, &self.scene);
+        let followers = rest.add_to_film(&mut film, &self.film_from_stem(), self.wood.stem.radius);
         poses.resize(film.joints.len(), Pose::IDENTITY);
         pose_followers(&followers, &mut poses);
-        scene.nodes = posed(&film, number, &poses);
+        scene.nodes = posed_pieces(&film, number, &poses);
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
-            for BodyNode { mut node, .. } in body_nodes(&frame, &self.shapes, BODY_MATERIAL) {
+            for BodyNode { mut node, .. } in body_nodes(&frame, &self.wood.shapes, BODY_MATERIAL) {
                 node.transform = DAffine3::from_quat(up) * node.transform;
                 scene.nodes.push(node);
             }

@@ -1,24 +1,24 @@
 //! Poses of joints, and pieces in them. Stills and films have y up.
 
+use crate::rods::RodSkin;
 use glam::{DAffine3, DQuat, DVec3};
 use greenstick_fibre::scene::Scene as Setting;
 use greenstick_geometry::{Film, Joint, Node, Pose, SkinnedMesh};
-use greenstick_skin::rods::RodSkin;
 
-/// Turns the scene's z up to the y up of files.
-pub(super) fn upright() -> DQuat {
+/// Returns the rotation from the scene's z up to the y up of files.
+pub(super) fn upright_rotation() -> DQuat {
     DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
 }
 
-/// A pose turned about the origin.
-pub(super) fn turned(pose: Pose, by: DQuat) -> Pose {
+/// Returns a pose rotated about the origin.
+pub(super) fn rotated(pose: Pose, by: DQuat) -> Pose {
     Pose {
         translation: by * pose.translation,
         rotation: (by * pose.rotation).normalize(),
     }
 }
 
-/// The corners of a box.
+/// Returns the corners of a box.
 pub(super) fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
     std::array::from_fn(|k| {
         let pick = |axis: usize| [low, high][k >> axis & 1][axis];
@@ -26,8 +26,8 @@ pub(super) fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
     })
 }
 
-/// The pieces of a film in a frame, where its joints have these poses.
-pub(super) fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
+/// Returns the pieces of a film in a frame in which its joints have these poses.
+pub(super) fn posed_pieces(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     let (mut maps, mut normals) = (Vec::new(), Vec::new());
     film.joint_maps(poses, &mut maps);
     let piece = |(number, piece): (usize, &SkinnedMesh)| {
@@ -55,9 +55,9 @@ pub(super) fn posed(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Node> {
     film.pieces.iter().enumerate().map(piece).collect()
 }
 
-/// The pieces and joints of a skin as a film with y up, without materials and bodies.
-pub(super) fn film_of(skin: RodSkin, scene: &Setting) -> Film {
-    let up = upright();
+/// Returns the pieces and joints of a skin as a film with y up, without materials and bodies.
+pub(super) fn film_from_skin(skin: RodSkin, scene: &Setting) -> Film {
+    let up = upright_rotation();
     let map = DAffine3::from_quat(up);
     let mut film = Film {
         frames_per_second: scene.frames_per_second,
@@ -71,7 +71,7 @@ pub(super) fn film_of(skin: RodSkin, scene: &Setting) -> Film {
         .enumerate())
     .map(|(joint, (&rest, vertex))| Joint {
         name: format!("vertex_{vertex}_{joint}"),
-        rest: turned(rest, up),
+        rest: rotated(rest, up),
     })
     .collect();
     film.pieces = skin.pieces;

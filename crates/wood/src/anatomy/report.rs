@@ -1,19 +1,16 @@
 //! The numbers of a stem's inside: `anatomy.json`, and a few lines for people.
 
-use super::request::AnatomyRequest;
-use crate::Error;
-use crate::report::closed_volume;
-use greenstick_formats::Encoded;
-use greenstick_geometry::Mesh;
-use greenstick_wood::anatomy::{Anatomy, ParticleLayers, SectionMeasures};
-use greenstick_wood::stem::FoundStem;
-use greenstick_wood::tissue::Zone;
+use super::layers::ParticleLayers;
+use super::measures::SectionMeasures;
+use super::model::{Anatomy, RingMethod};
+use super::segment_report::SegmentReport;
+use crate::stem::FoundStem;
+use crate::tissue::Zone;
+use greenstick_geometry::{CheckOptions, Mesh};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
 
-/// Name of the file of numbers.
-pub const ANATOMY_FILE: &str = "anatomy.json";
 /// Largest difference of the voxels' volume from the mesh's that is not reported, %: a board may be a few voxels thick.
 const MAX_VOLUME_DIFFERENCE: f64 = 2.0;
 
@@ -68,29 +65,6 @@ pub struct AnatomyReport {
     pub notes: Vec<String>,
 }
 
-/// A voxelised segment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SegmentReport {
-    /// Its file.
-    pub file: String,
-    /// Where it begins and ends along the centreline, m.
-    pub range_m: [f64; 2],
-    /// Voxels along each side.
-    pub voxels: usize,
-    /// Sides of a voxel, m.
-    pub voxel_m: [f64; 3],
-    /// Volume of the voxels that are wood, m³.
-    pub volume_m3: f64,
-    /// How far the centreline leaves the straight line along which the image is placed, at most, m.
-    pub off_straight_m: f64,
-    /// Sections whose outline was closed across holes of the mesh.
-    pub sections_with_holes: usize,
-    /// Sections with no voxel of wood.
-    pub sections_without_wood: usize,
-    /// The largest part of a section's girth that was bridged across holes, 0 to 1.
-    pub girth_guessed: f64,
-}
-
 /// A section.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionReport {
@@ -127,24 +101,37 @@ pub struct RingRows {
     pub zone: Vec<u8>,
 }
 
-/// What a report is made from.
-pub(super) struct Findings<'a> {
-    pub request: &'a AnatomyRequest,
-    /// The mesh that the stem was found in.
+/// What the report of a stem's inside is made from.
+#[derive(Debug, Clone)]
+pub struct AnatomyFindings<'a> {
+    /// Species, where one was named.
+    pub species: Option<String>,
+    /// Where rings come from.
+    pub ring_method: RingMethod,
+    /// The mesh that the stem was found in, in world metres.
     pub mesh: &'a Mesh,
+    /// The stem.
     pub found: &'a FoundStem,
+    /// Its sections and rings.
     pub anatomy: &'a Anatomy<'a>,
+    /// Its particles.
     pub layers: &'a ParticleLayers,
+    /// Its segments, where they were voxelised.
     pub segments: Vec<SegmentReport>,
+    /// What was assumed, repaired or could not be done, one sentence each.
     pub notes: Vec<String>,
 }
 
-impl Findings<'_> {
+impl AnatomyFindings<'_> {
+    /// Returns the report.
     pub fn report(self) -> AnatomyReport {
         let stem = &self.found.stem;
         let axis = stem.grain.axis();
-        // Of a mesh that is inside out, too.
-        let mesh_volume = closed_volume(&self.shell()).1.map(f64::abs);
+        let check = CheckOptions {
+            self_intersections: false,
+        };
+        // The mesh may be inside out.
+        let mesh_volume = self.shell().check_with(check).volume_m3.map(f64::abs);
         let voxel_volume =
             (!self.segments.is_empty()).then(|| self.segments.iter().map(|s| s.volume_m3).sum());
         let spread = self.layers.bundle_spread();
@@ -156,13 +143,13 @@ impl Findings<'_> {
             schema: "greenstick-anatomy".into(),
             version: 1,
             kind: stem.kind.word().into(),
-            species: self.request.species.clone(),
+            species: self.species,
             length_m: axis.length(),
             radius_m: stem.radius,
             mesh_volume_m3: mesh_volume,
             voxel_volume_m3: voxel_volume,
             rings: self.anatomy.ring_count(),
-            rings_by: self.request.ring_method().to_string(),
+            rings_by: self.ring_method.to_string(),
             sectors: self.layers.layout.sectors.clone(),
             layers: self.layers.layers.len(),
             layer_distance_m: self.layers.spacing,
@@ -250,15 +237,12 @@ impl SectionReport {
 }
 
 impl AnatomyReport {
-    /// The report as the file `anatomy.json`.
+    /// Returns the report as JSON.
     ///
     /// # Errors
-    /// [`Error::Report`] where it cannot be put into JSON.
-    pub fn to_file(&self) -> Result<Encoded, Error> {
-        Ok(Encoded {
-            name: ANATOMY_FILE.to_owned(),
-            bytes: serde_json::to_vec(self).map_err(|e| Error::Report(e.to_string()))?,
-        })
+    /// [`serde_json::Error`] where it cannot be converted.
+    pub fn to_json(&self) -> Result<Vec<u8>, serde_json::Error> {
+        serde_json::to_vec(self)
     }
 }
 

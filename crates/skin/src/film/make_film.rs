@@ -2,25 +2,25 @@
 
 use super::error::FilmError;
 use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
-use super::motion::RunMotion;
+use super::motion::{MovingParts, RunMotion};
 use super::options::FilmOptions;
-use super::poses::{film_of, turned, upright};
+use super::poses::{film_from_skin, rotated, upright_rotation};
 use super::report::SkinReport;
-use super::rigid::TOLERANCE;
+use super::rigid::RIGID_TOLERANCE;
 use super::run::Run;
 use super::skinned_film::SkinnedFilm;
+use crate::rods::rod_skin_over_time;
+use crate::rods_scene::{BodyNode, body_nodes};
 use glam::DAffine3;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::{Context, Film, Joint, Pose, RigidBody, Stage};
-use greenstick_skin::rods::rod_skin_over_time;
-use greenstick_skin::rods_scene::{BodyNode, body_nodes};
 
 impl Run {
-    /// All frames of a range as a film, in the pieces that its last frame leaves.
+    /// Returns all frames of a range as a film, in the pieces that its last frame leaves.
     ///
     /// # Errors
-    /// [`FilmError`].
+    /// [`FilmError`] where a frame does not exist or cannot be read, an option is out of range, or the caller cancelled.
     pub fn film(
         &mut self,
         range: std::ops::Range<usize>,
@@ -42,48 +42,52 @@ impl Run {
             (Stage::new("rigid pieces"), 1.0),
         ]);
         let first = self.frame(range.start)?;
-        let history = self.history(range.clone(), &breaks)?;
+        let history = self.break_history(range.clone(), &breaks)?;
         shape.report(0.0)?;
         let skin = self.with_materials(|wood, materials| {
             rod_skin_over_time(wood, &history, materials, &options.skin)
         })?;
         let materials = self.materials(options, &textures)?;
-        let mut report = SkinReport::of(&skin, &self.frames, range.clone());
+        let mut report = SkinReport::new(&skin, &self.frames, range.clone());
         let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let joints = skin.joints.clone();
-        self.follow(&skin, range.clone(), &mut report, &pieces)?;
-        let mut film = film_of(skin, &self.scene);
+        self.track_pieces(&skin, range.clone(), &mut report, &pieces)?;
+        let mut film = film_from_skin(skin, &self.scene);
         film.materials = materials.materials;
         film.textures = materials.textures;
         film.images = materials.images;
-        let moving = match options.bodies {
+        let bodies = match options.bodies {
             true => self.add_bodies(&mut film, &first),
             false => Vec::new(),
         };
         add_extras(&mut film, &report);
-        let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.grown.stem.radius);
+        let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.wood.stem.radius);
         let motion = RunMotion::new(
             self.source.clone(),
             self.frames.times[range.clone()].to_vec(),
             range.start,
-            (joints, moving, carried),
-            upright(),
+            MovingParts {
+                joints,
+                bodies,
+                carried,
+            },
+            upright_rotation(),
         );
-        let mut made = SkinnedFilm {
+        let mut skinned = SkinnedFilm {
             film,
             motion,
             report,
             inner: INNER_MATERIAL,
         };
-        made.stiffen(TOLERANCE * self.wood().spacing(), &rigid)?;
-        Ok(made)
+        skinned.bind_rigid_pieces(RIGID_TOLERANCE * self.wood().spacing(), &rigid)?;
+        Ok(skinned)
     }
 
     /// Adds the bodies of the first frame to a film, each that moves with a joint of its own. Returns the numbers of those.
     fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
-        let up = upright();
+        let up = upright_rotation();
         let mut moving = Vec::new();
-        for body in body_nodes(first, &self.shapes, BODY_MATERIAL) {
+        for body in body_nodes(first, &self.wood.shapes, BODY_MATERIAL) {
             let BodyNode { mut node, follows } = body;
             node.transform = DAffine3::from_quat(up) * node.transform;
             let Some(number) = follows else {
@@ -103,7 +107,7 @@ impl Run {
             };
             film.joints.push(Joint {
                 name: format!("body_{number}"),
-                rest: turned(rest, up),
+                rest: rotated(rest, up),
             });
             moving.push(number);
         }
@@ -111,7 +115,7 @@ impl Run {
     }
 }
 
-/// Adds what is reported of each piece to it.
+/// Adds the report of each piece to its extras.
 fn add_extras(film: &mut Film, report: &SkinReport) {
     for (piece, reported) in film.pieces.iter_mut().zip(&report.pieces) {
         let extras = &mut piece.extras;

@@ -1,4 +1,4 @@
-//! Collision shapes of a film's pieces: convex shapes at rest, named as engines that look for them by name want it.
+//! Collision shapes of a film's pieces: convex shapes at rest, named so that engines find them by name.
 
 use glam::DAffine3;
 use greenstick_geometry::{
@@ -7,7 +7,7 @@ use greenstick_geometry::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What was made of one piece.
+/// The collision shapes of one piece.
 #[derive(Debug, Clone, Serialize, PartialEq)]
 pub struct CollisionPiece {
     /// Its name.
@@ -28,11 +28,11 @@ pub struct Collision {
     /// A node for each shape, `UCX_`, the piece's name and the shape's number in two digits or more: the names by which
     /// Unreal takes a shape for that of the mesh. Without materials.
     pub scene: Scene,
-    /// What was made, in the order of the pieces.
+    /// The pieces, in the film's order.
     pub pieces: Vec<CollisionPiece>,
 }
 
-/// Convex shapes for the pieces of a film, where they lie at rest.
+/// Makes convex shapes of the pieces of a film at rest.
 ///
 /// # Errors
 /// [`Cancelled`].

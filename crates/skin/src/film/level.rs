@@ -9,51 +9,53 @@ use greenstick_geometry::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Frames besides rest at which the shape is looked after: the last and as many before it, evenly spread.
-const LOOKS: usize = 3;
+/// Frames besides rest whose shapes are preserved too: the last one, and others evenly spread before it.
+const PRESERVED_FRAMES: usize = 3;
 
-/// What was made.
+/// How much simpler a level of detail is, and how far off.
 #[derive(Debug, Clone, Serialize, PartialEq)]
 pub struct LevelReport {
-    /// Share of the triangles that was asked for.
+    /// Requested share of the triangles.
     pub share: f64,
     /// Triangles of all pieces before and after.
     pub triangles: [usize; 2],
     /// Vertices of all pieces before and after.
     pub vertices: [usize; 2],
-    /// Largest distance of a vertex of a piece from its simpler surface, at rest and in the frames that were looked at, m.
+    /// Largest distance of a vertex of a piece from its simpler surface, at rest and in the preserved frames, m.
     pub error_m: f64,
 }
 
-/// The film with `share` (0 to 1) of the triangles of each piece. Vertices are some of the film's, with what they follow
-/// and show; closed pieces stay closed. Bodies stay as they are.
+/// Simplifies a film to `share` (0 to 1) of the triangles of each piece. The vertices left keep their bindings and
+/// attributes; closed pieces stay closed. Bodies stay as they are.
 ///
 /// # Errors
-/// [`FilmError`] where a frame cannot be had.
+/// [`FilmError`] where a frame cannot be read or the caller cancelled.
 pub fn level(
-    made: &mut SkinnedFilm,
+    skinned: &mut SkinnedFilm,
     share: f64,
     context: &Context,
 ) -> Result<(Film, LevelReport), FilmError> {
-    let film = &made.film;
+    let film = &skinned.film;
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
     let mut maps = Vec::new();
-    let mut looks: Vec<Vec<Vec<_>>> = vec![Vec::new(); film.pieces.len()];
-    let count = made.motion.frames();
-    let mut frames: Vec<usize> = (1..=LOOKS).map(|k| count * k / LOOKS).collect();
+    let mut shapes: Vec<Vec<Vec<_>>> = vec![Vec::new(); film.pieces.len()];
+    let count = skinned.motion.frames();
+    let mut frames: Vec<usize> = (1..=PRESERVED_FRAMES)
+        .map(|k| count * k / PRESERVED_FRAMES)
+        .collect();
     frames.dedup();
     for frame in frames.into_iter().filter(|&f| f > 0) {
-        made.motion.poses(frame - 1, &mut poses)?;
+        skinned.motion.poses(frame - 1, &mut poses)?;
         film.joint_maps(&poses, &mut maps);
-        for (piece, looks) in looks.iter_mut().enumerate() {
-            let mut placed = Vec::new();
-            film.deform_positions(piece, &maps, &mut placed);
-            looks.push(placed);
+        for (piece, shapes) in shapes.iter_mut().enumerate() {
+            let mut positions = Vec::new();
+            film.deform_positions(piece, &maps, &mut positions);
+            shapes.push(positions);
         }
     }
-    let simpler = (film.pieces.par_iter().zip(&looks)).map(|(piece, looks)| {
+    let simpler = (film.pieces.par_iter().zip(&shapes)).map(|(piece, shapes)| {
         let target = (share * piece.mesh.triangles.len() as f64) as usize;
-        simplify(&piece.mesh, looks, target, &context.silenced())
+        simplify(&piece.mesh, shapes, target, &context.silenced())
     });
     let simpler: Vec<Simplified> = simpler.collect::<Result<_, Cancelled>>()?;
     let mut report = LevelReport {
@@ -69,7 +71,7 @@ pub fn level(
             report.vertices[k] += mesh.positions.len();
         }
         report.error_m = report.error_m.max(simpler.error);
-        piece.binding = some(piece, &simpler.original_vertices);
+        piece.binding = vertex_bindings(piece, &simpler.original_vertices);
         piece.mesh = simpler.mesh;
         // Levels are for engines, whose skins have fixed weights.
         piece.earlier = EarlierBindings::default();
@@ -77,10 +79,10 @@ pub fn level(
     Ok((out, report))
 }
 
-/// The binding of some vertices.
-fn some(piece: &SkinnedMesh, kept: &[u32]) -> Binding {
+/// Returns the binding of some vertices of a piece.
+fn vertex_bindings(piece: &SkinnedMesh, vertices: &[u32]) -> Binding {
     let mut binding = Binding::default();
-    for &v in kept {
+    for &v in vertices {
         binding.push(piece.binding.influences(v as usize));
     }
     binding

@@ -1,11 +1,14 @@
-//! What a skin is made of, and how far a film strays from what it shows.
+//! Reports of stills and films: the pieces of the skin, and its deviations.
 
+use crate::rods::{RodPart, RodSkin};
 use greenstick_fibre::store::FrameTimes;
 use greenstick_geometry::film::Extra;
-use greenstick_skin::rods::{RodPart, RodSkin};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
+
+/// Pieces that are listed one by one.
+const MAX_LISTED_PIECES: usize = 5;
 
 /// A piece.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -16,13 +19,13 @@ pub struct FilmPiece {
     pub rods: usize,
     /// Volume at rest, m³.
     pub volume_m3: f64,
-    /// When it parted from every larger piece, s, and the piece it parted from; none for what was never with another.
+    /// When it separated from every larger piece, s, and the piece it separated from; `None` where it never was part of one.
     pub parted: Option<(f64, String)>,
     /// Vertices.
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
-    /// Greatest distance between both sides of a crack of its before it opens, m, in a file whose weights are fixed.
+    /// Greatest distance between both sides of one of its cracks before it opens, m, in a file whose weights are fixed.
     pub gape_m: f64,
 }
 
@@ -52,7 +55,7 @@ pub struct RestReport {
     pub notes: Vec<String>,
 }
 
-/// How far cracks gape before they open in a film whose weights are fixed, as those of glTF are.
+/// The crack opening before the break in a film whose weights are fixed, as those of glTF are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GapeReport {
     /// Greatest distance of both sides, m.
@@ -63,10 +66,10 @@ pub struct GapeReport {
     pub time_s: f64,
 }
 
-/// What was made.
+/// The skin of a still or film.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SkinReport {
-    /// Number of frames, the first one, and times of the first and last, s.
+    /// Number of frames.
     pub frames: usize,
     /// The first frame, of the run's.
     pub first_frame: usize,
@@ -76,9 +79,9 @@ pub struct SkinReport {
     pub bytes_left: u64,
     /// Joints.
     pub joints: usize,
-    /// Edges and vertices in which several sheets of skin met, and were parted.
+    /// Non-manifold edges and vertices of the skin that were split.
     pub parted: [usize; 2],
-    /// How far cracks gape before they open in a film whose weights are fixed; none where they do not.
+    /// The crack opening before the break in a film whose weights are fixed; `None` where there is none.
     pub gape: Option<GapeReport>,
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
@@ -86,22 +89,23 @@ pub struct SkinReport {
     pub rest: RestReport,
 }
 
-/// How many rods parts are of; those of one rod follow each other.
-fn rods(parts: &[(u32, RodPart)]) -> usize {
+/// Returns the number of rods that parts belong to; those of one rod follow each other.
+fn count_rods(parts: &[(u32, RodPart)]) -> usize {
     let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
     rods.dedup();
     rods.len()
 }
 
 impl SkinReport {
-    pub(super) fn of(skin: &RodSkin, frames: &FrameTimes, range: Range<usize>) -> Self {
+    /// Returns the report of a skin of a range of frames.
+    pub(super) fn new(skin: &RodSkin, frames: &FrameTimes, range: Range<usize>) -> Self {
         let pieces = skin
             .pieces
             .iter()
             .zip(&skin.parts)
             .map(|(p, parts)| FilmPiece {
                 name: p.name.clone(),
-                rods: rods(parts),
+                rods: count_rods(parts),
                 parted: None,
                 gape_m: 0.0,
                 volume_m3: match p.extras.get("volume_m3") {
@@ -161,8 +165,7 @@ impl fmt::Display for SkinReport {
                 gape.time_s
             )?;
         }
-        const SHOWN: usize = 5;
-        for piece in self.pieces.iter().take(SHOWN) {
+        for piece in self.pieces.iter().take(MAX_LISTED_PIECES) {
             writeln!(
                 f,
                 "piece    {}: {}, {:.2} cm³{}",
@@ -175,8 +178,12 @@ impl fmt::Display for SkinReport {
                 }
             )?;
         }
-        if self.pieces.len() > SHOWN {
-            writeln!(f, "piece    and {} smaller ones", self.pieces.len() - SHOWN)?;
+        if self.pieces.len() > MAX_LISTED_PIECES {
+            writeln!(
+                f,
+                "piece    and {} smaller ones",
+                self.pieces.len() - MAX_LISTED_PIECES
+            )?;
         }
         self.rest.fmt(f)
     }

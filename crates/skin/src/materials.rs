@@ -1,19 +1,18 @@
 //! The materials of broken wood: the wood inside with its baked textures, and bark where the input has no material.
 
-use crate::Error;
-use crate::branch::bark_material;
+use crate::broken::lacks_material;
+use crate::texture::{self, SectionSquare, TextureError, WoodTextures};
 use glam::DVec2;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{
     Context, Image, ImageSource, Material, Scene, Texture, TextureReference,
 };
-use greenstick_skin::broken::lacks_material;
-use greenstick_skin::texture::{self, SectionSquare, WoodTextures};
 use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::branch::bark_material;
 use greenstick_wood::stem::Stem;
 
 /// Gives bark to the triangles of a scene that have no material.
-pub(crate) fn add_missing_bark(scene: &mut Scene) {
+pub fn add_missing_bark(scene: &mut Scene) {
     if !scene.nodes.iter().any(|n| lacks_material(&n.mesh)) {
         return;
     }
@@ -26,26 +25,23 @@ pub(crate) fn add_missing_bark(scene: &mut Scene) {
     });
 }
 
-/// Bakes the textures of the wood inside, `width` pixels wide.
-pub(crate) fn bake(
+/// Bakes the textures of the wood inside a stem, `width` pixels wide.
+///
+/// # Errors
+/// [`TextureError`] where the width or the square is out of range or the caller cancelled.
+pub fn bake(
     stem: &Stem,
     square: SectionSquare,
     appearance: &WoodAppearance,
     width: u32,
     context: &Context,
-) -> Result<WoodTextures, Error> {
+) -> Result<WoodTextures, TextureError> {
     let section = |p: DVec2| stem.rings.address(p + square.middle);
-    Ok(texture::bake(
-        width,
-        square.side,
-        &section,
-        appearance,
-        context,
-    )?)
+    texture::bake(width, square.side, &section, appearance, context)
 }
 
 /// Adds the material of the wood inside with its textures, which cover `square`.
-pub(crate) fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodTextures) {
+pub fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodTextures) {
     let mut reference = |name: &str, bytes: &[u8]| {
         let image = Image {
             name: format!("inner_wood_{name}"),

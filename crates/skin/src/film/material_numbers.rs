@@ -1,4 +1,4 @@
-//! Numbers of the materials of stills and films: ours first, then those of the input.
+//! Numbers of the materials of stills and films: their own first, then those of the input.
 
 /// The wood inside.
 pub(super) const INNER_MATERIAL: u32 = 0;
@@ -6,5 +6,5 @@ pub(super) const INNER_MATERIAL: u32 = 0;
 pub(super) const BARK_MATERIAL: u32 = 1;
 /// Bodies.
 pub(super) const BODY_MATERIAL: u32 = 2;
-/// How many there are of ours.
+/// Number of materials before those of the input.
 pub(super) const OWN_MATERIALS: u32 = 3;

@@ -4,11 +4,11 @@ use super::error::FilmError;
 use super::options::FilmOptions;
 use super::report::{CarriedPiece, RestReport, SkinReport};
 use super::run::Run;
+use crate::remainder::{CarriedPart, CarriedParts, StemMesh};
+use crate::rods::RodSkin;
 use greenstick_fibre::scene::StemChoice;
 use greenstick_geometry::components::NONE;
 use greenstick_geometry::{Context, Mesh};
-use greenstick_skin::remainder::{CarriedPart, CarriedParts, StemMesh};
-use greenstick_skin::rods::RodSkin;
 
 /// Returns the report of carried parts; `pieces` are the names of the skin's pieces.
 fn rest_report(carried: &CarriedParts, pieces: &[String]) -> RestReport {
@@ -40,9 +40,9 @@ impl Run {
             return Ok(CarriedParts::default());
         }
         let input = StemMesh {
-            scene: &self.grown.scene,
-            node: self.grown.node,
-            shell: &self.grown.shell,
+            scene: &self.wood.input,
+            node: self.wood.node,
+            shell: &self.wood.shell,
         };
         let carried = self.with_materials(|wood, materials| {
             CarriedParts::find(&input, wood, skin, materials, context)

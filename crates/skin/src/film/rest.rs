@@ -1,55 +1,55 @@
-//! What is broken in a frame, as the wood was before it moved.
+//! The broken wood of a frame at rest, as it was before it moved.
 
 use super::error::FilmError;
-use super::make_still::{Begun, Still};
+use super::make_still::{SkinnedFrame, Still};
 use super::material_numbers::INNER_MATERIAL;
 use super::options::FilmOptions;
 use super::report::SkinReport;
 use super::run::Run;
+use crate::rods::{FractureState, RodPart};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
-use greenstick_skin::rods::{FractureState, RodPart};
 
-/// A piece that has this part of the rods at an end of the wood holds that end; one with fewer has a splinter of it.
-const HOLDS: f64 = 0.25;
+/// Least part of the rods at an end of the wood that a piece must have to hold that end; with fewer it has a splinter of it.
+const HELD_SHARE: f64 = 0.25;
 
 impl Run {
-    /// What is broken in frame `number`, and its time, s.
+    /// Returns the state of fracture in frame `number`, and its time, s.
     ///
     /// # Errors
-    /// [`FilmError`].
+    /// [`FilmError`] where the frame cannot be read or is of other wood.
     pub fn fracture_state(&mut self, number: usize) -> Result<(FractureState, f64), FilmError> {
         let frame = self.frame(number)?;
         let state = FractureState::from_frame(&self.wood(), &frame, &self.causes)?;
         Ok((state, frame.time))
     }
 
-    /// The scene that its stem was found in.
+    /// Returns the scene that its stem was found in.
     pub fn input(&self) -> &Scene {
-        &self.grown.scene
+        &self.wood.input
     }
 
-    /// The pieces of frame `number` at rest, where the input has the wood: they fit each other. The two largest are
+    /// Returns the pieces of frame `number` at rest, where the input has the wood: they fit each other. The two largest are
     /// `lower` and `upper`, in their order along the stem, further ones `splinter_000` and so on. Wood in one piece is
     /// one node `whole`, and so is wood that still hangs together from end to end while others came off. What the rods do
     /// not fill follows, each part below the piece that carries it. No bodies are among them.
     ///
     /// # Errors
-    /// [`FilmError`].
+    /// [`FilmError`] where the frame cannot be read, an option is out of range, or the caller cancelled.
     pub fn at_rest(
         &mut self,
         number: usize,
         options: &FilmOptions,
         context: &Context,
     ) -> Result<Still, FilmError> {
-        let Begun {
+        let SkinnedFrame {
             skin,
             rest,
             mut report,
             mut scene,
             ..
-        } = self.begin(number, options, context)?;
-        let back: DAffine3 = self.laid.inverse();
+        } = self.skin_frame(number, options, context)?;
+        let back: DAffine3 = self.wood.scene_from_stem.inverse();
         let mut nodes: Vec<Node> = skin
             .pieces
             .into_iter()
@@ -60,7 +60,7 @@ impl Run {
                 parent: None,
             })
             .collect();
-        let swapped = self.name(&mut nodes, &skin.parts, &mut report);
+        let swapped = self.name_pieces(&mut nodes, &skin.parts, &mut report);
         nodes.extend(rest.parts.into_iter().map(|part| {
             Node {
                 name: part.name,
@@ -87,25 +87,24 @@ impl Run {
         })
     }
 
-    /// Names the pieces, which come with the one with the most wood first, and puts the lower one first;
-    /// whether that changed their order.
-    fn name(
+    /// Names the pieces, which are sorted by volume, and puts the lower one first. Returns whether that changed their order.
+    fn name_pieces(
         &self,
         nodes: &mut [Node],
         parts: &[Vec<(u32, RodPart)>],
         report: &mut SkinReport,
     ) -> bool {
-        let axis = self.grown.stem.grain.axis();
+        let axis = self.wood.stem.grain.axis();
         // From end to end; two such pieces are wood that is split lengthwise.
-        let ends = held_ends(parts, self.bundle.rods());
-        let whole = |held: &[f64; 2]| held.iter().all(|h| *h >= HOLDS);
+        let ends = held_ends(parts, self.wood.bundle.rods());
+        let whole = |held: &[f64; 2]| held.iter().all(|h| *h >= HELD_SHARE);
         let spans: Vec<bool> = ends.iter().take(2).map(whole).collect();
         let (mut halves, mut swapped) = (2, false);
         if matches!(spans[..], [_] | [true, false]) {
             nodes[0].name = "whole".into();
             halves = 1;
         } else if let [a, b, ..] = nodes {
-            let middle = |node: &Node| axis.length_at(centre(&node.mesh));
+            let middle = |node: &Node| axis.length_at(centre_of_mass(&node.mesh));
             if middle(a) > middle(b) {
                 std::mem::swap(a, b);
                 report.pieces.swap(0, 1);
@@ -123,7 +122,7 @@ impl Run {
     }
 }
 
-/// For each piece the part of all rods whose beginnings it has, and of those whose ends.
+/// Returns for each piece the parts of all rods whose beginnings and whose ends it has.
 fn held_ends(parts: &[Vec<(u32, RodPart)>], rods: usize) -> Vec<[f64; 2]> {
     let mut last: Vec<RodPart> = vec![0; rods];
     for &(rod, part) in parts.iter().flatten() {
@@ -140,8 +139,8 @@ fn held_ends(parts: &[Vec<(u32, RodPart)>], rods: usize) -> Vec<[f64; 2]> {
     parts.iter().map(share).collect()
 }
 
-/// The centre of a closed mesh's mass.
-fn centre(mesh: &Mesh) -> DVec3 {
+/// Returns the centre of mass of a closed mesh.
+fn centre_of_mass(mesh: &Mesh) -> DVec3 {
     let origin = mesh.positions.first().copied().unwrap_or_default();
     let (mut volume, mut sum) = (0.0, DVec3::ZERO);
     for t in 0..mesh.triangles.len() {

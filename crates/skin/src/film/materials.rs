@@ -1,14 +1,15 @@
-//! The materials of a film: ours, then those of the input.
+//! The materials of a film: its own, then those of the input.
 
 use super::error::FilmError;
 use super::options::FilmOptions;
 use super::run::Run;
-use crate::session::materials;
+use crate::materials;
+use crate::rods_scene::body_material;
 use greenstick_geometry::{Context, Material, Scene};
-use greenstick_skin::rods_scene::body_material;
+use greenstick_wood::branch::bark_material;
 
 impl Run {
-    /// The materials of all that is shown.
+    /// Returns the materials of all that is shown.
     pub(super) fn materials(
         &self,
         options: &FilmOptions,
@@ -17,7 +18,7 @@ impl Run {
         let mut out = Scene::default();
         if options.texture_width > 0 {
             let width = options.texture_width;
-            let stem = &self.grown.stem;
+            let stem = &self.wood.stem;
             let baked = materials::bake(stem, self.square, &self.appearance.wood, width, context)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
@@ -28,10 +29,10 @@ impl Run {
                 ..Material::default()
             });
         }
-        out.materials.push(crate::branch::bark_material());
+        out.materials.push(bark_material());
         out.materials.push(body_material());
-        // Those of the input behind ours.
-        let input = &self.grown.scene;
+        // Then those of the input.
+        let input = &self.wood.input;
         let (textures, images) = (out.textures.len(), out.images.len());
         out.images.extend(input.images.iter().cloned());
         out.textures.extend(input.textures.iter().map(|texture| {

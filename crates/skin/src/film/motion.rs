@@ -1,15 +1,25 @@
 //! The poses of a run's joints over time, read frame by frame.
 
 use super::error::FilmError;
-use super::poses::turned;
+use super::poses::rotated;
+use crate::remainder::{Follower, pose_followers};
+use crate::rods::{Joints, frame_poses};
 use glam::DQuat;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};
-use greenstick_skin::remainder::{Follower, pose_followers};
-use greenstick_skin::rods::{Joints, frame_poses};
 use std::sync::Arc;
 
-/// How the joints of a film move, and its bodies. Holds one frame at a time.
+/// The parts of a film that move, in the order of its joints.
+pub(super) struct MovingParts {
+    /// The joints of the rods.
+    pub joints: Joints,
+    /// Numbers of the bodies that have a joint.
+    pub bodies: Vec<usize>,
+    /// Carried parts that have a joint.
+    pub carried: Vec<Follower>,
+}
+
+/// The motion of a film's joints and bodies. Holds one frame at a time.
 pub struct RunMotion {
     source: Arc<dyn RunSource>,
     /// Time of each frame, s.
@@ -29,9 +39,14 @@ impl RunMotion {
         source: Arc<dyn RunSource>,
         times: Vec<f64>,
         first: usize,
-        (joints, bodies, carried): (Joints, Vec<usize>, Vec<Follower>),
+        moving: MovingParts,
         up: DQuat,
     ) -> Self {
+        let MovingParts {
+            joints,
+            bodies,
+            carried,
+        } = moving;
         RunMotion {
             source,
             times,
@@ -65,7 +80,7 @@ impl Motion for RunMotion {
             rotation: body.rotation,
         });
         for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
-            *to = turned(from, self.up);
+            *to = rotated(from, self.up);
         }
         pose_followers(&self.carried, poses);
         Ok(())

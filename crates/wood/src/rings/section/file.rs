@@ -1,54 +1,13 @@
 //! Annual rings of one section: a JSON file with its outline goes in, one with its rings comes out (Forests 2023 §3.3).
 
-use crate::images::picture;
+use super::compare::{AnnotatedRing, RingComparison};
+use super::file_error::SectionFileError;
+use super::outline::SectionOutline;
+use super::rings::{SectionRingMethod, SectionRings};
+use crate::colour::RgbImage;
 use glam::DVec2;
-use greenstick_geometry::{Cancelled, Context, ErrorKind};
-use greenstick_picture::Picture;
-use greenstick_wood::rings::{
-    AnnotatedRing, SectionOutline, SectionRingError, SectionRingMethod, SectionRings,
-};
+use greenstick_geometry::{Cancelled, Context};
 use serde_json::{Map, Value, json};
-
-pub use greenstick_wood::rings::RingComparison;
-
-/// Why a section has no rings.
-#[derive(Debug, thiserror::Error)]
-pub enum RingsError {
-    /// No JSON.
-    #[error("the section is no JSON: {0}")]
-    Json(#[from] serde_json::Error),
-    /// A field is missing or has the wrong type.
-    #[error("`{field}` {found}; it must be {expected}")]
-    Field {
-        /// Which, as a path.
-        field: String,
-        /// What is there.
-        found: &'static str,
-        /// What would be right.
-        expected: &'static str,
-    },
-    /// The outline, pith or rings do not fit each other.
-    #[error(transparent)]
-    Rings(#[from] SectionRingError),
-    /// Nothing to compare with.
-    #[error("there are no annotated `rings` in the section to compare with")]
-    NotAnnotated,
-    /// The caller stopped the work.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl RingsError {
-    /// Returns the kind of the error.
-    pub fn kind(&self) -> ErrorKind {
-        match self {
-            RingsError::Cancelled(_) => ErrorKind::Cancelled,
-            RingsError::Rings(error) => error.kind(),
-            _ => ErrorKind::Request,
-        }
-    }
-}
-
 /// The file of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectionFile {
@@ -73,8 +32,19 @@ impl SectionFile {
     /// or `down`, `units`.
     ///
     /// # Errors
-    /// [`RingsError`] that says which field is wrong.
-    pub fn parse(json: &str) -> Result<Self, RingsError> {
+    /// [`SectionFileError`] that says which field is wrong.
+    ///
+    /// ```
+    /// use greenstick_geometry::Context;
+    /// use greenstick_wood::rings::{RingSeries, SectionFile, SectionRingMethod};
+    ///
+    /// let square = r#"{ "outer_contour": [[0, 0], [8, 0], [8, 8], [0, 8]], "pith": [4, 4] }"#;
+    /// let rings = SectionRingMethod::Field(RingSeries::Number(3));
+    /// let file = SectionFile::parse(square)?.rings(&rings, None, &Context::quiet())?;
+    /// assert_eq!(file.rings.ring_count(), 3);
+    /// # Ok::<(), greenstick_wood::rings::SectionFileError>(())
+    /// ```
+    pub fn parse(json: &str) -> Result<Self, SectionFileError> {
         let mut value: Value = serde_json::from_str(json)?;
         let rest = value.as_object_mut().ok_or_else(|| {
             wrong(
@@ -98,7 +68,7 @@ impl SectionFile {
             .flatten()
             .enumerate()
             .map(|(i, ring)| annotated_ring(i, ring))
-            .collect::<Result<_, RingsError>>()?;
+            .collect::<Result<_, SectionFileError>>()?;
         let y_up = match rest.get("y_axis") {
             None => false,
             Some(Value::String(axis)) if axis == "down" => false,
@@ -129,13 +99,13 @@ impl SectionFile {
     /// Its rings about `pith`, or the file's pith, or an estimated one.
     ///
     /// # Errors
-    /// [`RingsError::Rings`] where they do not fit into the outline.
+    /// [`SectionFileError::Rings`] where they do not fit into the outline.
     pub fn rings(
         self,
         method: &SectionRingMethod,
         pith: Option<DVec2>,
         context: &Context,
-    ) -> Result<RingsFile, RingsError> {
+    ) -> Result<RingsFile, SectionFileError> {
         let outline = SectionOutline {
             pith: pith.or(self.outline.pith),
             ..self.outline.clone()
@@ -188,24 +158,24 @@ impl RingsFile {
     /// The file's own rings, each beside the model's ring of the same mean radius.
     ///
     /// # Errors
-    /// [`RingsError::NotAnnotated`] where the file has none, [`RingsError::Cancelled`].
-    pub fn compare(&self, context: &Context) -> Result<Vec<RingComparison>, RingsError> {
+    /// [`SectionFileError::NotAnnotated`] where the file has none, [`SectionFileError::Cancelled`].
+    pub fn compare(&self, context: &Context) -> Result<Vec<RingComparison>, SectionFileError> {
         if self.file.annotated.is_empty() {
-            return Err(RingsError::NotAnnotated);
+            return Err(SectionFileError::NotAnnotated);
         }
         Ok(self.rings.compare(&self.file.annotated, context)?)
     }
 
-    /// A picture, `size` pixels wide and high: light earlywood, dark latewood, with the file's y as it is.
+    /// Paints the rings, `size` pixels wide and high: light earlywood, dark latewood, with the file's y as it is.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn picture(&self, size: u32, context: &Context) -> Result<Picture, Cancelled> {
-        Ok(picture(self.rings.paint(size, context)?))
+    pub fn paint(&self, size: u32, context: &Context) -> Result<RgbImage, Cancelled> {
+        self.rings.paint(size, context)
     }
 }
 
-fn annotated_ring(index: usize, ring: &Value) -> Result<AnnotatedRing, RingsError> {
+fn annotated_ring(index: usize, ring: &Value) -> Result<AnnotatedRing, SectionFileError> {
     Ok(AnnotatedRing {
         label: match &ring["label"] {
             Value::String(label) => label.clone(),
@@ -216,15 +186,15 @@ fn annotated_ring(index: usize, ring: &Value) -> Result<AnnotatedRing, RingsErro
     })
 }
 
-fn wrong(field: &str, found: &'static str, expected: &'static str) -> RingsError {
-    RingsError::Field {
+fn wrong(field: &str, found: &'static str, expected: &'static str) -> SectionFileError {
+    SectionFileError::Field {
         field: field.to_owned(),
         found,
         expected,
     }
 }
 
-fn point(field: &str, value: &Value) -> Result<DVec2, RingsError> {
+fn point(field: &str, value: &Value) -> Result<DVec2, SectionFileError> {
     let expected = "two numbers [x, y]";
     let Some([x, y]) = value.as_array().map(Vec::as_slice) else {
         return Err(wrong(field, "is no pair", expected));
@@ -239,7 +209,7 @@ fn point(field: &str, value: &Value) -> Result<DVec2, RingsError> {
     }
 }
 
-fn points(field: &str, value: &Value) -> Result<Vec<DVec2>, RingsError> {
+fn points(field: &str, value: &Value) -> Result<Vec<DVec2>, SectionFileError> {
     let list = value
         .as_array()
         .ok_or_else(|| wrong(field, "is no list", "a list of points [x, y]"))?;

@@ -2,7 +2,7 @@
 
 use super::error::FilmError;
 use super::motion::RunMotion;
-use super::poses::{corners, posed};
+use super::poses::{corners, posed_pieces};
 use super::report::SkinReport;
 use glam::DVec3;
 use greenstick_geometry::{Film, Motion, Node, Pose, RigidBody, Scene};
@@ -13,14 +13,14 @@ pub struct SkinnedFilm {
     pub film: Film,
     /// How the joints move.
     pub motion: RunMotion,
-    /// What was made.
+    /// The report.
     pub report: SkinReport,
     /// Index of the material of the wood inside.
     pub inner: u32,
 }
 
 impl SkinnedFilm {
-    /// The film's frame `number`, counted from its first, as a scene.
+    /// Returns the film's frame `number`, counted from its first, as a scene.
     ///
     /// # Errors
     /// [`FilmError`] where the frame cannot be read.
@@ -28,7 +28,7 @@ impl SkinnedFilm {
         let film = &self.film;
         let mut poses = vec![Pose::IDENTITY; film.joints.len()];
         self.motion.poses(number, &mut poses)?;
-        let mut nodes = posed(film, number, &poses);
+        let mut nodes = posed_pieces(film, number, &poses);
         nodes.extend(film.fixed.iter().cloned());
         let mut maps = Vec::new();
         film.joint_maps(&poses, &mut maps);
@@ -45,7 +45,7 @@ impl SkinnedFilm {
         })
     }
 
-    /// The corners of the box that holds all joints, and pieces that move as a whole, in all frames, m.
+    /// Returns the corners of the box about all joints and rigid pieces in all frames, m.
     ///
     /// # Errors
     /// [`FilmError`] where a frame cannot be read.

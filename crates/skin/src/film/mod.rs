@@ -1,0 +1,39 @@
+//! Stills and films of a simulated run: the skin of its rods through time (Sutherland 2012 §5).
+//!
+//! [`Run::new`] takes a run that was recorded, and the wood that it was made of. [`Run::still`] gives one frame as a scene, in
+//! pieces as they are then, [`Run::at_rest`] the same pieces where they fit each other, and [`Run::film`] all frames as
+//! one skinned film, in the pieces that the last frame leaves. Stills and films are in metres with y up. [`level`] makes
+//! levels of detail of a film, [`collision`] collision shapes of its pieces.
+
+mod carried;
+mod collision;
+mod error;
+mod level;
+mod lines;
+mod make_film;
+mod make_still;
+mod material_numbers;
+mod materials;
+mod motion;
+mod options;
+mod parameters;
+mod poses;
+mod report;
+mod rest;
+mod rigid;
+mod run;
+mod separation;
+mod skinned_film;
+mod tracking;
+
+pub use collision::{Collision, CollisionPiece, collision};
+pub use error::FilmError;
+pub use level::{LevelReport, level};
+pub use lines::{BondLines, RodLines};
+pub use make_still::Still;
+pub use motion::RunMotion;
+pub use options::FilmOptions;
+pub use parameters::FilmParameters;
+pub use report::{CarriedPiece, FilmPiece, GapeReport, RestReport, SkinReport};
+pub use run::{Run, RunWood};
+pub use skinned_film::SkinnedFilm;

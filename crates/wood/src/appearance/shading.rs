@@ -1,0 +1,125 @@
+//! The appearance of a stem at a point of a surface: the address of the point, and the directions of the relief there.
+
+use super::bark::BarkPoint;
+use super::stem::StemAppearance;
+use super::surface::WoodSurface;
+use super::wood::WoodPoint;
+use crate::rings::StemAddress;
+use crate::stem::{Stem, StemKind};
+use glam::{DVec2, DVec3};
+
+/// Cosine of the angle to the grain within which a face of the skin is a sawn end.
+const SAWN_COSINE: f64 = 0.9;
+
+/// A point of the surface of a stem, in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Position, m.
+    pub position: DVec3,
+    /// Unit normal for shading.
+    pub normal: DVec3,
+    /// Unit normal of the triangle.
+    pub geometric_normal: DVec3,
+    /// Grain coordinates, m; `None` off the limb.
+    pub grain: Option<DVec3>,
+    /// Whether the wood has moved since it grew, so that the stem's frames do not give directions.
+    pub moved: bool,
+    /// Gradients of the grain coordinates along the surface, of wood that has moved.
+    pub grain_gradients: Option<[DVec3; 3]>,
+    /// Size of detail that is averaged, m.
+    pub footprint: f64,
+}
+
+/// The appearance at a point of a surface, with directions in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientedSurface {
+    /// The appearance.
+    pub surface: WoodSurface,
+    /// Directions of x and y of the section and of the grain.
+    pub directions: [DVec3; 3],
+}
+
+impl OrientedSurface {
+    /// Returns the gradient of the micro relief in the world, m per m.
+    pub fn relief_gradient(&self) -> DVec3 {
+        let ([x, y, along], slope) = (self.directions, self.surface.slope);
+        x * slope.x + y * slope.y + along * slope.z
+    }
+}
+
+impl StemAppearance {
+    /// Returns the wood inside at a point with grain coordinates `grain`, m.
+    pub fn wood_at(&self, stem: &Stem, grain: DVec3, point: &SurfacePoint) -> OrientedSurface {
+        let (ring, angle) = stem.rings.address(grain.truncate());
+        let (directions, end_grain) = match point.grain_gradients {
+            // A length along the grain that does not change along a face means that the face lies across it.
+            Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
+            None => {
+                let frame = stem.grain.axis().frame(grain.z);
+                (
+                    [frame.x, frame.y, frame.tangent],
+                    point.geometric_normal.dot(frame.tangent).abs(),
+                )
+            }
+        };
+        let wood = WoodPoint {
+            address: StemAddress {
+                rho: ring,
+                angle,
+                across: grain.truncate() - stem.rings.pith(),
+                along: grain.z,
+            },
+            end_grain,
+        };
+        OrientedSurface {
+            surface: self.wood.surface_at(&wood, point.footprint),
+            directions,
+        }
+    }
+
+    /// Returns the skin at a point: bark, or sawn wood on a board and on the ends of a stem.
+    pub fn skin_at(&self, stem: &Stem, point: &SurfacePoint) -> OrientedSurface {
+        match point.grain {
+            Some(grain) if is_sawn(stem, grain, point) => self.wood_at(stem, grain, point),
+            _ => self.bark_at(stem, point),
+        }
+    }
+
+    fn bark_at(&self, stem: &Stem, point: &SurfacePoint) -> OrientedSurface {
+        let (bark, directions) = match point.grain {
+            Some(grain) => {
+                let across: DVec2 = grain.truncate() - stem.rings.pith();
+                let bark = BarkPoint {
+                    angle: libm::atan2(across.y, across.x),
+                    along: grain.z,
+                    radius: across.length(),
+                };
+                let directions = point.grain_gradients.unwrap_or_else(|| {
+                    let frame = stem.grain.axis().frame(grain.z);
+                    [frame.x, frame.y, frame.tangent]
+                });
+                (bark, directions)
+            }
+            None => {
+                // Off the limb the axes of the world are as good as any.
+                let bark = BarkPoint {
+                    angle: libm::atan2(point.normal.z, point.normal.x),
+                    along: point.position.y,
+                    radius: stem.radius,
+                };
+                (bark, [DVec3::X, DVec3::Z, DVec3::Y])
+            }
+        };
+        OrientedSurface {
+            surface: self.bark.surface_at(&bark, point.footprint),
+            directions,
+        }
+    }
+}
+
+/// Returns whether the skin at a point is sawn wood.
+fn is_sawn(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
+    let along = stem.grain.axis().frame(grain.z).tangent;
+    let end = !point.moved && point.geometric_normal.dot(along).abs() > SAWN_COSINE;
+    stem.kind == StemKind::Board || end
+}
