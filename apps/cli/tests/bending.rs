@@ -215,7 +215,7 @@ fn wrong_requests_are_refused_and_leave_nothing() {
         (&[oak[0], oak[1], "--span", "10cm"], &["span", "four times"]),
         (
             &[oak[0], oak[1], "--height", "-5cm"],
-            &["--height", "negative"],
+            &["--height", "above 0"],
         ),
         (
             &[oak[0], oak[1], "--height", "5"],
@@ -246,7 +246,10 @@ fn wrong_requests_are_refused_and_leave_nothing() {
             &[oak[0], oak[1], "--seed", "-1"],
             &["--seed", "whole number"],
         ),
-        (&["--all-species", "--scatter", "0.5"], &["Weibull", "0.5"]),
+        (
+            &["--all-species", "--scatter", "0.5"],
+            &["--scatter", "0.5", "from 1"],
+        ),
         (&["--all-species", "--end", "1"], &["below 1"]),
     ];
     for (arguments, parts) in cases {
