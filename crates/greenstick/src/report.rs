@@ -112,7 +112,7 @@ pub struct BreakReport {
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
     /// Breaks of the request after the first one.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further_breaks: Vec<FurtherBreak>,
     /// What was assumed, limited or not possible; one sentence each.
     pub notes: Vec<String>,
