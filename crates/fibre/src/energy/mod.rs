@@ -1,6 +1,6 @@
 //! Energies of a bundle by kind, their forces, and the Hessians of single elements.
 //!
-//! This is the reference against which the fast code of [`crate::evaluator`] is tested; it is written to be read and
+//! This is the reference against which the fast code of the module `evaluator` is tested; it is written to be read and
 //! checked. Forces are the exact negative gradients of the energies.
 //!
 //! - stretch (Sutherland 2012 Eq. 3.9): ½ k (|e|/|ē| − 1 − ε_p)² |ē|, ε_p the plastic strain;

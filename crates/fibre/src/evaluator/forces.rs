@@ -104,7 +104,7 @@ pub(crate) struct ExplicitStep<'a> {
     pub damping_factor: f64,
 }
 
-/// Computes the forces of a bundle from data derived from it. After [`ForceEvaluator::refresh`] it allocates nothing.
+/// Computes the forces of a bundle from data derived from it. After `refresh` it allocates nothing.
 ///
 /// ```
 /// use glam::DVec3;

@@ -9,7 +9,7 @@
 //! | `quasi_static` | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
 //! | `newton` | Newton's method on all energies, loads and inertia, with yielding and grips; `balance`: its unbalanced forces |
 //! | `limit_step` | limits Newton steps |
-//! | `grip` | [`Grip`]: springs on the mean displacement of some vertices |
+//! | `grip` | `Grip`: springs on the mean displacement of some vertices |
 //! | `linear` | linear systems of a Newton step |
 
 mod balance;

@@ -19,7 +19,7 @@ pub struct Column {
     pub rod: u32,
     /// Corners, counter-clockwise.
     pub corners: Vec<u32>,
-    /// The column beyond the side from each corner to the next, or [`OUTSIDE`].
+    /// The column beyond the side from each corner to the next, or `OUTSIDE`.
     pub beyond: Vec<u32>,
     /// Centroid, m.
     pub centre: DVec2,
