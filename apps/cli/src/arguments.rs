@@ -315,7 +315,7 @@ pub struct ParametersOptions {
 
 #[derive(Debug, Args)]
 pub struct SchemaOptions {
-    /// Only one of them: break, anatomy, rings
+    /// Only one of them: break, anatomy, rings, scene
     pub name: Option<String>,
 }
 
