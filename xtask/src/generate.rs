@@ -38,7 +38,14 @@ pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
 /// Returns what `greenstick COMMAND --markdown` prints.
 fn printed(root: &Path, command: &str) -> Result<String, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let arguments = ["run", "--quiet", "--package", "greenstick-cli", "--"];
+    let arguments = [
+        "run",
+        "--quiet",
+        "--release",
+        "--package",
+        "greenstick-cli",
+        "--",
+    ];
     let output = Command::new(cargo)
         .args(arguments)
         .args([command, "--markdown"])

@@ -206,8 +206,8 @@ impl<'a> Builder<'a, '_> {
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.heights = Vec::with_capacity(layout.nodes.len() * 3);
-        self.cap.inside.reserve(layout.nodes.len() * 3);
-        self.cap.nodes.reserve(layout.nodes.len() * 3);
+        self.cap.inside.reserve(layout.nodes.len() * 4);
+        self.cap.nodes.reserve(layout.nodes.len() * 4);
         for n in 0..layout.nodes.len() {
             let first = self.heights.len();
             self.starts.push(first as u32);

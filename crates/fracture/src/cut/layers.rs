@@ -3,6 +3,7 @@
 use super::Cut;
 use crate::surface::NONE;
 use glam::DVec3;
+use greenstick_wood::stem::LevelSteps;
 
 /// Part of the levels' span within which a vertex counts as lying on a level.
 const NEAR: f64 = 1e-10;
@@ -26,25 +27,9 @@ impl Cut {
         };
         // The skin ends at levels but for rounding; an edge of it must not be parted for that.
         let near = NEAR * (last - first);
-        let (least, most) = (self.inside.iter().map(|p| p.z))
-            .chain(self.vertices.iter().map(|v| v.grain.z))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| {
-                (l.min(s), h.max(s))
-            });
-        // Levels that lie below all of it, and those that may not.
-        let under = levels.partition_point(|&l| l < least - near);
-        let beside = under..levels.partition_point(|&l| l <= most + near).max(under);
-        let beside = &levels[beside];
+        let steps = LevelSteps::new(levels);
         let rank = |s: f64| {
-            let at = if !(least..=most).contains(&s) || beside.len() > FEW {
-                levels.partition_point(|&l| l <= s + near)
-            } else {
-                under
-                    + beside
-                        .iter()
-                        .map(|&l| usize::from(l <= s + near))
-                        .sum::<usize>()
-            };
+            let at = steps.count(levels, s + near);
             let mut below = at;
             while below > 0 && levels[below - 1] >= s - near {
                 below -= 1;
@@ -52,10 +37,10 @@ impl Cut {
             (at as u32, below as u32)
         };
         let made = self.vertices.iter().map(|v| v.grain.z);
-        let ranks: Vec<Rank> = made
-            .chain(self.inside.iter().map(|p| p.z))
-            .map(rank)
-            .collect();
+        let inside = self.inside.iter().map(|p| p.z);
+        let mut ranks: Vec<Rank> = Vec::with_capacity(self.vertices.len() + 2 * self.inside.len());
+        ranks.extend(made.map(rank));
+        ranks.extend(inside.map(rank));
         let mut parter = Parter {
             points,
             rank: &rank,
@@ -65,17 +50,16 @@ impl Cut {
             made: Vec::new(),
             cut: self,
         };
-        let crossing: Vec<u32> = (0..parter.cut.cap.len() as u32)
-            .filter(|&t| crossed(parter.ranks(&parter.cut.cap[t as usize])).is_some())
+        let triangles = (0..).zip(&parter.cut.cap);
+        let crossing: Vec<u32> = triangles
+            .filter(|(_, t)| crossed(parter.ranks(t)).is_some())
+            .map(|(number, _)| number)
             .collect();
         if !crossing.is_empty() {
             parter.run(&crossing);
         }
     }
 }
-
-/// Levels up to which counting all of them is quicker than searching.
-const FEW: usize = 32;
 
 struct Parter<'a, R> {
     points: &'a [DVec3],
@@ -112,19 +96,26 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         }
     }
 
-    /// Length of a vertex, m: that of the level where it lies on one.
-    fn height(&self, id: u32) -> f64 {
+    /// Grain coordinates of a vertex; its length is that of the level where it lies on one.
+    fn grain(&self, id: u32) -> DVec3 {
         let (at, below) = self.rank_of(id);
+        let grain = self.cut.grain(self.points, id);
         if at > below {
-            self.levels[below as usize]
+            grain.truncate().extend(self.levels[below as usize])
         } else {
-            self.cut.grain(self.points, id).z
+            grain
         }
     }
 
     /// Parts the triangles of the numbers `crossing`, ascending.
     fn run(&mut self, crossing: &[u32]) {
-        self.latest = vec![NONE; self.cut.points + self.ranks.len()];
+        // Most of the edges that cross belong to two triangles, and each triangle has two.
+        let made = crossing.len() + crossing.len() / 8;
+        self.latest = Vec::with_capacity(self.cut.points + self.ranks.len() + made);
+        self.latest.resize(self.cut.points + self.ranks.len(), NONE);
+        self.made.reserve(made);
+        self.cut.inside.reserve(made);
+        self.cut.nodes.reserve(made);
         let triangles = std::mem::take(&mut self.cut.cap);
         let faces = std::mem::take(&mut self.cut.faces);
         // Most are parted at one level, in three.
@@ -194,12 +185,8 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
             }
             at = known.before;
         }
-        let (u, v) = (self.height(a), self.height(b));
-        let t = (level - u) / (v - u);
-        let (p, q) = (
-            self.cut.grain(self.points, a),
-            self.cut.grain(self.points, b),
-        );
+        let (p, q) = (self.grain(a), self.grain(b));
+        let t = (level - p.z) / (q.z - p.z);
         let mut p = p.lerp(q, t);
         p.z = level;
         self.cut.inside.push(p);

@@ -63,27 +63,31 @@ struct Slot {
     made: [u32; 2],
 }
 
-/// The position of a vertex of the cut about the pith.
+/// A vertex of the cut. One fits a cache line: faces take their corners in any order.
 #[derive(Clone, Copy)]
-struct Polar {
-    /// Angle, rad; NaN until it is needed.
+#[repr(align(64))]
+struct Corner {
+    /// Exact position.
+    place: DVec3,
+    /// Grain coordinates, m.
+    grain: DVec3,
+    /// Angle about the pith, rad; NaN until it is needed.
     phi: f64,
-    /// Distance, m.
+    /// Distance from the pith, m.
     r: f64,
 }
 
 /// A face while it is made.
 struct FaceBuilder<'a> {
     cut: &'a Cut,
-    source: &'a Source<'a>,
     inner: &'a InnerWood<'a>,
     face: Face,
-    /// For each vertex of the cut.
-    polar: Vec<Polar>,
-    /// Whether each vertex of the face made so far shows end grain; walls do not and are left out.
-    ends: Vec<bool>,
+    /// The vertices of the cut, those of the mesh last and only if the face uses them.
+    corners: Vec<Corner>,
+    /// The corner of each vertex of the face made so far, and whether it shows end grain.
+    made_at: Vec<(u32, bool)>,
     /// Low corner of the texture's square.
-    corner: DVec2,
+    low: DVec2,
     pith: DVec2,
     /// For each vertex of the cut the last run of triangles that used it, and its number there.
     runs: Vec<(u32, u32)>,
@@ -91,37 +95,28 @@ struct FaceBuilder<'a> {
 
 /// Makes the broken face of a cut.
 pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
-    let mut places = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
-    places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
-    places.extend(cut.inside.iter().map(|&g| source.chart.to_world(g)));
-    // Vertices of the mesh itself are not expected here, but have their place behind the others.
-    let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
-    if least < cut.points {
-        places.extend((0..cut.points as u32).map(|p| on_skin(source, Host::Point(p))));
-    }
-    let corners = cut.cap.len();
-    let tops = cut.walls.first().map_or(corners, |&w| w as usize);
+    let corners = corners(source, cut, inner);
+    let count = cut.cap.len();
+    let tops = cut.walls.first().map_or(count, |&w| w as usize);
     let capacity = if inner.smooth {
-        places.len()
+        corners.len()
     } else {
-        3 * corners
+        3 * count
     };
     let mut builder = FaceBuilder {
         cut,
-        source,
         inner,
         runs: Vec::new(),
-        polar: polar(source, cut, inner, places.len()),
-        ends: Vec::with_capacity(capacity.min(3 * tops)),
         face: Face {
             normals: Vec::with_capacity(capacity),
-            triangles: Vec::with_capacity(corners),
-            ids: Vec::with_capacity(capacity),
+            triangles: Vec::with_capacity(count),
             cells: Vec::with_capacity(capacity),
-            places,
+            places: corners.iter().map(|c| c.place).collect(),
             ..Face::default()
         },
-        corner: inner.square.middle - inner.square.side / 2.0,
+        corners,
+        made_at: Vec::with_capacity(capacity),
+        low: inner.square.middle - inner.square.side / 2.0,
         pith: inner.stem.rings.pith(),
     };
     let run = builder.tops(tops);
@@ -130,34 +125,30 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     builder.face
 }
 
-/// Returns the positions of the first `count` vertices of a cut about the pith.
-fn polar(source: &Source, cut: &Cut, inner: &InnerWood, count: usize) -> Vec<Polar> {
+/// Returns the vertices of a cut: its own on the skin, those within the wood, and the mesh's if its face uses them.
+fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> Vec<Corner> {
     let pith = inner.stem.rings.pith();
-    let lie = |grain: DVec3, phi: f64| Polar {
+    let corner = |place: DVec3, grain: DVec3, phi: f64| Corner {
+        place,
+        grain,
         phi,
         r: grain.truncate().distance(pith),
     };
-    let mut polar = Vec::with_capacity(count);
-    polar.extend(cut.vertices.iter().map(|v| lie(v.grain, f64::NAN)));
-    polar.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
+    let mut corners = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
+    let on_skin = |host| on_skin(source, host);
+    corners.extend((cut.vertices.iter()).map(|v| corner(on_skin(v.host), v.grain, f64::NAN)));
+    corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
-        lie(grain, address.map_or(f64::NAN, |a| a.1))
+        let phi = address.map_or(f64::NAN, |a| a.1);
+        corner(source.chart.to_world(grain), grain, phi)
     }));
-    let own = source.grain.iter().take(count - polar.len());
-    polar.extend(own.map(|&grain| lie(grain, f64::NAN)));
-    polar
-}
-
-/// Grain coordinates of a vertex of a cut; those of the mesh come last.
-#[inline]
-fn grain(source: &Source, cut: &Cut, index: usize) -> DVec3 {
-    match index.checked_sub(cut.vertices.len()) {
-        None => cut.vertices[index].grain,
-        Some(i) => match cut.inside.get(i) {
-            Some(&g) => g,
-            None => source.grain[i - cut.inside.len()],
-        },
+    // Vertices of the mesh itself are not expected here, but have their place behind the others.
+    let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
+    if least < cut.points {
+        let points = (0..).zip(&source.grain[..cut.points]);
+        corners.extend(points.map(|(p, &g)| corner(on_skin(Host::Point(p)), g, f64::NAN)));
     }
+    corners
 }
 
 impl FaceBuilder<'_> {
@@ -184,7 +175,7 @@ impl FaceBuilder<'_> {
             normal: DVec3::ZERO,
             made: [NONE; 2],
         };
-        let mut slots = vec![none; self.face.places.len()];
+        let mut slots = vec![none; self.corners.len()];
         let mut slot_of: Vec<u32> = Vec::with_capacity(slots.len());
         for t in 0..count {
             let ids = self.cut.cap[t];
@@ -197,8 +188,7 @@ impl FaceBuilder<'_> {
                 let made = &mut slot.made[usize::from(end)];
                 if *made == NONE {
                     slot_of.push(at[k] as u32);
-                    self.ends.push(end);
-                    *made = self.push(ids[k], cell);
+                    *made = self.push(at[k], cell, end);
                 }
                 *made
             });
@@ -211,16 +201,15 @@ impl FaceBuilder<'_> {
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
     #[inline]
     fn normal_and_end_grain(&self, at: [usize; 3]) -> (DVec3, bool) {
-        let [a, b, c] = at.map(|i| grain(self.source, self.cut, i));
-        let across = (b - a).cross(c - a);
+        let [a, b, c] = at.map(|i| &self.corners[i]);
+        let across = (b.grain - a.grain).cross(c.grain - a.grain);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-        let [a, b, c] = at.map(|i| self.face.places[i]);
-        ((b - a).cross(c - a), end)
+        ((b.place - a.place).cross(c.place - a.place), end)
     }
 
     /// [`FaceBuilder::tops`] where cells split them into runs.
     fn split_tops(&mut self, count: usize) -> u32 {
-        self.runs = vec![(0, 0); self.polar.len()];
+        self.runs = vec![(0, 0); self.corners.len()];
         // Those of one run.
         let mut slots: Vec<Slot> = Vec::new();
         let mut slot_of: Vec<u32> = Vec::new();
@@ -260,8 +249,7 @@ impl FaceBuilder<'_> {
                     return made;
                 }
                 slot_of.push(slot);
-                self.ends.push(end);
-                let made = self.push(ids[k], face.cell);
+                let made = self.push(at[k], face.cell, end);
                 entry.made[usize::from(end)] = made;
                 made
             });
@@ -280,31 +268,31 @@ impl FaceBuilder<'_> {
         for to in ends {
             run += 1;
             let flat = to - from <= MAX_FLAT_WALL;
-            let start = self.face.ids.len();
+            let start = self.made_at.len();
             let mut normal = DVec3::ZERO;
             for t in from..to {
                 let ids = self.cut.cap[t];
                 let cell = self.cut.faces[t].cell;
                 if normal == DVec3::ZERO || !flat {
-                    let [a, b, c] = ids.map(|id| self.face.places[self.index(id)]);
+                    let [a, b, c] = ids.map(|id| self.corners[self.index(id)].place);
                     normal = (b - a).cross(c - a).normalize_or_zero();
                 }
                 let corners = ids.map(|id| {
+                    let at = self.index(id);
                     if flat {
-                        let made = &self.face.ids[start..];
-                        if let Some(i) = made.iter().position(|&m| m == id) {
+                        let made = &self.made_at[start..];
+                        if let Some(i) = made.iter().position(|m| m.0 as usize == at) {
                             return (start + i) as u32;
                         }
                     } else {
-                        let at = self.index(id);
-                        self.runs.resize(self.polar.len(), (0, 0));
+                        self.runs.resize(self.corners.len(), (0, 0));
                         if self.runs[at].0 == run {
                             return self.runs[at].1;
                         }
-                        self.runs[at] = (run, self.face.ids.len() as u32);
+                        self.runs[at] = (run, self.made_at.len() as u32);
                     }
                     self.face.normals.push(to_f32(normal));
-                    self.push(id, cell)
+                    self.push(at, cell, false)
                 });
                 self.face.triangles.push(corners);
             }
@@ -312,48 +300,52 @@ impl FaceBuilder<'_> {
         }
     }
 
-    /// Makes a vertex, without its normal and place.
+    /// Makes a vertex at corner number `at`, without its normal, position and texture coordinates.
     #[inline]
-    fn push(&mut self, id: u32, cell: u32) -> u32 {
-        let face = &mut self.face;
-        face.ids.push(id);
-        face.cells.push(cell);
-        face.ids.len() as u32 - 1
+    fn push(&mut self, at: usize, cell: u32, end: bool) -> u32 {
+        let number = self.made_at.len() as u32;
+        self.made_at.push((at as u32, end));
+        self.face.cells.push(cell);
+        number
     }
 
     /// Gives all vertices their positions and texture coordinates.
     fn place(&mut self) {
-        let (points, own) = (
-            self.cut.points,
-            self.cut.vertices.len() + self.cut.inside.len(),
-        );
-        let (bundles, width) = (&self.inner.bundles.bundles, self.inner.square.side);
-        let (pith, corner) = (self.pith, self.corner);
-        let (source, cut, places) = (self.source, self.cut, &self.face.places);
-        let polar = &mut self.polar;
-        let ends = self.ends.iter().copied().chain(std::iter::repeat(false));
-        let vertices = self.face.ids.iter().zip(&self.face.cells).zip(ends);
-        let made = vertices.map(|((&id, &cell), end)| {
-            let index = (id as usize)
-                .checked_sub(points)
-                .unwrap_or(own + id as usize);
-            let grain = grain(source, cut, index);
-            let across = grain.truncate();
+        let (corners, face) = (&mut self.corners, &mut self.face);
+        let bundles = &self.inner.bundles.bundles;
+        let (width, low, pith) = (self.inner.square.side, self.low, self.pith);
+        let position = |&(at, _): &(u32, bool)| to_f32(corners[at as usize].place);
+        face.positions = self.made_at.iter().map(position).collect();
+        let coordinates = |(&(at, end), &cell): (&(u32, bool), &u32)| {
+            let corner = &mut corners[at as usize];
+            let across = corner.grain.truncate();
             let coordinates = if end {
-                across - corner
+                across - low
             } else {
-                let polar = &mut polar[index];
-                if polar.phi.is_nan() {
-                    polar.phi = libm::atan2(across.y - pith.y, across.x - pith.x);
+                if corner.phi.is_nan() {
+                    let out = across - pith;
+                    corner.phi = libm::atan2(out.y, out.x);
                 }
-                let phi = polar.phi;
-                let middle = bundles.get(cell as usize);
-                let phi = middle.map_or(phi, |m| m.phi + wrap_angle(phi - m.phi));
-                along_grain(width, polar.r, phi, grain.z)
+                let phi = match bundles.get(cell as usize) {
+                    Some(bundle) => bundle.phi + wrap_angle(corner.phi - bundle.phi),
+                    None => corner.phi,
+                };
+                along_grain(width, corner.r, phi, corner.grain.z)
             };
-            (to_f32(places[index]), coordinates.as_vec2().to_array())
-        });
-        (self.face.positions, self.face.coordinates) = made.unzip();
+            coordinates.as_vec2().to_array()
+        };
+        face.coordinates = self
+            .made_at
+            .iter()
+            .zip(&face.cells)
+            .map(coordinates)
+            .collect();
+        let (points, own) = (
+            self.cut.points as u32,
+            (self.cut.vertices.len() + self.cut.inside.len()) as u32,
+        );
+        let id = |&(at, _): &(u32, bool)| if at < own { at + points } else { at - own };
+        face.ids = self.made_at.iter().map(id).collect();
     }
 }
 

@@ -5,7 +5,7 @@
 //! cross in one does not cross in the other. Over the length of a break the directions of a stem differ little; where they
 //! turn by more than [`MIN_DIRECTION_COSINE`] allows, the stem is no longer free for the break.
 
-use super::Stem;
+use super::{LevelSteps, Stem};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// The map between the world (or a node's coordinates) and grain space (x, y, s), m.
@@ -19,6 +19,9 @@ pub struct LayeredGrain {
     location: f64,
     /// Rising in length.
     levels: Vec<Level>,
+    /// The lengths of `levels`.
+    lengths: Vec<f64>,
+    steps: LevelSteps,
     /// Spiral grain: turn about the axis, rad per m, and the lengths (m) between which the grain turns.
     spiral: f64,
     spiral_range: (f64, f64),
@@ -37,8 +40,6 @@ struct Level {
 const MIN_DIRECTION_COSINE: f64 = 0.64;
 /// Part of the radius by which the axis may lie off the straight lines between levels.
 const AXIS_TOLERANCE_RADII: f64 = 4e-3;
-/// Levels up to which counting all of them is quicker than a binary search.
-const MAX_COUNTED_LEVELS: usize = 32;
 /// Greatest turn of spiral grain from level to level, rad.
 const MAX_TURN_PER_LEVEL: f64 = 0.07;
 
@@ -53,6 +54,8 @@ impl LayeredGrain {
             along: frame.tangent,
             location: stem.location,
             levels: Vec::new(),
+            lengths: Vec::new(),
+            steps: LevelSteps::default(),
             spiral: 0.0,
             spiral_range: (0.0, 0.0),
         };
@@ -64,7 +67,7 @@ impl LayeredGrain {
             shift: DVec2::ZERO,
         });
         levels.extend(up);
-        layered.levels = simplify(&levels, AXIS_TOLERANCE_RADII * stem.radius);
+        layered.set_levels(simplify(&levels, AXIS_TOLERANCE_RADII * stem.radius));
         (layered, (low, high))
     }
 
@@ -127,8 +130,14 @@ impl LayeredGrain {
         levels.extend(self.levels.iter().copied());
         levels.sort_by(|a, b| a.length.total_cmp(&b.length));
         levels.dedup_by(|a, b| a.length == b.length);
-        self.levels = levels;
+        self.set_levels(levels);
         self
+    }
+
+    fn set_levels(&mut self, levels: Vec<Level>) {
+        self.lengths = levels.iter().map(|l| l.length).collect();
+        self.steps = LevelSteps::new(&self.lengths);
+        self.levels = levels;
     }
 
     /// Whether the grain is spiral, so that the map is not quite affine between levels.
@@ -148,12 +157,7 @@ impl LayeredGrain {
         if n < 2 {
             return DVec2::ZERO;
         }
-        let k = if n > MAX_COUNTED_LEVELS {
-            self.levels.partition_point(|l| l.length <= s)
-        } else {
-            self.levels.iter().map(|l| usize::from(l.length <= s)).sum()
-        };
-        let k = k.clamp(1, n - 1);
+        let k = self.steps.count(&self.lengths, s).clamp(1, n - 1);
         let (a, b) = (self.levels[k - 1], self.levels[k]);
         a.shift + (b.shift - a.shift) * ((s - a.length) / (b.length - a.length))
     }
@@ -254,20 +258,23 @@ mod tests {
             length,
             shift: DVec2::new(x, y),
         };
-        let layered = LayeredGrain {
+        let mut layered = LayeredGrain {
             origin: DVec3::new(1.0, 2.0, 3.0),
             x: DVec3::Y,
             y: DVec3::Z,
             along: DVec3::X,
             location: 0.5,
-            levels: vec![
-                level(0.0, 0.1, 0.0),
-                level(0.5, 0.0, 0.0),
-                level(1.0, 0.0, 0.2),
-            ],
+            levels: Vec::new(),
+            lengths: Vec::new(),
+            steps: LevelSteps::default(),
             spiral: 0.0,
             spiral_range: (0.0, 0.0),
         };
+        layered.set_levels(vec![
+            level(0.0, 0.1, 0.0),
+            level(0.5, 0.0, 0.0),
+            level(1.0, 0.0, 0.2),
+        ]);
         for p in [
             DVec3::new(0.1, -0.2, 0.3),
             DVec3::new(0.0, 0.4, 0.9),
