@@ -47,6 +47,8 @@
 pub mod anatomy;
 #[cfg(feature = "simulate")]
 pub mod bending;
+#[cfg(feature = "simulate")]
+mod charts;
 mod error;
 #[cfg(feature = "files")]
 pub mod files;

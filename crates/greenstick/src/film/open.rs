@@ -2,7 +2,7 @@
 
 use super::error::FilmError;
 use crate::pictures::picture_of_skin;
-use crate::simulate::{
+use greenstick_fibre::simulate::{
     PositionedBundle, SceneMeshes, body_shapes, fill_scene_stem, position_bundle,
 };
 use greenstick_fibre::store::RunSource;

@@ -1,10 +1,9 @@
 //! The meshes of a simulation: that of the stem, and those of bodies.
 
 use super::error::SimulateError;
+use crate::bodies::Shape;
+use crate::scene::{BodyKeys, MotionChoice, ShapeChoice, StemChoice};
 use glam::{DAffine3, DVec3};
-use greenstick_fibre as fibre;
-use greenstick_fibre::bodies::Shape;
-use greenstick_fibre::scene::{MotionChoice, ShapeChoice, StemChoice};
 use greenstick_geometry::{Node, Scene};
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::stem::StemLocation;
@@ -27,7 +26,7 @@ pub(super) struct StemScene {
 
 /// Returns the mesh with the stem of a scene, m: the input, or one of the scene's own.
 pub(super) fn stem_scene(
-    scene: &fibre::Scene,
+    scene: &crate::Scene,
     input: Option<&Scene>,
 ) -> Result<StemScene, SimulateError> {
     let stem = &scene.stem;
@@ -63,10 +62,10 @@ pub(super) fn stem_scene(
 
 /// Returns the shape of each body that has the shape of a mesh file; `None` for the others.
 pub(super) fn mesh_shapes(
-    scene: &fibre::Scene,
+    scene: &crate::Scene,
     meshes: &SceneMeshes,
 ) -> Result<Vec<Option<Shape>>, SimulateError> {
-    let shape = |(number, body): (usize, &fibre::scene::BodyKeys)| {
+    let shape = |(number, body): (usize, &BodyKeys)| {
         if body.file.is_empty() {
             return Ok(None);
         }
@@ -105,13 +104,13 @@ fn mesh_shape(scene: &Scene, choice: ShapeChoice) -> Shape {
 }
 
 /// Returns the shapes of a scene's bodies as they are drawn about the centres that frames hold: those of mesh files as
-/// meshes, hulls with their faces. The scene is that of a run ([`fibre::store::RunSource::scene`]), whose lengths are for its
+/// meshes, hulls with their faces. The scene is that of a run ([`crate::store::RunSource::scene`]), whose lengths are for its
 /// stem.
 ///
 /// # Errors
 /// [`SimulateError`] for meshes that are missing or cannot be used.
 pub fn body_shapes(
-    scene: &fibre::Scene,
+    scene: &crate::Scene,
     meshes: &SceneMeshes,
 ) -> Result<Vec<Shape>, SimulateError> {
     let of_meshes = mesh_shapes(scene, meshes)?;

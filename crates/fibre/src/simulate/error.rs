@@ -1,10 +1,10 @@
 //! Errors of simulations.
 
-use greenstick_fibre::SolverError;
-use greenstick_fibre::bodies::BodyError;
-use greenstick_fibre::placement::PlacementError;
-use greenstick_fibre::scene::SceneError;
-use greenstick_fibre::store::RunError;
+use crate::bodies::BodyError;
+use crate::error::SolverError;
+use crate::placement::PlacementError;
+use crate::scene::SceneError;
+use crate::store::RunError;
 use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::StemError;

@@ -1,19 +1,17 @@
-//! Charts of a run: energies over time, loads over deflection.
+//! What a run shows over time and over deflection: its tables as curves.
 
+use crate::curve::Curve;
+use crate::store::{EnergyRow, ForceRow};
 use glam::DVec3;
-use greenstick_fibre::store::{EnergyRow, ForceRow};
-use greenstick_picture::{Chart, Line, Picture};
 
 /// Smaller displacements (m) and rotations (degrees) count as none.
 const MIN_MOTION: f64 = 1e-9;
-/// Size of a chart, pixels.
-const SIZE: [u32; 2] = [1600, 800];
 
-/// A curve of the energy chart: its name, and its energy in a row, J.
+/// A curve of energies: its name, and its energy in a row, J.
 type EnergyCurve = (&'static str, fn(&EnergyRow) -> f64);
 
-/// Draws the energies of a run over time.
-pub fn energy_chart(rows: &[EnergyRow]) -> Picture {
+/// Returns the energies of a run (J) over time (s). That of bodies is left out where there are none.
+pub fn energy_curves(rows: &[EnergyRow]) -> Vec<Curve> {
     let curves: [EnergyCurve; 7] = [
         ("kinetic", |r| r.rods.kinetic),
         ("stretch", |r| r.rods.stretch),
@@ -28,41 +26,44 @@ pub fn energy_chart(rows: &[EnergyRow]) -> Picture {
         let points: Vec<[f64; 2]> = rows.iter().map(|r| [r.time, energy(r)]).collect();
         if name != "bodies" || points.iter().any(|p| p[1] != 0.0) {
             let name = name.to_owned();
-            lines.push(Line { name, points });
+            lines.push(Curve { name, points });
         }
     }
-    Chart {
-        title: "Energies".to_owned(),
-        axes: ["time (s)".to_owned(), "energy (J)".to_owned()],
-        lines,
+    lines
+}
+
+/// What holders of the wood do to it: their load over their motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadCurves {
+    /// What the axes measure, with units.
+    pub axes: [&'static str; 2],
+    /// A curve for each holder that moves.
+    pub curves: Vec<Curve>,
+}
+
+impl LoadCurves {
+    /// Returns force over displacement, or, where nothing is displaced, moment over angle. Without curves where nothing moves.
+    pub fn from_rows(rows: &[ForceRow]) -> LoadCurves {
+        let displaced = load_curves(rows, |r| (r.displacement, r.force));
+        if !displaced.is_empty() {
+            return LoadCurves {
+                axes: ["way (m)", "force (N)"],
+                curves: displaced,
+            };
+        }
+        LoadCurves {
+            axes: ["angle (degrees)", "moment (N m)"],
+            curves: load_curves(rows, |r| (r.rotation_degrees, r.moment)),
+        }
     }
-    .draw(SIZE[0], SIZE[1])
 }
 
-/// Draws the load over the deflection of everything that moves: force over displacement, or, where nothing is displaced,
-/// moment over angle. Returns `None` where nothing moves.
-pub fn load_chart(rows: &[ForceRow]) -> Option<Picture> {
-    let displaced = load_lines(rows, |r| (r.displacement, r.force));
-    let (axes, lines) = if displaced.is_empty() {
-        let rotated = load_lines(rows, |r| (r.rotation_degrees, r.moment));
-        (["angle (degrees)", "moment (N m)"], rotated)
-    } else {
-        (["way (m)", "force (N)"], displaced)
-    };
-    let chart = Chart {
-        title: "Load".to_owned(),
-        axes: axes.map(str::to_owned),
-        lines,
-    };
-    (!chart.lines.is_empty()).then(|| chart.draw(SIZE[0], SIZE[1]))
-}
-
-/// Returns a line for each holder that moves: how far it is along the direction of its greatest motion, and its load on
+/// Returns a curve for each holder that moves: how far it is along the direction of its greatest motion, and its load on
 /// the wood in that direction. `motion_and_load` returns both as vectors.
-fn load_lines(
+fn load_curves(
     rows: &[ForceRow],
     motion_and_load: impl Fn(&ForceRow) -> (DVec3, DVec3),
-) -> Vec<Line> {
+) -> Vec<Curve> {
     let mut holders: Vec<(&str, Vec<(DVec3, DVec3)>)> = Vec::new();
     for row in rows {
         let pair = motion_and_load(row);
@@ -71,7 +72,7 @@ fn load_lines(
             None => holders.push((&row.holder, vec![pair])),
         }
     }
-    let mut lines = Vec::new();
+    let mut curves = Vec::new();
     for (name, pairs) in holders {
         let greatest = pairs.iter().fold(DVec3::ZERO, |greatest, &(motion, _)| {
             if motion.length() > greatest.length() {
@@ -89,10 +90,10 @@ fn load_lines(
         let points = pairs
             .iter()
             .map(|(motion, load)| [motion.dot(direction), load.dot(direction)]);
-        lines.push(Line {
+        curves.push(Curve {
             name: name.to_owned(),
             points: points.collect(),
         });
     }
-    lines
+    curves
 }

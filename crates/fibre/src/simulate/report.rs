@@ -1,10 +1,10 @@
 //! The report of a simulation.
 
 use super::error::SimulateError;
-use greenstick_fibre as fibre;
-use greenstick_fibre::scene::AssembledScene;
-use greenstick_fibre::store::{EnergyRow, RunStore};
-use greenstick_fibre::{Event, EventKind, World};
+use crate::event::{Event, EventKind};
+use crate::scene::{AssembledScene, Scene};
+use crate::store::{EnergyRow, RunStore};
+use crate::world::World;
 use serde::Serialize;
 
 /// The means over this fraction of the rows at either end of the energy table are compared: one in so many.
@@ -130,7 +130,7 @@ impl std::fmt::Display for SimulateReport {
 }
 
 /// Returns the report of a run that begins.
-pub(super) fn begin_report(scene: &fibre::Scene, assembled: &AssembledScene) -> SimulateReport {
+pub(super) fn begin_report(scene: &Scene, assembled: &AssembledScene) -> SimulateReport {
     let bundle = &assembled.world.bundle;
     SimulateReport {
         about: scene.about.clone(),

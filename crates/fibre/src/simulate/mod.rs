@@ -1,14 +1,14 @@
 //! Simulation: a stem filled with rods, moved by a solver, recorded as it runs.
 //!
-//! A run is recorded in a [`RunStore`]: a folder (`files::run::RunFolder`, with the feature `files`) or memory ([`MemoryRun`]). Tables and frames only
-//! grow, and a checkpoint says how long they were when it was made. A run is resumed by cutting them to that length and
-//! continuing, so that a run that was stopped anywhere ends in the same bytes.
+//! A run is recorded in a [`RunStore`](crate::store::RunStore), such as a [`MemoryRun`](crate::store::MemoryRun). Tables
+//! and frames only grow, and a checkpoint says how long they were when it was made. A run is resumed by cutting them to
+//! that length and continuing, so that a run that was stopped anywhere ends in the same bytes.
 //!
 //! ```
-//! use greenstick::fibre::scene::Scene;
-//! use greenstick::fibre::store::{MemoryRun, RunSource};
-//! use greenstick::geometry::Context;
-//! use greenstick::simulate::{SimulateRequest, simulate};
+//! use greenstick_fibre::scene::Scene;
+//! use greenstick_fibre::simulate::{SimulateRequest, simulate};
+//! use greenstick_fibre::store::{MemoryRun, RunSource};
+//! use greenstick_geometry::Context;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let scene = "
@@ -28,19 +28,17 @@
 //! # }
 //! ```
 
-mod charts;
+mod curves;
 mod error;
 mod meshes;
 mod prepare;
 mod report;
 mod run;
 
-pub use charts::{energy_chart, load_chart};
+pub use curves::{LoadCurves, energy_curves};
 pub use error::SimulateError;
-pub use greenstick_fibre::store::{MemoryRun, RunError, RunSink, RunSource, RunStore};
 pub use meshes::{SceneMeshes, body_shapes};
-pub use prepare::{FilledStem, fill_scene_stem};
-pub(crate) use prepare::{PositionedBundle, position_bundle};
+pub use prepare::{FilledStem, PositionedBundle, fill_scene_stem, position_bundle};
 pub use report::{EnergyDrift, SimulateReport};
 pub use run::{SimulateRequest, simulate};
 

@@ -2,16 +2,13 @@
 
 use super::error::SimulateError;
 use super::meshes::{SceneMeshes, StemScene, mesh_shapes, stem_scene};
-use glam::DAffine3;
-use greenstick_fibre as fibre;
-use greenstick_fibre::RodBundle;
-use greenstick_fibre::placement::{
+use crate::placement::{
     Arrangement, EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
 };
-use greenstick_fibre::scene::{
-    ArrangementChoice, AssembledScene, StemChoice, TwistChoice, assemble,
-};
-use greenstick_fibre::store::checksum;
+use crate::rod_bundle::RodBundle;
+use crate::scene::{ArrangementChoice, AssembledScene, StemChoice, TwistChoice, assemble};
+use crate::store::checksum;
+use glam::DAffine3;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
@@ -33,7 +30,7 @@ pub struct FilledStem {
     /// The wood's properties.
     pub wood: WoodMaterial,
     /// The scene with lengths for this stem.
-    pub run_scene: fibre::Scene,
+    pub run_scene: crate::Scene,
 }
 
 /// Fills the stem of a scene with rods.
@@ -41,7 +38,7 @@ pub struct FilledStem {
 /// # Errors
 /// [`SimulateError`] for a scene or an input that cannot be used.
 pub fn fill_scene_stem(
-    scene: &fibre::Scene,
+    scene: &crate::Scene,
     input: Option<&Scene>,
     context: &Context,
 ) -> Result<FilledStem, SimulateError> {
@@ -77,7 +74,7 @@ fn find_in_scene(
     of_stem: &StemScene,
     context: &Context,
 ) -> Result<greenstick_wood::stem::FoundStem, SimulateError> {
-    let meshes = greenstick_skin::prepared::world_meshes(&of_stem.scene);
+    let meshes = of_stem.scene.world_meshes();
     Ok(find_stem(
         &meshes,
         &of_stem.location,
@@ -87,7 +84,7 @@ fn find_in_scene(
 }
 
 /// Returns the properties of the scene's wood.
-fn wood_material(scene: &fibre::Scene) -> Result<WoodMaterial, SimulateError> {
+fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
     let species = Species::find(&scene.wood.species)?;
     let mut wood =
         WoodMaterial::from_species(species, scene.wood.moisture, Fallback::TwelvePercent)?;
@@ -110,7 +107,7 @@ fn wood_material(scene: &fibre::Scene) -> Result<WoodMaterial, SimulateError> {
     Ok(wood)
 }
 
-fn placement_options(scene: &fibre::Scene, range: (f64, f64)) -> PlacementOptions {
+fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOptions {
     let keys = &scene.rods;
     PlacementOptions {
         seed: scene.seed,
@@ -145,14 +142,14 @@ fn placement_options(scene: &fibre::Scene, range: (f64, f64)) -> PlacementOption
 pub(super) struct PreparedScene {
     pub assembled: AssembledScene,
     /// The scene with lengths for its stem.
-    pub scene: fibre::Scene,
+    pub scene: crate::Scene,
     /// Identifies the simulation: the same for all that ends in the same bytes.
     pub hash: u64,
 }
 
 /// Prepares a scene.
 pub(super) fn prepare(
-    scene: &fibre::Scene,
+    scene: &crate::Scene,
     meshes: &SceneMeshes,
     context: &Context,
 ) -> Result<PreparedScene, SimulateError> {
@@ -162,7 +159,7 @@ pub(super) fn prepare(
     } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
     let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
-    let without_duration = fibre::Scene {
+    let without_duration = crate::Scene {
         duration: 0.0,
         ..run_scene.clone()
     };
@@ -180,7 +177,9 @@ pub(super) fn prepare(
 }
 
 /// The unbroken rods in the scene's axes.
-pub(crate) struct PositionedBundle {
+#[derive(Debug, Clone)]
+pub struct PositionedBundle {
+    /// The rods.
     pub bundle: RodBundle,
     /// Maps the stem's world to the scene's axes.
     pub scene_from_stem: DAffine3,
@@ -190,7 +189,7 @@ pub(crate) struct PositionedBundle {
 ///
 /// # Errors
 /// [`SimulateError`] as for a run.
-pub(crate) fn position_bundle(
+pub fn position_bundle(
     filled: &FilledStem,
     meshes: &SceneMeshes,
     context: &Context,

@@ -4,19 +4,19 @@ use super::error::SimulateError;
 use super::meshes::SceneMeshes;
 use super::prepare::{PreparedScene, prepare};
 use super::report::{SimulateReport, begin_report, finish_report};
-use greenstick_fibre as fibre;
-use greenstick_fibre::scene::AssembledScene;
-use greenstick_fibre::store::{
+use crate::error::SolverError;
+use crate::scene::{AssembledScene, Scene};
+use crate::solvers::{AdvanceReport, Solver};
+use crate::store::{
     Checkpoint, EnergyRow, ForceRow, Frame, Progress, RunError, RunStore, stagger_velocities,
 };
-use greenstick_fibre::{AdvanceReport, Solver, SolverError};
 use greenstick_geometry::{Context, Stage};
 
 /// What to simulate.
 #[derive(Debug, Clone, Default)]
 pub struct SimulateRequest {
     /// The scene.
-    pub scene: fibre::Scene,
+    pub scene: Scene,
     /// The meshes that it names.
     pub meshes: SceneMeshes,
     /// Whether to continue from the checkpoint of the run instead of beginning it.
@@ -25,7 +25,7 @@ pub struct SimulateRequest {
 
 /// A run between two ticks.
 struct Run<'a> {
-    scene: &'a fibre::Scene,
+    scene: &'a Scene,
     assembled: AssembledScene,
     hash: u64,
     progress: Progress,
