@@ -16,6 +16,16 @@ pub struct Encoded {
     pub bytes: Vec<u8>,
 }
 
+impl Encoded {
+    /// A file of this name and content.
+    pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+        Encoded {
+            name: name.into(),
+            bytes: bytes.into(),
+        }
+    }
+}
+
 /// The name of a file without folders and extension: `model` for `folder/model.glb`.
 pub(crate) fn stem(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);

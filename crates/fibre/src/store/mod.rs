@@ -39,3 +39,4 @@ pub use record::{FrameTimes, RunSink, RunSource, RunStore};
 pub use tables::{
     ENERGY_HEADER, EVENT_HEADER, EnergyLedger, EnergyRow, event_line, stagger_velocities,
 };
+pub(crate) use tables::{cause_name, kind_name};

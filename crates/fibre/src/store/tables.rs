@@ -223,9 +223,19 @@ fn name_of<T: PartialEq>(value: T, names: &[(T, &'static str)]) -> &'static str 
     names.iter().find(|n| n.0 == value).map_or("", |n| n.1)
 }
 
+/// Returns what the column `kind` holds for an event.
+pub(crate) fn kind_name(kind: EventKind) -> &'static str {
+    name_of(kind, &KINDS)
+}
+
+/// Returns what the column `cause` holds for an event.
+pub(crate) fn cause_name(cause: Cause) -> &'static str {
+    name_of(cause, &CAUSES)
+}
+
 /// Returns an event as a line, with its end.
 pub fn event_line(event: &Event) -> String {
-    let (kind, cause) = (name_of(event.kind, &KINDS), name_of(event.cause, &CAUSES));
+    let (kind, cause) = (kind_name(event.kind), cause_name(event.cause));
     let other = event.other.map_or(String::new(), |o| o.to_string());
     let p = event.position;
     format!(

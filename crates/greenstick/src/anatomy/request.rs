@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::scanning::ScanParameters;
 use greenstick_formats::LengthUnit;
-use greenstick_fracture::recipe::SPECIES_NAME;
 use greenstick_schema::{
     FILE_NAME, Kind, ParameterError, choice, choices, count, list, parameters, text,
 };
@@ -11,6 +10,7 @@ use greenstick_wood::anatomy::{
     LayerOptions, MAX_PARTICLES, RESOLUTION_RANGE, RingColouring, RingMethod, RingMethodChoice,
     RingParameters, SectorDivision,
 };
+use greenstick_wood::species::SPECIES_NAME;
 use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
 choices! {

@@ -1,7 +1,9 @@
 //! The bending test of every species of the Wood Handbook against its table.
 
-use super::{BendReport, BendingError, Compared, bend_species};
-use greenstick_fibre::BendTest;
+use super::error::BendingError;
+use super::report::{BendReport, Compared};
+use super::species::bend_species;
+use super::specimen::BendTest;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::species::Species;
 use rayon::prelude::*;

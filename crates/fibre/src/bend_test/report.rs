@@ -1,16 +1,18 @@
 //! What a bending test returns, beside the table.
 
-use greenstick_fibre::placement::strength_at;
-use greenstick_fibre::{BendEvent, BendOutcome, BendSection, BendTest, EventKind};
+use super::outcome::{BendEvent, BendOutcome};
+use super::specimen::{BendSection, BendTest};
+use crate::event::EventKind;
+use crate::placement::strength_at;
 use greenstick_wood::moisture::{Basis, Fallback};
 use greenstick_wood::species::{Property, Species};
 use serde::Serialize;
 use std::fmt;
 
 /// Fewer rods make strength too high by more than 10 % for some species: their own bending does not yield.
-const FEW: usize = 25;
-/// Phases of the failure that are printed.
-const PRINTED: usize = 12;
+const MIN_RODS_FOR_STRENGTH: usize = 25;
+/// The most phases of the failure that are printed.
+const MAX_PRINTED_PHASES: usize = 12;
 
 /// A number that the test returned beside the table's.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -232,9 +234,9 @@ impl BendReport {
 
 fn notes(species: &Species, moisture: f64, test: &BendTest, rods: usize) -> Vec<String> {
     let mut notes = Vec::new();
-    if rods < FEW {
+    if rods < MIN_RODS_FOR_STRENGTH {
         notes.push(format!(
-            "{rods} rods are few: fewer than {FEW} make wood that yields much before it breaks too strong"
+            "{rods} rods are few: fewer than {MIN_RODS_FOR_STRENGTH} make wood that yields much before it breaks too strong"
         ));
     }
     let known = |p| species.property_at(p, moisture, Fallback::Refuse);
@@ -374,16 +376,16 @@ impl BendReport {
             "ended     {}; in all {} edges yielded, {} rods and {} bonds broke",
             self.ended, self.yielded, self.rods_broken, self.bonds_broken
         )?;
-        for (k, phase) in self.sequence.iter().take(PRINTED).enumerate() {
+        for (k, phase) in self.sequence.iter().take(MAX_PRINTED_PHASES).enumerate() {
             let head = if k == 0 { "sequence" } else { "" };
-            writeln!(f, "{head:10}{}", told(phase))?;
+            writeln!(f, "{head:10}{}", phase_line(phase))?;
         }
-        if self.sequence.len() > PRINTED {
+        if self.sequence.len() > MAX_PRINTED_PHASES {
             writeln!(
                 f,
                 "{:10}and {} more of that kind",
                 "",
-                self.sequence.len() - PRINTED
+                self.sequence.len() - MAX_PRINTED_PHASES
             )?;
         }
         for note in &self.notes {
@@ -399,7 +401,8 @@ fn short(metres: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn told(phase: &Phase) -> String {
+/// Returns a phase as a line of the printed report.
+fn phase_line(phase: &Phase) -> String {
     let what = match (phase.kind, phase.count) {
         (EventKind::RodYielded, 1) => "an edge yields in compression".to_owned(),
         (EventKind::RodYielded, n) => format!("{n} edges yield in compression"),
