@@ -1,10 +1,10 @@
 //! Notes on a break beside its figures.
 
+use crate::broken::SpiralRepair;
+use crate::fray::BendReport;
 use greenstick_fracture::cracks::{CrackPlan, GroovedSurface};
 use greenstick_fracture::recipe::CrackShrinkage;
 use greenstick_geometry::repair::Collapsed;
-use greenstick_skin::broken::SpiralRepair;
-use greenstick_skin::fray::BendReport;
 use std::fmt;
 
 /// Something that was assumed, limited, repaired or not possible. Its text is a sentence without a full stop.
@@ -111,7 +111,7 @@ pub enum BreakNote {
 
 impl BreakNote {
     /// Returns the notes on the cracks of a face.
-    pub(super) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
+    pub(crate) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
         let mut notes = vec![BreakNote::CracksMade {
             face,
             cracks: made.cracks,
@@ -130,7 +130,7 @@ impl BreakNote {
     }
 
     /// Returns the note on cracks that would have crossed, if there were any.
-    pub(super) fn on_plan(plan: &CrackPlan) -> Option<BreakNote> {
+    pub(crate) fn on_plan(plan: &CrackPlan) -> Option<BreakNote> {
         let (shortened, left_out) = (plan.shortened, plan.skipped);
         (shortened + left_out > 0).then_some(BreakNote::CracksSeparated {
             shortened,

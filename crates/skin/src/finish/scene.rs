@@ -1,11 +1,12 @@
 //! The scene of broken pieces and of everything that was not cut.
 
-use super::pieces::{BreakPieces, Piece, PieceRole, Pieces};
-use super::stages::BreakStages;
+use super::finished_break::FinishedBreak;
+use super::piece::{Piece, PieceRole, Pieces};
+use crate::prepared::PreparedStem;
 use crate::report::PieceReport;
+use crate::stages::BreakStages;
 use glam::DAffine3;
 use greenstick_geometry::{Node, Scene};
-use greenstick_skin::prepared::PreparedStem;
 
 /// The role of a node in a broken scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,12 +21,14 @@ pub enum NodeRole {
 
 /// A scene and the roles of its nodes.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Assembled {
+pub struct AssembledBreaks {
+    /// The scene.
     pub scene: Scene,
+    /// What each of its nodes is.
     pub roles: Vec<NodeRole>,
 }
 
-impl Assembled {
+impl AssembledBreaks {
     fn push(&mut self, node: Node, role: NodeRole) {
         self.scene.nodes.push(node);
         self.roles.push(role);
@@ -69,7 +72,7 @@ fn untouched(stem: &PreparedStem, moved: &[Vec<bool>]) -> Vec<Node> {
 }
 
 /// Returns the scene without what lies beyond a break: breaks nearer to the base are made in it.
-pub(super) fn left_at_base(stages: &BreakStages, pieces: &Pieces) -> Scene {
+pub fn left_at_base(stages: &BreakStages, pieces: &Pieces) -> Scene {
     let stem = stages.stem.stem();
     let lower = pieces.pieces.iter().find(|p| p.role == PieceRole::Lower);
     let lower = lower.map(|p| {
@@ -97,7 +100,7 @@ struct PlacedPiece<'a> {
 }
 
 /// Orders the pieces of breaks, which are given as they were made: from the base upwards, then splinters.
-fn placed(breaks: &[BreakPieces]) -> Vec<PlacedPiece<'_>> {
+fn placed<'a>(breaks: &[FinishedBreak<'a>]) -> Vec<PlacedPiece<'a>> {
     let several = breaks.len() > 1;
     let mut below = DAffine3::IDENTITY;
     let (mut segments, mut splinters) = (Vec::new(), Vec::new());
@@ -133,13 +136,13 @@ fn placed(breaks: &[BreakPieces]) -> Vec<PlacedPiece<'_>> {
 }
 
 /// Returns the reports on the pieces of breaks in the order of the scene's nodes.
-pub(super) fn piece_reports(breaks: &[BreakPieces]) -> Vec<PieceReport> {
+pub(super) fn piece_reports(breaks: &[FinishedBreak]) -> Vec<PieceReport> {
     placed(breaks).iter().map(|p| p.report.clone()).collect()
 }
 
 /// Replaces the stem by the pieces of breaks, which are given in the order in which they were made.
-pub(super) fn assemble(breaks: &[BreakPieces]) -> Assembled {
-    let mut out = Assembled::default();
+pub fn assemble(breaks: &[FinishedBreak]) -> AssembledBreaks {
+    let mut out = AssembledBreaks::default();
     let Some(last) = breaks.last() else {
         return out;
     };

@@ -1,7 +1,7 @@
-//! The report on a scan.
+//! The report on a scan, from its points to the surface.
 
+use super::report::ScanReport;
 use greenstick_geometry::cloud::CleanReport;
-use greenstick_wood::scan::ScanReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 

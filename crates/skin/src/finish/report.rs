@@ -1,29 +1,57 @@
-//! The report on the breaks of a request.
+//! The report on the breaks of a stem.
 
-use super::input::Input;
-use super::notes::BreakNote;
-use super::pieces::BreakPieces;
+use super::finished_break::{FinishedBreak, in_order_of_request};
 use super::scene::piece_reports;
+use crate::prepared::{PreparedStem, volume_scale};
 use crate::report::{
-    BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
+    BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
 };
 use greenstick_fracture::parameters::SurfaceStyle;
 use greenstick_geometry::Scene;
-use greenstick_skin::prepared::PreparedStem;
 use greenstick_wood::stem::StemKind;
 
-/// Returns the notes on all breaks, in the order of the request.
-pub(super) fn notes(breaks: &[BreakPieces]) -> Vec<&BreakNote> {
-    let mut order: Vec<&BreakPieces> = breaks.iter().collect();
-    order.sort_by_key(|m| m.number);
-    order.iter().flat_map(|m| &m.pieces.notes).collect()
+/// The scene that is broken, and what reports say of it.
+#[derive(Debug)]
+pub struct Input {
+    /// The scene.
+    pub scene: Scene,
+    /// Triangles of all meshes.
+    triangles: usize,
+    /// Area of all meshes, m².
+    area_m2: f64,
 }
 
-/// Reports on breaks, given in the order in which they were made, and on the pieces in `scene`.
-pub(super) fn report(input: &Input, breaks: &[BreakPieces], scene: &Scene) -> BreakReport {
-    let mut order: Vec<&BreakPieces> = breaks.iter().collect();
-    order.sort_by_key(|m| m.number);
-    let first = order[0];
+impl Input {
+    /// Measures a scene.
+    pub fn new(scene: Scene) -> Self {
+        let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
+        let area_m2 = scene
+            .nodes
+            .iter()
+            .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
+            .sum();
+        Input {
+            scene,
+            triangles,
+            area_m2,
+        }
+    }
+}
+
+/// Returns the notes on all breaks, in the order of the request.
+pub fn notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
+    let order = in_order_of_request(breaks);
+    order
+        .iter()
+        .flat_map(|one| one.pieces.notes.clone())
+        .collect()
+}
+
+/// Reports on breaks of an input, given in the order in which they were made, and on the pieces in `scene`. Returns
+/// `None` where there is no break.
+pub fn report(input: &Input, breaks: &[FinishedBreak], scene: &Scene) -> Option<BreakReport> {
+    let order = in_order_of_request(breaks);
+    let first = order.first()?;
     let further = order[1..].iter().map(|one| FurtherBreak {
         place: place_report(one.stages.stem.stem()),
         face: face_report(one),
@@ -35,7 +63,7 @@ pub(super) fn report(input: &Input, breaks: &[BreakPieces], scene: &Scene) -> Br
     for (report, node) in pieces.iter_mut().zip(&scene.nodes) {
         report.name.clone_from(&node.name);
     }
-    BreakReport {
+    Some(BreakReport {
         scan: None,
         input: input_report(input, &breaks[0].stages.stem.sound),
         place: place_report(first.stages.stem.stem()),
@@ -46,13 +74,13 @@ pub(super) fn report(input: &Input, breaks: &[BreakPieces], scene: &Scene) -> Br
         crack_volume_m3: first.pieces.crack_volume_m3,
         further_breaks: further.collect(),
         notes: notes(breaks).iter().map(ToString::to_string).collect(),
-    }
+    })
 }
 
-fn face_report(one: &BreakPieces) -> FaceReport {
+fn face_report(one: &FinishedBreak) -> FaceReport {
     let heights = &one.stages.heights.heights;
     FaceReport {
-        surface: match one.requested.recipe.face.surface {
+        surface: match one.face.surface {
             SurfaceStyle::Smooth => "smooth".into(),
             SurfaceStyle::Fibrous => "fibrous".into(),
         },

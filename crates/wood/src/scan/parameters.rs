@@ -1,9 +1,9 @@
 //! Parameters of the reconstruction of bark from a scan.
 
-use super::ScanRequest;
+use super::cleaned::ScanRequest;
+use super::report::ScanOptions;
 use greenstick_geometry::cloud::CleanOptions;
 use greenstick_schema::{Unit, flag, length, number, parameters};
-use greenstick_wood::scan::ScanOptions;
 
 /// Greatest multiple of a cloud's spread that a step of the cleaning takes.
 const MAX_MULTIPLE: f64 = 1e6;

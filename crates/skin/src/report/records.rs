@@ -1,7 +1,8 @@
-//! Reports on breaks, in numbers with units.
+//! The report on a break and its parts, in numbers with units.
 
-use greenstick_geometry::Mesh;
-use greenstick_skin::hang::HangReport;
+use crate::hang::HangReport;
+use greenstick_geometry::{CheckOptions, Mesh};
+use greenstick_wood::scan::ScannedReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -96,7 +97,7 @@ pub struct PieceReport {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakReport {
     /// The scan from which the mesh was reconstructed, if the input was one.
-    pub scan: Option<crate::scanning::ScannedReport>,
+    pub scan: Option<ScannedReport>,
     /// The input.
     pub input: InputReport,
     /// Where it broke.
@@ -148,7 +149,7 @@ impl PieceReport {
 
 /// Returns whether a mesh is closed, and its volume if it is closed and oriented.
 pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
-    let report = mesh.check_with(greenstick_geometry::CheckOptions {
+    let report = mesh.check_with(CheckOptions {
         self_intersections: false,
     });
     (report.closed, report.volume_m3)
