@@ -126,6 +126,17 @@ pub(crate) fn image_type(stated: &str, bytes: &[u8]) -> String {
     found.to_owned()
 }
 
+/// The media type of an image that every reader of glTF supports, PNG or JPEG; `None` for others.
+pub fn embeddable_image_type(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        Some("image/png")
+    } else if bytes.starts_with(b"\xff\xd8\xff") {
+        Some("image/jpeg")
+    } else {
+        None
+    }
+}
+
 /// The file extension of a media type.
 fn image_extension(media_type: &str) -> &'static str {
     match media_type {
