@@ -1,17 +1,18 @@
 //! What is wanted of a stem's inside.
 
-use crate::Error;
-use crate::scanning::ScanParameters;
-use greenstick_formats::LengthUnit;
-use greenstick_schema::{
-    FILE_NAME, Kind, ParameterError, choice, choices, count, list, parameters, text,
-};
-use greenstick_wood::anatomy::{
-    LayerOptions, MAX_PARTICLES, RESOLUTION_RANGE, RingColouring, RingMethod, RingMethodChoice,
-    RingParameters, SectorDivision,
-};
-use greenstick_wood::species::SPECIES_NAME;
-use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
+use super::error::AnatomyError;
+use super::layers::LayerOptions;
+use super::limits::{MAX_PARTICLES, RESOLUTION_RANGE};
+use super::model::{Anatomy, AnatomyOptions, RingMethod};
+use super::palette::RingColouring;
+use super::parameters::{RingMethodChoice, RingParameters};
+use super::sectors::SectorDivision;
+use crate::appearance::WoodAppearance;
+use crate::species::SPECIES_NAME;
+use crate::stem::{FoundStem, LOCATION, StemLocation, StemOptions};
+use crate::tissue::Proportions;
+use greenstick_geometry::{Context, Mesh};
+use greenstick_schema::{Kind, ParameterError, choice, choices, count, list, parameters, text};
 
 choices! {
     /// A kind of output.
@@ -93,37 +94,19 @@ parameters! {
     };
 }
 
-parameters! {
-    /// Everything that decides what is made of a stem's inside.
-    pub struct AnatomyFile {
-        "Input", "input" {
-            /// The mesh or point cloud; without it, the branch that comes with the program.
-            input: Option<String> = None, text(FILE_NAME).auto();
-            /// Unit of length in the input, where its format has none.
-            unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
-        }
-    }
-    include {
-        /// What is wanted.
-        request: AnatomyRequest = AnatomyRequest::default();
-        /// How a point cloud becomes the bark of a stem.
-        scan: ScanParameters = ScanParameters::default();
-    }
-}
-
 impl AnatomyRequest {
     /// Where rings come from.
-    pub(super) fn ring_method(&self) -> RingMethod {
+    pub fn ring_method(&self) -> RingMethod {
         self.ring_source.method()
     }
 
     /// Whether an output is wanted.
-    pub(super) fn wants(&self, output: AnatomyOutput) -> bool {
+    pub fn wants(&self, output: AnatomyOutput) -> bool {
         self.outputs.contains(&output)
     }
 
     /// How the stem is divided into particles.
-    pub(super) fn layer_options(&self) -> LayerOptions {
+    pub fn layer_options(&self) -> LayerOptions {
         LayerOptions {
             sectors: self.sectors,
             layers: self.layers,
@@ -131,8 +114,38 @@ impl AnatomyRequest {
         }
     }
 
+    /// Makes the sections and rings of a stem found in `mesh`, which is in world metres. `wood` gives the colours, what is
+    /// between rings, and their number where none is requested.
+    ///
+    /// # Errors
+    /// [`AnatomyError`] where no section can be made, or numbers are out of range.
+    pub fn anatomy<'a>(
+        &self,
+        found: &'a FoundStem,
+        mesh: &Mesh,
+        wood: WoodAppearance,
+        proportions: Proportions,
+        context: &Context,
+    ) -> Result<Anatomy<'a>, AnatomyError> {
+        let ring_count = self.ring_count.unwrap_or(wood.rings.round() as u16);
+        if self.ring_method() == RingMethod::Field {
+            self.check_rings(ring_count)?;
+        }
+        context.report(0.0)?;
+        let options = AnatomyOptions {
+            resolution: self.resolution,
+            rings: self.ring_method(),
+            ring_count,
+            colouring: self.colouring,
+            proportions,
+        };
+        let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
+        self.check_rings(anatomy.ring_count())?;
+        Ok(anatomy)
+    }
+
     /// Refuses a number of rings that is out of range or does not suit the other numbers.
-    pub(super) fn check_rings(&self, rings: u16) -> Result<(), Error> {
+    fn check_rings(&self, rings: u16) -> Result<(), AnatomyError> {
         check_amount("rings", rings, 1, 1000)?;
         let surface_ring = self.surface_ring.unwrap_or(rings);
         check_amount("is the ring of the surface", surface_ring, 1, rings.into())?;
@@ -142,12 +155,20 @@ impl AnatomyRequest {
     }
 }
 
-fn check_amount(what: &str, found: impl Into<u64>, least: u64, most: u64) -> Result<(), Error> {
+fn check_amount(
+    what: &'static str,
+    found: impl Into<u64>,
+    least: u64,
+    most: u64,
+) -> Result<(), AnatomyError> {
     let found = found.into();
     if (least..=most).contains(&found) {
         return Ok(());
     }
-    Err(Error::Amount(format!(
-        "{found} {what}; expected {least} to {most}"
-    )))
+    Err(AnatomyError::Amount {
+        what,
+        found,
+        least,
+        most,
+    })
 }
