@@ -177,7 +177,7 @@ pub fn assemble(breaks: &[FinishedBreak]) -> AssembledBreaks {
             out.push(carried, NodeRole::Carried);
         }
     }
-    let moved = moved_triangles(&last.stages);
+    let moved = moved_triangles(last.stages);
     for node in untouched(last.stages.stem.stem(), &moved) {
         out.push(node, NodeRole::Untouched);
     }
