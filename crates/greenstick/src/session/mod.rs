@@ -23,8 +23,8 @@ use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::finish::{
-    AssembledBreaks, FinishOptions, FinishedBreak, Input, assemble, finish, left_at_base, notes,
-    report,
+    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, assemble, break_notes, break_report,
+    finish, left_at_base,
 };
 use greenstick_skin::materials;
 use greenstick_skin::report::BreakReport;
@@ -73,7 +73,7 @@ struct CachedBreak {
 /// ```
 #[derive(Debug)]
 pub struct BreakSession {
-    input: Arc<Input>,
+    input: Arc<BreakInput>,
     ids: Ids,
     order: BreakOrder,
     /// In the order in which they are made.
@@ -152,7 +152,7 @@ impl BreakSession {
     /// Starts a session that breaks `scene`.
     pub fn new(scene: Scene) -> Self {
         BreakSession {
-            input: Arc::new(Input::new(scene)),
+            input: Arc::new(BreakInput::new(scene)),
             ids: Ids::default(),
             order: BreakOrder::default(),
             breaks: Vec::new(),
@@ -328,9 +328,9 @@ impl BreakSession {
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,
-            report: report(&self.input, &finished, &scene).ok_or_else(no_breaks)?,
+            report: break_report(&self.input, &finished, &scene).ok_or_else(no_breaks)?,
             scene,
-            notes: notes(&finished),
+            notes: break_notes(&finished),
             woods: woods.into_iter().map(|w| w.1).collect(),
             apart: (request.breaks.iter()).any(|b| b.separation != 0.0 || b.recipe.face.hang > 0.0),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),

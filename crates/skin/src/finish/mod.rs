@@ -10,5 +10,5 @@ mod scene;
 pub use finished_break::FinishedBreak;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};
-pub use report::{Input, notes, report};
+pub use report::{BreakInput, break_notes, break_report};
 pub use scene::{AssembledBreaks, NodeRole, assemble, left_at_base};

@@ -12,7 +12,7 @@ use greenstick_wood::stem::StemKind;
 
 /// The scene that is broken, and what reports say of it.
 #[derive(Debug)]
-pub struct Input {
+pub struct BreakInput {
     /// The scene.
     pub scene: Scene,
     /// Triangles of all meshes.
@@ -21,7 +21,7 @@ pub struct Input {
     area_m2: f64,
 }
 
-impl Input {
+impl BreakInput {
     /// Measures a scene.
     pub fn new(scene: Scene) -> Self {
         let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
@@ -30,7 +30,7 @@ impl Input {
             .iter()
             .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
             .sum();
-        Input {
+        BreakInput {
             scene,
             triangles,
             area_m2,
@@ -39,7 +39,7 @@ impl Input {
 }
 
 /// Returns the notes on all breaks, in the order of the request.
-pub fn notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
+pub fn break_notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
     let order = in_order_of_request(breaks);
     order
         .iter()
@@ -49,7 +49,11 @@ pub fn notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
 
 /// Reports on breaks of an input, given in the order in which they were made, and on the pieces in `scene`. Returns
 /// `None` where there is no break.
-pub fn report(input: &Input, breaks: &[FinishedBreak], scene: &Scene) -> Option<BreakReport> {
+pub fn break_report(
+    input: &BreakInput,
+    breaks: &[FinishedBreak],
+    scene: &Scene,
+) -> Option<BreakReport> {
     let order = in_order_of_request(breaks);
     let first = order.first()?;
     let further = order[1..].iter().map(|one| FurtherBreak {
@@ -73,7 +77,10 @@ pub fn report(input: &Input, breaks: &[FinishedBreak], scene: &Scene) -> Option<
         hang: first.pieces.hang.clone(),
         crack_volume_m3: first.pieces.crack_volume_m3,
         further_breaks: further.collect(),
-        notes: notes(breaks).iter().map(ToString::to_string).collect(),
+        notes: break_notes(breaks)
+            .iter()
+            .map(ToString::to_string)
+            .collect(),
     })
 }
 
@@ -93,7 +100,7 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
 }
 
 /// Reports on the input, whose stem is `stem`.
-fn input_report(input: &Input, stem: &PreparedStem) -> InputReport {
+fn input_report(input: &BreakInput, stem: &PreparedStem) -> InputReport {
     let found = &stem.found;
     let mut repairs = input.scene.notes.clone();
     repairs.extend(found.notes.iter().cloned());
