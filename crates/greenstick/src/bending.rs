@@ -2,13 +2,13 @@
 //!
 //! The tests are those of [`greenstick_fibre::bend_test`].
 
+pub use crate::charts::bend_chart;
 pub use greenstick_fibre::bend_test::{
     BendReport, BendRequest, BendRow, BendSettings, BendTable, BendingError, Bent, Compared,
     END_OF_TABLE, Failing, Phase, Summary, bend, bend_all,
 };
 
 use crate::Error;
-use crate::charts::bend_chart;
 use greenstick_formats::Encoded;
 use serde::Serialize;
 
