@@ -5,9 +5,11 @@ use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
+use greenstick::Error;
 use greenstick::ErrorKind;
 use greenstick::bending::{
-    BendRequest, BendSettings, BendTable, BendingError, Bent, END_OF_TABLE, bend, bend_all,
+    BEND_REPORT_FILE, BEND_TABLE_FILE, BendRequest, BendSettings, BendingError, END_OF_TABLE, bend,
+    bend_all, bend_table_files, bend_test_files,
 };
 use greenstick::fibre::BendTest;
 use greenstick::files;
@@ -31,9 +33,9 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     test.check().map_err(|e| failure(e.into()))?;
     if let Some(folder) = &options.output {
         let main = if options.all_species {
-            BendTable::TABLE
+            BEND_TABLE_FILE
         } else {
-            Bent::REPORT
+            BEND_REPORT_FILE
         };
         files::check_folder(folder, main)?;
     }
@@ -48,11 +50,15 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
                 test,
             };
             let bent = bend(&request, &work).map_err(failure)?;
-            write_report(options, &bent.report, (&progress, &write), || bent.files())
+            write_report(options, &bent.report, (&progress, &write), || {
+                bend_test_files(&bent)
+            })
         }
         None => {
             let table = bend_all(settings.moisture, &test, &work).map_err(failure)?;
-            write_report(options, &table, (&progress, &write), || table.files())
+            write_report(options, &table, (&progress, &write), || {
+                bend_table_files(&table)
+            })
         }
     }
 }
@@ -71,12 +77,12 @@ fn write_report<T: Serialize + Display>(
     options: &BendTestOptions,
     report: &T,
     (progress, write): (&Progress, &Context),
-    make: impl FnOnce() -> Result<Vec<Encoded>, BendingError>,
+    make: impl FnOnce() -> Result<Vec<Encoded>, Error>,
 ) -> Result<ExitCode, Failure> {
     let mut listed = Vec::new();
     if let Some(folder) = &options.output {
         write.report(0.0)?;
-        let outputs = files::write_folder(folder, make().map_err(failure)?)?;
+        let outputs = files::write_folder(folder, make()?)?;
         listed = written(&outputs);
     }
     let stages = progress.finish();

@@ -14,6 +14,7 @@
 //! | [`solvers`] | methods that move a [`World`] through time |
 //! | [`scene`] | a TOML file of all this, and the built-in scenes |
 //! | [`store`] | frames, tables and checkpoints as bytes |
+//! | [`simulate`] | a scene simulated from its meshes to its records |
 //! | [`bend_test`] | three-point bending of clear wood |
 #![deny(missing_docs)]
 // Loops over vertices and edges index several arrays alike.
@@ -30,6 +31,7 @@ pub mod bend_test;
 pub mod bodies;
 mod bonds;
 mod contact;
+mod curve;
 pub mod energy;
 mod error;
 mod evaluator;
@@ -44,6 +46,7 @@ mod rod_bundle;
 mod rotation;
 pub mod scene;
 mod simd;
+pub mod simulate;
 pub mod solvers;
 mod state;
 pub mod store;
@@ -60,6 +63,7 @@ pub use bodies::{
 };
 pub use bonds::{Bond, Bonds, Incidence};
 pub use contact::{ContactEnergy, ContactSpring, ContactStep, ContactTrial, Contacts, NoContacts};
+pub use curve::Curve;
 pub use error::{LoadError, RodBundleError, SolverError};
 pub use evaluator::ForceEvaluator;
 pub use event::{Cause, Event, EventKind};

@@ -16,6 +16,16 @@ pub struct Encoded {
     pub bytes: Vec<u8>,
 }
 
+impl Encoded {
+    /// A file of this name and content.
+    pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+        Encoded {
+            name: name.into(),
+            bytes: bytes.into(),
+        }
+    }
+}
+
 /// The name of a file without folders and extension: `model` for `folder/model.glb`.
 pub(crate) fn stem(name: &str) -> String {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
@@ -114,6 +124,17 @@ pub(crate) fn image_type(stated: &str, bytes: &[u8]) -> String {
         stated
     };
     found.to_owned()
+}
+
+/// The media type of an image that every reader of glTF supports, PNG or JPEG; `None` for others.
+pub fn embeddable_image_type(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        Some("image/png")
+    } else if bytes.starts_with(b"\xff\xd8\xff") {
+        Some("image/jpeg")
+    } else {
+        None
+    }
 }
 
 /// The file extension of a media type.

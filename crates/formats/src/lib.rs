@@ -30,14 +30,16 @@ mod subset;
 mod table;
 mod text;
 mod unit;
+mod uri;
 #[cfg(feature = "usd")]
 pub mod usd;
 pub mod vtk;
 
 pub use cloud::{CloudFile, Content, read_content};
-pub use companions::{Encoded, Resolve};
+pub use companions::{Encoded, Resolve, embeddable_image_type};
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat};
 pub use mesh::{read, write};
 pub use table::{TableFormat, write_table};
 pub use unit::{LengthUnit, UnknownUnit};
+pub use uri::percent_decoded;

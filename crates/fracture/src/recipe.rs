@@ -26,13 +26,14 @@
 use crate::parameters::{BreakParameters, CrackParameters};
 use crate::presets::{Preset, UnknownPreset};
 use greenstick_schema::{
-    DocumentError, Format, ParameterError, Parameters, Unit, closest_names, number, parameters,
-    read_table, text, write_toml,
+    DocumentError, ParameterError, Parameters, Unit, closest_names, number, parameters, read_table,
+    text, write_toml,
 };
 use greenstick_wood::moisture::{
-    AIR_DRY_PERCENT, FIBRE_SATURATION_PERCENT, MoistureError, WETTEST_PERCENT, drying,
+    AIR_DRY_PERCENT, FIBRE_SATURATION_PERCENT, MOISTURE_WORDS, MoistureError, WETTEST_PERCENT,
+    drying,
 };
-use greenstick_wood::species::{Species, UnknownSpecies};
+use greenstick_wood::species::{SPECIES_NAME, Species, UnknownSpecies};
 use serde::{Deserialize, Serialize};
 use toml::de::{DeTable, DeValue};
 
@@ -41,15 +42,6 @@ use toml::de::{DeTable, DeValue};
 pub const TYPICAL_TANGENTIAL_SHRINKAGE: f64 = 0.08;
 /// Total radial shrinkage, likewise.
 pub const TYPICAL_RADIAL_SHRINKAGE: f64 = 0.045;
-
-/// Words that stand for moisture contents: green wood holds more water than its cell walls take up.
-pub const MOISTURE_WORDS: &[(&str, f64)] = &[("green", FIBRE_SATURATION_PERCENT)];
-
-/// A common or scientific name of a species.
-pub const SPECIES_NAME: Format = Format {
-    name: "NAME",
-    check: |name| Species::find(name).map(|_| ()).map_err(|e| e.to_string()),
-};
 
 /// What the keys of the broken face begin with.
 const BREAK: &str = "break.";

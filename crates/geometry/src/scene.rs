@@ -53,6 +53,18 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The meshes in world metres, one for each node, without attributes.
+    pub fn world_meshes(&self) -> Vec<Mesh> {
+        let world = |node: &Node| Mesh {
+            positions: (node.mesh.positions.iter())
+                .map(|&p| node.transform.transform_point3(p))
+                .collect(),
+            triangles: node.mesh.triangles.clone(),
+            ..Mesh::default()
+        };
+        self.nodes.iter().map(world).collect()
+    }
+
     /// Changes every mesh that `wants` it, each once: instances of one mesh stay instances.
     pub fn change_meshes(&mut self, wants: impl Fn(&Mesh) -> bool, change: impl Fn(&mut Mesh)) {
         let mut changed: BTreeMap<*const Mesh, Arc<Mesh>> = BTreeMap::new();

@@ -34,7 +34,7 @@ pub enum Error {
     Crack(#[from] greenstick_fracture::cracks::CrackError),
     /// No bark can be reconstructed from a scan.
     #[error(transparent)]
-    Scan(#[from] crate::scanning::error::ScanningError),
+    Scan(#[from] greenstick_wood::scan::ScanningError),
     /// The inside of the stem cannot be made.
     #[error(transparent)]
     Anatomy(AnatomyError),

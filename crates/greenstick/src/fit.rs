@@ -92,9 +92,6 @@ pub fn fit(run: &mut Run, number: usize, context: &Context) -> Result<Fit, FitEr
     fit_fracture_state(&run.wood(), &state, &source, context)
 }
 
-/// Fractions of a stem's length are rounded to one over this.
-const FRACTION_STEPS: f64 = 1e4;
-
 const SEARCH: Stage = Stage::new("fit");
 const STEM: Stage = Stage::new("stem");
 const RELIEF: Stage = Stage::new("heights");
@@ -114,17 +111,10 @@ pub fn fit_fracture_state(
     let Some(found) = BreakFit::new(wood, state, source.seed) else {
         return Err(FitError::NoBreak { time: source.time });
     };
-    let stem = wood.stem;
-    let along = found.length_along();
-    let place = if source.by_point {
-        StemLocation::Point(stem.grain.axis().frame(along).origin)
-    } else {
-        let fraction = (along / stem.length * FRACTION_STEPS).round() / FRACTION_STEPS;
-        StemLocation::Fraction(fraction.clamp(0.0, 1.0))
-    };
+    let place = found.location(source.by_point);
     let request = BreakRequest {
         stem: StemOptions {
-            kind: Some(stem.kind),
+            kind: Some(wood.stem.kind),
             ..StemOptions::default()
         },
         ..BreakRequest::single(Break {

@@ -47,6 +47,8 @@
 pub mod anatomy;
 #[cfg(feature = "simulate")]
 pub mod bending;
+#[cfg(feature = "simulate")]
+mod charts;
 mod error;
 #[cfg(feature = "files")]
 pub mod files;
@@ -55,7 +57,6 @@ pub mod film;
 #[cfg(feature = "simulate")]
 pub mod fit;
 mod pictures;
-mod report;
 mod request;
 pub mod scanning;
 pub mod session;
@@ -72,12 +73,14 @@ pub use greenstick_geometry::ErrorKind;
 pub use greenstick_picture as picture;
 pub use greenstick_schema as schema;
 pub use greenstick_skin as skin;
+pub use greenstick_skin::report::{
+    BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport,
+};
 #[cfg(feature = "simulate")]
 pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use greenstick_wood::branch::built_in_branch;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
-pub use report::{BreakReport, FaceReport, InputReport, PieceReport, PlaceReport, SpeciesReport};
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
 pub use session::{BreakSession, Broken, break_scene};
 

@@ -4,13 +4,13 @@ use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Horizontal, Item, Picture, PictureError, PictureOptions, PlainShader, Shader,
-    Sphere, View, render,
+    Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
+    azimuth_of_view, render_scene,
 };
 use greenstick_skin::broken::{BreakView, ViewedPiece};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
 use greenstick_wood::branch::BARK_MATERIAL_NAME;
-use greenstick_wood::stem::{Frame, Stem};
+use greenstick_wood::stem::Stem;
 use std::sync::Arc;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour.
@@ -100,7 +100,7 @@ fn blank(scene: &Scene) -> Vec<bool> {
 /// the meshes.
 ///
 /// # Errors
-/// As [`render`].
+/// As [`render_scene`].
 pub fn picture_of_skin(
     scene: &Scene,
     stem: &Stem,
@@ -120,13 +120,13 @@ pub fn picture_of_skin(
         blank: blank(scene),
         moved: true,
     };
-    render(&items(scene, &shader), options, context)
+    render_scene(scene, &shader, options, context)
 }
 
 /// Renders a broken stem, seen towards the break unless `options` name a view.
 ///
 /// # Errors
-/// As [`render`].
+/// As [`render_scene`].
 pub fn picture_of_break(
     broken: &Broken,
     options: &PictureOptions,
@@ -140,7 +140,7 @@ pub fn picture_of_break(
     };
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
-        return render(&items(&broken.scene, &shader), options, context);
+        return render_scene(&broken.scene, &shader, options, context);
     };
     let opened = opened(broken, wood);
     let scene = if broken.apart || broken.end.is_some() {
@@ -165,7 +165,7 @@ pub fn picture_of_break(
     } else if options.zoom.is_none() && options.shown.is_empty() {
         aim(broken, wood, scene, &mut options);
     }
-    render(&items(scene, &shader), &options, context)
+    render_scene(scene, &shader, &options, context)
 }
 
 /// How steeply an opened break is looked down on, rad.
@@ -203,18 +203,17 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
     let frame = view.frame();
     let (up, view) = match broken.hinge {
         None if broken.apart => return,
-        // Both faces look up, seen from the side on which they stand next to each other.
-        None => (frame.tangent, (azimuth(&frame), ELEVATION)),
+        // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
+        None => (
+            frame.tangent,
+            (azimuth_of_view(frame.tangent, frame.y), ELEVATION),
+        ),
         // Nearly along the hinge, from the side that opened.
         Some(axis) => {
             let opened = axis.cross(frame.tangent) * -1.0;
             let (sin, cos) = libm::sincos(HANGING_TURN);
             let back = axis * cos + opened * sin;
-            let Horizontal {
-                right: across,
-                toward,
-            } = greenstick_picture::horizontal(frame.tangent);
-            let azimuth = libm::atan2(back.dot(across), back.dot(toward));
+            let azimuth = azimuth_of_view(frame.tangent, -back);
             (frame.tangent, (azimuth, HANGING_ELEVATION))
         }
     };
@@ -223,16 +222,6 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         let (azimuth, elevation) = view;
         options.view = View::Direction { azimuth, elevation };
     }
-}
-
-/// Returns the azimuth from which the two faces appear side by side, rad, in the horizontal axes of the picture's camera.
-fn azimuth(frame: &Frame) -> f64 {
-    let Horizontal {
-        right: across,
-        toward,
-    } = greenstick_picture::horizontal(frame.tangent);
-    // The viewer stands on the far side of the frame's y, so that x runs to the right.
-    libm::atan2(-frame.y.dot(across), -frame.y.dot(toward))
 }
 
 /// The scene with the upper piece turned over and set beside the lower, both faces up.
@@ -255,25 +244,12 @@ fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
 /// Renders any scene in the plain colours of its materials.
 ///
 /// # Errors
-/// As [`render`].
+/// As [`render_scene`].
 pub fn picture_of_scene(
     scene: &Scene,
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let shader = PlainShader::from_materials(&scene.materials);
-    render(&items(scene, &shader), options, context)
-}
-
-fn items<'a>(scene: &'a Scene, shader: &'a (dyn Shader + Sync)) -> Vec<Item<'a>> {
-    scene
-        .nodes
-        .iter()
-        .filter(|n| !n.mesh.triangles.is_empty())
-        .map(|n| Item {
-            mesh: &n.mesh,
-            transform: n.transform,
-            shader,
-        })
-        .collect()
+    render_scene(scene, &shader, options, context)
 }

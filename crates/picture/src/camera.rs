@@ -147,6 +147,19 @@ pub fn horizontal(up: DVec3) -> Horizontal {
     }
 }
 
+/// Returns the azimuth of a view in the direction `forward`, rad, for the unit upward direction `up`.
+///
+/// ```
+/// use glam::DVec3;
+/// use greenstick_picture::azimuth_of_view;
+///
+/// assert_eq!(azimuth_of_view(DVec3::Z, DVec3::Y), 0.0);
+/// ```
+pub fn azimuth_of_view(up: DVec3, forward: DVec3) -> f64 {
+    let Horizontal { right, toward } = horizontal(up);
+    libm::atan2(-forward.dot(right), -forward.dot(toward))
+}
+
 /// The nearest position from which all points are visible: the four side planes of the view are moved outwards until they
 /// touch the points; the camera is where they meet.
 fn fit(points: &[DVec3], [right, above, forward]: [DVec3; 3], tangents: [f64; 2]) -> DVec3 {

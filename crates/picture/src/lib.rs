@@ -20,11 +20,11 @@ mod shader;
 mod smooth;
 mod surface;
 
-pub use camera::{Horizontal, Sphere, View, horizontal};
+pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
 pub use chart::{Chart, Line};
 pub use error::{MAX_SAMPLES, MAX_SIDE, MAX_TRIANGLES, PictureError};
 pub use item::Item;
 pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
-pub use render::{PictureOptions, render};
+pub use render::{PictureOptions, render, render_scene};
 pub use shader::{Appearance, Hit, PlainMaterial, PlainShader, Shader};

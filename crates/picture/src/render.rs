@@ -7,6 +7,7 @@ use crate::light::Studio;
 use crate::picture::Picture;
 use crate::sampling::Sampler;
 use crate::scene::{CameraRay, LightChoice, Sample, Scene, world_points};
+use crate::shader::Shader;
 use crate::smooth::smooth;
 use glam::DVec3;
 use greenstick_geometry::Context;
@@ -64,6 +65,28 @@ const BAND_ROWS: usize = 8;
 const RIM_LIGHT_INTERVAL: u32 = 4;
 /// Number of samples after which a pixel without items is complete: background and floor are smooth.
 const BACKGROUND_SAMPLES: u32 = 8;
+
+/// Renders a scene in which one shader provides the appearance of all surfaces.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_scene(
+    scene: &greenstick_geometry::Scene,
+    shader: &(dyn Shader + Sync),
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
+    let nodes = scene.nodes.iter();
+    let items: Vec<Item> = nodes
+        .filter(|node| !node.mesh.triangles.is_empty())
+        .map(|node| Item {
+            mesh: &node.mesh,
+            transform: node.transform,
+            shader,
+        })
+        .collect();
+    render(&items, options, context)
+}
 
 /// Renders a picture of the items.
 ///

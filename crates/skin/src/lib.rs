@@ -6,6 +6,7 @@ pub mod cracks;
 mod error;
 #[cfg(feature = "rods")]
 pub mod film;
+pub mod finish;
 #[cfg(feature = "rods")]
 pub mod fit;
 pub mod fray;
@@ -14,11 +15,13 @@ pub mod materials;
 pub mod prepared;
 #[cfg(feature = "rods")]
 pub mod remainder;
+pub mod report;
 #[cfg(feature = "rods")]
 pub mod rods;
 #[cfg(feature = "rods")]
 pub mod rods_scene;
 mod source;
+pub mod stages;
 pub mod texture;
 
 pub use error::BreakError;

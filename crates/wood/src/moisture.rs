@@ -19,6 +19,9 @@ pub const EQUATION_LOWER_PERCENT: f64 = 8.0;
 /// The wettest wood in use: green sapwood of light species holds up to about this, percent.
 pub const WETTEST_PERCENT: f64 = 200.0;
 
+/// Words that stand for moisture contents: green wood holds more water than its cell walls take up.
+pub const MOISTURE_WORDS: &[(&str, f64)] = &[("green", FIBRE_SATURATION_PERCENT)];
+
 /// What went wrong when a property was asked for at a moisture content.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MoistureError {

@@ -2,7 +2,9 @@
 
 use crate::error::SolverError;
 use crate::placement::PlacementError;
-use greenstick_geometry::Cancelled;
+use greenstick_geometry::{Cancelled, ErrorKind};
+use greenstick_wood::moisture::MoistureError;
+use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::StemError;
 
 /// Why a bending test has no outcome.
@@ -61,6 +63,53 @@ impl From<SolverError> for BendError {
         match error {
             SolverError::Cancelled(cancelled) => BendError::Cancelled(cancelled),
             other => BendError::Solver(other),
+        }
+    }
+}
+
+/// Why a species cannot be tested.
+#[derive(Debug, thiserror::Error)]
+pub enum BendingError {
+    /// The species is not known.
+    #[error(transparent)]
+    Species(#[from] UnknownSpecies),
+    /// A table value is missing.
+    #[error(transparent)]
+    Moisture(#[from] MoistureError),
+    /// Strength along the grain cannot be told.
+    #[error(transparent)]
+    Strength(#[from] StrengthError),
+    /// Specimen or solver.
+    #[error(transparent)]
+    Test(BendError),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl BendingError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            BendingError::Cancelled(_) => ErrorKind::Cancelled,
+            BendingError::Species(_) | BendingError::Moisture(_) | BendingError::Strength(_) => {
+                ErrorKind::Request
+            }
+            BendingError::Test(
+                BendError::Value { .. }
+                | BendError::TooFine { .. }
+                | BendError::Placement(PlacementError::Value { .. } | PlacementError::NoRods { .. }),
+            ) => ErrorKind::Request,
+            BendingError::Test(_) => ErrorKind::Work,
+        }
+    }
+}
+
+impl From<BendError> for BendingError {
+    fn from(error: BendError) -> Self {
+        match error {
+            BendError::Cancelled(stop) => BendingError::Cancelled(stop),
+            other => BendingError::Test(other),
         }
     }
 }

@@ -12,15 +12,26 @@
 //! | `rig` | the specimen on its supports |
 //! | `run` | the test itself |
 //! | `outcome` | [`BendOutcome`]: what a test returns, and its evaluation |
+//! | `species` | [`bend`]: the test of a species |
+//! | `report` | [`BendReport`]: what it returned, beside the tables of species |
+//! | `all_species` | [`bend_all`]: the test of every species of the Wood Handbook |
+//! | `tables` | points, events and species as text, and the curve |
 
+mod all_species;
 mod error;
 mod outcome;
 mod parameters;
+mod report;
 mod rig;
 mod run;
+mod species;
 mod specimen;
+mod tables;
 
-pub use error::BendError;
+pub use all_species::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
+pub use error::{BendError, BendingError};
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
-pub use parameters::BendParameters;
+pub use parameters::{BendParameters, BendSettings};
+pub use report::{BendReport, Compared, Failing, Phase};
+pub use species::{BendRequest, Bent, bend};
 pub use specimen::{BendSection, BendTest};

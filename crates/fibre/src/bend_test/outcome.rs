@@ -94,8 +94,8 @@ pub(super) struct Evaluation {
 impl Evaluation {
     /// Evaluates the points of a test; `strength` is the expected modulus of rupture, Pa.
     pub fn new(test: &BendTest, points: &[BendPoint], strength: f64) -> Self {
-        let (height, inertia) = (test.section.height(), test.section.inertia());
-        let stress = |load: f64| load * test.span * height / (8.0 * inertia);
+        let inertia = test.section.inertia();
+        let stress = |load| test.fibre_stress(load);
         // The least-squares slope through the origin: below the proportional limit the choice hardly matters.
         let elastic = points
             .iter()

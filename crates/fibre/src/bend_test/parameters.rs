@@ -3,6 +3,7 @@
 use super::specimen::{BendSection, BendTest};
 use crate::placement::RodCount;
 use greenstick_schema::{Declaration, ParameterError, Unit, count, length, number, parameters};
+use greenstick_wood::moisture::{AIR_DRY_PERCENT, MOISTURE_WORDS, WETTEST_PERCENT};
 
 /// Height and width of the primary specimen of ASTM D143, m.
 const STANDARD_SIDE: f64 = 0.05;
@@ -68,6 +69,21 @@ parameters! {
     } else {
         Ok(())
     };
+}
+
+parameters! {
+    /// The parameters of a bending test: the moisture of its wood, the specimen and its model.
+    pub struct BendSettings {
+        "Wood", "bend" {
+            /// Moisture content, percent of the oven-dry mass: 12 is air-dry, 30 and more is green.
+            moisture: f64 = AIR_DRY_PERCENT,
+                number(Unit::Percent, 0.0, WETTEST_PERCENT).above().words(MOISTURE_WORDS);
+        }
+    }
+    include {
+        /// The specimen and its model.
+        specimen: BendParameters = BendParameters::default();
+    }
 }
 
 impl BendParameters {

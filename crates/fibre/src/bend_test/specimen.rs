@@ -90,6 +90,11 @@ impl BendTest {
         self.check_size()
     }
 
+    /// Returns the stress in the outermost fibre under a load (N), as if linear, Pa.
+    pub(crate) fn fibre_stress(&self, load: f64) -> f64 {
+        load * self.span * self.section.height() / (8.0 * self.section.inertia())
+    }
+
     fn rods(&self) -> (&'static str, f64) {
         match self.rods {
             RodCount::Number(n) => ("the number of rods", f64::from(n)),

@@ -8,7 +8,7 @@ use crate::world::World;
 use glam::DVec3;
 
 /// The first line of `forces.csv`.
-pub const FORCE_HEADER: &str = "time_s,holder,moved_x_m,moved_y_m,moved_z_m,turned_x_deg,turned_y_deg,turned_z_deg,\
+pub(super) const FORCE_HEADER: &str = "time_s,holder,moved_x_m,moved_y_m,moved_z_m,turned_x_deg,turned_y_deg,turned_z_deg,\
 force_x_N,force_y_N,force_z_N,moment_x_Nm,moment_y_Nm,moment_z_Nm\n";
 
 /// The force of a clamp or body on the wood at a time.

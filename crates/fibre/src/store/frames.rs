@@ -6,7 +6,7 @@ use crate::bodies::BodyState;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use glam::{DQuat, DVec3};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 
 const MAGIC: &[u8; 8] = b"GSFRAMES";
 const VERSION: u32 = 1;
@@ -113,17 +113,14 @@ impl Frame {
         to
     }
 
-    /// Writes the frame as one record.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+    /// Returns the frame as one record.
+    pub fn to_bytes(&self) -> Vec<u8> {
         let content = self.content();
         let mut record = Vec::with_capacity(content.len() + 16);
         record.extend((content.len() as u64).to_le_bytes());
         record.extend(&content);
         record.extend(checksum(&content).to_le_bytes());
-        to.write_all(&record)
+        record
     }
 
     fn parse(content: &[u8]) -> Option<Frame> {
@@ -183,14 +180,9 @@ fn take<const N: usize>(at: &mut &[u8]) -> Option<[u8; N]> {
     Some(*head)
 }
 
-/// Writes the header of a frame store.
-///
-/// # Errors
-/// Those of the writer.
-pub fn write_header(to: &mut dyn Write) -> io::Result<()> {
-    to.write_all(MAGIC)?;
-    to.write_all(&VERSION.to_le_bytes())?;
-    to.write_all(&[0; 4])
+/// Returns the header of a frame store.
+pub(super) fn frame_header() -> Vec<u8> {
+    [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 4]].concat()
 }
 
 /// Reads frame `number` where its record begins. Returns `None` at the end, and for an incomplete record, as a killed run

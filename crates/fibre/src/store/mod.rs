@@ -19,6 +19,7 @@
 mod checkpoint;
 mod checksum;
 mod error;
+mod files;
 mod forces;
 mod frames;
 mod index;
@@ -30,12 +31,12 @@ mod tables;
 pub use checkpoint::{Checkpoint, Progress, RecordLengths};
 pub use checksum::checksum;
 pub use error::{RunError, StoreError};
-pub use forces::{FORCE_HEADER, ForceRow};
-pub use frames::{BodyPose, Frame, write_header};
+pub use files::{CHECKPOINT_FILE, Record, SCENE_FILE};
+pub use forces::ForceRow;
+pub use frames::{BodyPose, Frame};
 pub use index::IndexedFrames;
 pub use memory::MemoryRun;
 pub use parse::{parse_energies, parse_events, parse_forces};
 pub use record::{FrameTimes, RunSink, RunSource, RunStore};
-pub use tables::{
-    ENERGY_HEADER, EVENT_HEADER, EnergyLedger, EnergyRow, event_line, stagger_velocities,
-};
+pub use tables::{EnergyLedger, EnergyRow, event_line, stagger_velocities};
+pub(crate) use tables::{cause_name, kind_name};

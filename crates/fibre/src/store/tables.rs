@@ -10,12 +10,12 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// The first line of `energy.csv`.
-pub const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,gravity_J,\
+pub(super) const ENERGY_HEADER: &str = "time_s,kinetic_J,stretch_J,bend_J,twist_J,bond_transverse_J,bond_shear_J,body_J,gravity_J,\
 momentum_x_Ns,momentum_y_Ns,momentum_z_Ns,angular_x_Nms,angular_y_Nms,angular_z_Nms,fracture_loss_J,damped_J,\
 dissipated_J,work_J,contact_J,contact_loss_J,contact_work_J,balance_J\n";
 
 /// The first line of `events.csv`.
-pub const EVENT_HEADER: &str =
+pub(super) const EVENT_HEADER: &str =
     "time_s,kind,rod,vertex,other_rod,x_m,y_m,z_m,cause,demand,energy_J\n";
 
 /// Energy that solvers and loads have taken and given since the start, J.
@@ -98,7 +98,7 @@ impl EnergyRow {
         self.rods.total() + self.bodies + self.contact + taken + self.contact_loss - given
     }
 
-    /// Returns its numbers in the order of [`ENERGY_HEADER`].
+    /// Returns its numbers in the order of the columns of `energy.csv`.
     pub fn numbers(&self) -> [f64; 23] {
         let (e, p, l) = (&self.rods, self.momentum, self.angular);
         [
@@ -223,9 +223,19 @@ fn name_of<T: PartialEq>(value: T, names: &[(T, &'static str)]) -> &'static str 
     names.iter().find(|n| n.0 == value).map_or("", |n| n.1)
 }
 
+/// Returns what the column `kind` holds for an event.
+pub(crate) fn kind_name(kind: EventKind) -> &'static str {
+    name_of(kind, &KINDS)
+}
+
+/// Returns what the column `cause` holds for an event.
+pub(crate) fn cause_name(cause: Cause) -> &'static str {
+    name_of(cause, &CAUSES)
+}
+
 /// Returns an event as a line, with its end.
 pub fn event_line(event: &Event) -> String {
-    let (kind, cause) = (name_of(event.kind, &KINDS), name_of(event.cause, &CAUSES));
+    let (kind, cause) = (kind_name(event.kind), cause_name(event.cause));
     let other = event.other.map_or(String::new(), |o| o.to_string());
     let p = event.position;
     format!(

@@ -4,6 +4,7 @@ use super::schema::{Accessor, Compressed, Document, SparsePart};
 use super::{container, meshopt};
 use crate::companions::Resolve;
 use crate::error::{FormatError, InFile};
+use crate::uri::unescape;
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
@@ -166,7 +167,7 @@ impl<'a> Source<'a> {
             Some(Ok((_, bytes))) => Ok(bytes),
             Some(Err(found)) => Err(self.file.malformed(place, found, "base64")),
             None => {
-                let path = String::from_utf8_lossy(&container::unescape(uri)).into_owned();
+                let path = String::from_utf8_lossy(&unescape(uri)).into_owned();
                 (self.resolve)(&path).map_err(|source| FormatError::Companion {
                     file: self.file.0.to_owned(),
                     companion: path,

@@ -1,6 +1,7 @@
-//! GLB chunks (§4), data URIs, and percent-encoding.
+//! GLB chunks (§4) and data URIs.
 
 use crate::error::{FormatError, InFile};
+use crate::uri::unescape;
 
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
@@ -97,48 +98,6 @@ fn base64(text: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// The value of a hexadecimal digit.
-fn hex(c: Option<&u8>) -> Option<u8> {
-    char::from(*c?).to_digit(16).map(|d| d as u8)
-}
-
-/// Decodes percent-encoding (`%20`).
-pub(super) fn unescape(uri: &str) -> Vec<u8> {
-    let raw = uri.as_bytes();
-    let mut bytes = Vec::with_capacity(raw.len());
-    let mut at = 0;
-    while let Some(&c) = raw.get(at) {
-        match (c, hex(raw.get(at + 1)), hex(raw.get(at + 2))) {
-            (b'%', Some(high), Some(low)) => {
-                bytes.push(high << 4 | low);
-                at += 3;
-            }
-            _ => {
-                bytes.push(c);
-                at += 1;
-            }
-        }
-    }
-    bytes
-}
-
-/// Percent-encodes a path as a URI. What is encoded already stays.
-pub(super) fn escape(path: &str) -> String {
-    let mut uri = String::with_capacity(path.len());
-    let raw = path.as_bytes();
-    for (at, &c) in raw.iter().enumerate() {
-        let escaped = c == b'%' && hex(raw.get(at + 1)).is_some() && hex(raw.get(at + 2)).is_some();
-        match c {
-            b'\\' => uri.push('/'),
-            _ if escaped || c.is_ascii_alphanumeric() || b"-._~/:?#@!$&'()*+,;=".contains(&c) => {
-                uri.push(char::from(c));
-            }
-            _ => uri += &format!("%{c:02X}"),
-        }
-    }
-    uri
-}
-
 /// Joins JSON and binary data into a GLB.
 pub(super) fn join(
     json: Vec<u8>,
@@ -174,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn data_uris_and_escapes() {
+    fn data_uris() {
         // Test vectors of RFC 4648 §10.
         for (text, bytes) in [
             ("Zg==", "f"),
@@ -187,8 +146,5 @@ mod tests {
         }
         assert!(data_uri("data:;base64,Zm9$").unwrap().is_err());
         assert!(data_uri("a.bin").is_none());
-        assert_eq!(escape("a b\\ü.png"), "a%20b/%C3%BC.png");
-        assert_eq!(escape("a%20b.png"), "a%20b.png");
-        assert_eq!(unescape(&escape("a b/ü%.png")), "a b/ü%.png".as_bytes());
     }
 }

@@ -6,6 +6,7 @@ use super::{container, write_material};
 use crate::check::Surfaces;
 use crate::companions::{CompanionNames, Encoded};
 use crate::error::{FormatError, InFile};
+use crate::uri::escape;
 use greenstick_geometry::Scene;
 use serde_json::json;
 
@@ -20,7 +21,7 @@ pub(crate) fn write(scene: &Scene, name: &str, glb: bool) -> Result<Vec<Encoded>
     let mut names = CompanionNames::new(name);
     let binary_name = names.with_extension("bin");
     write_material::write(surfaces, &mut builder, (!glb).then_some(names));
-    let uri = (!glb).then(|| container::escape(&binary_name));
+    let uri = (!glb).then(|| escape(&binary_name));
     let Finished {
         json,
         binary,

@@ -1,9 +1,9 @@
 //! Writing materials, textures, samplers and images (§3.8, §3.9).
 
 use super::builder::Builder;
-use super::container::escape;
 use crate::check::Surfaces;
 use crate::companions::{CompanionNames, image_type};
+use crate::uri::escape;
 use greenstick_geometry::{Image, ImageSource, Material, Texture, TextureReference};
 use serde_json::{Map, Value, json};
 

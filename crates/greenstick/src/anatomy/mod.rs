@@ -2,24 +2,40 @@
 //! reconstructed from them, and their numbers.
 
 mod pictures;
-mod request;
 mod volume;
 
-pub use request::{AnatomyFile, AnatomyOutput, AnatomyRequest};
+pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
+use crate::scanning::ScanParameters;
 use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Mesh, Scene, Stage};
-use greenstick_schema::Parameters;
-use greenstick_skin::prepared::world_meshes;
+use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
-    Anatomy, AnatomyFindings, AnatomyOptions, AnatomyReport, ParticleLayers, RingMethod,
-    SurfaceColouring,
+    Anatomy, AnatomyFindings, AnatomyReport, ParticleLayers, SurfaceColouring,
 };
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, find_stem};
+
+parameters! {
+    /// Everything that decides what is made of a stem's inside.
+    pub struct AnatomyFile {
+        "Input", "input" {
+            /// The mesh or point cloud; without it, the branch that comes with the program.
+            input: Option<String> = None, text(FILE_NAME).auto();
+            /// Unit of length in the input, where its format has none.
+            unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
+        }
+    }
+    include {
+        /// What is wanted.
+        request: AnatomyRequest = AnatomyRequest::default();
+        /// How a point cloud becomes the bark of a stem.
+        scan: ScanParameters = ScanParameters::default();
+    }
+}
 
 /// Name of the file of numbers.
 pub const ANATOMY_FILE: &str = "anatomy.json";
@@ -65,40 +81,50 @@ pub fn anatomy<E: From<Error>>(
     context: &Context,
     mut sink: impl FnMut(Encoded) -> Result<(), E>,
 ) -> Result<AnatomyReport, E> {
-    let stages = Stages::new(request, context);
+    let [
+        finding,
+        dividing,
+        sampling,
+        encoding,
+        surface,
+        volume,
+        sections,
+        longitudinal,
+        reporting,
+    ] = stages(request, context);
     request.check().map_err(Error::from)?;
-    stages.stem.report(0.0).map_err(Error::from)?;
-    let meshes = world_meshes(scene);
+    finding.report(0.0).map_err(Error::from)?;
+    let meshes = scene.world_meshes();
     let found =
-        find_stem(&meshes, &request.location, &request.stem, &stages.stem).map_err(Error::from)?;
+        find_stem(&meshes, &request.location, &request.stem, &finding).map_err(Error::from)?;
     let mesh = &meshes[found.node];
-    let anatomy = model(request, &found, mesh, &stages.rings)?;
+    let anatomy = model(request, &found, mesh, &dividing)?;
     let mut notes = scene.notes.clone();
     // Where a break may be does not matter here.
     let about_breaks = |note: &&String| note.starts_with("the break");
     notes.extend(found.notes.iter().filter(|n| !about_breaks(n)).cloned());
 
-    let layers = ParticleLayers::sample(&anatomy, &request.layer_options(), &stages.particles)
+    let layers = ParticleLayers::sample(&anatomy, &request.layer_options(), &sampling)
         .map_err(Error::from)?;
     if request.wants(AnatomyOutput::Particles) {
-        write_particles(&layers, &stages.encoding, &mut sink)?;
+        write_particles(&layers, &encoding, &mut sink)?;
     }
     if request.wants(AnatomyOutput::Surface) {
-        stages.surface.report(0.0).map_err(Error::from)?;
+        surface.report(0.0).map_err(Error::from)?;
         let ring = request.surface_ring.unwrap_or(anatomy.ring_count());
         notes.extend(write_surfaces(&layers, ring, &mut sink)?);
     }
     let mut segments = Vec::new();
     if request.wants(AnatomyOutput::Volume) {
-        segments = volume::volume(&anatomy, &stages.volume, &mut sink)?;
+        segments = volume::write(&anatomy, &volume, &mut sink)?;
     }
     if request.wants(AnatomyOutput::Sections) {
-        pictures::sections(&anatomy, request, &stages.sections, &mut sink)?;
+        pictures::sections(&anatomy, request, &sections, &mut sink)?;
     }
     if request.wants(AnatomyOutput::Longitudinal) {
-        sink(pictures::longitudinal(&anatomy, &stages.longitudinal)?)?;
+        sink(pictures::longitudinal(&anatomy, &longitudinal)?)?;
     }
-    stages.report.report(0.0).map_err(Error::from)?;
+    reporting.report(0.0).map_err(Error::from)?;
     let findings = AnatomyFindings {
         species: request.species.clone(),
         ring_method: request.ring_method(),
@@ -118,66 +144,27 @@ pub fn anatomy<E: From<Error>>(
 /// [`Error::Report`] where it cannot be converted to JSON.
 pub fn report_file(report: &AnatomyReport) -> Result<Encoded, Error> {
     let bytes = report.to_json().map_err(|e| Error::Report(e.to_string()))?;
-    Ok(Encoded {
-        name: ANATOMY_FILE.to_owned(),
-        bytes,
-    })
+    Ok(Encoded::new(ANATOMY_FILE, bytes))
 }
 
-/// The stages of the work.
-struct Stages {
-    stem: Context,
-    rings: Context,
-    particles: Context,
-    encoding: Context,
-    surface: Context,
-    volume: Context,
-    sections: Context,
-    longitudinal: Context,
-    report: Context,
-}
-
-impl Stages {
-    fn new(request: &AnatomyRequest, context: &Context) -> Self {
-        let weight = |output, weight| {
-            if request.wants(output) { weight } else { 0.0 }
-        };
-        let [
-            stem,
-            rings,
-            particles,
-            encoding,
-            surface,
-            volume,
-            sections,
-            longitudinal,
-            report,
-        ] = context.split([
-            (Stage::new("stem"), 1.0),
-            (Stage::new("rings"), 1.0),
-            (Stage::new("particles"), 2.0),
-            (Stage::new("encode"), weight(AnatomyOutput::Particles, 1.0)),
-            (Stage::new("surface"), weight(AnatomyOutput::Surface, 1.0)),
-            (Stage::new("volume"), weight(AnatomyOutput::Volume, 4.0)),
-            (Stage::new("sections"), weight(AnatomyOutput::Sections, 4.0)),
-            (
-                Stage::new("longitudinal"),
-                weight(AnatomyOutput::Longitudinal, 1.0),
-            ),
-            (Stage::new("report"), 0.2),
-        ]);
-        Stages {
-            stem,
-            rings,
-            particles,
-            encoding,
-            surface,
-            volume,
-            sections,
-            longitudinal,
-            report,
-        }
-    }
+/// Returns the contexts of the stages, in their order: stem, rings, particles, encode, surface, volume, sections,
+/// longitudinal, report.
+fn stages(request: &AnatomyRequest, context: &Context) -> [Context; 9] {
+    let output = |output, name, weight| {
+        let weight = if request.wants(output) { weight } else { 0.0 };
+        (Stage::new(name), weight)
+    };
+    context.split([
+        (Stage::new("stem"), 1.0),
+        (Stage::new("rings"), 1.0),
+        (Stage::new("particles"), 2.0),
+        output(AnatomyOutput::Particles, "encode", 1.0),
+        output(AnatomyOutput::Surface, "surface", 1.0),
+        output(AnatomyOutput::Volume, "volume", 4.0),
+        output(AnatomyOutput::Sections, "sections", 4.0),
+        output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),
+        (Stage::new("report"), 0.2),
+    ])
 }
 
 /// The stem's sections and rings.
@@ -192,21 +179,7 @@ fn model<'a>(
     let proportions = parameters.proportions();
     let seed = parameters.seed;
     let wood = StemAppearance::new(&found.stem, &proportions, seed, species, BARK).wood;
-    let ring_count = request.ring_count.unwrap_or(wood.rings.round() as u16);
-    if request.ring_method() == RingMethod::Field {
-        request.check_rings(ring_count)?;
-    }
-    context.report(0.0)?;
-    let options = AnatomyOptions {
-        resolution: request.resolution,
-        rings: request.ring_method(),
-        ring_count,
-        colouring: request.colouring,
-        proportions,
-    };
-    let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
-    request.check_rings(anatomy.ring_count())?;
-    Ok(anatomy)
+    Ok(request.anatomy(found, mesh, wood, proportions, context)?)
 }
 
 fn write_particles<E: From<Error>>(

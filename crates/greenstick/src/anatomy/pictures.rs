@@ -1,10 +1,9 @@
 //! Pictures of the inside as PNG files.
 
-use super::request::AnatomyRequest;
 use crate::Error;
 use greenstick_formats::Encoded;
 use greenstick_geometry::Context;
-use greenstick_wood::anatomy::{Anatomy, PicturedSection};
+use greenstick_wood::anatomy::{Anatomy, AnatomyRequest, PicturedSection};
 use greenstick_wood::colour::RgbImage;
 
 /// Contour, rings and tissues of the section at the location, and of others at equal distances.
@@ -36,8 +35,5 @@ pub(super) fn longitudinal(anatomy: &Anatomy, context: &Context) -> Result<Encod
 }
 
 fn png(image: &RgbImage, name: String) -> Encoded {
-    Encoded {
-        name,
-        bytes: image.png(),
-    }
+    Encoded::new(name, image.png())
 }

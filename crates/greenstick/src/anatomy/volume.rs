@@ -38,7 +38,7 @@ impl CompressedSlice {
 }
 
 /// One `.vti` for a stem of one segment; else one for each, and a `.vtm` that lists them.
-pub(super) fn volume<E: From<Error>>(
+pub(super) fn write<E: From<Error>>(
     anatomy: &Anatomy,
     context: &Context,
     sink: &mut dyn FnMut(Encoded) -> Result<(), E>,

@@ -7,9 +7,9 @@ use super::{FileError, Output};
 use greenstick_fibre::Event;
 use greenstick_fibre::scene::Scene;
 use greenstick_fibre::store::{
-    Checkpoint, ENERGY_HEADER, EVENT_HEADER, EnergyRow, FORCE_HEADER, ForceRow, Frame, FrameTimes,
-    IndexedFrames, Progress, RecordLengths, RunError, RunSink, RunSource, StoreError, event_line,
-    parse_energies, parse_events, parse_forces, write_header,
+    CHECKPOINT_FILE, Checkpoint, EnergyRow, ForceRow, Frame, FrameTimes, IndexedFrames, Progress,
+    Record, RecordLengths, RunError, RunSink, RunSource, SCENE_FILE, StoreError, event_line,
+    parse_energies, parse_events, parse_forces,
 };
 use greenstick_formats::LengthUnit;
 use serde::{Deserialize, Serialize};
@@ -18,13 +18,7 @@ use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-const SCENE_FILE: &str = "scene.toml";
 const ORIGIN_FILE: &str = "origin.json";
-const CHECKPOINT_FILE: &str = "checkpoint.bin";
-const ENERGY_FILE: &str = "energy.csv";
-const EVENT_FILE: &str = "events.csv";
-const FRAME_FILE: &str = "frames.gsf";
-const FORCE_FILE: &str = "forces.csv";
 
 /// Where the files of a run came from, so that what is made of the run later finds them again.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -63,11 +57,8 @@ impl Origin {
         if !path.exists() {
             return Ok(Origin::default());
         }
-        let unreadable = |source| FileError::Unreadable {
-            path: path.clone(),
-            source,
-        };
-        let text = fs::read_to_string(&path).map_err(unreadable)?;
+        let unreadable = FileError::unreadable(&path);
+        let text = fs::read_to_string(&path).map_err(&unreadable)?;
         serde_json::from_str(&text).map_err(|e| unreadable(e.into()))
     }
 
@@ -137,30 +128,28 @@ impl GrowingFile {
     }
 }
 
-/// The growing files of a run.
-struct Records {
-    energies: GrowingFile,
-    events: GrowingFile,
-    frames: GrowingFile,
-    forces: GrowingFile,
-}
+/// The growing files of a run, in the order of [`Record::ALL`].
+struct Records(Vec<GrowingFile>);
 
 impl Records {
-    fn open(folder: &Path, lengths: RecordLengths) -> Result<Self, RunError> {
-        Ok(Records {
-            energies: GrowingFile::open(folder.join(ENERGY_FILE), lengths.energies)?,
-            events: GrowingFile::open(folder.join(EVENT_FILE), lengths.events)?,
-            frames: GrowingFile::open(folder.join(FRAME_FILE), lengths.frames)?,
-            forces: GrowingFile::open(folder.join(FORCE_FILE), lengths.forces)?,
-        })
+    fn open(folder: &Path, lengths: &RecordLengths) -> Result<Self, RunError> {
+        let open =
+            |record: Record| GrowingFile::open(folder.join(record.file_name()), lengths.of(record));
+        let files: Result<_, RunError> = Record::ALL.into_iter().map(open).collect();
+        files.map(Records)
+    }
+
+    fn write(&mut self, record: Record, bytes: &[u8]) -> Result<(), RunError> {
+        self.0[record as usize].write(bytes)
     }
 
     fn flush(&mut self) -> Result<RecordLengths, RunError> {
+        let mut flush = |record: Record| self.0[record as usize].flush();
         Ok(RecordLengths {
-            energies: self.energies.flush()?,
-            events: self.events.flush()?,
-            frames: self.frames.flush()?,
-            forces: self.forces.flush()?,
+            energies: flush(Record::Energies)?,
+            events: flush(Record::Events)?,
+            frames: flush(Record::Frames)?,
+            forces: flush(Record::Forces)?,
         })
     }
 }
@@ -202,6 +191,10 @@ impl RunFolder {
         })
     }
 
+    fn write(&mut self, record: Record, bytes: &[u8]) -> Result<(), RunError> {
+        self.records()?.write(record, bytes)
+    }
+
     fn forget_frames(&mut self) {
         *self
             .frames
@@ -209,8 +202,8 @@ impl RunFolder {
             .unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    fn read_text(&self, file: &str) -> Result<String, RunError> {
-        let path = self.path.join(file);
+    fn read_text(&self, record: Record) -> Result<String, RunError> {
+        let path = self.path.join(record.file_name());
         fs::read_to_string(&path).map_err(|source| RunError::Unreadable {
             location: path.display().to_string(),
             source,
@@ -222,7 +215,7 @@ impl RunFolder {
         &self,
         read: impl FnOnce(&mut OpenFrames) -> Result<T, StoreError>,
     ) -> Result<T, RunError> {
-        let path = self.path.join(FRAME_FILE);
+        let path = self.path.join(Record::Frames.file_name());
         let open = || IndexedFrames::open(BufReader::new(File::open(&path)?));
         let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
         let result = match &mut *frames {
@@ -251,42 +244,35 @@ impl RunSink for RunFolder {
         });
         super::write_all(&outputs).map_err(not_written)?;
         self.forget_frames();
-        let mut records = Records::open(&self.path, RecordLengths::default())?;
-        records.energies.write(ENERGY_HEADER.as_bytes())?;
-        records.events.write(EVENT_HEADER.as_bytes())?;
-        records.forces.write(FORCE_HEADER.as_bytes())?;
-        let mut header = Vec::new();
-        // Memory takes every byte.
-        let _ = write_header(&mut header);
-        records.frames.write(&header)?;
+        let mut records = Records::open(&self.path, &RecordLengths::default())?;
+        for record in Record::ALL {
+            records.write(record, &record.header())?;
+        }
         self.records = Some(records);
         Ok(())
     }
 
     fn resume(&mut self, progress: &Progress) -> Result<(), RunError> {
         self.forget_frames();
-        self.records = Some(Records::open(&self.path, progress.lengths)?);
+        self.records = Some(Records::open(&self.path, &progress.lengths)?);
         Ok(())
     }
 
     fn energy(&mut self, row: &EnergyRow) -> Result<(), RunError> {
-        self.records()?.energies.write(row.line().as_bytes())
+        self.write(Record::Energies, row.line().as_bytes())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
-        self.records()?.events.write(event_line(event).as_bytes())
+        self.write(Record::Events, event_line(event).as_bytes())
     }
 
     fn force(&mut self, row: &ForceRow) -> Result<(), RunError> {
-        self.records()?.forces.write(row.line().as_bytes())
+        self.write(Record::Forces, row.line().as_bytes())
     }
 
     fn frame(&mut self, frame: Frame) -> Result<(), RunError> {
-        let mut record = Vec::new();
-        // Memory takes every byte.
-        let _ = frame.write(&mut record);
         self.forget_frames();
-        self.records()?.frames.write(&record)
+        self.write(Record::Frames, &frame.to_bytes())
     }
 
     fn save(&mut self, mut checkpoint: Checkpoint) -> Result<(), RunError> {
@@ -300,16 +286,11 @@ impl RunSink for RunFolder {
     }
 
     fn outputs(&self) -> Vec<String> {
-        let names = [
-            ENERGY_FILE,
-            EVENT_FILE,
-            FRAME_FILE,
-            FORCE_FILE,
-            CHECKPOINT_FILE,
-            SCENE_FILE,
-        ];
-        let path = |name| self.path.join(name).display().to_string();
-        names.map(path).to_vec()
+        let records = Record::ALL.map(Record::file_name).into_iter();
+        let names = records.chain([CHECKPOINT_FILE, SCENE_FILE]);
+        names
+            .map(|name| self.path.join(name).display().to_string())
+            .collect()
     }
 }
 
@@ -351,15 +332,15 @@ impl RunSource for RunFolder {
     }
 
     fn energies(&self) -> Result<Vec<EnergyRow>, RunError> {
-        Ok(parse_energies(&self.read_text(ENERGY_FILE)?))
+        Ok(parse_energies(&self.read_text(Record::Energies)?))
     }
 
     fn events(&self) -> Result<Vec<Event>, RunError> {
-        Ok(parse_events(&self.read_text(EVENT_FILE)?))
+        Ok(parse_events(&self.read_text(Record::Events)?))
     }
 
     fn forces(&self) -> Result<Vec<ForceRow>, RunError> {
-        Ok(parse_forces(&self.read_text(FORCE_FILE)?))
+        Ok(parse_forces(&self.read_text(Record::Forces)?))
     }
 
     fn frames(&self) -> Result<FrameTimes, RunError> {

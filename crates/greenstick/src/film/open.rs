@@ -2,9 +2,7 @@
 
 use super::error::FilmError;
 use crate::pictures::picture_of_skin;
-use crate::simulate::{
-    PositionedBundle, SceneMeshes, body_shapes, fill_scene_stem, position_bundle,
-};
+use greenstick_fibre::simulate::SceneMeshes;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
@@ -25,23 +23,7 @@ pub fn open_run(
         let error = greenstick_skin::film::FilmError::NoFrames { run: source.name() };
         return Err(error.into());
     }
-    let shapes = body_shapes(&scene, meshes)?;
-    let filled = fill_scene_stem(&scene, meshes.input.as_ref(), context)?;
-    let PositionedBundle {
-        bundle,
-        scene_from_stem,
-    } = position_bundle(&filled, meshes, context)?;
-    let wood = RunWood {
-        stem: filled.stem,
-        input: filled.scene,
-        node: filled.node,
-        shell: filled.shell,
-        placed: filled.placed,
-        material: filled.wood,
-        bundle,
-        scene_from_stem,
-        shapes,
-    };
+    let wood = RunWood::from_scene(&scene, meshes, context)?;
     Ok(Run::new(source, wood)?)
 }
 

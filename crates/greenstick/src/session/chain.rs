@@ -1,17 +1,10 @@
 //! The chain of one break: stem → layout → heights → cut. Each value is computed from the one before and cached until
 //! something that it depends on changes.
 
-use super::notes::BreakNote;
 use super::progress::{CUT, HEIGHTS, LAYOUT, STEM};
 use super::slot::{Ids, Slot, SlotValue};
-use super::stages::{
-    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage, has_spiral_grain,
-    inner_wood,
-};
 use crate::Error;
-use crate::report::SpeciesReport;
 use crate::request::{Break, BreakStage};
-use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{self, HeightCache, HeightSource};
 use greenstick_fracture::parameters::{BreakParameters, CrackParameters};
@@ -22,8 +15,10 @@ use greenstick_skin::broken::{
 };
 use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
 use greenstick_skin::prepared::PreparedStem;
-use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
-use greenstick_wood::species::{DEFAULT_BUNDLE_DIAMETER, HeightRule};
+use greenstick_skin::stages::{
+    BreakStages, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief, SpiralGrain, StemStage,
+    has_spiral_grain, inner_wood,
+};
 use greenstick_wood::stem::{StemLocation, StemOptions};
 
 /// Everything that determines the cracks of a break.
@@ -145,34 +140,20 @@ impl<'a> ChainInput<'a> {
     }
 }
 
-/// The lowest point of a broken face, which a break nearer to the base stays clear of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LowestAbove {
-    /// The point of the axis at that length, m.
-    point: DVec3,
-    /// The length of stem between the two breaks, m.
-    margin: f64,
+/// The stem of a break.
+pub(super) struct ChainStem {
+    pub stage: StemStage,
+    /// Its unique number in the session.
+    pub id: u64,
+    /// The effect of the species on the relief.
+    relief: SpeciesRelief,
 }
 
-/// The least length of whole stem between two breaks, radii.
-const MIN_GAP_BETWEEN_BREAKS: f64 = 0.1;
-
-impl LowestAbove {
-    pub fn new(stages: &BreakStages) -> Self {
-        let stem = &stages.stem.stem().found.stem;
-        let low = stages.heights.heights.range.0;
-        LowestAbove {
-            point: stem.grain.axis().frame(stem.location + low).origin,
-            margin: MIN_GAP_BETWEEN_BREAKS * stem.radius,
-        }
-    }
-
-    /// Limits the usable length of a stem so that a break stays clear of the point.
-    fn limit(self, stem: &mut PreparedStem) {
-        let stem = &mut stem.found.stem;
-        let length = stem.grain.axis().length_at(self.point) - self.margin;
-        stem.usable.1 = stem.usable.1.min(length).max(stem.location);
-    }
+/// The stages of a break up to the cut.
+pub(super) struct ChainCut {
+    pub stages: BreakStages,
+    /// The unique number of the cut in the session.
+    pub id: u64,
 }
 
 /// The earliest stage that was recomputed.
@@ -200,13 +181,13 @@ impl Chain {
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
-    ) -> Result<BreakStages, Error> {
+    ) -> Result<ChainCut, Error> {
         let [stem_context, layout_context, height_context, cut_context] =
             context.split([(STEM, 4.0), (LAYOUT, 1.0), (HEIGHTS, 1.0), (CUT, 6.0)]);
         let recipe = &requested.recipe;
         let p = &recipe.face;
         let cracks = Cracks::plan(recipe)?;
-        let (stem, relief) = self.stem(
+        let found = self.stem(
             input,
             requested,
             cracks.as_ref(),
@@ -214,12 +195,13 @@ impl Chain {
             changes,
             &stem_context,
         )?;
+        let stem = found.stage;
         layout_context.report(0.0)?;
         let key = LayoutKey::new(stem.stem(), p);
-        let layout = layout(&mut self.layout, stem.stem(), (stem.id, key), ids)?;
+        let layout = layout(&mut self.layout, stem.stem(), (found.id, key), ids)?;
         changes.note(BreakStage::Layout, layout.is_new);
         height_context.report(0.0)?;
-        let heights = self.heights(&stem, &layout, requested, relief, ids)?;
+        let heights = self.heights(&stem, &layout, requested, found.relief, ids)?;
         changes.note(BreakStage::Heights, heights.is_new);
         cut_context.report(0.0)?;
         let at_break = cracks.as_ref().filter(|c| !c.sawn);
@@ -236,14 +218,14 @@ impl Chain {
         })?;
         changes.note(BreakStage::Cut, cut.is_new);
         cut_context.report(1.0)?;
-        Ok(BreakStages {
+        let stages = BreakStages {
             stem,
             layout: layout.value,
             heights: heights.value,
             cracks,
             cut: cut.value,
-            cut_id: cut.id,
-        })
+        };
+        Ok(ChainCut { stages, id: cut.id })
     }
 
     /// Updates the stem alone for a requested break.
@@ -254,22 +236,21 @@ impl Chain {
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
-    ) -> Result<StemStage, Error> {
+    ) -> Result<ChainStem, Error> {
         let cracks = Cracks::plan(&requested.recipe)?;
-        let (stem, ..) = self.stem(input, requested, cracks.as_ref(), ids, changes, context)?;
-        Ok(stem)
+        self.stem(input, requested, cracks.as_ref(), ids, changes, context)
     }
 
     /// Returns the range of heights from the 5th to the 95th percentile over the corners of a face, without the factor of a
     /// species, m.
     pub fn relief_range(
         &mut self,
-        stage: &StemStage,
+        found: &ChainStem,
         p: &BreakParameters,
         ids: &mut Ids,
     ) -> Result<f64, Error> {
-        let stem = stage.stem();
-        let key = (stage.id, LayoutKey::new(stem, p));
+        let stem = found.stage.stem();
+        let key = (found.id, LayoutKey::new(stem, p));
         let layout = layout(&mut self.layout, stem, key, ids)?;
         let setting = height_setting(stem, p, 1.0);
         let bundles = &layout.value.bundles;
@@ -285,7 +266,7 @@ impl Chain {
         ids: &mut Ids,
         changes: &mut Changes,
         context: &Context,
-    ) -> Result<(StemStage, SpeciesRelief), Error> {
+    ) -> Result<ChainStem, Error> {
         context.report(0.0)?;
         let p = &requested.recipe.face;
         let key = FoundKey {
@@ -322,8 +303,8 @@ impl Chain {
             sound: sound.value,
             opened: None,
             inner_material,
-            id: sound.id,
         };
+        let mut id = sound.id;
         match sawn {
             None => self.opened.clear(),
             Some(cracks) => {
@@ -338,10 +319,10 @@ impl Chain {
                     open_end(&stage.sound, p, &cracks.plan, inner_material, &silent)
                 })?;
                 changes.note(BreakStage::Stem, opened.is_new);
-                (stage.opened, stage.id) = (Some(opened.value), opened.id);
+                (stage.opened, id) = (Some(opened.value), opened.id);
             }
         }
-        Ok((stage, relief))
+        Ok(ChainStem { stage, id, relief })
     }
 
     /// Returns the layout on the stem as it was found: that of the break itself, unless the break needs `another` stem.
@@ -379,14 +360,7 @@ impl Chain {
             &requested.heights,
             &mut self.found_cache,
         );
-        let stem = &found.value.found.stem;
-        let margin = SPIRAL_MARGIN * stem.radius;
-        let (low, high) = heights.range;
-        let between = (
-            (stem.location + low - margin).max(stem.usable.0),
-            (stem.location + high + margin).min(stem.usable.1),
-        );
-        let turn = p.spiral_angle.to_radians() / stem.radius;
+        let SpiralGrain { turn, between } = SpiralGrain::around(&found.value, p, heights.range);
         self.spiral.get((found.id, turn, between), ids, |_| {
             Ok(found.value.with_spiral_grain(turn, between))
         })
@@ -402,55 +376,21 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<SpeciesRelief, Error> {
         let recipe = &requested.recipe;
-        let none = |note| SpeciesRelief {
-            factor: 1.0,
-            report: None,
-            note,
-        };
-        let Some(species) = recipe.species()? else {
-            return Ok(none(None));
-        };
-        let radius = found.value.found.stem.radius;
-        let moisture = recipe.moisture.unwrap_or(AIR_DRY_PERCENT);
-        let height = match species.fracture_height(
-            radius,
-            DEFAULT_BUNDLE_DIAMETER,
-            moisture,
-            Fallback::TwelvePercent,
-        ) {
-            Ok(height) => height,
-            Err(error) => return Ok(none(Some(BreakNote::NoSpeciesHeight(error.to_string())))),
-        };
-        let factor = match height.rule {
-            HeightRule::Eq9 => {
-                let p = &recipe.face;
-                let layout = self.found_layout(found, p, another, ids)?;
-                let cache = if another {
-                    &mut self.found_cache
-                } else {
-                    &mut self.cache
-                };
-                let setting = height_setting(&found.value, p, 1.0);
-                let range = heights::relief_range(&layout.value.bundles, p, &setting, cache);
-                height.ratio * radius / range.max(1e-9)
-            }
-            HeightRule::ShearLag => {
-                height.ratio * radius / DEFAULT_BUNDLE_DIAMETER / TYPICAL_SLENDERNESS
-            }
-        };
-        let report = SpeciesReport {
-            name: species.name.clone(),
-            scientific_name: species.scientific_name.clone(),
-            moisture_percent: moisture,
-            rule: height.rule.to_string(),
-            basis: height.basis.to_string(),
-            height_m: height.ratio * radius,
-            relief: factor,
-        };
-        Ok(SpeciesRelief {
-            factor,
-            report: Some(report),
-            note: None,
+        SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, || {
+            let p = &recipe.face;
+            let layout = self.found_layout(found, p, another, ids)?;
+            let cache = if another {
+                &mut self.found_cache
+            } else {
+                &mut self.cache
+            };
+            let setting = height_setting(&found.value, p, 1.0);
+            Ok(heights::relief_range(
+                &layout.value.bundles,
+                p,
+                &setting,
+                cache,
+            ))
         })
     }
 
@@ -481,13 +421,6 @@ impl Chain {
         })
     }
 }
-
-/// The length beyond the break over which grain still spirals, radii.
-const SPIRAL_MARGIN: f64 = 0.5;
-
-/// Median over the Wood Handbook's species of the shear-lag length over the bundle's width: the wood that the relief
-/// of the parameters stands for.
-const TYPICAL_SLENDERNESS: f64 = 2.87;
 
 fn layout(
     slot: &mut Slot<(u64, LayoutKey), FaceLayout>,

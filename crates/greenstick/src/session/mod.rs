@@ -6,36 +6,34 @@
 //! ([`BreakSession::broken`]).
 
 mod chain;
-mod input;
-mod notes;
 mod order;
-mod pieces;
 mod progress;
-mod report;
-mod scene;
 mod slot;
-mod stages;
 
-pub use notes::BreakNote;
-pub use pieces::{BreakPieces, Piece, PieceRole, Pieces};
-pub use scene::NodeRole;
-pub use stages::{BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage};
+pub use greenstick_skin::finish::{NodeRole, Piece, PieceRole, Pieces};
+pub use greenstick_skin::report::BreakNote;
+pub use greenstick_skin::stages::{
+    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
+};
 
 use crate::Error;
-use crate::report::BreakReport;
 use crate::request::{Break, BreakRequest, BreakStage};
-use chain::{Chain, ChainInput, Changes, LowestAbove};
+use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
+use greenstick_skin::finish::{
+    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, assemble, break_notes, break_report,
+    finish, left_at_base,
+};
 use greenstick_skin::materials;
+use greenstick_skin::report::BreakReport;
+use greenstick_skin::stages::LowestAbove;
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
-use input::Input;
-use order::BreakOrder;
+use order::{BreakOrder, no_breaks};
 use progress::{CUT, FINISH, STEM, TEXTURES};
-use scene::{Assembled, assemble};
 use slot::{Ids, Slot};
 use std::sync::Arc;
 
@@ -75,12 +73,36 @@ struct CachedBreak {
 /// ```
 #[derive(Debug)]
 pub struct BreakSession {
-    input: Arc<Input>,
+    input: Arc<BreakInput>,
     ids: Ids,
     order: BreakOrder,
     /// In the order in which they are made.
     breaks: Vec<CachedBreak>,
     changes: Changes,
+}
+
+/// One break of a request, with its stages and pieces.
+#[derive(Debug, Clone)]
+pub struct BreakPieces {
+    /// Its index in the request.
+    pub number: usize,
+    /// The break that was requested; if the request has several, its location is a point.
+    pub requested: Break,
+    /// Its stages up to the cut.
+    pub stages: BreakStages,
+    /// Its pieces.
+    pub pieces: Arc<Pieces>,
+}
+
+impl BreakPieces {
+    fn finished(&self) -> FinishedBreak<'_> {
+        FinishedBreak {
+            number: self.number,
+            face: &self.requested.recipe.face,
+            stages: &self.stages,
+            pieces: &self.pieces,
+        }
+    }
 }
 
 /// The wood inside a break.
@@ -130,7 +152,7 @@ impl BreakSession {
     /// Starts a session that breaks `scene`.
     pub fn new(scene: Scene) -> Self {
         BreakSession {
-            input: Arc::new(Input::new(scene)),
+            input: Arc::new(BreakInput::new(scene)),
             ids: Ids::default(),
             order: BreakOrder::default(),
             breaks: Vec::new(),
@@ -159,6 +181,14 @@ impl BreakSession {
     /// # Errors
     /// As [`BreakSession::stages`].
     pub fn stem(&mut self, request: &BreakRequest, context: &Context) -> Result<StemStage, Error> {
+        self.chain_stem(request, context).map(|found| found.stage)
+    }
+
+    fn chain_stem(
+        &mut self,
+        request: &BreakRequest,
+        context: &Context,
+    ) -> Result<ChainStem, Error> {
         let requested = only(request)?;
         self.begin(request);
         let input = self.input.clone();
@@ -177,7 +207,7 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<f64, Error> {
-        let stem = self.stem(request, context)?;
+        let stem = self.chain_stem(request, context)?;
         let face = &only(request)?.recipe.face;
         self.breaks[0]
             .chain
@@ -198,7 +228,8 @@ impl BreakSession {
         let input = self.input.clone();
         let input = ChainInput::whole(&input.scene, &request.stem);
         let chain = &mut self.breaks[0].chain;
-        chain.update(&input, requested, &mut self.ids, &mut self.changes, context)
+        let cut = chain.update(&input, requested, &mut self.ids, &mut self.changes, context)?;
+        Ok(cut.stages)
     }
 
     /// Prepares for a request: one cached break for each of its breaks.
@@ -227,10 +258,9 @@ impl BreakSession {
         let order = self.order.resolve(&input.scene, request, &locating)?;
         let mut finished: Vec<BreakPieces> = Vec::new();
         let mut remaining: Option<(Arc<Scene>, u64)> = None;
-        for (at, placed) in order.iter().enumerate() {
-            let [cutting, finishing] = breaking
-                .item(at, order.len())
-                .split([(CUT, 3.0), (FINISH, 2.0)]);
+        let count = order.len();
+        for (at, placed) in order.into_iter().enumerate() {
+            let [cutting, finishing] = breaking.item(at, count).split([(CUT, 3.0), (FINISH, 2.0)]);
             let one = &mut self.breaks[at];
             let (scene, id) = match &remaining {
                 Some((scene, id)) => (&**scene, *id),
@@ -245,22 +275,28 @@ impl BreakSession {
                 inner_wood_before: at as u32,
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
-            let stages = (one.chain).update(&input, &placed.requested, ids, changes, &cutting)?;
+            let requested = &placed.requested;
+            let ChainCut { stages, id } =
+                (one.chain).update(&input, requested, ids, changes, &cutting)?;
             finishing.report(0.0)?;
-            let key = (stages.cut_id, placed.requested.clone());
-            let pieces = one
-                .pieces
-                .get(key, ids, |_| pieces::finish(&stages, &placed.requested))?;
+            let pieces = one.pieces.get((id, requested.clone()), ids, |_| {
+                let options = FinishOptions {
+                    face: &requested.recipe.face,
+                    fray: requested.fray,
+                    separation: requested.separation,
+                };
+                finish(&stages, &options)
+            })?;
             changes.note(BreakStage::Finish, pieces.is_new);
-            if at + 1 < order.len() {
+            if at + 1 < count {
                 let found = one.remaining.get(pieces.id, ids, |_| {
-                    Ok::<_, Error>(scene::left_at_base(&stages, &pieces.value))
+                    Ok::<_, Error>(left_at_base(&stages, &pieces.value))
                 })?;
                 remaining = Some((found.value, found.id));
             }
             finished.push(BreakPieces {
                 number: placed.number,
-                requested: placed.requested.clone(),
+                requested: placed.requested,
                 stages,
                 pieces: pieces.value,
             });
@@ -275,7 +311,8 @@ impl BreakSession {
     pub fn broken(&mut self, request: &BreakRequest, context: &Context) -> Result<Broken, Error> {
         let [breaking, baking] = context.split([(CUT, 1.0), (TEXTURES, 2.0)]);
         let breaks = self.pieces(request, &breaking)?;
-        let Assembled { mut scene, roles } = assemble(&breaks);
+        let finished: Vec<FinishedBreak> = breaks.iter().map(BreakPieces::finished).collect();
+        let AssembledBreaks { mut scene, roles } = assemble(&finished);
         materials::add_missing_bark(&mut scene);
         let mut woods = Vec::new();
         for (at, one) in breaks.iter().enumerate() {
@@ -291,9 +328,9 @@ impl BreakSession {
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,
-            report: report::report(&self.input, &breaks, &scene),
+            report: break_report(&self.input, &finished, &scene).ok_or_else(no_breaks)?,
             scene,
-            notes: report::notes(&breaks).into_iter().cloned().collect(),
+            notes: break_notes(&finished),
             woods: woods.into_iter().map(|w| w.1).collect(),
             apart: (request.breaks.iter()).any(|b| b.separation != 0.0 || b.recipe.face.hang > 0.0),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),

@@ -4,7 +4,6 @@
 use crate::Error;
 use crate::request::{Break, BreakRequest};
 use greenstick_geometry::{Context, Scene};
-use greenstick_skin::prepared::world_meshes;
 use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
 
@@ -15,6 +14,11 @@ pub(super) struct PlacedBreak {
     pub number: usize,
     /// The break; if the request has several, its location is a point.
     pub requested: Break,
+}
+
+/// The error of a request without breaks.
+pub(super) fn no_breaks() -> Error {
+    Error::Amount("no breaks; expected at least 1".into())
 }
 
 /// The locations of the breaks of the last request.
@@ -42,7 +46,7 @@ impl BreakOrder {
         }
         let found = self.locate(scene, request, context)?;
         let Some(first) = found.first() else {
-            return Err(Error::Amount("no breaks; expected at least 1".into()));
+            return Err(no_breaks());
         };
         let shell = |f: &FoundStem| (f.node, f.shell.first().copied());
         if let Some(other) = found.iter().position(|f| shell(f) != shell(first)) {
@@ -86,7 +90,7 @@ impl BreakOrder {
             let found = match self.located.iter().find(|k| k.0 == key) {
                 Some(known) => known.1.clone(),
                 None => {
-                    let meshes = meshes.get_or_insert_with(|| world_meshes(scene));
+                    let meshes = meshes.get_or_insert_with(|| scene.world_meshes());
                     let context = context.item(number, request.breaks.len());
                     Arc::new(find_stem(
                         meshes,

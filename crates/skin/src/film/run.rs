@@ -9,11 +9,14 @@ use glam::{DAffine3, DVec2};
 use greenstick_fibre::bodies::Shape;
 use greenstick_fibre::placement::{PlacedRods, WoodMaterial};
 use greenstick_fibre::scene::Scene as Setting;
+use greenstick_fibre::simulate::{
+    PositionedBundle, SceneMeshes, SimulateError, body_shapes, fill_scene_stem, position_bundle,
+};
 use greenstick_fibre::store::{Frame, FrameTimes, RunSource};
 use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{Bvh, Mesh, Scene};
+use greenstick_geometry::{Bvh, Context, Mesh, Scene};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Stem, StemKind};
@@ -45,6 +48,36 @@ pub struct RunWood {
     pub scene_from_stem: DAffine3,
     /// The shapes of the bodies about the centres that frames hold.
     pub shapes: Vec<Shape>,
+}
+
+impl RunWood {
+    /// Grows the wood of a recorded run again, from its scene and the meshes that the scene names.
+    ///
+    /// # Errors
+    /// [`SimulateError`] as for the run itself.
+    pub fn from_scene(
+        scene: &Setting,
+        meshes: &SceneMeshes,
+        context: &Context,
+    ) -> Result<RunWood, SimulateError> {
+        let shapes = body_shapes(scene, meshes)?;
+        let filled = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
+        let PositionedBundle {
+            bundle,
+            scene_from_stem,
+        } = position_bundle(&filled, meshes, context)?;
+        Ok(RunWood {
+            stem: filled.stem,
+            input: filled.scene,
+            node: filled.node,
+            shell: filled.shell,
+            placed: filled.placed,
+            material: filled.wood,
+            bundle,
+            scene_from_stem,
+            shapes,
+        })
+    }
 }
 
 /// A run that was simulated.

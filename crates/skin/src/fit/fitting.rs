@@ -14,10 +14,12 @@ use greenstick_wood::stem::{Stem, StemLocation};
 const RELIEF_FACTOR: [f64; 2] = [0.25, 4.0];
 /// Bisections of the range of the factor.
 const BISECTIONS: usize = 10;
+/// Fractions of a stem's length are rounded to one over this.
+const FRACTION_STEPS: f64 = 1e4;
 
 /// A break of a bundle of rods that is to be fitted.
 ///
-/// The break is fitted in three steps: find the length along the stem where it is ([`BreakFit::length_along`]), fit a face
+/// The break is fitted in three steps: find where it is along the stem ([`BreakFit::location`]), fit a face
 /// to it there ([`BreakFit::face`]), and match the relief of that face ([`FaceFit::match_relief`]).
 pub struct BreakFit<'a> {
     wood: &'a Wood<'a>,
@@ -52,10 +54,20 @@ impl<'a> BreakFit<'a> {
     }
 
     /// The length along the axis of the run's stem, m, at which the middle layer of the break lies.
-    pub fn length_along(&self) -> f64 {
+    fn length_along(&self) -> f64 {
         let stem = self.wood.stem;
         let (shape, _) = self.shape(&self.space(stem, &|p| stem.grain.to_grain(p)));
         stem.location + shape.level * stem.radius
+    }
+
+    /// Returns where on the run's stem that is: a point of the axis, or a fraction of the length.
+    pub fn location(&self, by_point: bool) -> StemLocation {
+        let (stem, along) = (self.wood.stem, self.length_along());
+        if by_point {
+            return StemLocation::Point(stem.grain.axis().frame(along).origin);
+        }
+        let fraction = (along / stem.length * FRACTION_STEPS).round() / FRACTION_STEPS;
+        StemLocation::Fraction(fraction.clamp(0.0, 1.0))
     }
 
     /// Fits a face to the break at `location`, where the stem is `stem`; `to_grain` leads from the world to the stem's grain

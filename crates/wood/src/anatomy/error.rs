@@ -39,6 +39,18 @@ pub enum AnatomyError {
     /// More particles than memory holds.
     #[error("{0} particles; expected at most {MAX_PARTICLES}")]
     TooManyParticles(u64),
+    /// A number of something in a request that is out of range.
+    #[error("{found} {what}; expected {least} to {most}")]
+    Amount {
+        /// What it is the number of.
+        what: &'static str,
+        /// The number.
+        found: u64,
+        /// The least that is possible.
+        least: u64,
+        /// The most.
+        most: u64,
+    },
     /// The caller stopped the work.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -6,18 +6,24 @@
 //! and completes a girth that was seen in part. Elsewhere it is made by screened Poisson reconstruction.
 
 mod circle;
+mod cleaned;
 mod coverage;
 mod folded;
 mod grid;
+mod parameters;
 mod points;
 mod report;
+mod scanned;
 mod shape;
 mod surface;
 mod timber;
 mod trace;
 mod traced;
 
+pub use cleaned::{ScanRequest, ScanningError, clean_and_reconstruct};
+pub use parameters::ScanParameters;
 pub use report::{Coverage, ScanError, ScanOptions, ScanReport, ScannedBark};
+pub use scanned::ScannedReport;
 
 use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
 use crate::stem::{Axis, StemLocation};

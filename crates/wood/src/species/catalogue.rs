@@ -3,8 +3,14 @@
 use super::names::{ALIASES, UnknownSpecies, common_names};
 use super::record::Species;
 use super::table;
-use greenstick_schema::{MAX_SUGGESTIONS, MIN_SIMILARITY, normalise};
+use greenstick_schema::{Format, MAX_SUGGESTIONS, MIN_SIMILARITY, normalise};
 use std::sync::LazyLock;
+
+/// A common or scientific name of a species.
+pub const SPECIES_NAME: Format = Format {
+    name: "NAME",
+    check: |name| Species::find(name).map(|_| ()).map_err(|e| e.to_string()),
+};
 
 static ALL: LazyLock<Vec<Species>> = LazyLock::new(table::read);
 

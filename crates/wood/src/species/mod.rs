@@ -23,6 +23,7 @@ mod record;
 mod strength;
 mod table;
 
+pub use catalogue::SPECIES_NAME;
 pub use genus::{HeartwoodColour, RingCharacter};
 pub use names::UnknownSpecies;
 pub use record::{Group, MechanicalProperties, Property, Shrinkage, Species};

@@ -1,0 +1,211 @@
+//! From a scene and its meshes to a world with bodies.
+
+use super::error::SimulateError;
+use super::meshes::{SceneMeshes, StemScene, mesh_shapes, stem_scene};
+use crate::placement::{
+    Arrangement, EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
+use crate::rod_bundle::RodBundle;
+use crate::scene::{ArrangementChoice, AssembledScene, StemChoice, TwistChoice, assemble};
+use crate::store::checksum;
+use glam::DAffine3;
+use greenstick_geometry::{Context, Scene, Stage};
+use greenstick_wood::moisture::Fallback;
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
+
+/// The wood of a scene: its stem filled with rods, before these are moved into the scene's axes.
+#[derive(Debug, Clone)]
+pub struct FilledStem {
+    /// The stem.
+    pub stem: Stem,
+    /// The meshes that the stem was found in.
+    pub scene: Scene,
+    /// The node that the stem is part of.
+    pub node: usize,
+    /// The triangles of that node that bound the stem.
+    pub shell: Vec<u32>,
+    /// The rods.
+    pub placed: PlacedRods,
+    /// The wood's properties.
+    pub wood: WoodMaterial,
+    /// The scene with lengths for this stem.
+    pub run_scene: crate::Scene,
+}
+
+/// Fills the stem of a scene with rods.
+///
+/// # Errors
+/// [`SimulateError`] for a scene or an input that cannot be used.
+pub fn fill_scene_stem(
+    scene: &crate::Scene,
+    input: Option<&Scene>,
+    context: &Context,
+) -> Result<FilledStem, SimulateError> {
+    scene.check()?;
+    let wood = wood_material(scene)?;
+    let [finding, filling] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
+    finding.report(0.0)?;
+    let of_stem = stem_scene(scene, input)?;
+    let found = find_in_scene(&of_stem, &finding)?;
+    let (from, to) = found.stem.usable;
+    let range = scene.stem.part.map(|p| from + p * (to - from));
+    filling.report(0.0)?;
+    let run_scene = scene.for_stem(match scene.stem.kind {
+        StemChoice::Input => range[1] - range[0],
+        // The length that the scene states: of a branch a little less may be usable.
+        _ => scene.stem.length * (scene.stem.part[1] - scene.stem.part[0]),
+    });
+    run_scene.check()?;
+    let options = placement_options(&run_scene, (range[0], range[1]));
+    let placed = fill_stem(&found.stem, &wood, &options, &filling)?;
+    Ok(FilledStem {
+        stem: found.stem,
+        node: found.node,
+        shell: found.shell,
+        scene: of_stem.scene,
+        placed,
+        wood,
+        run_scene,
+    })
+}
+
+fn find_in_scene(
+    of_stem: &StemScene,
+    context: &Context,
+) -> Result<greenstick_wood::stem::FoundStem, SimulateError> {
+    let meshes = of_stem.scene.world_meshes();
+    Ok(find_stem(
+        &meshes,
+        &of_stem.location,
+        &StemOptions::default(),
+        context,
+    )?)
+}
+
+/// Returns the properties of the scene's wood.
+fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
+    let species = Species::find(&scene.wood.species)?;
+    let mut wood =
+        WoodMaterial::from_species(species, scene.wood.moisture, Fallback::TwelvePercent)?;
+    for modulus in [
+        &mut wood.longitudinal,
+        &mut wood.radial,
+        &mut wood.tangential,
+        &mut wood.shear_radial,
+        &mut wood.shear_tangential,
+        // Strains at failure stay as they are, along the grain and across it. Fracture energies scale as strength squared
+        // over the modulus.
+        &mut wood.tension,
+        &mut wood.compression,
+        &mut wood.tension_across,
+        &mut wood.shear,
+        &mut wood.fracture_energy,
+    ] {
+        *modulus *= scene.wood.stiffness;
+    }
+    Ok(wood)
+}
+
+fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOptions {
+    let keys = &scene.rods;
+    PlacementOptions {
+        seed: scene.seed,
+        arrangement: match keys.arrangement {
+            ArrangementChoice::PoissonDisk => Arrangement::PoissonDisk,
+            ArrangementChoice::Anatomy => Arrangement::Anatomy,
+        },
+        rods: match keys.spacing {
+            Some(spacing) => RodCount::Spacing(spacing),
+            None => RodCount::Number(keys.number),
+        },
+        edges: EdgeLengths {
+            least: keys.edge[0],
+            greatest: keys.edge[1],
+        },
+        range: Some(range),
+        reach: keys.reach,
+        twisting: match keys.twist {
+            TwistChoice::Auto => None,
+            TwistChoice::On => Some(true),
+            TwistChoice::Off => Some(false),
+        },
+        weibull: keys.weibull.unwrap_or(f64::INFINITY),
+        rings: keys.rings,
+        rays: keys.rays,
+        ring_strength: keys.ring_strength,
+        ray_strength: keys.ray_strength,
+    }
+}
+
+/// A scene that is ready to be moved by a solver.
+pub(super) struct PreparedScene {
+    pub assembled: AssembledScene,
+    /// The scene with lengths for its stem.
+    pub scene: crate::Scene,
+    /// Identifies the simulation: the same for all that ends in the same bytes.
+    pub hash: u64,
+}
+
+/// Prepares a scene.
+pub(super) fn prepare(
+    scene: &crate::Scene,
+    meshes: &SceneMeshes,
+    context: &Context,
+) -> Result<PreparedScene, SimulateError> {
+    let shapes = mesh_shapes(scene, meshes)?;
+    let FilledStem {
+        placed, run_scene, ..
+    } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
+    let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
+    // The duration may grow when a run is resumed; everything else must be as it was.
+    let without_duration = crate::Scene {
+        duration: 0.0,
+        ..run_scene.clone()
+    };
+    let mut content = without_duration.to_toml().into_bytes();
+    let position = &assembled.world.state.position;
+    for part in [&position.x, &position.y, &position.z] {
+        part.iter()
+            .for_each(|v| content.extend(v.to_bits().to_le_bytes()));
+    }
+    Ok(PreparedScene {
+        assembled,
+        scene: run_scene,
+        hash: checksum(&content),
+    })
+}
+
+/// The unbroken rods in the scene's axes.
+#[derive(Debug, Clone)]
+pub struct PositionedBundle {
+    /// The rods.
+    pub bundle: RodBundle,
+    /// Maps the stem's world to the scene's axes.
+    pub scene_from_stem: DAffine3,
+}
+
+/// Moves the rods of a stem into the scene's axes.
+///
+/// # Errors
+/// [`SimulateError`] as for a run.
+pub fn position_bundle(
+    filled: &FilledStem,
+    meshes: &SceneMeshes,
+    context: &Context,
+) -> Result<PositionedBundle, SimulateError> {
+    let scene = &filled.run_scene;
+    let shapes = mesh_shapes(scene, meshes)?;
+    let placed = &filled.placed;
+    let assembled = assemble(
+        scene,
+        placed.bundle.clone(),
+        &placed.along,
+        &shapes,
+        context,
+    )?;
+    Ok(PositionedBundle {
+        bundle: assembled.world.bundle,
+        scene_from_stem: assembled.scene_from_stem,
+    })
+}

@@ -1,0 +1,47 @@
+//! Bending tests of species as in ASTM D143, and their files: tables, chart and report.
+//!
+//! The tests are those of [`greenstick_fibre::bend_test`].
+
+pub use crate::charts::bend_chart;
+pub use greenstick_fibre::bend_test::{
+    BendReport, BendRequest, BendRow, BendSettings, BendTable, BendingError, Bent, Compared,
+    END_OF_TABLE, Failing, Phase, Summary, bend, bend_all,
+};
+
+use crate::Error;
+use greenstick_formats::Encoded;
+use serde::Serialize;
+
+/// The name of a test's report.
+pub const BEND_REPORT_FILE: &str = "bend-test.json";
+/// The name of the table of all species.
+pub const BEND_TABLE_FILE: &str = "species.csv";
+
+/// Returns a test as `bend-test.json`, `load-deflection.csv`, `load-deflection.png` and `events.csv`.
+///
+/// # Errors
+/// [`Error::Report`] where the report cannot be converted to JSON.
+pub fn bend_test_files(bent: &Bent) -> Result<Vec<Encoded>, Error> {
+    Ok(vec![
+        json_file(BEND_REPORT_FILE, &bent.report)?,
+        Encoded::new("load-deflection.csv", bent.load_table()),
+        Encoded::new("load-deflection.png", bend_chart(bent).png()),
+        Encoded::new("events.csv", bent.event_table()),
+    ])
+}
+
+/// Returns the tests of all species as `species.csv` and `species.json`, with the summary.
+///
+/// # Errors
+/// [`Error::Report`] where the table cannot be converted to JSON.
+pub fn bend_table_files(table: &BendTable) -> Result<Vec<Encoded>, Error> {
+    Ok(vec![
+        Encoded::new(BEND_TABLE_FILE, table.csv()),
+        json_file("species.json", table)?,
+    ])
+}
+
+fn json_file(name: &str, value: &impl Serialize) -> Result<Encoded, Error> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Error::Report(e.to_string()))?;
+    Ok(Encoded::new(name, text + "\n"))
+}

@@ -1,0 +1,43 @@
+//! Charts of runs and of bending tests.
+
+use greenstick_fibre::Curve;
+use greenstick_fibre::bend_test::Bent;
+use greenstick_fibre::simulate::{LoadCurves, energy_curves};
+use greenstick_fibre::store::{EnergyRow, ForceRow};
+use greenstick_picture::{Chart, Line, Picture};
+
+/// Size of a run's charts, pixels.
+const RUN_SIZE: [u32; 2] = [1600, 800];
+/// Size of a bending test's chart, pixels.
+const BEND_SIZE: [u32; 2] = [1600, 900];
+
+/// Draws the energies of a run over time.
+pub fn energy_chart(rows: &[EnergyRow]) -> Picture {
+    let axes = ["time (s)", "energy (J)"];
+    draw("Energies", axes, energy_curves(rows), RUN_SIZE)
+}
+
+/// Draws the load over the deflection of everything that moves: force over displacement, or, where nothing is displaced,
+/// moment over angle. Returns `None` where nothing moves.
+pub fn load_chart(rows: &[ForceRow]) -> Option<Picture> {
+    let LoadCurves { axes, curves } = LoadCurves::from_rows(rows);
+    (!curves.is_empty()).then(|| draw("Load", axes, curves, RUN_SIZE))
+}
+
+/// Draws the load of a bending test over its deflection, with where the table has stiffness and largest load.
+pub fn bend_chart(bent: &Bent) -> Picture {
+    let report = &bent.report;
+    let title = format!("{}, {} % moisture", report.species, report.moisture_percent);
+    let axes = ["deflection (mm)", "load (kN)"];
+    draw(&title, axes, bent.load_curves(), BEND_SIZE)
+}
+
+fn draw(title: &str, axes: [&str; 2], curves: Vec<Curve>, [width, height]: [u32; 2]) -> Picture {
+    let line = |Curve { name, points }| Line { name, points };
+    Chart {
+        title: title.to_owned(),
+        axes: axes.map(str::to_owned),
+        lines: curves.into_iter().map(line).collect(),
+    }
+    .draw(width, height)
+}

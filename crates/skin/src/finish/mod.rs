@@ -1,0 +1,14 @@
+//! The finish of a break: its separate pieces, the scene that they and everything that was not cut make, and the report.
+
+mod finished_break;
+mod notes;
+mod piece;
+mod pieces;
+mod report;
+mod scene;
+
+pub use finished_break::FinishedBreak;
+pub use piece::{Piece, PieceRole, Pieces};
+pub use pieces::{FinishOptions, finish};
+pub use report::{BreakInput, break_notes, break_report};
+pub use scene::{AssembledBreaks, NodeRole, assemble, left_at_base};

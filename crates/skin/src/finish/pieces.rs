@@ -1,0 +1,145 @@
+//! Separate pieces of a break: frayed, hung, and rounded to the precision of files.
+
+use super::notes::{notes_on_cracks, notes_up_to_the_cut};
+use super::piece::{Piece, PieceRole, Pieces};
+use crate::error::BreakError;
+use crate::fray::FrayedBreak;
+use crate::hang::hang;
+use crate::report::{BreakNote, PieceReport};
+use crate::stages::{BreakStages, has_spiral_grain};
+use glam::DAffine3;
+use greenstick_fracture::parameters::BreakParameters;
+use greenstick_geometry::Mesh;
+use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
+use rayon::prelude::*;
+
+/// How a break is finished.
+#[derive(Debug, Clone, Copy)]
+pub struct FinishOptions<'a> {
+    /// Parameters of the broken face.
+    pub face: &'a BreakParameters,
+    /// How much thorns are bent and torn loose, from 0 (not at all) to 1.
+    pub fray: f64,
+    /// How far the pieces are moved apart, m.
+    pub separation: f64,
+}
+
+/// Makes the pieces of a break from its stages up to the cut.
+///
+/// # Errors
+/// [`BreakError`] where splinters cannot be cut loose.
+pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, BreakError> {
+    let stem = stages.stem.stem();
+    let p = options.face;
+    let inner = stages.inner_wood(p);
+    let mut notes = notes_up_to_the_cut(stages, p);
+    let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));
+    let plain = [lower, upper];
+    let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
+    let [mut lower, mut upper] = match &stages.cut.cracked {
+        None => plain,
+        Some(faces) => {
+            let cracked =
+                [false, true].map(|upper| faces[usize::from(upper)].piece(stem, &inner, upper));
+            let volume = |pieces: &[Mesh; 2]| (pieces[0].volume(), pieces[1].volume());
+            let ((a, b), (c, d)) = (volume(&plain), volume(&cracked));
+            crack_volume = Some((a + b - c - d) * stem.volume_scale());
+            cracked
+        }
+    };
+    let mut splinters = Vec::new();
+    if options.fray > 0.0 {
+        let amount = options.fray.min(1.0);
+        let made = FrayedBreak {
+            stem,
+            layout: &stages.layout,
+            heights: &stages.heights.heights,
+            inner,
+            pieces: [&lower, &upper],
+            amount,
+            separation: options.separation,
+            seed: p.seed,
+        }
+        .fray()?;
+        [lower, upper] = made.pieces;
+        for (role, report) in [PieceRole::Lower, PieceRole::Upper].iter().zip(made.bends) {
+            notes.push(BreakNote::Bent {
+                piece: role.name(),
+                report,
+                requested: amount,
+            });
+        }
+        splinters = made.splinters;
+        if splinters.is_empty() {
+            notes.push(BreakNote::NoSplinters);
+        }
+    }
+    if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
+        notes.push(BreakNote::NoSpiralGrain);
+    }
+    let range = stages.heights.heights.range;
+    let (turn, hang) = hang(stem, p, [&lower, &upper], range).unzip();
+    if let Some(h) = hang.as_ref().filter(|h| h.angle_degrees > p.hang) {
+        notes.push(BreakNote::HangsWider {
+            angle: h.angle_degrees,
+            requested: p.hang,
+        });
+    }
+    let moved =
+        DAffine3::from_translation(along(stages) * options.separation) * turn.unwrap_or_default();
+    let mut meshes = vec![
+        (PieceRole::Lower, lower, DAffine3::IDENTITY),
+        (PieceRole::Upper, upper, moved),
+    ];
+    let splinters = splinters.into_iter().enumerate();
+    meshes.extend(splinters.map(|(i, (mesh, motion))| (PieceRole::Splinter(i), mesh, motion)));
+    let mut made = Pieces {
+        pieces: Vec::new(),
+        reports: Vec::new(),
+        hang,
+        crack_volume_m3: crack_volume,
+        end: stages.stem.opened.as_ref().map(|opened| opened.end),
+        notes,
+    };
+    made.write_meshes(stages, meshes);
+    made.notes.extend(notes_on_cracks(stages));
+    Ok(made)
+}
+
+/// Returns the direction of the stem at the break.
+fn along(stages: &BreakStages) -> glam::DVec3 {
+    let stem = &stages.stem.stem().found.stem;
+    stem.grain.axis().frame(stem.location).tangent
+}
+
+impl Pieces {
+    /// Rounds meshes to the precision of files and adds them.
+    fn write_meshes(&mut self, stages: &BreakStages, meshes: Vec<(PieceRole, Mesh, DAffine3)>) {
+        let inner = stages.stem.inner_material;
+        // Self-intersections of the input are left as they are.
+        let known = KnownPositions::from_mesh(&stages.stem.sound.node().mesh);
+        let scale = stages.stem.sound.volume_scale();
+        let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
+            snap_to_f32(&mut mesh, inner);
+            let collapsed = resolve_self_intersections(&mut mesh, &known);
+            let report = PieceReport::new(&role.name(), &mesh, scale);
+            (role, mesh, motion, collapsed, report)
+        });
+        let meshes: Vec<_> = meshes.collect();
+        for (role, mesh, motion, collapsed, report) in meshes {
+            if collapsed.faults > 0 {
+                self.notes.push(BreakNote::SelfIntersectionsResolved {
+                    piece: role.name(),
+                    collapsed,
+                    longest_m: collapsed.longest * scale.cbrt(),
+                });
+            }
+            self.reports.push(report);
+            self.pieces.push(Piece {
+                role,
+                mesh: mesh.into(),
+                motion,
+            });
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The report on the breaks of a stem.
+
+use super::finished_break::{FinishedBreak, in_order_of_request};
+use super::scene::piece_reports;
+use crate::prepared::{PreparedStem, volume_scale};
+use crate::report::{
+    BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
+};
+use greenstick_fracture::parameters::SurfaceStyle;
+use greenstick_geometry::Scene;
+use greenstick_wood::stem::StemKind;
+
+/// The scene that is broken, and what reports say of it.
+#[derive(Debug)]
+pub struct BreakInput {
+    /// The scene.
+    pub scene: Scene,
+    /// Triangles of all meshes.
+    triangles: usize,
+    /// Area of all meshes, m².
+    area_m2: f64,
+}
+
+impl BreakInput {
+    /// Measures a scene.
+    pub fn new(scene: Scene) -> Self {
+        let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
+        let area_m2 = scene
+            .nodes
+            .iter()
+            .map(|n| n.mesh.area() * volume_scale(n).cbrt().powi(2))
+            .sum();
+        BreakInput {
+            scene,
+            triangles,
+            area_m2,
+        }
+    }
+}
+
+/// Returns the notes on all breaks, in the order of the request.
+pub fn break_notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
+    let order = in_order_of_request(breaks);
+    order
+        .iter()
+        .flat_map(|one| one.pieces.notes.clone())
+        .collect()
+}
+
+/// Reports on breaks of an input, given in the order in which they were made, and on the pieces in `scene`. Returns
+/// `None` where there is no break.
+pub fn break_report(
+    input: &BreakInput,
+    breaks: &[FinishedBreak],
+    scene: &Scene,
+) -> Option<BreakReport> {
+    let order = in_order_of_request(breaks);
+    let first = order.first()?;
+    let further = order[1..].iter().map(|one| FurtherBreak {
+        place: place_report(one.stages.stem.stem()),
+        face: face_report(one),
+        species: one.stages.heights.relief.report.clone(),
+        hang: one.pieces.hang.clone(),
+        crack_volume_m3: one.pieces.crack_volume_m3,
+    });
+    let mut pieces = piece_reports(breaks);
+    for (report, node) in pieces.iter_mut().zip(&scene.nodes) {
+        report.name.clone_from(&node.name);
+    }
+    Some(BreakReport {
+        scan: None,
+        input: input_report(input, &breaks[0].stages.stem.sound),
+        place: place_report(first.stages.stem.stem()),
+        face: face_report(first),
+        species: first.stages.heights.relief.report.clone(),
+        pieces,
+        hang: first.pieces.hang.clone(),
+        crack_volume_m3: first.pieces.crack_volume_m3,
+        further_breaks: further.collect(),
+        notes: break_notes(breaks)
+            .iter()
+            .map(ToString::to_string)
+            .collect(),
+    })
+}
+
+fn face_report(one: &FinishedBreak) -> FaceReport {
+    let heights = &one.stages.heights.heights;
+    FaceReport {
+        surface: match one.face.surface {
+            SurfaceStyle::Smooth => "smooth".into(),
+            SurfaceStyle::Fibrous => "fibrous".into(),
+        },
+        bundles: one.stages.layout.bundles.bundles.len(),
+        thorns: heights.thorns.len(),
+        range_m: [heights.range.0, heights.range.1],
+        limited: heights.limited,
+        wanted_m: [heights.wanted.0, heights.wanted.1],
+    }
+}
+
+/// Reports on the input, whose stem is `stem`.
+fn input_report(input: &BreakInput, stem: &PreparedStem) -> InputReport {
+    let found = &stem.found;
+    let mut repairs = input.scene.notes.clone();
+    repairs.extend(found.notes.iter().cloned());
+    if stem.split > 0 {
+        repairs.push(format!(
+            "{} triangles near the break were split because the stem is bent there",
+            stem.split
+        ));
+    }
+    let shell = found.shell.iter().map(|&t| t as usize);
+    let (closed, volume) = closed_volume(&stem.node().mesh.submesh(shell));
+    InputReport {
+        meshes: stem.scene.nodes.len(),
+        triangles: input.triangles,
+        area_m2: input.area_m2,
+        volume_m3: volume.map(|v| v * stem.volume_scale()),
+        closed,
+        repairs,
+    }
+}
+
+fn place_report(prepared: &PreparedStem) -> PlaceReport {
+    let stem = &prepared.found.stem;
+    PlaceReport {
+        mesh: prepared.node().name.clone(),
+        kind: match stem.kind {
+            StemKind::Round => "round".into(),
+            StemKind::Board => "board".into(),
+        },
+        stem_length_m: stem.length,
+        length_m: stem.location,
+        point_m: stem.grain.axis().frame(stem.location).origin.to_array(),
+        radius_m: stem.radius,
+        pith_m: stem.rings.pith().to_array(),
+        free_m: [stem.usable.0, stem.usable.1],
+    }
+}

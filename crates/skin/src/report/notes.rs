@@ -1,0 +1,310 @@
+//! Notes on a break beside its figures.
+
+use crate::broken::SpiralRepair;
+use crate::fray::BendReport;
+use greenstick_fracture::cracks::{CrackPlan, GroovedSurface};
+use greenstick_fracture::recipe::CrackShrinkage;
+use greenstick_geometry::repair::Collapsed;
+use std::fmt;
+
+/// Something that was assumed, limited, repaired or not possible. Its text is a sentence without a full stop.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BreakNote {
+    /// The height of the face does not follow the species, for this reason.
+    NoSpeciesHeight(String),
+    /// The shrinkage that opens the cracks.
+    CrackShrinkage(CrackShrinkage),
+    /// Tangential cracks were moved to ring boundaries.
+    CracksMoved {
+        /// How many.
+        moved: usize,
+        /// Rings of the section.
+        rings: u32,
+    },
+    /// Heights had to be limited.
+    HeightsLimited {
+        /// Corners of the face.
+        corners: usize,
+        /// Lowest and highest height without a limit, m from the location of the break.
+        wanted: (f64, f64),
+        /// Lowest and highest height that fits, m from the location of the break.
+        free: (f64, f64),
+    },
+    /// Slivers that would have been loose stay with the other piece.
+    ChipsMoved(usize),
+    /// A face in spiral grain intersected itself.
+    SpiralRepaired {
+        /// The repair.
+        repair: SpiralRepair,
+        /// Length of the longest edge collapsed, m.
+        longest_m: f64,
+    },
+    /// A piece was bent.
+    Bent {
+        /// Name of the piece.
+        piece: String,
+        /// The bending.
+        report: BendReport,
+        /// How much was requested, 0 to 1.
+        requested: f64,
+    },
+    /// Splinters were requested, but none came loose.
+    NoSplinters,
+    /// Spiral grain was requested where there can be none.
+    NoSpiralGrain,
+    /// The upper piece hangs at a greater angle than requested.
+    HangsWider {
+        /// The angle, degrees.
+        angle: f64,
+        /// The angle requested, degrees.
+        requested: f64,
+    },
+    /// A piece intersected itself at the precision of files.
+    SelfIntersectionsResolved {
+        /// Name of the piece.
+        piece: String,
+        /// The repair.
+        collapsed: Collapsed,
+        /// Length of the longest edge collapsed, m.
+        longest_m: f64,
+    },
+    /// The end was sawn off straight before it was cracked.
+    EndSawnOff {
+        /// Triangles of other shells that fell with it.
+        fallen: usize,
+    },
+    /// The cracks that a face has.
+    CracksMade {
+        /// Name of the face.
+        face: &'static str,
+        /// How many.
+        cracks: usize,
+        /// The widest opening, m.
+        widest_m: f64,
+        /// The greatest depth, m.
+        deepest_m: f64,
+    },
+    /// Cracks of a face were left out.
+    CracksLeftOut {
+        /// Name of the face.
+        face: &'static str,
+        /// How many.
+        cracks: usize,
+    },
+    /// Cracks of a face were made shallower.
+    CracksShallower {
+        /// Name of the face.
+        face: &'static str,
+        /// At how many places.
+        places: usize,
+    },
+    /// Cracks were changed so that none cross.
+    CracksSeparated {
+        /// How many were shortened.
+        shortened: usize,
+        /// How many were left out.
+        left_out: usize,
+    },
+    /// A note of the caller's own.
+    Other(String),
+}
+
+impl BreakNote {
+    /// Returns the notes on the cracks of a face.
+    pub(crate) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
+        let mut notes = vec![BreakNote::CracksMade {
+            face,
+            cracks: made.cracks,
+            widest_m: made.widest,
+            deepest_m: made.deepest,
+        }];
+        let cracks = made.outside + made.undrawn + made.closed;
+        if cracks > 0 {
+            notes.push(BreakNote::CracksLeftOut { face, cracks });
+        }
+        if made.limited > 0 {
+            let places = made.limited;
+            notes.push(BreakNote::CracksShallower { face, places });
+        }
+        notes
+    }
+
+    /// Returns the note on cracks that would have crossed, if there were any.
+    pub(crate) fn on_plan(plan: &CrackPlan) -> Option<BreakNote> {
+        let (shortened, left_out) = (plan.shortened, plan.skipped);
+        (shortened + left_out > 0).then_some(BreakNote::CracksSeparated {
+            shortened,
+            left_out,
+        })
+    }
+}
+
+impl fmt::Display for BreakNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BreakNote::NoSpeciesHeight(why) => {
+                write!(f, "the height of the face does not follow the species: {why}")
+            }
+            BreakNote::CrackShrinkage(s) => write!(
+                f,
+                "cracks open by a shrinkage of {:.1} % along the rings and {:.1} % across ({})",
+                s.tangential * 100.0,
+                s.radial * 100.0,
+                s.basis
+            ),
+            BreakNote::CracksMoved { moved, rings } => write!(
+                f,
+                "{moved} tangential cracks were moved to the nearest boundary between two of the {rings} rings"
+            ),
+            BreakNote::HeightsLimited {
+                corners,
+                wanted,
+                free,
+            } => write!(
+                f,
+                "{corners} of the face's corners were limited: the break would have reached from {:.1} to {:.1} mm, but \
+                 only {:.1} to {:.1} mm along the stem are free",
+                wanted.0 * 1e3,
+                wanted.1 * 1e3,
+                free.0 * 1e3,
+                free.1 * 1e3
+            ),
+            BreakNote::ChipsMoved(chips) => write!(
+                f,
+                "{chips} slivers that would have been loose stay with the other piece"
+            ),
+            BreakNote::SpiralRepaired { repair, longest_m } => spiral(f, repair, *longest_m),
+            BreakNote::Bent {
+                piece,
+                report,
+                requested,
+            } => bent(f, piece, report, *requested),
+            BreakNote::NoSplinters => f.write_str(
+                "no splinter came loose: no fibre bundle away from the skin stands alone over enough length",
+            ),
+            BreakNote::NoSpiralGrain => f.write_str(
+                "the spiral angle was left out: only the fibrous face of a round stem has spiral grain",
+            ),
+            BreakNote::HangsWider { angle, requested } => write!(
+                f,
+                "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
+                 the lower one"
+            ),
+            BreakNote::SelfIntersectionsResolved {
+                piece,
+                collapsed,
+                longest_m,
+            } => resolved(f, piece, collapsed, *longest_m),
+            BreakNote::Other(text) => f.write_str(text),
+            cracks => on_cracks(f, cracks),
+        }
+    }
+}
+
+fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
+    match note {
+        BreakNote::EndSawnOff { fallen } => {
+            f.write_str(
+                "cracks cannot be cut into the end as it is: it was sawn off straight first, and what was sawn off is \
+                 left out",
+            )?;
+            if *fallen > 0 {
+                write!(f, ", with {fallen} triangles of what was attached to it")?;
+            }
+            Ok(())
+        }
+        BreakNote::CracksMade {
+            face,
+            cracks,
+            widest_m,
+            deepest_m,
+        } => write!(
+            f,
+            "{face}: {cracks} cracks, the widest {:.2} mm, the deepest {:.1} mm",
+            widest_m * 1e3,
+            deepest_m * 1e3
+        ),
+        BreakNote::CracksLeftOut { face, cracks } => write!(
+            f,
+            "{face}: {cracks} cracks were left out: closed, outside the wood, or too fine to draw"
+        ),
+        BreakNote::CracksShallower { face, places } => write!(
+            f,
+            "{face}: cracks were made shallower at {places} places to stay in the stem"
+        ),
+        BreakNote::CracksSeparated {
+            shortened,
+            left_out,
+        } => write!(
+            f,
+            "{shortened} cracks were shortened and {left_out} left out so that none cross"
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> fmt::Result {
+    write!(
+        f,
+        "{} pairs of triangles of the face in spiral grain crossed; {} edges were split and {} of at most {:.0} µm collapsed",
+        repair.crossed,
+        repair.bisected,
+        repair.collapsed,
+        longest_m * 1e6
+    )?;
+    if repair.remaining > 0 {
+        write!(f, ", {} pairs still cross", repair.remaining)?;
+    }
+    Ok(())
+}
+
+fn bent(
+    f: &mut fmt::Formatter<'_>,
+    piece: &str,
+    report: &BendReport,
+    requested: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{piece}: bending changed the volume by {:+.3} %",
+        report.volume_change * 100.0
+    )?;
+    if report.crossed > 0 {
+        write!(
+            f,
+            "; {} pairs of triangles crossed when bent, and {} edges were split",
+            report.crossed, report.bisected
+        )?;
+    }
+    if report.amount < requested {
+        write!(
+            f,
+            "; it was bent by {:.2} instead of {requested:.2}, as more would have made it cross itself",
+            report.amount
+        )?;
+    }
+    if report.remaining > 0 {
+        write!(f, "; {} pairs still cross", report.remaining)?;
+    }
+    Ok(())
+}
+
+fn resolved(
+    f: &mut fmt::Formatter<'_>,
+    piece: &str,
+    collapsed: &Collapsed,
+    longest_m: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{piece}: {} pairs of triangles crossed or met where the wood is too thin for a file's precision; {} edges of at \
+         most {:.2} µm were collapsed",
+        collapsed.faults,
+        collapsed.edges,
+        longest_m * 1e6
+    )?;
+    if collapsed.remaining > 0 {
+        write!(f, ", {} pairs are left", collapsed.remaining)?;
+    }
+    Ok(())
+}

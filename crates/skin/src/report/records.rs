@@ -1,0 +1,248 @@
+//! The report on a break and its parts, in numbers with units.
+
+use crate::hang::HangReport;
+use greenstick_geometry::{CheckOptions, Mesh};
+use greenstick_wood::scan::ScannedReport;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InputReport {
+    /// Meshes in the scene.
+    pub meshes: usize,
+    /// Triangles of all of them.
+    pub triangles: usize,
+    /// Area of all of them, m².
+    pub area_m2: f64,
+    /// Volume, m³; none unless the shell that was cut is closed and oriented.
+    pub volume_m3: Option<f64>,
+    /// Whether the shell that was cut is closed.
+    pub closed: bool,
+    /// What was left out, repaired or changed in the mesh; one sentence each.
+    pub repairs: Vec<String>,
+}
+
+/// Where the break is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaceReport {
+    /// Name of the mesh that was cut.
+    pub mesh: String,
+    /// `round` or `board`.
+    pub kind: String,
+    /// Length of the stem's axis, m.
+    pub stem_length_m: f64,
+    /// Length along the axis to the break, m.
+    pub length_m: f64,
+    /// Point of the axis there, m.
+    pub point_m: [f64; 3],
+    /// Radius of the circle as large as the section, m.
+    pub radius_m: f64,
+    /// Pith in the section, m from the axis.
+    pub pith_m: [f64; 2],
+    /// Range along the axis that was free for the break, m.
+    pub free_m: [f64; 2],
+}
+
+/// The broken face.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FaceReport {
+    /// `smooth` or `fibrous`.
+    pub surface: String,
+    /// Fibre bundles.
+    pub bundles: usize,
+    /// Thorns.
+    pub thorns: usize,
+    /// Lowest and highest point, m from the location of the break along the grain.
+    pub range_m: [f64; 2],
+    /// Corners whose height was limited because it would have left the stem or met another limb.
+    pub limited: usize,
+    /// Lowest and highest point without that limit, m.
+    pub wanted_m: [f64; 2],
+}
+
+/// The effect of the species on the break.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpeciesReport {
+    /// Common name.
+    pub name: String,
+    /// Scientific name.
+    pub scientific_name: String,
+    /// Moisture content, percent.
+    pub moisture_percent: f64,
+    /// Rule for the height.
+    pub rule: String,
+    /// Source of the values that it uses.
+    pub basis: String,
+    /// Height by the rule, m: of the whole face by Eq. 9, of a bundle 1 mm wide by shear lag.
+    pub height_m: f64,
+    /// Factor on the torn relief.
+    pub relief: f64,
+}
+
+/// A piece.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PieceReport {
+    /// Name of its node.
+    pub name: String,
+    /// Triangles.
+    pub triangles: usize,
+    /// Volume, m³; none unless it is closed and oriented.
+    pub volume_m3: Option<f64>,
+    /// Whether it is closed.
+    pub closed: bool,
+}
+
+/// The report on a break.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BreakReport {
+    /// The scan from which the mesh was reconstructed, if the input was one.
+    pub scan: Option<ScannedReport>,
+    /// The input.
+    pub input: InputReport,
+    /// Where it broke.
+    pub place: PlaceReport,
+    /// The broken face.
+    pub face: FaceReport,
+    /// The species, if one was named.
+    pub species: Option<SpeciesReport>,
+    /// The pieces.
+    pub pieces: Vec<PieceReport>,
+    /// How the upper piece hangs, if it does.
+    pub hang: Option<HangReport>,
+    /// Volume lost to drying cracks, m³.
+    pub crack_volume_m3: Option<f64>,
+    /// Breaks of the request after the first one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further_breaks: Vec<FurtherBreak>,
+    /// What was assumed, limited or not possible; one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A break of a stem that is broken at several places.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FurtherBreak {
+    /// Where it is.
+    pub place: PlaceReport,
+    /// Its face.
+    pub face: FaceReport,
+    /// The species, if one was named.
+    pub species: Option<SpeciesReport>,
+    /// How the part beyond it hangs, if it does.
+    pub hang: Option<HangReport>,
+    /// Volume lost to drying cracks, m³.
+    pub crack_volume_m3: Option<f64>,
+}
+
+impl PieceReport {
+    /// Reports on a mesh whose volume must be multiplied by `scale`, m³ per unit³.
+    pub(crate) fn new(name: &str, mesh: &Mesh, scale: f64) -> Self {
+        let (closed, volume) = closed_volume(mesh);
+        PieceReport {
+            name: name.to_owned(),
+            triangles: mesh.triangles.len(),
+            volume_m3: volume.map(|v| v * scale),
+            closed,
+        }
+    }
+}
+
+/// Returns whether a mesh is closed, and its volume if it is closed and oriented.
+pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
+    let report = mesh.check_with(CheckOptions {
+        self_intersections: false,
+    });
+    (report.closed, report.volume_m3)
+}
+
+/// Formats a volume.
+fn volume(v: f64) -> String {
+    if v.abs() >= 1e-3 {
+        format!("{v:.6} m³")
+    } else {
+        format!("{:.4} cm³", v * 1e6)
+    }
+}
+
+/// Formats a length.
+fn length(l: f64) -> String {
+    match l.abs() {
+        a if a >= 1.0 => format!("{l:.3} m"),
+        a if a >= 0.01 => format!("{:.2} cm", l * 100.0),
+        _ => format!("{:.2} mm", l * 1000.0),
+    }
+}
+
+impl fmt::Display for BreakReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (i, p, face) = (&self.input, &self.place, &self.face);
+        if let Some(scan) = &self.scan {
+            write!(f, "{scan}")?;
+        }
+        let kind = if i.closed { "closed" } else { "open" };
+        let inside = i
+            .volume_m3
+            .map(|v| format!(", {}", volume(v)))
+            .unwrap_or_default();
+        writeln!(
+            f,
+            "input    {} triangles in {} meshes, {:.4} m², {kind}{inside}",
+            i.triangles, i.meshes, i.area_m2
+        )?;
+        writeln!(
+            f,
+            "place    {} of {} along {} \"{}\", radius {}",
+            length(p.length_m),
+            length(p.stem_length_m),
+            if p.kind == "board" { "board" } else { "stem" },
+            p.mesh,
+            length(p.radius_m)
+        )?;
+        write!(
+            f,
+            "face     {}, {} bundles, {} thorns, ",
+            face.surface, face.bundles, face.thorns
+        )?;
+        writeln!(
+            f,
+            "from {} to {}",
+            length(face.range_m[0]),
+            length(face.range_m[1])
+        )?;
+        if let Some(s) = &self.species {
+            writeln!(
+                f,
+                "species  {} ({}) at {} % moisture: height {} by {} ({}), relief × {:.2}",
+                s.name,
+                s.scientific_name,
+                s.moisture_percent,
+                length(s.height_m),
+                s.rule,
+                s.basis,
+                s.relief
+            )?;
+        }
+        if let Some(hang) = &self.hang {
+            writeln!(f, "hang     {hang}")?;
+        }
+        for piece in &self.pieces {
+            let inside = match piece.volume_m3 {
+                Some(v) => format!("closed, {}", volume(v)),
+                None if piece.closed => "closed".to_owned(),
+                None => "open".to_owned(),
+            };
+            writeln!(
+                f,
+                "piece    {}: {} triangles, {inside}",
+                piece.name, piece.triangles
+            )?;
+        }
+        if let Some(v) = self.crack_volume_m3 {
+            writeln!(f, "cracks   {} opened", volume(v))?;
+        }
+        for note in i.repairs.iter().chain(&self.notes) {
+            writeln!(f, "note     {note}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,95 @@
+//! The values of the stages of a break.
+
+use super::cracks::Cracks;
+use super::species_relief::SpeciesRelief;
+use crate::broken::{BrokenFace, FaceLayout, InnerWood};
+use crate::cracks::{CrackedFace, OpenedEnd};
+use crate::prepared::PreparedStem;
+use greenstick_fracture::heights::Heights;
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
+use greenstick_geometry::Mesh;
+use std::sync::Arc;
+
+/// The stem of a break.
+#[derive(Debug, Clone)]
+pub struct StemStage {
+    /// The stem as it was found, with the grain that the break requests.
+    pub sound: Arc<PreparedStem>,
+    /// The same stem with cracks in its end, if the break requests them there.
+    pub opened: Option<Arc<OpenedEnd>>,
+    /// The index of the material of the wood inside.
+    pub inner_material: u32,
+}
+
+impl StemStage {
+    /// Returns the stem that is broken.
+    pub fn stem(&self) -> &PreparedStem {
+        match &self.opened {
+            Some(opened) => &opened.stem,
+            None => &self.sound,
+        }
+    }
+}
+
+/// The heights of a break.
+#[derive(Debug, Clone)]
+pub struct HeightStage {
+    /// The surface, and how it was limited to the stem.
+    pub heights: Heights,
+    /// The effect of the species.
+    pub relief: SpeciesRelief,
+}
+
+/// A stem cut along the surface of a break.
+#[derive(Debug, Clone)]
+pub struct CutStage {
+    /// The broken face of both pieces, without cracks.
+    pub face: BrokenFace,
+    /// The faces of the lower and the upper piece with cracks, if the break requests them there.
+    pub cracked: Option<Box<[CrackedFace; 2]>>,
+}
+
+/// All stages of one break up to the cut.
+#[derive(Debug, Clone)]
+pub struct BreakStages {
+    /// The stem.
+    pub stem: StemStage,
+    /// The layout of its section.
+    pub layout: Arc<FaceLayout>,
+    /// The heights of its face.
+    pub heights: Arc<HeightStage>,
+    /// The cracks, if any.
+    pub cracks: Option<Cracks>,
+    /// The stem cut along the heights.
+    pub cut: Arc<CutStage>,
+}
+
+impl BreakStages {
+    /// Returns one piece of the break as a separate mesh, where it broke and without cracks.
+    pub fn piece(&self, p: &BreakParameters, upper: bool) -> Mesh {
+        let inner = self.inner_wood(p);
+        (self.cut.face).piece(&self.stem.stem().source(), &inner, upper)
+    }
+
+    /// Returns what the broken face shows.
+    pub fn inner_wood<'a>(&'a self, p: &BreakParameters) -> InnerWood<'a> {
+        inner_wood(&self.stem, &self.layout, p)
+    }
+}
+
+/// Returns what the face of a break of this stem and layout shows.
+pub fn inner_wood<'a>(
+    stage: &'a StemStage,
+    layout: &'a FaceLayout,
+    p: &BreakParameters,
+) -> InnerWood<'a> {
+    let stem = stage.stem();
+    InnerWood {
+        stem: &stem.found.stem,
+        bundles: &layout.bundles,
+        proportions: p.proportions(),
+        material: stage.inner_material,
+        square: stem.square,
+        smooth: p.surface == SurfaceStyle::Smooth,
+    }
+}

@@ -1,0 +1,78 @@
+//! The report on a scan, from its points to the surface.
+
+use super::report::ScanReport;
+use greenstick_geometry::cloud::CleanReport;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// The report on a scan.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ScannedReport {
+    /// The cleaning.
+    pub clean: CleanReport,
+    /// The bark.
+    pub bark: Option<ScanReport>,
+    /// Triangles of the surface.
+    pub triangles: usize,
+    /// What was subtracted from the file's coordinates, m.
+    pub origin_m: [f64; 3],
+    /// How the file was read and what was assumed; one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl fmt::Display for ScannedReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let c = &self.clean;
+        writeln!(
+            f,
+            "cloud    {} points, {:.2} mm apart",
+            c.read,
+            c.spacing_m * 1e3
+        )?;
+        for step in c.steps.iter().filter(|s| s.removed > 0) {
+            writeln!(
+                f,
+                "clean    {}: {} points removed, {} left ({})",
+                step.name, step.removed, step.left, step.why
+            )?;
+        }
+        if let Some(b) = &self.bark {
+            writeln!(
+                f,
+                "scan     stem of {:.2} m followed, {:.2} to {:.2} m kept, mean radius {:.1} cm; {} points, {} of other \
+                 limbs, {} of fracture surfaces",
+                b.stem_length_m,
+                b.span_m[0],
+                b.span_m[1],
+                b.radius_m * 100.0,
+                b.points,
+                b.foreign_points,
+                b.fracture_points
+            )?;
+            let parts: Vec<String> = b
+                .coverage
+                .iter()
+                .map(|c| format!("{:.0}", c.share * 100.0))
+                .collect();
+            writeln!(
+                f,
+                "cover    {:.0} % of the girth seen; metre by metre {} %",
+                b.mean_coverage * 100.0,
+                parts.join(" ")
+            )?;
+            writeln!(
+                f,
+                "bark     {} × {} cells, {:.0} % completed, points {:.2} mm from it (standard deviation)",
+                b.cells[0],
+                b.cells[1],
+                b.completed * 100.0,
+                b.noise_m * 1e3
+            )?;
+        }
+        writeln!(f, "surface  {} triangles", self.triangles)?;
+        for note in &self.notes {
+            writeln!(f, "note     {note}")?;
+        }
+        Ok(())
+    }
+}
