@@ -174,7 +174,7 @@ fn a_recipe_alone_gives_the_same_bytes() {
         "--pith",
         "3,-2",
         "--preset",
-        "twist",
+        "splintering-tension",
         "--set",
         "rings=12",
         "--species",

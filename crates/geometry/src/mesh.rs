@@ -54,11 +54,13 @@ pub const NO_MATERIAL: u32 = u32::MAX;
 
 impl Mesh {
     /// Corner positions of triangle `t`.
+    #[inline]
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|i| self.positions[i as usize])
     }
 
     /// Material of triangle `t`, or [`NO_MATERIAL`].
+    #[inline]
     pub fn material(&self, t: usize) -> u32 {
         self.materials.get(t).copied().unwrap_or(NO_MATERIAL)
     }

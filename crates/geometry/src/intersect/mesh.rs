@@ -70,26 +70,3 @@ pub fn self_contacts(mesh: &Mesh, tree: &Bvh, mut visit: impl FnMut(usize, usize
         }
     });
 }
-
-/// A mesh and the tree of its triangles.
-#[derive(Debug, Clone, Copy)]
-pub struct TriangleTree<'a> {
-    /// The mesh.
-    pub mesh: &'a Mesh,
-    /// The tree of its triangles.
-    pub tree: &'a Bvh,
-}
-
-/// Visits every pair of a triangle of `first` and one of `second` that touch or cross (see [`contact`]).
-pub fn contacts_between(
-    first: TriangleTree,
-    second: TriangleTree,
-    mut visit: impl FnMut(usize, usize, Contact),
-) {
-    first.tree.pairs(second.tree, |s, t| {
-        let found = contact(first.mesh.corners(s), second.mesh.corners(t));
-        if found != Contact::Apart {
-            visit(s, t, found);
-        }
-    });
-}

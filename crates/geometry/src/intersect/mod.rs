@@ -11,7 +11,7 @@ mod predicates;
 mod projection;
 
 pub use contact::contact;
-pub use mesh::{TriangleTree, contact_tree, contacts_between, self_contacts};
+pub use mesh::{contact_tree, self_contacts};
 pub use predicates::{orient2d, orient3d};
 pub use projection::collinear;
 

@@ -5,8 +5,8 @@
 //! so the longest edges of crossing triangles are bisected, in both triangles beside each (M.-C. Rivara, *Algorithms for
 //! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
 
-use crate::intersect::{Contact, TriangleTree, contact_tree, contacts_between, self_contacts};
-use crate::{Bvh, Mesh};
+use crate::intersect::{Contact, contact, contact_tree, self_contacts};
+use crate::{Aabb, Bvh, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -148,12 +148,6 @@ pub fn crossing_pairs(
     triangles: &[[u32; 3]],
     changed: Option<&[u32]>,
 ) -> Vec<[u32; 2]> {
-    let submesh = |triangles: Vec<[u32; 3]>| Mesh {
-        positions: positions.to_vec(),
-        triangles,
-        ..Mesh::default()
-    };
-    let all = submesh(triangles.to_vec());
     let mut pairs = Vec::new();
     let mut add = |s: u32, t: u32, contact: Contact| {
         if contact == Contact::Crossing && s != t {
@@ -161,23 +155,28 @@ pub fn crossing_pairs(
         }
     };
     match changed {
-        None => self_contacts(&all, &contact_tree(&all), |s, t, c| {
-            add(s as u32, t as u32, c);
-        }),
-        Some(changed) => {
-            let some = submesh(changed.iter().map(|&t| triangles[t as usize]).collect());
-            let [some_tree, all_tree] = [Bvh::from_mesh(&some), Bvh::from_mesh(&all)];
-            let some = TriangleTree {
-                mesh: &some,
-                tree: &some_tree,
+        None => {
+            let all = Mesh {
+                positions: positions.to_vec(),
+                triangles: triangles.to_vec(),
+                ..Mesh::default()
             };
-            let all = TriangleTree {
-                mesh: &all,
-                tree: &all_tree,
-            };
-            contacts_between(some, all, |s, t, c| {
-                add(changed[s], t as u32, c);
+            self_contacts(&all, &contact_tree(&all), |s, t, c| {
+                add(s as u32, t as u32, c);
             });
+        }
+        Some(changed) => {
+            // Few have changed, mostly: a tree of those alone is quickly built.
+            let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
+            let boxes: Vec<Aabb> = changed.iter().map(|&t| Aabb::around(&corners(t))).collect();
+            let tree = Bvh::new(&boxes);
+            for t in 0..triangles.len() as u32 {
+                let place = corners(t);
+                tree.overlapping(&Aabb::around(&place), |i| {
+                    let s = changed[i];
+                    add(s, t, contact(corners(s), place));
+                });
+            }
         }
     }
     pairs.sort_unstable();

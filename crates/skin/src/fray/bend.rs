@@ -29,6 +29,8 @@ const LEVEL_SPACING: f64 = 0.5;
 
 /// Rounds in which triangles that cross are bisected before the bend is made weaker.
 const BISECTIONS: u32 = 8;
+/// Times as many crossing pairs as at first, beyond which bisection does not end and the bend is made weaker at once.
+const DIVERGENCE: usize = 4;
 /// Factor by which the bend is made weaker then.
 const WEAKENING: f64 = 0.7;
 /// How often it is made weaker.
@@ -187,7 +189,8 @@ impl<'a> Bend<'a> {
         // What crosses without being bent is a fault of the input.
         pairs.retain(|p| p.iter().any(|&t| moved[t as usize]));
         done.crossed = done.crossed.max(pairs.len());
-        (done.bisected, done.remaining) = (0, pairs.len());
+        let pairs_at_first = pairs.len();
+        (done.bisected, done.remaining) = (0, pairs_at_first);
         if pairs.is_empty() {
             return mesh;
         }
@@ -219,7 +222,8 @@ impl<'a> Bend<'a> {
             pairs.sort_unstable();
             pairs.dedup();
             done.remaining = pairs.len();
-            if pairs.is_empty() || changed.is_empty() {
+            let diverges = pairs.len() > DIVERGENCE * pairs_at_first;
+            if pairs.is_empty() || changed.is_empty() || diverges {
                 break;
             }
         }
