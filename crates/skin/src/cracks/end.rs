@@ -4,7 +4,7 @@
 use super::face::{cut_along, fit_to_section};
 use crate::broken::InnerWood;
 use crate::error::BreakError;
-use crate::prepared::{PreparedStem, world_meshes};
+use crate::prepared::PreparedStem;
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cracks::{
     CrackError, CrackPlan, CrackSite, Direction, EndFace, GroovedSurface, end_grooves, grooves,
@@ -330,7 +330,7 @@ fn fallen_shells(
     level: f64,
     context: &Context,
 ) -> Result<Vec<CarriedShell>, BreakError> {
-    let meshes = world_meshes(&stem.scene);
+    let meshes = stem.scene.world_meshes();
     let own = &stem.found;
     let options = StemOptions {
         kind: Some(own.stem.kind),

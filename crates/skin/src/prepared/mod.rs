@@ -12,7 +12,7 @@ use crate::source::Source;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
-use greenstick_geometry::{Context, Mesh, Node, Scene};
+use greenstick_geometry::{Context, Node, Scene};
 use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
 };
@@ -80,7 +80,7 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let mut found = find_stem(&world_meshes(&scene), location, options, context)?;
+        let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
         Ok(PreparedStem::from_found(scene, found, layers))
@@ -231,18 +231,6 @@ impl PreparedStem {
             at: self.layers.to_world(at),
         }
     }
-}
-
-/// The meshes of a scene in world metres, one per node, without attributes.
-pub fn world_meshes(scene: &Scene) -> Vec<Mesh> {
-    let world = |n: &Node| Mesh {
-        positions: (n.mesh.positions.iter())
-            .map(|&p| n.transform.transform_point3(p))
-            .collect(),
-        triangles: n.mesh.triangles.clone(),
-        ..Mesh::default()
-    };
-    scene.nodes.iter().map(world).collect()
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.
