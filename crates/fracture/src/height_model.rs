@@ -28,7 +28,7 @@ pub(crate) mod purpose {
 
 /// The stem that heights are made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
+pub struct BreakSite {
     /// Radius of the stem at the break, m.
     pub radius: f64,
     /// Length along the axis of the break, m.
@@ -70,7 +70,7 @@ pub struct Thorn {
 /// Everything a height is worked out from.
 pub(crate) struct HeightModel<'a> {
     pub p: &'a BreakParameters,
-    pub setting: &'a Setting,
+    pub site: &'a BreakSite,
     /// Unit direction of the tension side.
     pub tension: DVec2,
     /// Slope of the face.
@@ -113,16 +113,16 @@ pub(crate) fn unit(rho: f64, phi: f64) -> DVec2 {
 }
 
 impl<'a> HeightModel<'a> {
-    pub fn new(p: &'a BreakParameters, setting: &'a Setting) -> Self {
+    pub fn new(p: &'a BreakParameters, site: &'a BreakSite) -> Self {
         let direction = |degrees: f64| unit(1.0, degrees.to_radians());
         // A plane along the grain has no height over the section; what is past the stem is limited later.
         let steepness = libm::tan(p.inclination.min(89.5).to_radians());
         HeightModel {
             p,
-            setting,
+            site,
             tension: direction(p.ductile.direction),
             tilt: direction(p.inclination_direction) * steepness,
-            noise_radius: p.noise_diameter(2.0 * setting.radius) / 2.0,
+            noise_radius: p.noise_diameter(2.0 * site.radius) / 2.0,
             high: p.high.sector(),
             low: p.low.sector(),
             ductile: p.ductile.sector(),

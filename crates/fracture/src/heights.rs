@@ -4,8 +4,8 @@
 
 use crate::ends::TornEnds;
 pub use crate::field::{HeightField, HeightFieldError};
+pub use crate::height_model::{BreakSite, Heights, Thorn};
 use crate::height_model::{HeightModel, NoiseSamplers};
-pub use crate::height_model::{Heights, Setting, Thorn};
 use crate::layout::{FibreBundles, wrap_angle};
 use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
@@ -40,26 +40,26 @@ pub enum HeightSource {
 pub fn heights(
     bundles: &FibreBundles,
     p: &BreakParameters,
-    setting: &Setting,
+    site: &BreakSite,
     source: &HeightSource,
     cache: &mut HeightCache,
 ) -> Heights {
     match (source, p.surface) {
-        (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, setting, cache),
-        (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, setting, cache),
-        (HeightSource::Field(field), Kind::Smooth) => smooth_of_field(bundles, field, setting),
+        (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, site, cache),
+        (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, site, cache),
+        (HeightSource::Field(field), Kind::Smooth) => smooth_of_field(bundles, field, site),
         (HeightSource::Field(field), Kind::Fibrous) => {
-            fibrous_of_field(bundles, field, p, setting, cache)
+            fibrous_of_field(bundles, field, p, site, cache)
         }
     }
 }
 
 /// Heights of a smooth surface through a field.
-fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, setting: &Setting) -> Heights {
-    let at = |&(rho, phi): &(f64, f64)| field.at(rho, phi) / setting.radius;
+fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, site: &BreakSite) -> Heights {
+    let at = |&(rho, phi): &(f64, f64)| field.at(rho, phi) / site.radius;
     let heights = bundles.addresses.iter().map(at).collect();
     let nodes = bundles.layout.nodes.iter().copied();
-    place_heights(bundles, heights, nodes, &bundles.layout.facets, setting)
+    place_heights(bundles, heights, nodes, &bundles.layout.facets, site)
 }
 
 /// Heights of fibre bundles that end at a field, with ragged ends.
@@ -67,10 +67,10 @@ fn fibrous_of_field(
     bundles: &FibreBundles,
     field: &HeightField,
     p: &BreakParameters,
-    setting: &Setting,
+    site: &BreakSite,
     cache: &mut HeightCache,
 ) -> Heights {
-    let maker = HeightModel::new(p, setting);
+    let maker = HeightModel::new(p, site);
     let torn = TornRelief::new(
         &maker,
         bundles,
@@ -86,32 +86,32 @@ fn fibrous_of_field(
         .collect();
     let nodes = &bundles.layout.nodes;
     let at = torn.ends.nodes.iter().map(|r| nodes[r.node as usize]);
-    place_heights(bundles, heights, at, &torn.ends.corners, setting)
+    place_heights(bundles, heights, at, &torn.ends.corners, site)
 }
 
 /// Heights of the published smooth surface: one per node, shared by all facets there.
 fn smooth(
     bundles: &FibreBundles,
     p: &BreakParameters,
-    setting: &Setting,
+    site: &BreakSite,
     cache: &mut HeightCache,
 ) -> Heights {
-    let heights = smooth_nodes(bundles, &HeightModel::new(p, setting), cache);
+    let heights = smooth_nodes(bundles, &HeightModel::new(p, site), cache);
     let at = bundles.layout.nodes.iter().copied();
-    place_heights(bundles, heights, at, &bundles.layout.facets, setting)
+    place_heights(bundles, heights, at, &bundles.layout.facets, site)
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
 fn fibrous(
     bundles: &FibreBundles,
     p: &BreakParameters,
-    setting: &Setting,
+    site: &BreakSite,
     cache: &mut HeightCache,
 ) -> Heights {
-    let (heights, ends, thorns) = fibrous_rims(bundles, &HeightModel::new(p, setting), cache);
+    let (heights, ends, thorns) = fibrous_rims(bundles, &HeightModel::new(p, site), cache);
     let nodes = &bundles.layout.nodes;
     let at = ends.nodes.iter().map(|r| nodes[r.node as usize]);
-    let mut placed = place_heights(bundles, heights, at, &ends.corners, setting);
+    let mut placed = place_heights(bundles, heights, at, &ends.corners, site);
     placed.thorns = thorns;
     placed
 }
@@ -120,10 +120,10 @@ fn fibrous(
 pub fn relief_range(
     bundles: &FibreBundles,
     p: &BreakParameters,
-    setting: &Setting,
+    site: &BreakSite,
     cache: &mut HeightCache,
 ) -> f64 {
-    let maker = HeightModel::new(p, setting);
+    let maker = HeightModel::new(p, site);
     let mut heights: Vec<f64> = if p.surface == Kind::Smooth {
         let heights = smooth_nodes(bundles, &maker, cache);
         let corners = bundles.layout.facets.iter().flatten();
@@ -141,12 +141,12 @@ pub fn relief_range(
         *heights.select_nth_unstable_by(i, f64::total_cmp).1
     };
     let low = hundredth(0.05);
-    (hundredth(0.95) - low) * setting.radius
+    (hundredth(0.95) - low) * site.radius
 }
 
 /// The height of every node of the published surface, in radii.
 fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightCache) -> Vec<f64> {
-    let (p, setting) = (maker.p, maker.setting);
+    let (p, site) = (maker.p, maker.site);
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
     let proportions = p.proportions();
@@ -171,7 +171,7 @@ fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightC
         .enumerate()
         .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
             let rho = rho.min(1.0);
-            let across = (at - pith) / setting.radius;
+            let across = (at - pith) / site.radius;
             let thorn = |purpose, length, probability| {
                 if probability <= 0.0 {
                     0.0
@@ -256,7 +256,7 @@ fn fibrous_rims(
         .filter(|(_, l)| l.thorn > 0.0)
         .map(|(i, l)| Thorn {
             bundle: i as u32,
-            length: l.thorn * maker.setting.radius,
+            length: l.thorn * maker.site.radius,
         })
         .collect();
     let rims = torn.ends.nodes.iter();

@@ -1,6 +1,6 @@
 //! Placing heights along the stem, within what is free of it and within the wedge that a bend opens.
 
-use crate::height_model::{Heights, Setting};
+use crate::height_model::{BreakSite, Heights};
 use crate::layout::FibreBundles;
 use crate::surface::FractureSurface;
 use crate::wedge::limited_height;
@@ -12,7 +12,7 @@ const OFF_LEVEL: f64 = 2.3e-4;
 
 /// Maps heights to lengths along the axis and gathers what it finds.
 struct HeightPlacer<'a> {
-    setting: &'a Setting,
+    site: &'a BreakSite,
     /// Lengths free below and above the location of the break, m.
     free: (f64, f64),
     /// Greatest heights below and above zero, m; needed in a wedge only.
@@ -22,21 +22,18 @@ struct HeightPlacer<'a> {
 }
 
 impl<'a> HeightPlacer<'a> {
-    fn new(setting: &'a Setting, heights: impl Iterator<Item = f64>) -> Self {
+    fn new(site: &'a BreakSite, heights: impl Iterator<Item = f64>) -> Self {
         let none = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut lowest, mut highest) = (0.0f64, 0.0f64);
-        if setting.wedge.is_some() {
+        if site.wedge.is_some() {
             for h in heights {
                 (lowest, highest) = (lowest.min(h), highest.max(h));
             }
         }
         HeightPlacer {
-            setting,
-            free: (
-                setting.place - setting.usable.0,
-                setting.usable.1 - setting.place,
-            ),
-            greatest: (-lowest * setting.radius, highest * setting.radius),
+            site,
+            free: (site.place - site.usable.0, site.usable.1 - site.place),
+            greatest: (-lowest * site.radius, highest * site.radius),
             wanted: none,
             range: none,
         }
@@ -45,16 +42,16 @@ impl<'a> HeightPlacer<'a> {
     /// Maps a height (radii) over a point of the section to its length along the axis. Returns whether it was limited.
     #[inline]
     fn place(&mut self, height: &mut f64, at: DVec2) -> bool {
-        let setting = self.setting;
-        let mut h = *height * setting.radius;
-        if let Some(w) = &setting.wedge {
+        let site = self.site;
+        let mut h = *height * site.radius;
+        if let Some(w) = &site.wedge {
             let far = (at.dot(w.toward) - w.from).max(0.0);
-            h = w.within(h, far, self.greatest, setting.radius) + OFF_LEVEL * setting.radius;
+            h = w.within(h, far, self.greatest, site.radius) + OFF_LEVEL * site.radius;
         }
         self.wanted = (self.wanted.0.min(h), self.wanted.1.max(h));
         let limited = limited_height(h, self.free.0, self.free.1);
         self.range = (self.range.0.min(limited), self.range.1.max(limited));
-        *height = setting.place + limited;
+        *height = site.place + limited;
         limited != h
     }
 }
@@ -66,9 +63,9 @@ pub(crate) fn place_heights(
     mut heights: Vec<f64>,
     at: impl Iterator<Item = DVec2>,
     corners: &[[u32; 3]],
-    setting: &Setting,
+    site: &BreakSite,
 ) -> Heights {
-    let mut placed = HeightPlacer::new(setting, heights.iter().copied());
+    let mut placed = HeightPlacer::new(site, heights.iter().copied());
     let mut limited_heights = Vec::new();
     for (i, (height, at)) in heights.iter_mut().zip(at).enumerate() {
         if placed.place(height, at) {

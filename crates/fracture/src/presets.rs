@@ -11,7 +11,7 @@ use serde::Serialize;
 /// A named set of parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Preset {
-    /// Name it is asked for by.
+    /// Name by which recipes and users refer to it.
     pub name: &'static str,
     /// One line on what it gives.
     pub summary: &'static str,

@@ -53,7 +53,7 @@ impl<'a> TornRelief<'a> {
         cache: &mut Option<Arc<TornEnds>>,
     ) -> Self {
         let p = model.p;
-        let stem = (model.setting.radius, model.setting.pith);
+        let stem = (model.site.radius, model.site.pith);
         let ends = TornEnds::cached(bundles, p, noises, stem, cache);
         let mut torn = TornRelief {
             model,
@@ -109,14 +109,14 @@ impl<'a> TornRelief<'a> {
         let p = self.model.p;
         let phi = self.ends.strips.middle(strip);
         let at = unit(1.0, phi);
-        let place = self.ends.pith + at * self.model.setting.radius;
+        let place = self.ends.pith + at * self.model.site.radius;
         let ragged = noises
             .shelf
             .at(self.ends.shelf_coordinates(at, place) * 3.0);
         let torn = self.torn_share(self.distance_to_shelf(ragged, at, place));
         let wandered = wandering_angle(noises, phi, at * 0.95);
         let slab = self.ends.slabs.at(0.95, wandered).1;
-        let wood = 0.7 * p.slab_height * self.model.setting.relief * torn * slab;
+        let wood = 0.7 * p.slab_height * self.model.site.relief * torn * slab;
         self.model.stepped(at, 0.99, phi) + wood + p.bark_offset
     }
 
@@ -124,9 +124,9 @@ impl<'a> TornRelief<'a> {
     pub fn field_height(&self, field: &HeightField, index: usize) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let unit = unit(bundle.rho.min(1.0), bundle.phi);
-        let fibre = self.model.setting.relief * self.model.p.fibre_height;
+        let fibre = self.model.site.relief * self.model.p.fibre_height;
         BundleHeight {
-            base: field.at(bundle.rho, bundle.phi) / self.model.setting.radius,
+            base: field.at(bundle.rho, bundle.phi) / self.model.site.radius,
             thorn: 0.0,
             raggedness: if bundle.bark { 0.0 } else { fibre },
             middle: self.ends.middle(self.bundles, index, unit),
@@ -170,10 +170,10 @@ impl<'a> TornRelief<'a> {
     ) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
-        let (model, p, relief) = (self.model, self.model.p, self.model.setting.relief);
+        let (model, p, relief) = (self.model, self.model.p, self.model.site.relief);
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
-        let across = (middle - self.ends.pith) / model.setting.radius;
+        let across = (middle - self.ends.pith) / model.site.radius;
         let published = model.published(noises, (across, at), (rho, bundle.phi), zone, key);
         let shelf = self.distance_to_shelf(end.shelf, at, middle);
         let torn = self.torn_share(shelf);
@@ -259,7 +259,7 @@ impl<'a> TornRelief<'a> {
     /// Returns the height of a bundle's end at one of its nodes.
     pub fn node_height(&self, level: &BundleHeight, node: &EndNode) -> f64 {
         let bundles = self.bundles;
-        let radius = self.model.setting.radius;
+        let radius = self.model.site.radius;
         if level.bark {
             // Nodes beyond the bark repeat the heights of those below them, so that the edge runs straight outwards.
             let direction = bundles.directions[node.node as usize];

@@ -470,7 +470,7 @@ impl<'a> Builder<'a, '_> {
         Ok(())
     }
 
-    /// Fills a facet that lies wholly inside: parted at knots on its sides, else as it is.
+    /// Fills a facet that lies wholly inside: split at knots on its sides, else as it is.
     fn fill_whole_top(&mut self, facet: u32, face: CapFace) {
         let c = self.corners(facet);
         if self.knots.is_empty() {

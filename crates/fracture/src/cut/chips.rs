@@ -19,7 +19,7 @@ impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. `skin` is the sorted skin of
     /// `solid` and `ground` the layout's on it. Returns how many.
     pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin, ground: &Ground) -> usize {
-        // One closed outline parts a stem in two and no more.
+        // One closed outline splits a stem into two pieces and no more.
         if self.outlines <= 1 {
             return 0;
         }

@@ -1,4 +1,4 @@
-//! What of a cut stays while its parameters change: the skin sorted along the grain and across it, and which facets of a
+//! The parts of a cut that stay the same while its parameters change: the skin sorted along the grain and across it, and which facets of a
 //! layout lie near it.
 
 use super::parts::{Side, Solid};
@@ -345,7 +345,7 @@ impl Ground {
         }
     }
 
-    /// Parts the facets where there is no skin into regions that are joined.
+    /// Divides the facets without skin into connected regions.
     fn part(&mut self) {
         let layout = self.layout.clone();
         let mut queue = Vec::new();
@@ -417,11 +417,11 @@ pub(super) struct Relief<'a> {
     ground: &'a Ground,
     skin: &'a Skin,
     surface: &'a FractureSurface,
-    /// Lowest and highest height over each cell; [`UNASKED`] for cells not asked for yet.
+    /// Lowest and highest height over each cell; [`UNKNOWN_RANGE`] for cells whose range is not known yet.
     cells: Vec<(f64, f64)>,
 }
 
-const UNASKED: (f64, f64) = (0.0, 0.0);
+const UNKNOWN_RANGE: (f64, f64) = (0.0, 0.0);
 
 impl<'a> Relief<'a> {
     pub fn new(skin: &'a Skin, ground: &'a Ground, surface: &'a FractureSurface) -> Self {
@@ -429,7 +429,7 @@ impl<'a> Relief<'a> {
             ground,
             skin,
             surface,
-            cells: vec![UNASKED; ground.size * ground.size],
+            cells: vec![UNKNOWN_RANGE; ground.size * ground.size],
         }
     }
 
@@ -437,13 +437,13 @@ impl<'a> Relief<'a> {
         range(facets.map(|f| &self.surface.heights[f as usize]))
     }
 
-    /// The side of a limb triangle, or [`Side::Split`] where the facets over it must be asked.
+    /// The side of a limb triangle, or [`Side::Split`] where the facets over it decide.
     pub fn meet(&mut self, rank: usize) -> Side {
         let [i0, j0, i1, j1] = self.skin.cells[rank].map(|c| usize::from(c) >> self.ground.level);
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for j in j0..=j1 {
             for cell in j * self.ground.size + i0..=j * self.ground.size + i1 {
-                if self.cells[cell] == UNASKED {
+                if self.cells[cell] == UNKNOWN_RANGE {
                     let list =
                         self.ground.starts[cell] as usize..self.ground.starts[cell + 1] as usize;
                     self.cells[cell] = self.range(self.ground.facets[list].iter().copied());

@@ -1,11 +1,11 @@
-//! Parting the broken face at the levels of the grain, between which grain space is affine.
+//! Splitting the broken face at the levels of the grain, between which grain space is affine.
 
 use super::Cut;
 use crate::surface::NONE;
 use glam::DVec3;
 use greenstick_wood::stem::LevelSteps;
 
-/// Part of the levels' span within which a vertex counts as lying on a level.
+/// Share of the levels' span within which a vertex counts as lying on a level.
 const NEAR: f64 = 1e-10;
 
 /// How many levels lie at or below a vertex, and how many below it; they differ where it lies on one.
@@ -19,13 +19,13 @@ fn crossed(ranks: [Rank; 3]) -> Option<usize> {
 }
 
 impl Cut {
-    /// Parts every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
+    /// Splits every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
     /// [`super::cut`]. The skin must cross none of them.
-    pub fn part_at(&mut self, points: &[DVec3], levels: &[f64]) {
+    pub fn split_at_levels(&mut self, points: &[DVec3], levels: &[f64]) {
         let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
             return;
         };
-        // The skin ends at levels but for rounding; an edge of it must not be parted for that.
+        // The skin ends at levels but for rounding; an edge of it must not be split for that.
         let near = NEAR * (last - first);
         let steps = LevelSteps::new(levels);
         let rank = |s: f64| {
@@ -41,7 +41,7 @@ impl Cut {
         let mut ranks: Vec<Rank> = Vec::with_capacity(self.vertices.len() + 2 * self.inside.len());
         ranks.extend(made.map(rank));
         ranks.extend(inside.map(rank));
-        let mut parter = Parter {
+        let mut splitter = LevelSplitter {
             points,
             rank: &rank,
             ranks,
@@ -50,18 +50,18 @@ impl Cut {
             made: Vec::new(),
             cut: self,
         };
-        let triangles = (0..).zip(&parter.cut.cap);
+        let triangles = (0..).zip(&splitter.cut.cap);
         let crossing: Vec<u32> = triangles
-            .filter(|(_, t)| crossed(parter.ranks(t)).is_some())
+            .filter(|(_, t)| crossed(splitter.ranks(t)).is_some())
             .map(|(number, _)| number)
             .collect();
         if !crossing.is_empty() {
-            parter.run(&crossing);
+            splitter.run(&crossing);
         }
     }
 }
 
-struct Parter<'a, R> {
+struct LevelSplitter<'a, R> {
     points: &'a [DVec3],
     rank: &'a R,
     /// Rank of every vertex but the mesh's own.
@@ -83,7 +83,7 @@ struct Made {
     before: u32,
 }
 
-impl<R: Fn(f64) -> Rank> Parter<'_, R> {
+impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
     fn ranks(&self, t: &[u32; 3]) -> [Rank; 3] {
         t.map(|id| self.rank_of(id))
     }
@@ -107,7 +107,7 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         }
     }
 
-    /// Parts the triangles of the numbers `crossing`, ascending.
+    /// Splits the triangles numbered in `crossing`, which ascend.
     fn run(&mut self, crossing: &[u32]) {
         // Most of the edges that cross belong to two triangles, and each triangle has two.
         let made = crossing.len() + crossing.len() / 8;
@@ -118,10 +118,10 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         self.cut.nodes.reserve(made);
         let triangles = std::mem::take(&mut self.cut.cap);
         let faces = std::mem::take(&mut self.cut.faces);
-        // Most are parted at one level, in three.
-        let room = triangles.len() + 3 * crossing.len();
-        self.cut.cap.reserve(room);
-        self.cut.faces.reserve(room);
+        // Most are split at one level, into three.
+        let capacity = triangles.len() + 3 * crossing.len();
+        self.cut.cap.reserve(capacity);
+        self.cut.faces.reserve(capacity);
         let mut walls = std::mem::take(&mut self.cut.walls);
         let mut later = walls.iter_mut().peekable();
         let mut stack = Vec::new();
@@ -131,7 +131,7 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
             self.cut.cap.extend_from_slice(&triangles[from..at]);
             self.cut.faces.extend_from_slice(&faces[from..at]);
             from = at + 1;
-            // What has been parted so far moves all that follows.
+            // The splits so far move all that follows.
             let moved = (self.cut.cap.len() - at) as u32;
             while let Some(wall) = later.next_if(|w| **w <= number) {
                 *wall += moved;
@@ -139,7 +139,7 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
             stack.push(triangles[at]);
             while let Some(t) = stack.pop() {
                 match crossed(self.ranks(&t)) {
-                    Some(n) => self.part(t, n, &mut stack),
+                    Some(n) => self.split_triangle(t, n, &mut stack),
                     None => {
                         self.cut.cap.push(t);
                         self.cut.faces.push(faces[at]);
@@ -154,8 +154,8 @@ impl<R: Fn(f64) -> Rank> Parter<'_, R> {
         self.cut.walls = walls;
     }
 
-    /// Parts a triangle at level number `n`.
-    fn part(&mut self, t: [u32; 3], n: usize, stack: &mut Vec<[u32; 3]>) {
+    /// Splits a triangle at level number `n`.
+    fn split_triangle(&mut self, t: [u32; 3], n: usize, stack: &mut Vec<[u32; 3]>) {
         let level = self.levels[n];
         let ranks = self.ranks(&t);
         let above = ranks.map(|r| r.1 as usize > n);

@@ -58,8 +58,8 @@ pub fn cut(solid: &Solid, surface: &FractureSurface) -> Result<Cut, CutError> {
     cut_again(solid, &skin, &ground, surface, &mut CutWorkspace::default())
 }
 
-/// What one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as cuts have
-/// asked for it. A cut is the same with a fresh workspace.
+/// The cache that one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as
+/// cuts have needed it. A cut is the same with a fresh workspace.
 #[derive(Debug, Default)]
 pub struct CutWorkspace {
     clips: Clips,
@@ -96,7 +96,7 @@ pub fn cut_again(
 ) -> Result<Cut, CutError> {
     let clips = workspace.clips(skin, &surface.layout);
     let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
-    let sides = lay(solid, skin, ground, surface, clips, &mut overlay)?;
+    let sides = overlay_skin(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
     let outlines = outlines(&overlay);
     let cap = cap::build(surface, ground, &mut overlay)?;
@@ -114,8 +114,8 @@ pub fn cut_again(
     })
 }
 
-/// Lays the skin over the surface: finds the side of every triangle and cuts those that the surface meets.
-fn lay(
+/// Overlays the skin and the surface: finds the side of every triangle and cuts those that the surface meets.
+fn overlay_skin(
     solid: &Solid,
     skin: &Skin,
     ground: &Ground,

@@ -1,6 +1,6 @@
 //! Cutting the skin of a stem along a break surface.
 //!
-//! Each triangle of the skin is laid over the facets of the surface in the (x, y) plane of grain space. Which facets it
+//! Each triangle of the skin is projected onto the facets of the surface in the (x, y) plane of grain space. Which facets it
 //! meets follows from exact orientation tests alone, so neighbouring triangles always agree, and a point cut on an
 //! edge is made once and shared. Within a facet the skin lies above the surface (upper piece) or below it (lower
 //! piece); the lines between are the outline that the broken faces must fill.
@@ -69,7 +69,7 @@ pub(super) enum Place {
 /// Height of a facet's plane where its corners have `weights`, the last of which is their sum.
 fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
     let (h, w) = (heights, weights);
-    // Rounding must not lead past the corners, between which whole triangles are told from cut ones.
+    // Rounding must not lead past the corners, between which whole triangles are distinguished from cut ones.
     ((w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / w[3])
         .max(h[0].min(h[1]).min(h[2]))
         .min(h[0].max(h[1]).max(h[2]))

@@ -11,7 +11,7 @@ use greenstick_fracture::parameters::{BreakParameters, CrackParameters};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::broken::{
-    Cutter, FaceLayout, InnerWood, LayoutKey, height_setting, lacks_material,
+    Cutter, FaceLayout, InnerWood, LayoutKey, break_site, lacks_material,
 };
 use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
 use greenstick_skin::prepared::PreparedStem;
@@ -252,9 +252,9 @@ impl Chain {
         let stem = found.stage.stem();
         let key = (found.id, LayoutKey::new(stem, p));
         let layout = layout(&mut self.layout, stem, key, ids)?;
-        let setting = height_setting(stem, p, 1.0);
+        let site = break_site(stem, p, 1.0);
         let bundles = &layout.value.bundles;
-        Ok(heights::relief_range(bundles, p, &setting, &mut self.cache))
+        Ok(heights::relief_range(bundles, p, &site, &mut self.cache))
     }
 
     /// Returns the stem with the grain and the cracked end that a break requests, and the relief of the species.
@@ -352,11 +352,11 @@ impl Chain {
     ) -> Result<SlotValue<PreparedStem>, Error> {
         let p = &requested.recipe.face;
         let layout = self.found_layout(found, p, true, ids)?;
-        let setting = height_setting(&found.value, p, relief);
+        let site = break_site(&found.value, p, relief);
         let heights = heights::heights(
             &layout.value.bundles,
             p,
-            &setting,
+            &site,
             &requested.heights,
             &mut self.found_cache,
         );
@@ -384,11 +384,11 @@ impl Chain {
             } else {
                 &mut self.cache
             };
-            let setting = height_setting(&found.value, p, 1.0);
+            let site = break_site(&found.value, p, 1.0);
             Ok(heights::relief_range(
                 &layout.value.bundles,
                 p,
-                &setting,
+                &site,
                 cache,
             ))
         })
@@ -412,10 +412,10 @@ impl Chain {
         };
         let cache = &mut self.cache;
         self.heights.get(key, ids, |_| {
-            let setting = height_setting(stem.stem(), p, relief.factor);
+            let site = break_site(stem.stem(), p, relief.factor);
             let bundles = &layout.value.bundles;
             Ok(HeightStage {
-                heights: heights::heights(bundles, p, &setting, &requested.heights, cache),
+                heights: heights::heights(bundles, p, &site, &requested.heights, cache),
                 relief,
             })
         })

@@ -18,7 +18,7 @@ pub use view::{BreakView, ViewedPiece};
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
-use greenstick_fracture::heights::Setting;
+use greenstick_fracture::heights::BreakSite;
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
@@ -81,9 +81,9 @@ impl FaceLayout {
 }
 
 /// Returns the stem as heights are made for it. `relief` is the factor of the species on the torn relief.
-pub fn height_setting(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> Setting {
+pub fn break_site(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> BreakSite {
     let found = &stem.found.stem;
-    Setting {
+    BreakSite {
         radius: found.radius,
         place: found.location,
         usable: found.usable,
@@ -144,7 +144,7 @@ impl Cutter<'_> {
         } else {
             0
         };
-        cut.part_at(&self.stem.grain, &self.stem.levels);
+        cut.split_at_levels(&self.stem.grain, &self.stem.levels);
         Ok((cut, chips))
     }
 

@@ -181,7 +181,7 @@ impl FrayedBreak<'_> {
             };
             let skin = &self.stem.skin;
             let mut cut = splinter_solid(&self.stem.solid(), skin, &whole, faces, s.cell);
-            cut.part_at(&self.stem.grain, &self.stem.levels);
+            cut.split_at_levels(&self.stem.grain, &self.stem.levels);
             let face = BrokenFace::within_the_wood(&source, cut, &self.inner);
             Splinter {
                 mesh: face.piece(&source, &self.inner, false),

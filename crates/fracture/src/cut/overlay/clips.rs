@@ -1,5 +1,5 @@
 //! What of an overlay of the skin and a layout does not depend on heights: which part of a triangle lies over which
-//! facet. It is worked out once for each triangle that a break comes near and kept for the next break.
+//! facet. It is computed once for each triangle near a break and cached for the next break.
 
 use super::super::ground::{Ground, Skin};
 use super::super::parts::{Host, Solid};
@@ -73,7 +73,7 @@ pub(in super::super) struct Clips {
     pub(super) weights: Vec<[f64; 4]>,
     crossings: FxHashMap<(u32, u32, u32), u32>,
     nodes: FxHashMap<(u32, u32), u32>,
-    /// For each facet the triangle that last asked for it.
+    /// For each facet the last triangle that looked for its facets.
     marks: Vec<u32>,
     turn: u32,
     found: Vec<u32>,
@@ -83,13 +83,13 @@ pub(in super::super) struct Clips {
     pub made: usize,
 }
 
-/// Slots beyond which what is kept is given up before the next break: about 100 MB.
-const MOST: usize = 1 << 22;
+/// Number of cached slots above which the cache is emptied before the next break: about 100 MB.
+const MAX_CACHED_SLOTS: usize = 1 << 22;
 
 impl Clips {
     /// Makes ready for a break on a skin of `ranks` triangles over `facets` facets, the `same` as before or others.
     pub fn begin(&mut self, same: bool, (ranks, facets): (usize, usize)) {
-        if !same || self.slots.len() > MOST {
+        if !same || self.slots.len() > MAX_CACHED_SLOTS {
             *self = Clips {
                 known: vec![0; ranks],
                 marks: vec![0; facets],
