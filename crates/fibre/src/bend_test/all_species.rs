@@ -125,8 +125,8 @@ pub struct BendTable {
     pub rows: Vec<BendRow>,
 }
 
-/// Tests every species of the Wood Handbook's table at `moisture` percent. A species that the table does not tell enough
-/// of gets a row that says so.
+/// Tests every species of the Wood Handbook's table at `moisture` percent. A species for which the
+/// table lacks values gets a row that says so.
 ///
 /// # Errors
 /// [`BendingError::Test`] where the specimen is wrong for all, and where the caller stops the work.

@@ -76,7 +76,7 @@ pub enum BendingError {
     /// A table value is missing.
     #[error(transparent)]
     Moisture(#[from] MoistureError),
-    /// Strength along the grain cannot be told.
+    /// Strength along the grain is unknown.
     #[error(transparent)]
     Strength(#[from] StrengthError),
     /// Specimen or solver.

@@ -63,7 +63,7 @@ struct Slot {
     made: [u32; 2],
 }
 
-/// A vertex of the cut. One fits a cache line: faces take their corners in any order.
+/// A vertex of the cut, in one cache line: triangles read their corners in no particular order.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Corner {
@@ -142,7 +142,7 @@ fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> Vec<Corner> {
         let phi = address.map_or(f64::NAN, |a| a.1);
         corner(source.chart.to_world(grain), grain, phi)
     }));
-    // Vertices of the mesh itself are not expected here, but have their place behind the others.
+    // Vertices of the mesh itself are not expected here, but would follow the others.
     let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
     if least < cut.points {
         let points = (0..).zip(&source.grain[..cut.points]);

@@ -29,7 +29,7 @@ const LEVEL_SPACING: f64 = 0.5;
 
 /// Rounds in which triangles that cross are bisected before the bend is made weaker.
 const BISECTIONS: u32 = 8;
-/// Times as many crossing pairs as at first, beyond which bisection does not end and the bend is made weaker at once.
+/// Ratio of crossing pairs to those at first above which bisection diverges, so that the bend is made weaker at once.
 const DIVERGENCE: usize = 4;
 /// Factor by which the bend is made weaker then.
 const WEAKENING: f64 = 0.7;
