@@ -5,6 +5,7 @@
 //! once and taken by every face that meets there, so the faces close without gaps. Faces that the outline does not
 //! touch, nearly all, are triangles and trapezia and take short ways.
 
+mod line;
 mod walls;
 
 use super::error::CutError;
@@ -16,6 +17,7 @@ use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
 use greenstick_geometry::triangulate::Triangulator;
+use line::LineMemory;
 
 /// The triangles of the broken face, oriented for the lower piece.
 #[derive(Default)]
@@ -70,11 +72,12 @@ pub(super) struct Builder<'a, 'b> {
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
-/// Builds the broken face from the outline found by `overlay`.
+/// Builds the broken face from the outline found by `overlay`; `heights` are those of [`one_height_each`].
 pub(super) fn build<'a>(
     surface: &'a FractureSurface,
     ground: &'a Ground,
     overlay: &mut Overlay<'a>,
+    heights: Option<Vec<f64>>,
 ) -> Result<Cap, CutError> {
     overlay.sort();
     let sorted = |list: Vec<(u32, [u32; 2])>| {
@@ -106,7 +109,7 @@ pub(super) fn build<'a>(
         ground,
         first: (overlay.points() + overlay.vertices.len()) as u32,
         overlay,
-        stepped: false,
+        stepped: heights.is_none(),
         corners: Vec::new(),
         starts: Vec::new(),
         heights: Vec::new(),
@@ -125,9 +128,16 @@ pub(super) fn build<'a>(
     };
     builder.cap.triangles.reserve(layout.facets.len() * 3);
     builder.cap.faces.reserve(layout.facets.len() * 3);
-    builder.place_corners();
-    if builder.stepped {
-        builder.place_knots();
+    match heights {
+        Some(heights) => {
+            let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
+            builder.cap.inside.extend(nodes);
+            builder.cap.nodes.extend(0..layout.nodes.len() as u32);
+        }
+        None => {
+            builder.place_corners();
+            builder.place_knots();
+        }
     }
     let loose = builder.fill_touched_tops()?;
     builder.spread_status()?;
@@ -139,7 +149,7 @@ pub(super) fn build<'a>(
 }
 
 /// The height at every node of a surface without steps.
-fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
+pub(super) fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
     let layout = &surface.layout;
     let mut heights = vec![f64::NAN; layout.nodes.len()];
     for (facet, h) in layout.facets.iter().zip(&surface.heights) {
@@ -196,13 +206,6 @@ impl<'a> Builder<'a, '_> {
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
         let (layout, ground) = (self.layout(), self.ground);
-        if let Some(heights) = one_height_each(self.surface) {
-            let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
-            self.cap.inside.extend(nodes);
-            self.cap.nodes.extend(0..layout.nodes.len() as u32);
-            return;
-        }
-        self.stepped = true;
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.heights = Vec::with_capacity(layout.nodes.len() * 3);
@@ -308,11 +311,15 @@ impl<'a> Builder<'a, '_> {
     /// Fills the tops whose border the outline meets. Returns the facets within which it closes, whose status is not
     /// known yet.
     fn fill_touched_tops(&mut self) -> Result<Vec<u32>, CutError> {
-        let mut facets: Vec<u32> = self.tops.iter().map(|t| t.0).collect();
-        facets.dedup();
+        let tops = std::mem::take(&mut self.tops);
+        let mut memory = LineMemory::default();
         let mut loose = Vec::new();
-        for facet in facets {
-            let chains = of(&self.tops, facet);
+        for of_facet in tops.chunk_by(|a, b| a.0 == b.0) {
+            let facet = of_facet[0].0;
+            if self.fill_beside_line(facet, of_facet, &mut memory) {
+                continue;
+            }
+            let chains: Vec<(u32, u32)> = of_facet.iter().map(|c| c.1).collect();
             let border = self.border(facet);
             let ids: Vec<u32> = border.iter().map(|b| b.0).collect();
             let traced = follow(&chains, &ids);
@@ -330,6 +337,7 @@ impl<'a> Builder<'a, '_> {
                 loose.push(facet);
             }
         }
+        self.tops = tops;
         Ok(loose)
     }
 

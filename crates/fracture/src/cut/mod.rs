@@ -95,11 +95,16 @@ pub fn cut_again(
     workspace: &mut CutWorkspace,
 ) -> Result<Cut, CutError> {
     let clips = workspace.clips(skin, &surface.layout);
-    let mut overlay = Overlay::new(surface, solid.points, clips.made + clips.made / 4);
+    let heights = cap::one_height_each(surface);
+    let mut overlay = Overlay::new(
+        (surface, heights.is_none()),
+        solid.points,
+        clips.made + clips.made / 4,
+    );
     let sides = overlay_skin(solid, skin, ground, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay)?;
+    let cap = cap::build(surface, ground, &mut overlay, heights)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,

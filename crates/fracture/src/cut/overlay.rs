@@ -7,6 +7,7 @@
 
 pub(super) mod clips;
 mod join;
+mod line;
 pub(super) mod outline;
 
 use super::error::CutError;
@@ -14,6 +15,7 @@ use super::parts::Host;
 use crate::surface::NONE;
 use clips::{Clips, Corner, Part, Slot, Support};
 use join::{JoinMemory, Piece};
+use line::Segment;
 use outline::{EdgeCut, Overlay};
 
 /// A corner of the part of a triangle over a facet.
@@ -52,6 +54,8 @@ pub(super) struct SplitMemory {
     turns: Vec<u32>,
     /// Edges of polygons along the layout's: (ends, edge).
     spans: Vec<(u32, u32, u32)>,
+    /// The outline through a triangle over a surface without steps.
+    line: Vec<Segment>,
     join: JoinMemory,
 }
 
@@ -87,6 +91,12 @@ impl Overlay<'_> {
     ) -> Result<Place, CutError> {
         self.made.resize(clips.vertices.len(), NONE);
         match self.measure(corners, clips, parts, memory) {
+            Place::Split
+                if !self.stepped
+                    && self.split_along_line(triangle, corners, clips, parts, memory) =>
+            {
+                Ok(Place::Split)
+            }
             Place::Split => self.split_parts(triangle, corners, clips, parts, memory),
             whole => Ok(whole),
         }

@@ -61,6 +61,15 @@ pub(super) fn area(corners: &[u32], flat: &impl Fn(u32) -> DVec2) -> f64 {
         .sum()
 }
 
+/// Twice the signed area of a loop.
+pub(super) fn twice_area(places: &[DVec2]) -> f64 {
+    let origin = places[0];
+    places
+        .windows(2)
+        .map(|w| (w[0] - origin).perp_dot(w[1] - origin))
+        .sum()
+}
+
 /// Fills loops (outer ones counter-clockwise, holes clockwise) with triangles, every corner used.
 pub(super) fn fill(
     triangulator: &mut Triangulator,
@@ -186,7 +195,7 @@ fn sliver(points: &[DVec2], t: [u32; 3]) -> Option<usize> {
 /// Turns the longest side of every sliver, so that no triangle spans points that lie on one line but for rounding:
 /// moved to their places in the world, such triangles would fold over their neighbours. Where several lie side by side,
 /// each turn leaves slivers with shorter sides, until none is left that has a neighbour.
-fn part_slivers(points: &[DVec2], triangles: &mut [[u32; 3]]) {
+pub(super) fn part_slivers(points: &[DVec2], triangles: &mut [[u32; 3]]) {
     if triangles.len() < 2 || triangles.iter().all(|&t| sliver(points, t).is_none()) {
         return;
     }

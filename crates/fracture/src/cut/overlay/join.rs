@@ -191,6 +191,46 @@ impl Overlay<'_> {
         Ok(())
     }
 
+    /// Fills the loop in `memory`, a part of the triangle on one side of the surface. Returns `false` where it runs the
+    /// wrong way or meets itself, by rounding.
+    pub(super) fn fill_ring(
+        &mut self,
+        (triangle, corners): (u32, [u32; 3]),
+        upper: bool,
+        memory: &mut JoinMemory,
+    ) -> bool {
+        let JoinMemory {
+            ring, flat, filled, ..
+        } = memory;
+        let add = |skin: &mut Vec<SkinTriangle>, corners: [u32; 3]| {
+            skin.push(SkinTriangle {
+                source: triangle,
+                corners,
+                upper,
+            });
+        };
+        if let [a, b, c] = **ring {
+            add(&mut self.skin, [a, b, c]);
+            return true;
+        }
+        flat.clear();
+        flat.extend(ring.iter().map(|&id| self.flat(id, corners)));
+        filled.clear();
+        if polygon::twice_area(flat) < 0.0 || self.triangulator.polygon(flat, filled).is_err() {
+            return false;
+        }
+        for t in filled {
+            add(&mut self.skin, t.map(|i| ring[i as usize]));
+        }
+        true
+    }
+
+    /// Position of a vertex in the triangle's own plane: the weights of the second and the third corner.
+    fn flat(&self, id: u32, corners: [u32; 3]) -> DVec2 {
+        let w = self.weights(id, corners);
+        DVec2::new(w[1], w[2])
+    }
+
     /// Fills what the edges in `memory` enclose.
     fn fill(
         &mut self,
@@ -199,41 +239,19 @@ impl Overlay<'_> {
         upper: bool,
         memory: &mut JoinMemory,
     ) -> Result<(), CutError> {
-        let JoinMemory {
-            edges,
-            ring,
-            flat: places,
-            filled,
-            ..
-        } = memory;
-        edges.sort_unstable();
+        memory.edges.sort_unstable();
+        if one_loop(&memory.edges, &mut memory.ring)
+            && self.fill_ring((triangle, corners), upper, memory)
+        {
+            return Ok(());
+        }
+        let JoinMemory { edges, filled, .. } = memory;
         filled.clear();
         let mut triangulator = std::mem::take(&mut self.triangulator);
-        // Weights of the second and third corner are coordinates in the triangle's own plane.
-        let flat = |id: u32| {
-            let w = self.weights(id, corners);
-            DVec2::new(w[1], w[2])
-        };
-        let single = one_loop(edges, ring);
-        let mut done = false;
-        if let ([a, b, c], true) = (ring.as_slice(), single) {
-            filled.push([*a, *b, *c]);
-            done = true;
-        } else if single {
-            places.clear();
-            places.extend(ring.iter().map(|&id| flat(id)));
-            // A loop that runs the wrong way by rounding is left to the general way.
-            done = twice_area(places) >= 0.0 && triangulator.polygon(places, filled).is_ok();
-            for t in filled.iter_mut() {
-                *t = t.map(|i| ring[i as usize]);
-            }
-        }
-        if !done {
-            filled.clear();
-            done = polygon::trace(edges, flat)
-                .and_then(|loops| polygon::fill(&mut triangulator, &loops, flat, filled).ok())
-                .is_some();
-        }
+        let flat = |id: u32| self.flat(id, corners);
+        let done = polygon::trace(edges, flat)
+            .and_then(|loops| polygon::fill(&mut triangulator, &loops, flat, filled).ok())
+            .is_some();
         self.triangulator = triangulator;
         if !done {
             return Err(CutError::Outline {
@@ -250,13 +268,12 @@ impl Overlay<'_> {
     }
 }
 
-/// Twice the signed area of a loop.
-fn twice_area(places: &[DVec2]) -> f64 {
-    let origin = places[0];
-    places
-        .windows(2)
-        .map(|w| (w[0] - origin).perp_dot(w[1] - origin))
-        .sum()
+impl JoinMemory {
+    /// The corners of a loop, none yet.
+    pub(super) fn ring(&mut self) -> &mut Vec<u32> {
+        self.ring.clear();
+        &mut self.ring
+    }
 }
 
 /// Takes out vertices on the triangle's sides where the outline does not pass.

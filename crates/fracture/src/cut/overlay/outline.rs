@@ -22,6 +22,8 @@ pub(super) struct EdgeCut {
 /// the others index `vertices`.
 pub(in super::super) struct Overlay<'a> {
     pub(super) surface: &'a FractureSurface,
+    /// Whether facets may have different heights at a node.
+    pub(super) stepped: bool,
     /// Grain coordinates of the skin's points.
     pub(super) points: &'a [DVec3],
     /// Vertices made by the cut.
@@ -47,9 +49,14 @@ pub(in super::super) struct Overlay<'a> {
 
 impl<'a> Overlay<'a> {
     /// Returns an empty overlay with capacity for `vertices` on the skin.
-    pub fn new(surface: &'a FractureSurface, points: &'a [DVec3], vertices: usize) -> Self {
+    pub fn new(
+        (surface, stepped): (&'a FractureSurface, bool),
+        points: &'a [DVec3],
+        vertices: usize,
+    ) -> Self {
         Overlay {
             surface,
+            stepped,
             points,
             vertices: Vec::with_capacity(vertices),
             tops: Vec::with_capacity(vertices),
