@@ -43,18 +43,17 @@ pub(super) struct Builder<'a, 'b> {
     stepped: bool,
     /// Vertex at each corner of each facet of a stepped surface.
     corners: Vec<[u32; 3]>,
-    /// For each node where its list in `heights` starts.
+    /// For each node of a stepped surface where its vertices start in [`Cap::inside`], one for every distinct height of
+    /// the facets about it, ascending.
     starts: Vec<u32>,
-    /// Distinct heights of the facets about each node of a stepped surface, ascending, with their vertices.
-    heights: Vec<(f64, u32)>,
     /// Outline on facets and on walls: (facet or edge, (from, to)), sorted.
     tops: Vec<(u32, (u32, u32))>,
     walls: Vec<(u32, (u32, u32))>,
     /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
     knots: Vec<(f64, u32)>,
     knot_of: Vec<u32>,
-    /// Edges that walls stand over, with the heights of their rims.
-    stepped_edges: Vec<(u32, [[f64; 2]; 2])>,
+    /// Edges that walls stand over, with the vertices of their rims.
+    stepped_edges: Vec<(u32, Rims)>,
     /// Whether the outline touches the wall over an edge or its rims.
     touched: Vec<bool>,
     /// Whether the outline crosses the border of a facet.
@@ -68,6 +67,12 @@ pub(super) struct Builder<'a, 'b> {
     triangulator: Triangulator,
     cap: Cap,
 }
+
+/// Vertices at the ends of both facets' sides along an inner edge, in the order of its nodes.
+type Rims = [[u32; 2]; 2];
+
+/// Most facets about a node whose heights are ranked by counting.
+const MAX_COUNTED: usize = 16;
 
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
@@ -112,7 +117,6 @@ pub(super) fn build<'a>(
         stepped: heights.is_none(),
         corners: Vec::new(),
         starts: Vec::new(),
-        heights: Vec::new(),
         tops,
         walls,
         knots: Vec::new(),
@@ -166,6 +170,52 @@ pub(super) fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
     heights.iter().all(|h| !h.is_nan()).then_some(heights)
 }
 
+/// Ranks the `heights` of the facets about a node among the distinct ones and returns how many these are. `column` is
+/// memory for them.
+fn rank_heights(
+    heights: impl Iterator<Item = f64> + Clone,
+    column: &mut [f64; MAX_COUNTED],
+    ranks: &mut Vec<u32>,
+) -> usize {
+    ranks.clear();
+    let mut count = 0;
+    // Facets of one cell follow each other and mostly have one height.
+    for height in heights.clone() {
+        if count == MAX_COUNTED {
+            return rank_by_sorting(heights, ranks);
+        }
+        let new = count == 0 || column[count - 1] != height;
+        column[count] = height;
+        count += usize::from(new);
+        ranks.push((count - 1) as u32);
+    }
+    let distinct = &column[..count];
+    let mut order = [0u32; MAX_COUNTED];
+    let mut sum = 0;
+    for (rank, a) in order.iter_mut().zip(distinct) {
+        *rank = distinct.iter().map(|b| u32::from(b < a)).sum();
+        sum += *rank as usize;
+    }
+    // Equal ones share a rank and leave out the next.
+    if sum != count * count.saturating_sub(1) / 2 {
+        return rank_by_sorting(heights, ranks);
+    }
+    for rank in ranks {
+        *rank = order[*rank as usize];
+    }
+    count
+}
+
+/// [`rank_heights`] for any number of facets and heights in any order.
+fn rank_by_sorting(heights: impl Iterator<Item = f64> + Clone, ranks: &mut Vec<u32>) -> usize {
+    let mut column: Vec<f64> = heights.clone().collect();
+    column.sort_unstable_by(f64::total_cmp);
+    column.dedup();
+    ranks.clear();
+    ranks.extend(heights.map(|h| column.partition_point(|&c| c < h) as u32));
+    column.len()
+}
+
 /// The chains of one facet or edge.
 fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
     let from = list.partition_point(|c| c.0 < key);
@@ -205,35 +255,30 @@ impl<'a> Builder<'a, '_> {
 
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
-        let (layout, ground) = (self.layout(), self.ground);
+        let (layout, ground, surface) = (self.layout(), self.ground, self.surface);
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
-        self.heights = Vec::with_capacity(layout.nodes.len() * 3);
         self.cap.inside.reserve(layout.nodes.len() * 4);
         self.cap.nodes.reserve(layout.nodes.len() * 4);
-        for n in 0..layout.nodes.len() {
-            let first = self.heights.len();
-            self.starts.push(first as u32);
+        let mut ranks = Vec::new();
+        for (n, node) in layout.nodes.iter().enumerate() {
+            let start = self.cap.inside.len();
+            self.starts.push(start as u32);
             let list = ground.node_starts[n] as usize..ground.node_starts[n + 1] as usize;
-            for &(f, k) in &ground.around[list] {
-                let h = self.surface.heights[f as usize][usize::from(k)];
-                let known = self.heights[first..].iter().find(|p| p.0 == h);
-                let id = match known {
-                    Some(&(_, id)) => id,
-                    None => {
-                        let id = self.add(layout.nodes[n].extend(h), n as u32);
-                        self.heights.push((h, id));
-                        id
-                    }
-                };
-                self.corners[f as usize][usize::from(k)] = id;
+            let around = &ground.around[list];
+            let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
+            let mut column = [0.0; MAX_COUNTED];
+            let count = rank_heights(around.iter().map(height), &mut column, &mut ranks);
+            let at = |rank: u32| start + rank as usize;
+            self.cap.inside.resize(start + count, node.extend(0.0));
+            self.cap.nodes.resize(start + count, n as u32);
+            for (corner, &rank) in around.iter().zip(&ranks) {
+                self.cap.inside[at(rank)].z = height(corner);
+                self.corners[corner.0 as usize][usize::from(corner.1)] =
+                    self.first + at(rank) as u32;
             }
-            if self.heights.len() < first + 2 {
-                continue;
-            }
-            self.heights[first..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         }
-        self.starts.push(self.heights.len() as u32);
+        self.starts.push(self.cap.inside.len() as u32);
     }
 
     /// Finds the walls, and makes a vertex where the two rims of one cross.
@@ -241,15 +286,18 @@ impl<'a> Builder<'a, '_> {
         let layout = self.layout();
         self.knot_of = vec![NONE; layout.edges.len()];
         for (e, edge) in layout.edges.iter().enumerate() {
-            let Some([a, b]) = self.rims(edge) else {
+            let Some(rims) = self.rims(edge) else {
                 continue;
             };
+            let [a, b] = rims;
             if a == b {
                 continue;
             }
-            self.stepped_edges.push((e as u32, [a, b]));
-            let (u, v) = (a[0] - b[0], a[1] - b[1]);
-            if u * v < 0.0 {
+            self.stepped_edges.push((e as u32, rims));
+            // The vertices over a node ascend.
+            if (a[0] < b[0] && a[1] > b[1]) || (a[0] > b[0] && a[1] < b[1]) {
+                let [a, b] = self.rim_heights(rims);
+                let (u, v) = (a[0] - b[0], a[1] - b[1]);
                 let t = u / (u - v);
                 let [p, q] = edge.nodes.map(|n| layout.nodes[n as usize]);
                 let id = self.add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), NONE);
@@ -264,18 +312,20 @@ impl<'a> Builder<'a, '_> {
         self.knots.get(number as usize).copied()
     }
 
-    /// Heights of both facets of an inner edge along it, in the order of its nodes.
-    fn rims(&self, edge: &Edge) -> Option<[[f64; 2]; 2]> {
+    /// The rims along an inner edge of a stepped surface.
+    fn rims(&self, edge: &Edge) -> Option<Rims> {
         let [(f, i), (g, j)] = edge.facets;
         (f != NONE && g != NONE).then(|| {
             // The left facet has the nodes in the edge's order, the right one turned round.
-            let (h, l) = (
-                &self.surface.heights[f as usize],
-                &self.surface.heights[g as usize],
-            );
+            let (h, l) = (&self.corners[f as usize], &self.corners[g as usize]);
             let (i, j) = (usize::from(i), usize::from(j));
             [[h[i], h[(i + 1) % 3]], [l[(j + 1) % 3], l[j]]]
         })
+    }
+
+    /// Heights of the ends of rims, m.
+    fn rim_heights(&self, rims: Rims) -> [[f64; 2]; 2] {
+        rims.map(|rim| rim.map(|id| self.cap.inside[(id - self.first) as usize].z))
     }
 
     /// Vertices on side `k` of a facet between its corners, in its own direction, with their fraction along the edge.

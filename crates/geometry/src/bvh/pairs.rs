@@ -1,4 +1,4 @@
-//! Pairs of items whose boxes meet, within one tree and between two.
+//! Pairs of items whose boxes meet, within a tree.
 
 use super::tree::Bvh;
 
@@ -16,9 +16,7 @@ impl Bvh {
                     let items = na.first as usize..(na.first + na.count) as usize;
                     for i in items.clone() {
                         for j in i + 1..items.end {
-                            self.report_if_overlapping(self, i, j, &mut |x, y| {
-                                visit(x.min(y), x.max(y))
-                            });
+                            self.report_if_overlapping(i, j, &mut |x, y| visit(x.min(y), x.max(y)));
                         }
                     }
                 } else {
@@ -26,22 +24,7 @@ impl Bvh {
                     stack.extend([(a + 1, right), (right, right), (a + 1, a + 1)]);
                 }
             } else if na.bounds.overlaps(&nb.bounds) {
-                self.open_larger(self, a, b, &mut stack, &mut |x, y| {
-                    visit(x.min(y), x.max(y))
-                });
-            }
-        }
-    }
-
-    /// Visits every pair of an item of this tree and an item of the other whose boxes meet.
-    pub fn pairs(&self, other: &Bvh, mut visit: impl FnMut(usize, usize)) {
-        if self.nodes.is_empty() || other.nodes.is_empty() {
-            return;
-        }
-        let mut stack = vec![(0usize, 0usize)];
-        while let Some((a, b)) = stack.pop() {
-            if self.nodes[a].bounds.overlaps(&other.nodes[b].bounds) {
-                self.open_larger(other, a, b, &mut stack, &mut visit);
+                self.open_larger(a, b, &mut stack, &mut |x, y| visit(x.min(y), x.max(y)));
             }
         }
     }
@@ -49,19 +32,18 @@ impl Bvh {
     /// Opens the larger of two nodes, or compares the items of two leaves.
     fn open_larger(
         &self,
-        other: &Bvh,
         a: usize,
         b: usize,
         stack: &mut Vec<(usize, usize)>,
         visit: &mut impl FnMut(usize, usize),
     ) {
-        let (na, nb) = (&self.nodes[a], &other.nodes[b]);
+        let (na, nb) = (&self.nodes[a], &self.nodes[b]);
         let open_first = nb.count > 0 || na.bounds.half_area() >= nb.bounds.half_area();
         if na.count > 0 && nb.count > 0 {
             for i in na.first as usize..(na.first + na.count) as usize {
                 if self.boxes[i].overlaps(&nb.bounds) {
                     for j in nb.first as usize..(nb.first + nb.count) as usize {
-                        self.report_if_overlapping(other, i, j, visit);
+                        self.report_if_overlapping(i, j, visit);
                     }
                 }
             }
@@ -69,21 +51,15 @@ impl Bvh {
             let right = self.nodes[a + 1].end as usize;
             stack.extend([(right, b), (a + 1, b)]);
         } else {
-            let right = other.nodes[b + 1].end as usize;
+            let right = self.nodes[b + 1].end as usize;
             stack.extend([(a, right), (a, b + 1)]);
         }
     }
 
-    /// Visits the items at places `i` and `j` of the two orders if their boxes overlap.
-    fn report_if_overlapping(
-        &self,
-        other: &Bvh,
-        i: usize,
-        j: usize,
-        visit: &mut impl FnMut(usize, usize),
-    ) {
-        if self.boxes[i].overlaps(&other.boxes[j]) {
-            visit(self.order[i] as usize, other.order[j] as usize);
+    /// Visits the items at places `i` and `j` of the order if their boxes overlap.
+    fn report_if_overlapping(&self, i: usize, j: usize, visit: &mut impl FnMut(usize, usize)) {
+        if self.boxes[i].overlaps(&self.boxes[j]) {
+            visit(self.order[i] as usize, self.order[j] as usize);
         }
     }
 }

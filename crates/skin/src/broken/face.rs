@@ -11,6 +11,7 @@ use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
 use greenstick_fracture::surface::NONE;
+use std::ops::Range;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
@@ -266,38 +267,75 @@ impl FaceBuilder<'_> {
         let ends = ends.chain([self.cut.cap.len()]);
         let mut from = first;
         for to in ends {
-            run += 1;
-            let flat = to - from <= MAX_FLAT_WALL;
-            let start = self.made_at.len();
-            let mut normal = DVec3::ZERO;
-            for t in from..to {
-                let ids = self.cut.cap[t];
-                let cell = self.cut.faces[t].cell;
-                if normal == DVec3::ZERO || !flat {
-                    let [a, b, c] = ids.map(|id| self.corners[self.index(id)].place);
-                    normal = (b - a).cross(c - a).normalize_or_zero();
-                }
-                let corners = ids.map(|id| {
-                    let at = self.index(id);
-                    if flat {
-                        let made = &self.made_at[start..];
-                        if let Some(i) = made.iter().position(|m| m.0 as usize == at) {
-                            return (start + i) as u32;
-                        }
-                    } else {
-                        self.runs.resize(self.corners.len(), (0, 0));
-                        if self.runs[at].0 == run {
-                            return self.runs[at].1;
-                        }
-                        self.runs[at] = (run, self.made_at.len() as u32);
-                    }
-                    self.face.normals.push(to_f32(normal));
-                    self.push(at, cell, false)
-                });
-                self.face.triangles.push(corners);
+            if to - from <= MAX_FLAT_WALL {
+                self.flat_wall(from..to);
+            } else {
+                run += 1;
+                self.long_wall(from..to, run);
             }
             from = to;
         }
+    }
+
+    /// Makes a wall of few triangles, which has one normal.
+    fn flat_wall(&mut self, triangles: Range<usize>) {
+        let first = self.made_at.len();
+        let mut normal = DVec3::ZERO;
+        // Corners of the triangle before, with their vertices. Which of them comes again is not to be predicted, so
+        // nothing branches on it.
+        let (mut last, mut made) = ([NONE; 3], [NONE; 3]);
+        for t in triangles {
+            let at = self.cut.cap[t].map(|id| self.index(id) as u32);
+            if normal == DVec3::ZERO {
+                normal = self.wall_normal(at);
+            }
+            let cell = self.cut.faces[t].cell;
+            let corners = at.map(|at| {
+                let [a, b, c] = [0, 1, 2].map(|k| if last[k] == at { made[k] } else { NONE });
+                match a & b & c {
+                    NONE => self.flat_wall_vertex(at, cell, first),
+                    known => known,
+                }
+            });
+            self.face.triangles.push(corners);
+            (last, made) = (at, corners);
+        }
+        let normals = std::iter::repeat_n(to_f32(normal), self.made_at.len() - first);
+        self.face.normals.extend(normals);
+    }
+
+    /// The vertex at a corner of a flat wall, whose vertices begin at `first`; it is not one of the last triangle's.
+    fn flat_wall_vertex(&mut self, at: u32, cell: u32, first: usize) -> u32 {
+        let known = self.made_at[first..].iter().position(|m| m.0 == at);
+        known.map_or_else(
+            || self.push(at as usize, cell, false),
+            |i| (first + i) as u32,
+        )
+    }
+
+    /// Makes a wall of many triangles, which follows the bend of the stem.
+    fn long_wall(&mut self, triangles: Range<usize>, run: u32) {
+        self.runs.resize(self.corners.len(), (0, 0));
+        for t in triangles {
+            let at = self.cut.cap[t].map(|id| self.index(id) as u32);
+            let normal = self.wall_normal(at);
+            let cell = self.cut.faces[t].cell;
+            let corners = at.map(|at| {
+                if self.runs[at as usize].0 != run {
+                    self.runs[at as usize] = (run, self.made_at.len() as u32);
+                    self.face.normals.push(to_f32(normal));
+                    self.push(at as usize, cell, false);
+                }
+                self.runs[at as usize].1
+            });
+            self.face.triangles.push(corners);
+        }
+    }
+
+    /// Unit normal of a wall's triangle.
+    fn wall_normal(&self, at: [u32; 3]) -> DVec3 {
+        let [a, b, c] = at.map(|i| self.corners[i as usize].place);
+        (b - a).cross(c - a).normalize_or_zero()
     }
 
     /// Makes a vertex at corner number `at`, without its normal, position and texture coordinates.

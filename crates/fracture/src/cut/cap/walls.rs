@@ -4,14 +4,14 @@ use super::super::error::CutError;
 use super::super::follow::{Chains, follow};
 use super::super::parts::CapFace;
 use super::super::polygon;
-use super::{Builder, INSIDE, of};
+use super::{Builder, INSIDE, Rims, of};
 use crate::surface::Edge;
 use glam::DVec2;
 
 impl Builder<'_, '_> {
     pub(super) fn fill_walls(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
-        for (e, [a, b]) in std::mem::take(&mut self.stepped_edges) {
+        for (e, rims) in std::mem::take(&mut self.stepped_edges) {
             let e = e as usize;
             let edge = &layout.edges[e];
             let knot = self.knot(e as u32);
@@ -19,7 +19,7 @@ impl Builder<'_, '_> {
             if !touched {
                 let (facet, k) = edge.facets[0];
                 if self.status[facet as usize][usize::from(k)] == INSIDE {
-                    self.fill_whole_wall(edge, [a, b], knot);
+                    self.fill_whole_wall(edge, rims, knot);
                 }
                 continue;
             }
@@ -28,6 +28,7 @@ impl Builder<'_, '_> {
             } else {
                 Vec::new()
             };
+            let [a, b] = self.rim_heights(rims);
             match knot {
                 None => self.fill_wall(e as u32, edge, [a, b], (0.0, 1.0), &chains)?,
                 Some((t, _)) => {
@@ -49,65 +50,52 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// Places in `heights` of the vertices over `node` from one height to another, both of them corners there.
-    fn column(&self, node: u32, a: f64, b: f64) -> (usize, usize) {
-        let (low, high) = (a.min(b), a.max(b));
-        let (mut from, mut to) = (
-            self.starts[node as usize] as usize,
-            self.starts[node as usize + 1] as usize,
-        );
-        while from + 1 < to && self.heights[from].0 < low {
-            from += 1;
-        }
-        while to > from + 1 && self.heights[to - 1].0 > high {
-            to -= 1;
-        }
-        (from, to)
-    }
-
     /// Fills a wall that the outline does not touch: a trapezium, or two triangles where its rims cross.
-    fn fill_whole_wall(&mut self, edge: &Edge, [a, b]: [[f64; 2]; 2], knot: Option<(f64, u32)>) {
-        let left = self.column(edge.nodes[0], a[0], b[0]);
-        let right = self.column(edge.nodes[1], a[1], b[1]);
-        let Some((t, id)) = knot else {
-            let left_high = a[0] + a[1] > b[0] + b[1];
+    fn fill_whole_wall(&mut self, edge: &Edge, [a, b]: Rims, knot: Option<(f64, u32)>) {
+        // The vertices over a node are numbered by their heights.
+        let column = |k: usize| {
+            let (low, high) = (a[k].min(b[k]), a[k].max(b[k]));
+            (low - self.first, high - self.first)
+        };
+        let (left, right) = (column(0), column(1));
+        let Some((_, id)) = knot else {
+            let left_high = (a[0] > b[0]) | (a[1] > b[1]);
             let face = self.begin_wall(edge, left_high);
             self.fill_between(left, right, left_high, face);
             return;
         };
-        let at = self.heights.len();
-        self.heights.push((a[0] + (a[1] - a[0]) * t, id));
+        let at = (id - self.first, id - self.first);
         let face = self.begin_wall(edge, a[0] > b[0]);
-        self.fill_between(left, (at, at + 1), a[0] > b[0], face);
+        self.fill_between(left, at, a[0] > b[0], face);
         let face = self.begin_wall(edge, a[1] > b[1]);
-        self.fill_between((at, at + 1), right, a[1] > b[1], face);
-        self.heights.pop();
+        self.fill_between(at, right, a[1] > b[1], face);
     }
 
     /// Triangles between two columns of vertices, each from its lowest to its highest, by the shorter diagonals.
     fn fill_between(
         &mut self,
-        (mut i, left): (usize, usize),
-        (mut j, right): (usize, usize),
+        (mut i, left): (u32, u32),
+        (mut j, right): (u32, u32),
         forward: bool,
         face: CapFace,
     ) {
-        while i + 1 < left || j + 1 < right {
-            let ((low, p), (base, q)) = (self.heights[i], self.heights[j]);
-            let climbs_right = match (i + 1 < left, j + 1 < right) {
-                (true, true) => {
-                    (self.heights[j + 1].0 - low).abs() <= (self.heights[i + 1].0 - base).abs()
-                }
-                (_, right) => right,
-            };
-            let r = if climbs_right {
-                j += 1;
-                self.heights[j].1
-            } else {
-                i += 1;
-                self.heights[i].1
-            };
-            self.push(if forward { [p, q, r] } else { [p, r, q] }, face);
+        let height = |i: u32| self.cap.inside[i as usize].z;
+        let count = (left - i) + (right - j);
+        // Which column climbs is not to be predicted, so nothing branches on it.
+        for _ in 0..count {
+            let (next_left, next_right) = ((i + 1).min(left), (j + 1).min(right));
+            let shorter =
+                (height(next_right) - height(i)).abs() <= (height(next_left) - height(j)).abs();
+            let climbs_right = (j < right) & ((i == left) | shorter);
+            let (p, q) = (i, j);
+            i += u32::from(!climbs_right);
+            j += u32::from(climbs_right);
+            let r = if climbs_right { j } else { i };
+            let (second, third) = if forward { (q, r) } else { (r, q) };
+            self.cap.faces.push(face);
+            self.cap
+                .triangles
+                .push([p, second, third].map(|v| self.first + v));
         }
     }
 
@@ -136,11 +124,8 @@ impl Builder<'_, '_> {
     /// Vertices of the line along the grain over `node` strictly between two heights, ascending.
     fn upright(&self, node: u32, low: f64, high: f64) -> Vec<u32> {
         let range = self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize;
-        let mut list: Vec<(f64, u32)> = self.heights[range]
-            .iter()
-            .filter(|p| p.0 > low && p.0 < high)
-            .copied()
-            .collect();
+        let column = range.map(|i| (self.cap.inside[i].z, self.first + i as u32));
+        let mut list: Vec<(f64, u32)> = column.filter(|p| p.0 > low && p.0 < high).collect();
         if self.pierced[node as usize] {
             let pierced = self.overlay.upright(node);
             list.extend(pierced.filter(|p| p.0 > low && p.0 < high));
