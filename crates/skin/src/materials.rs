@@ -1,13 +1,13 @@
 //! The materials of broken wood: the wood inside with its baked textures, and bark where the input has no material.
 
 use crate::broken::lacks_material;
-use crate::texture::{self, SectionSquare, TextureError, WoodTextures};
+use crate::texture::{self, SectionSquare, TextureError, TexturedWood, WoodTextures};
 use glam::DVec2;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{
     Context, Image, ImageSource, Material, Scene, Texture, TextureReference,
 };
-use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::branch::bark_material;
 use greenstick_wood::stem::Stem;
 
@@ -32,12 +32,18 @@ pub fn add_missing_bark(scene: &mut Scene) {
 pub fn bake(
     stem: &Stem,
     square: SectionSquare,
-    appearance: &WoodAppearance,
+    appearance: &StemAppearance,
     width: u32,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
-    let section = |p: DVec2| stem.rings.address(p + square.middle);
-    texture::bake(width, square.side, &section, appearance, context)
+    let pith = stem.rings.pith();
+    let wood = TexturedWood {
+        middle: square.middle - pith,
+        section: &|p: DVec2| stem.rings.address(p + pith),
+        appearance: &appearance.wood,
+        rings: &*appearance.rings,
+    };
+    texture::bake(width, square.side, wood, context)
 }
 
 /// Adds the material of the wood inside with its textures, which cover `square`.

@@ -10,7 +10,7 @@
 use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context, ErrorKind};
 use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
-use greenstick_wood::rings::StemAddress;
+use greenstick_wood::rings::{RingSource, StemAddress};
 use rayon::prelude::*;
 
 /// The square of a section that a texture covers.
@@ -76,11 +76,23 @@ const MAX_WIDTH: u32 = 16_384;
 /// Columns on either side of the seam that repeat their neighbour.
 const PADDING: u32 = 2;
 
-/// Gives the ring coordinate and the angle (rad) at a point of a section, m from its middle.
+/// Gives the ring coordinate and the angle (rad) at a point of a section, m from its pith.
 pub type SectionAddress<'a> = &'a (dyn Fn(DVec2) -> (f64, f64) + Sync);
 
-/// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m. `section` returns the ring
-/// coordinate and the angle (rad) at a point of the section, m from its middle.
+/// The wood that textures show.
+#[derive(Clone, Copy)]
+pub struct TexturedWood<'a> {
+    /// The middle of the section's square, m from the pith.
+    pub middle: DVec2,
+    /// The address at each point of the section.
+    pub section: SectionAddress<'a>,
+    /// What the wood looks like.
+    pub appearance: &'a WoodAppearance,
+    /// Its annual rings.
+    pub rings: &'a (dyn RingSource + Sync),
+}
+
+/// Bakes textures `size` pixels wide and half as high; `width` is the side W of both squares, m.
 ///
 /// # Errors
 /// [`TextureError`] where the size or width is out of range or the caller cancelled.
@@ -88,19 +100,24 @@ pub type SectionAddress<'a> = &'a (dyn Fn(DVec2) -> (f64, f64) + Sync);
 /// # Examples
 /// ```
 /// use greenstick_geometry::Context;
-/// use greenstick_skin::texture::bake;
+/// use greenstick_skin::texture::{TexturedWood, bake};
 /// use greenstick_wood::appearance::WoodAppearance;
 ///
-/// let round = |p: glam::DVec2| (p.length() / 0.02, p.y.atan2(p.x));
-/// let textures = bake(16, 0.04, &round, &WoodAppearance::softwood(), &Context::quiet())?;
+/// let appearance = WoodAppearance::softwood();
+/// let wood = TexturedWood {
+///     middle: glam::DVec2::ZERO,
+///     section: &|p| (p.length() / 0.02, p.y.atan2(p.x)),
+///     appearance: &appearance,
+///     rings: &appearance.irregular_rings(),
+/// };
+/// let textures = bake(16, 0.04, wood, &Context::quiet())?;
 /// assert!(textures.color.starts_with(b"\x89PNG"));
 /// # Ok::<(), greenstick_skin::texture::TextureError>(())
 /// ```
 pub fn bake(
     size: u32,
     width: f64,
-    section: SectionAddress,
-    appearance: &WoodAppearance,
+    wood: TexturedWood,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
     if !(MIN_WIDTH..=MAX_WIDTH).contains(&size) || !size.is_multiple_of(2) {
@@ -116,12 +133,11 @@ pub fn bake(
     // End grain is met at all lengths, side grain tiles: only that needs the period.
     let tiling = WoodAppearance {
         period: Some(width),
-        ..appearance.clone()
+        ..wood.appearance.clone()
     };
     let baker = Baker {
         encode: Encoder::new(),
-        section,
-        appearance,
+        wood,
         tiling,
         half,
         width,
@@ -168,8 +184,7 @@ const BAND: usize = 64;
 /// What the rows of a texture are baked from.
 struct Baker<'a> {
     encode: Encoder,
-    section: SectionAddress<'a>,
-    appearance: &'a WoodAppearance,
+    wood: TexturedWood<'a>,
     /// The appearance with the period in which side grain repeats.
     tiling: WoodAppearance,
     /// Columns of each of the two squares.
@@ -194,10 +209,10 @@ impl Baker<'_> {
             };
             let u = (f64::from(within) + 0.5) * self.texel;
             let (surface, rise) = if is_end_grain {
-                let across = DVec2::new(u, v) - DVec2::splat(self.width / 2.0);
-                end_grain(self.appearance, self.section, across, self.texel)
+                let from_middle = DVec2::new(u, v) - DVec2::splat(self.width / 2.0);
+                self.end_grain(self.wood.middle + from_middle)
             } else {
-                side_grain(&self.tiling, self.section, u, v, self.texel)
+                self.side_grain(u, v)
             };
             // The normal leans away from where the relief rises; green counts against v.
             let length = (rise.length_squared() + 1.0).sqrt();
@@ -208,54 +223,38 @@ impl Baker<'_> {
             roughness[at..at + 3].copy_from_slice(&[255, byte(surface.roughness), 0]);
         }
     }
-}
 
-/// Returns the surface at a point of the section, and the slope of its relief along u and v (m per m).
-fn end_grain(
-    appearance: &WoodAppearance,
-    section: SectionAddress,
-    across: DVec2,
-    texel: f64,
-) -> (WoodSurface, DVec2) {
-    let (ring, angle) = section(across);
-    let surface = appearance.surface_at(
-        &WoodPoint {
-            address: StemAddress {
-                rho: ring,
-                angle,
-                across,
-                along: 0.0,
-            },
-            end_grain: 1.0,
-        },
-        texel,
-    );
-    (surface, surface.slope.truncate())
-}
+    /// Returns the surface at a point of the section, m from the pith, and the slope of its relief along u and v (m per m).
+    fn end_grain(&self, across: DVec2) -> (WoodSurface, DVec2) {
+        let surface = self.surface(self.wood.appearance, across, 0.0, 1.0);
+        (surface, surface.slope.truncate())
+    }
 
-/// Returns the surface at distance `radius` (m) from the pith and length `along` (m), and the slope of its relief along u and v.
-fn side_grain(
-    appearance: &WoodAppearance,
-    section: SectionAddress,
-    radius: f64,
-    along: f64,
-    texel: f64,
-) -> (WoodSurface, DVec2) {
-    let across = DVec2::new(radius, 0.0);
-    let (ring, angle) = section(across);
-    let surface = appearance.surface_at(
-        &WoodPoint {
-            address: StemAddress {
-                rho: ring,
-                angle,
-                across,
-                along,
-            },
-            end_grain: 0.0,
-        },
-        texel,
-    );
-    (surface, DVec2::new(surface.slope.x, surface.slope.z))
+    /// Returns the surface at distance `radius` (m) from the pith and length `along` (m), and the slope of its relief along
+    /// u and v.
+    fn side_grain(&self, radius: f64, along: f64) -> (WoodSurface, DVec2) {
+        let across = DVec2::new(radius, 0.0);
+        let surface = self.surface(&self.tiling, across, along, 0.0);
+        (surface, DVec2::new(surface.slope.x, surface.slope.z))
+    }
+
+    fn surface(
+        &self,
+        appearance: &WoodAppearance,
+        across: DVec2,
+        along: f64,
+        end_grain: f64,
+    ) -> WoodSurface {
+        let (rho, angle) = (self.wood.section)(across);
+        let address = StemAddress {
+            rho,
+            angle,
+            across,
+            along,
+        };
+        let point = WoodPoint { address, end_grain };
+        appearance.surface_with_rings(self.wood.rings, &point, self.texel)
+    }
 }
 
 /// Converts 0 to 1 to a byte.
@@ -338,15 +337,19 @@ mod tests {
         (info.width, info.height, pixels)
     }
 
+    fn try_bake(size: u32, width: f64) -> Result<WoodTextures, TextureError> {
+        let appearance = WoodAppearance::softwood();
+        let wood = TexturedWood {
+            middle: DVec2::ZERO,
+            section: &round,
+            appearance: &appearance,
+            rings: &appearance.irregular_rings(),
+        };
+        bake(size, width, wood, &Context::quiet())
+    }
+
     fn baked(size: u32) -> WoodTextures {
-        bake(
-            size,
-            W,
-            &round,
-            &WoodAppearance::softwood(),
-            &Context::quiet(),
-        )
-        .unwrap()
+        try_bake(size, W).unwrap()
     }
 
     #[test]
@@ -373,22 +376,10 @@ mod tests {
             }
         }
         for size in [0, 7, 9, 16_386] {
-            let refused = bake(
-                size,
-                W,
-                &round,
-                &WoodAppearance::default(),
-                &Context::quiet(),
-            );
+            let refused = try_bake(size, W);
             assert_eq!(refused, Err(TextureError::Size { size }));
         }
-        let refused = bake(
-            64,
-            f64::NAN,
-            &round,
-            &WoodAppearance::default(),
-            &Context::quiet(),
-        );
+        let refused = try_bake(64, f64::NAN);
         assert!(matches!(refused, Err(TextureError::Width { .. })));
     }
 

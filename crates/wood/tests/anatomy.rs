@@ -234,7 +234,7 @@ fn the_surface_of_particles_is_closed_and_holds_the_stem() {
     let found = found(&mesh);
     let options = AnatomyOptions {
         resolution: 32,
-        ring_count: 12,
+        division: RingDivision::Even(12),
         ..AnatomyOptions::default()
     };
     let wood = WoodAppearance::default();

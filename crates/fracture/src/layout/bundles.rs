@@ -20,6 +20,9 @@ pub struct LayoutOptions {
     pub arc: Option<(f64, f64)>,
     /// Ring coordinate at which the bark begins (fibrous layout); `None` where there is none (a board).
     pub bark: Option<f64>,
+    /// Ring coordinates of the annual rings' outer edges, ascending (fibrous layout): bundles part at them. Empty where the
+    /// rings are not known.
+    pub ring_edges: Vec<f64>,
     /// Seed of the irregularity.
     pub seed: u64,
 }

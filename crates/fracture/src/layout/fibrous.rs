@@ -24,6 +24,8 @@ struct RingBand {
     between: (f64, f64),
     /// Angles of the walls between its bundles at the inner and at the outer boundary, rad, ascending.
     walls: Vec<(f64, f64)>,
+    /// Whether its outer boundary is the edge of an annual ring.
+    at_ring: bool,
     bark: bool,
 }
 
@@ -48,6 +50,7 @@ struct RingBand {
 ///     radius: stem.radius,
 ///     arc: None,
 ///     bark: Some(0.94),
+///     ring_edges: vec![0.3, 0.6, 1.0],
 ///     seed: 1,
 /// };
 /// let bundles = fibrous(&stem.rings, &options);
@@ -147,6 +150,7 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
     for b in &mut bounds {
         *b = start + (*b - start) / total * (wood - start);
     }
+    let at_rings = snap_to_rings(&mut bounds, &options.ring_edges);
     if options.bark.is_some() {
         bounds.push(options.reach.1);
     }
@@ -176,10 +180,54 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
             RingBand {
                 between,
                 walls: walls(options, i, count, (low, high), irregular),
+                at_ring: at_rings.get(i + 1) == Some(&true),
                 bark,
             }
         })
         .collect()
+}
+
+/// Moves boundaries between bands to the edges of annual rings, and those between to even distances. Where the rings are
+/// wider than bands, a boundary lies at each of their edges; where they are narrower, each boundary lies at an edge.
+/// Returns which boundaries do.
+fn snap_to_rings(bounds: &mut [f64], ring_edges: &[f64]) -> Vec<bool> {
+    let last = bounds.len() - 1;
+    let mut snapped = vec![false; bounds.len()];
+    let (low, high) = (bounds[0], bounds[last]);
+    let within = |e: &&f64| **e > low && **e < high;
+    // Each edge wants the boundary nearest to it, and a boundary goes to the nearest edge that wants it, so that they stay
+    // in order.
+    let mut wanted: Vec<Option<f64>> = vec![None; bounds.len()];
+    for &edge in ring_edges.iter().filter(within) {
+        let above = bounds.partition_point(|&b| b < edge).clamp(1, last);
+        let nearest = if edge - bounds[above - 1] < bounds[above] - edge {
+            above - 1
+        } else {
+            above
+        };
+        let nearest = nearest.clamp(1, last - 1);
+        let distance = |e: f64| (e - bounds[nearest]).abs();
+        let here = &mut wanted[nearest];
+        if here.is_none_or(|other| distance(edge) < distance(other)) {
+            *here = Some(edge);
+        }
+    }
+    for (i, edge) in wanted.into_iter().enumerate() {
+        if let Some(edge) = edge {
+            (bounds[i], snapped[i]) = (edge, true);
+        }
+    }
+    let mut from = 0;
+    for to in 1..=last {
+        if snapped[to] || to == last {
+            let (a, b) = (bounds[from], bounds[to]);
+            for i in from + 1..to {
+                bounds[i] = a + (b - a) * (i - from) as f64 / (to - from) as f64;
+            }
+            from = to;
+        }
+    }
+    snapped
 }
 
 /// Returns the angles of a band's walls, shifted at random and slightly slanted.
@@ -269,6 +317,11 @@ fn wall_ends(
     ends
 }
 
+/// How far nodes are shifted across a boundary, in thicknesses of the thinner band: anywhere, and at the edge of an annual
+/// ring, which tears more evenly than the wood between.
+const UNEVENNESS: f64 = 0.36;
+const RING_UNEVENNESS: f64 = 0.12;
+
 /// Makes the nodes of boundary `number` between two bands.
 fn boundary(
     builder: &mut NodeBuilder,
@@ -296,7 +349,13 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        0.36 * irregular
+        let unevenness = if inside.is_some_and(|band| band.at_ring) {
+            RING_UNEVENNESS
+        } else {
+            UNEVENNESS
+        };
+        unevenness
+            * irregular
             * thinner
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)
     };

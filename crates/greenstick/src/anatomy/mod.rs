@@ -15,7 +15,7 @@ use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyFindings, AnatomyReport, ParticleLayers, SurfaceColouring,
 };
-use greenstick_wood::appearance::StemAppearance;
+use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, find_stem};
 
@@ -178,7 +178,7 @@ fn model<'a>(
     let parameters = BreakParameters::default();
     let proportions = parameters.proportions();
     let seed = parameters.seed;
-    let wood = StemAppearance::new(&found.stem, &proportions, seed, species, BARK).wood;
+    let wood = WoodAppearance::of_stem(&found.stem, &proportions, seed, species, BARK);
     Ok(request.anatomy(found, mesh, wood, proportions, context)?)
 }
 

@@ -12,6 +12,7 @@ use greenstick_schema::{
     FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, document_schema,
     parameters, text, write_toml,
 };
+use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::StemOptions;
 
 /// Why a request is invalid.
@@ -38,6 +39,8 @@ parameters! {
         scan: ScanParameters = ScanParameters::default();
         /// What is known of the stem.
         stem: StemOptions = StemOptions::default();
+        /// Its annual rings.
+        rings: BreakRingParameters = BreakRingParameters::default();
         /// What the breaks have in common, or the only break.
         common: Break = Break::default();
         /// What is asked of a picture.
@@ -132,6 +135,7 @@ impl RequestFile {
         };
         BreakRequest {
             stem: self.stem.clone(),
+            rings: self.rings.clone(),
             breaks,
             texture_width: self.texture_width,
         }

@@ -7,6 +7,7 @@ pub use file::{RequestFile, RequestFileError};
 use greenstick_fracture::heights::HeightSource;
 use greenstick_fracture::recipe::{HasRecipe, Recipe};
 use greenstick_schema::{Unit, length, number, parameters, text};
+use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
 /// Longest distance by which pieces are moved apart, m.
@@ -48,6 +49,8 @@ impl HasRecipe for Break {
 pub struct BreakRequest {
     /// What is known of the stem.
     pub stem: StemOptions,
+    /// Its annual rings.
+    pub rings: BreakRingParameters,
     /// The breaks, in any order. Fractions and lengths are those of the unbroken stem; all breaks must be on one stem.
     pub breaks: Vec<Break>,
     /// Width of the baked textures, pixels (even; half as high).

@@ -4,7 +4,7 @@
 use super::progress::{CUT, HEIGHTS, LAYOUT, STEM};
 use super::slot::{Ids, Slot, SlotValue};
 use crate::Error;
-use crate::request::{Break, BreakStage};
+use crate::request::{Break, BreakRequest, BreakStage};
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{self, HeightCache, HeightSource};
 use greenstick_fracture::parameters::{BreakParameters, CrackParameters};
@@ -19,7 +19,11 @@ use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief, SpiralGrain, StemStage,
     has_spiral_grain, inner_wood,
 };
+use greenstick_wood::anatomy::BreakRingParameters;
+use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::{StemLocation, StemOptions};
+use greenstick_wood::tissue::Proportions;
 
 /// Everything that determines the cracks of a break.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,12 +56,22 @@ struct FoundKey {
     above: Option<LowestAbove>,
 }
 
+/// Everything that determines the annual rings.
+#[derive(Debug, Clone, PartialEq)]
+struct RingKey {
+    stem: u64,
+    parameters: BreakRingParameters,
+    proportions: Proportions,
+    seed: u64,
+    species: Option<String>,
+}
+
 /// Everything that determines a cracked end: the stem, the cracks, and what the wood in it shows.
 #[derive(Debug, Clone, PartialEq)]
 struct OpenedKey {
     stem: u64,
     cracks: CrackKey,
-    proportions: greenstick_wood::tissue::Proportions,
+    proportions: Proportions,
     material: u32,
 }
 
@@ -83,6 +97,7 @@ struct CutKey {
 #[derive(Debug, Default)]
 pub(super) struct Chain {
     found: Slot<FoundKey, PreparedStem>,
+    rings: Slot<RingKey, StemRings>,
     /// Layout and heights on the stem as it was found, if the break needs another stem: spiral grain ends a little beyond
     /// the break, and the relief of a species is measured on the sound stem.
     found_layout: Slot<(u64, LayoutKey), FaceLayout>,
@@ -101,6 +116,7 @@ impl Clone for Chain {
     fn clone(&self) -> Self {
         Chain {
             found: self.found.clone(),
+            rings: self.rings.clone(),
             found_layout: self.found_layout.clone(),
             found_cache: self.found_cache.clone(),
             spiral: self.spiral.clone(),
@@ -121,6 +137,8 @@ pub(super) struct ChainInput<'a> {
     pub id: u64,
     /// What is known of the stem.
     pub stem: &'a StemOptions,
+    /// Its annual rings.
+    pub rings: &'a BreakRingParameters,
     /// The lowest point of the break beyond this one, if there is one.
     pub above: Option<LowestAbove>,
     /// The number of breaks made before, each of which adds a material for its wood inside.
@@ -129,11 +147,12 @@ pub(super) struct ChainInput<'a> {
 
 impl<'a> ChainInput<'a> {
     /// The scene of the session's input.
-    pub fn whole(scene: &'a Scene, stem: &'a StemOptions) -> Self {
+    pub fn whole(scene: &'a Scene, request: &'a BreakRequest) -> Self {
         ChainInput {
             scene,
             id: 0,
-            stem,
+            stem: &request.stem,
+            rings: &request.rings,
             above: None,
             inner_wood_before: 0,
         }
@@ -197,7 +216,7 @@ impl Chain {
         )?;
         let stem = found.stage;
         layout_context.report(0.0)?;
-        let key = LayoutKey::new(stem.stem(), p);
+        let key = LayoutKey::new(stem.stem(), p, &stem.rings);
         let layout = layout(&mut self.layout, stem.stem(), (found.id, key), ids)?;
         changes.note(BreakStage::Layout, layout.is_new);
         height_context.report(0.0)?;
@@ -250,7 +269,7 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<f64, Error> {
         let stem = found.stage.stem();
-        let key = (found.id, LayoutKey::new(stem, p));
+        let key = (found.id, LayoutKey::new(stem, p, &found.stage.rings));
         let layout = layout(&mut self.layout, stem, key, ids)?;
         let site = break_site(stem, p, 1.0);
         let bundles = &layout.value.bundles;
@@ -284,11 +303,13 @@ impl Chain {
             Ok::<_, Error>(stem)
         })?;
         changes.note(BreakStage::Stem, found.is_new);
+        let rings = self.rings(&found, input.rings, &requested.recipe, ids, context)?;
         let spiral = has_spiral_grain(&found.value, p);
         let sawn = cracks.filter(|c| c.sawn);
-        let relief = self.relief(&found, requested, spiral || sawn.is_some(), ids)?;
+        let another = spiral || sawn.is_some();
+        let relief = self.relief((&found, &rings), requested, another, ids)?;
         let sound = if spiral {
-            let spiral = self.spiral(&found, requested, relief.factor, ids)?;
+            let spiral = self.spiral((&found, &rings), requested, relief.factor, ids)?;
             changes.note(BreakStage::Stem, spiral.is_new);
             spiral
         } else {
@@ -301,6 +322,7 @@ impl Chain {
         let inner_material = scene.materials.len() as u32 + before;
         let mut stage = StemStage {
             sound: sound.value,
+            rings,
             opened: None,
             inner_material,
         };
@@ -325,15 +347,42 @@ impl Chain {
         Ok(ChainStem { stage, id, relief })
     }
 
+    /// Returns the annual rings of the stem as it was found.
+    fn rings(
+        &mut self,
+        found: &SlotValue<PreparedStem>,
+        parameters: &BreakRingParameters,
+        recipe: &Recipe,
+        ids: &mut Ids,
+        context: &Context,
+    ) -> Result<StemRings, Error> {
+        let (seed, proportions) = (recipe.face.seed, recipe.face.proportions());
+        let key = RingKey {
+            stem: found.id,
+            parameters: parameters.clone(),
+            proportions,
+            seed,
+            species: recipe.species.clone(),
+        };
+        let rings = self.rings.get(key, ids, |_| {
+            let wood = wood_appearance(&found.value, recipe)?;
+            let stem = &found.value.found;
+            let mesh = || found.value.scene.world_meshes().swap_remove(stem.node);
+            let silent = context.silenced();
+            Ok::<_, Error>(parameters.rings(stem, mesh, (&wood, proportions), &silent)?)
+        })?;
+        Ok((*rings.value).clone())
+    }
+
     /// Returns the layout on the stem as it was found: that of the break itself, unless the break needs `another` stem.
     fn found_layout(
         &mut self,
-        found: &SlotValue<PreparedStem>,
+        (found, rings): (&SlotValue<PreparedStem>, &StemRings),
         p: &BreakParameters,
         another: bool,
         ids: &mut Ids,
     ) -> Result<SlotValue<FaceLayout>, Error> {
-        let key = (found.id, LayoutKey::new(&found.value, p));
+        let key = (found.id, LayoutKey::new(&found.value, p, rings));
         let slot = if another {
             &mut self.found_layout
         } else {
@@ -345,13 +394,13 @@ impl Chain {
     /// Returns the stem with grain that spirals around the break and a little beyond.
     fn spiral(
         &mut self,
-        found: &SlotValue<PreparedStem>,
+        (found, rings): (&SlotValue<PreparedStem>, &StemRings),
         requested: &Break,
         relief: f64,
         ids: &mut Ids,
     ) -> Result<SlotValue<PreparedStem>, Error> {
         let p = &requested.recipe.face;
-        let layout = self.found_layout(found, p, true, ids)?;
+        let layout = self.found_layout((found, rings), p, true, ids)?;
         let site = break_site(&found.value, p, relief);
         let heights = heights::heights(
             &layout.value.bundles,
@@ -370,7 +419,7 @@ impl Chain {
     /// break needs another stem.
     fn relief(
         &mut self,
-        found: &SlotValue<PreparedStem>,
+        (found, rings): (&SlotValue<PreparedStem>, &StemRings),
         requested: &Break,
         another: bool,
         ids: &mut Ids,
@@ -378,7 +427,7 @@ impl Chain {
         let recipe = &requested.recipe;
         SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, || {
             let p = &recipe.face;
-            let layout = self.found_layout(found, p, another, ids)?;
+            let layout = self.found_layout((found, rings), p, another, ids)?;
             let cache = if another {
                 &mut self.found_cache
             } else {
@@ -420,6 +469,19 @@ impl Chain {
             })
         })
     }
+}
+
+/// Returns what the wood of a stem looks like.
+pub(super) fn wood_appearance(
+    stem: &PreparedStem,
+    recipe: &Recipe,
+) -> Result<WoodAppearance, Error> {
+    let (face, bark) = (&recipe.face, stem.extent.bark);
+    let (tissues, species) = (face.proportions(), recipe.species()?);
+    let stem = &stem.found.stem;
+    Ok(WoodAppearance::of_stem(
+        stem, &tissues, face.seed, species, bark,
+    ))
 }
 
 fn layout(

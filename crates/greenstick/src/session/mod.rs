@@ -18,7 +18,7 @@ pub use greenstick_skin::stages::{
 
 use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
-use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
+use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes, wood_appearance};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
@@ -192,7 +192,7 @@ impl BreakSession {
         let requested = only(request)?;
         self.begin(request);
         let input = self.input.clone();
-        let input = ChainInput::whole(&input.scene, &request.stem);
+        let input = ChainInput::whole(&input.scene, request);
         let chain = &mut self.breaks[0].chain;
         chain.stem_only(&input, requested, &mut self.ids, &mut self.changes, context)
     }
@@ -226,7 +226,7 @@ impl BreakSession {
         let requested = only(request)?;
         self.begin(request);
         let input = self.input.clone();
-        let input = ChainInput::whole(&input.scene, &request.stem);
+        let input = ChainInput::whole(&input.scene, request);
         let chain = &mut self.breaks[0].chain;
         let cut = chain.update(&input, requested, &mut self.ids, &mut self.changes, context)?;
         Ok(cut.stages)
@@ -271,6 +271,7 @@ impl BreakSession {
                 scene,
                 id,
                 stem: &request.stem,
+                rings: &request.rings,
                 above,
                 inner_wood_before: at as u32,
             };
@@ -350,9 +351,8 @@ impl BreakSession {
         let recipe = &one.requested.recipe;
         let prepared = one.stages.stem.stem();
         let (stem, square) = (&prepared.found.stem, prepared.square);
-        let face = &recipe.face;
-        let (tissues, bark) = (face.proportions(), prepared.extent.bark);
-        let appearance = StemAppearance::new(stem, &tissues, face.seed, recipe.species()?, bark);
+        let rings = one.stages.stem.rings.clone();
+        let appearance = StemAppearance::new(stem, wood_appearance(prepared, recipe)?, rings);
         let key = TextureKey {
             stem: stem.clone(),
             square,
@@ -361,7 +361,7 @@ impl BreakSession {
         };
         let slot = &mut self.breaks[at].textures;
         let baked = slot.get(key, &mut self.ids, |_| {
-            materials::bake(stem, square, &appearance.wood, width, context)
+            materials::bake(stem, square, &appearance, width, context)
         })?;
         self.changes.note(BreakStage::Finish, baked.is_new);
         let wood = BrokenWood {

@@ -23,6 +23,7 @@ use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
+use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
 
@@ -43,8 +44,8 @@ pub struct LayoutKey {
 }
 
 impl LayoutKey {
-    /// Returns what the layout of a break with these parameters depends on.
-    pub fn new(stem: &PreparedStem, p: &BreakParameters) -> Self {
+    /// Returns what the layout of a break with these parameters in wood with these rings depends on.
+    pub fn new(stem: &PreparedStem, p: &BreakParameters, rings: &StemRings) -> Self {
         let board = stem.found.stem.kind == StemKind::Board;
         LayoutKey {
             style: p.surface,
@@ -55,6 +56,10 @@ impl LayoutKey {
                 radius: stem.extent.radius,
                 arc: stem.extent.arc,
                 bark: (!board).then_some(stem.extent.bark),
+                ring_edges: match p.surface {
+                    Style::Smooth => Vec::new(),
+                    Style::Fibrous => rings.edges().to_vec(),
+                },
                 seed: match p.surface {
                     // The published grid is regular.
                     Style::Smooth => 0,

@@ -66,6 +66,7 @@ fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> FibreBundles {
         radius: stem.extent.radius,
         arc: stem.extent.arc,
         bark: None,
+        ring_edges: Vec::new(),
         seed: p.seed,
     };
     layout::smooth(&stem.found.stem.rings, &options)

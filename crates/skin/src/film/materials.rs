@@ -19,7 +19,7 @@ impl Run {
         if options.texture_width > 0 {
             let width = options.texture_width;
             let stem = &self.wood.stem;
-            let baked = materials::bake(stem, self.square, &self.appearance.wood, width, context)?;
+            let baked = materials::bake(stem, self.square, &self.appearance, width, context)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
             let [r, g, b] = self.appearance.wood.sapwood_color.map(|c| c as f32);

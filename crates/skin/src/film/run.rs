@@ -17,7 +17,8 @@ use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Mesh, Scene};
-use greenstick_wood::appearance::StemAppearance;
+use greenstick_wood::appearance::{StemAppearance, WoodAppearance};
+use greenstick_wood::rings::StemRings;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Stem, StemKind};
 use greenstick_wood::tissue::BARK_START;
@@ -145,7 +146,9 @@ impl Run {
         let causes = break_causes(&source.events()?);
         let species = Species::find(&scene.wood.species).ok();
         let tissues = BreakParameters::default().proportions();
-        let appearance = StemAppearance::new(&wood.stem, &tissues, scene.seed, species, BARK_START);
+        let inside = WoodAppearance::of_stem(&wood.stem, &tissues, scene.seed, species, BARK_START);
+        let rings = StemRings::new(inside.irregular_rings());
+        let appearance = StemAppearance::new(&wood.stem, inside, rings);
         let bark = bark_mesh(&wood);
         Ok(Run {
             scene,

@@ -8,6 +8,7 @@ use crate::prepared::PreparedStem;
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_geometry::Mesh;
+use greenstick_wood::rings::StemRings;
 use std::sync::Arc;
 
 /// The stem of a break.
@@ -15,6 +16,8 @@ use std::sync::Arc;
 pub struct StemStage {
     /// The stem as it was found, with the grain that the break requests.
     pub sound: Arc<PreparedStem>,
+    /// Its annual rings.
+    pub rings: StemRings,
     /// The same stem with cracks in its end, if the break requests them there.
     pub opened: Option<Arc<OpenedEnd>>,
     /// The index of the material of the wood inside.

@@ -1,7 +1,7 @@
 //! What can go wrong with a stem's anatomy.
 
 use super::limits::{MAX_PARTICLES, MAX_SEGMENTS, RESOLUTION_RANGE};
-use crate::rings::InnerCircleError;
+use crate::rings::{InnerCircleError, RingError};
 use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Why there is no anatomy.
@@ -36,6 +36,9 @@ pub enum AnatomyError {
     /// An erosion whose inner circle is out of range.
     #[error(transparent)]
     InnerCircle(#[from] InnerCircleError),
+    /// Rings that do not fit the section.
+    #[error(transparent)]
+    Rings(#[from] RingError),
     /// More particles than memory holds.
     #[error("{0} particles; expected at most {MAX_PARTICLES}")]
     TooManyParticles(u64),

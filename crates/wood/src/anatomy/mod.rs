@@ -10,13 +10,14 @@
 //! use greenstick_geometry::Context;
 //! use greenstick_wood::anatomy::{Anatomy, AnatomyOptions, LayerOptions, ParticleLayers};
 //! use greenstick_wood::appearance::WoodAppearance;
+//! use greenstick_wood::rings::RingDivision;
 //! use greenstick_wood::primitive::{BranchOptions, branch};
 //! use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
 //!
 //! let context = Context::quiet();
 //! let meshes = [branch(&BranchOptions::default())];
 //! let found = find_stem(&meshes, &StemLocation::Fraction(0.5), &StemOptions::default(), &context)?;
-//! let options = AnatomyOptions { resolution: 64, ring_count: 12, ..AnatomyOptions::default() };
+//! let options = AnatomyOptions { resolution: 64, division: RingDivision::Even(12), ..AnatomyOptions::default() };
 //! let anatomy = Anatomy::new(&found, &meshes[0], &options, WoodAppearance::softwood(), &context)?;
 //!
 //! let layers = LayerOptions { sectors: 24, layers: Some(4), ..LayerOptions::default() };
@@ -49,6 +50,7 @@ mod sections;
 mod sectors;
 mod segment_report;
 mod slicer;
+mod stem_rings;
 mod surface;
 mod voxels;
 
@@ -70,5 +72,6 @@ pub use section_raster::SectionRaster;
 pub use sections::{Segment, StemSections, TransverseSection};
 pub use sectors::{SectorDivision, SectorLayout};
 pub use segment_report::{SegmentReport, SliceMeasures};
+pub use stem_rings::BreakRingParameters;
 pub use surface::SurfaceColouring;
 pub use voxels::{NO_TISSUE, VoxelSlice};

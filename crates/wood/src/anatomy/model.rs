@@ -7,7 +7,9 @@ use super::section_raster::SectionRaster;
 use super::sections::{StemSections, TransverseSection};
 use crate::appearance::WoodAppearance;
 use crate::raster::{PixelGrid, fill_loops};
-use crate::rings::{ConcentricRings, ErodedPasses, Erosion, ErosionFronts, ring_numbers};
+use crate::rings::{
+    ConcentricRings, ErodedPasses, Erosion, ErosionFronts, RingDivision, ring_numbers,
+};
 use crate::stem::{FoundStem, StemKind};
 use crate::tissue::Proportions;
 use greenstick_geometry::{Bitmap, Cancelled, Context, Mesh};
@@ -42,8 +44,8 @@ pub struct AnatomyOptions {
     pub resolution: usize,
     /// Where rings come from.
     pub rings: RingMethod,
-    /// Number of rings, at least one; an erosion makes its own.
-    pub ring_count: u16,
+    /// How the years divide the radius; an erosion makes its own rings.
+    pub division: RingDivision,
     /// Colours of rings.
     pub colouring: RingColouring,
     /// The part of the radius that each tissue takes.
@@ -55,7 +57,7 @@ impl Default for AnatomyOptions {
         AnatomyOptions {
             resolution: 128,
             rings: RingMethod::Field,
-            ring_count: 14,
+            division: RingDivision::Even(14),
             colouring: RingColouring::Wood,
             proportions: Proportions {
                 pith: 0.05,
@@ -105,21 +107,16 @@ impl<'a> Anatomy<'a> {
         };
         let sections = StemSections::new(found, mesh, options.resolution, context)?;
         let is_board = sections.stem().kind == StemKind::Board;
-        let count = match &fronts {
-            None => options.ring_count,
+        let eroded;
+        let division = match &fronts {
+            None => &options.division,
             Some(_) if is_board => return Err(AnatomyError::BoardErosion),
-            Some(fronts) => count_eroded_rings(&sections, fronts, context)?,
+            Some(fronts) => {
+                eroded = RingDivision::Even(count_eroded_rings(&sections, fronts, context)?);
+                &eroded
+            }
         };
-        let rings = if is_board {
-            ConcentricRings::even_in_board(count)
-        } else {
-            ConcentricRings::even(count, &options.proportions)
-        };
-        let wood = WoodAppearance {
-            // Rings are those of the data: the appearance's own would lie elsewhere.
-            rings: 0.0,
-            ..wood
-        };
+        let rings = division.rings(&found.stem.rings, &options.proportions, is_board)?;
         let legend = PassLegend::of_rings(&rings);
         Ok(Anatomy {
             palette: palette(&wood, options.colouring, &legend),
@@ -153,7 +150,7 @@ impl<'a> Anatomy<'a> {
         self.sections.stem().kind == StemKind::Board
     }
 
-    /// Even rings, by whose ring coordinates the field is divided.
+    /// The rings by whose ring coordinates the field is divided.
     pub(super) fn rings(&self) -> &ConcentricRings {
         &self.rings
     }

@@ -3,14 +3,13 @@
 //! Rings are those of the data, ring by ring; streaks, vessels and rays between them come from the appearance of the wood.
 
 use super::model::Anatomy;
-use super::palette::{RingColouring, TISSUE_COLOURS, latewood_factor, published};
+use super::palette::{RingColouring, TISSUE_COLOURS, published};
 use super::section_raster::SectionRaster;
 use super::sections::TransverseSection;
 use crate::appearance::WoodPoint;
 use crate::colour::{RgbImage, linear_from_srgb, srgb_bytes};
-use crate::noise::smoothstep;
 use crate::raster::{PixelGrid, fill_loops};
-use crate::rings::{LATEWOOD_FRACTION, RingSource, StemAddress};
+use crate::rings::{RingSource, StemAddress};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Cancelled, Context};
 use rayon::prelude::*;
@@ -26,8 +25,6 @@ const COLUMNS_PER_REPORT: usize = 64;
 const SAMPLES_PER_SIDE: usize = 2;
 /// Linear colour of the paper.
 const PAPER: DVec3 = DVec3::splat(0.93);
-/// Where in a ring its colour is that of full latewood.
-const FULL_LATEWOOD: f64 = 0.95;
 
 /// Pictures of one section, with its y upwards.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -153,16 +150,9 @@ impl Anatomy<'_> {
             CutFace::Across => 1.0,
             CutFace::Along => 0.0,
         };
-        let wood = self.wood();
-        let surface = wood.surface_at(&WoodPoint { address, end_grain }, footprint);
-        let colour = DVec3::from_array(surface.color);
-        if address.rho >= wood.phloem || address.rho < wood.pith {
-            return colour;
-        }
-        // Latewood darkens outwards and ends at once.
-        let darkening = smoothstep(1.0 - 2.0 * LATEWOOD_FRACTION, FULL_LATEWOOD, ring.fraction);
-        let late = wood.latewood_contrast * darkening;
-        colour * (DVec3::ONE + (latewood_factor(wood) - DVec3::ONE) * late)
+        let point = WoodPoint { address, end_grain };
+        let surface = (self.wood()).surface_with_rings(self.rings(), &point, footprint);
+        DVec3::from_array(surface.color)
     }
 
     /// Paints the stem cut in half along its pith, straightened, the base on the left.

@@ -1,7 +1,7 @@
 //! Where rings come from, as files and options say it.
 
 use super::RingMethod;
-use crate::rings::{Erosion, ErosionSchedule, KernelSchedule};
+use crate::rings::{Erosion, ErosionSchedule, KernelSchedule, RingSeriesParameters};
 use greenstick_schema::{
     ParameterError, Unit, choice, choices, number, parameters, text, text_field,
 };
@@ -71,6 +71,25 @@ parameters! {
 }
 
 impl RingParameters {
+    /// Checks that an erosion, which makes its own rings, is not given others: a number, by the name of its parameter, or
+    /// a series.
+    ///
+    /// # Errors
+    /// [`ParameterError::Conflict`].
+    pub fn check_alone(
+        &self,
+        number: Option<&str>,
+        series: &RingSeriesParameters,
+    ) -> Result<(), ParameterError> {
+        let given = number.or_else(|| series.series().map(|_| "a list of rings"));
+        match (self.rings_by, given) {
+            (RingMethodChoice::Erosion, Some(given)) => Err(ParameterError::Conflict(format!(
+                "{given}: an erosion makes its own number of rings, by its kernels and the resolution; expected only one of the two"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// The method that they describe.
     pub fn method(&self) -> RingMethod {
         let schedule = match (&self.kernels, self.schedule) {

@@ -5,14 +5,16 @@ use super::layers::LayerOptions;
 use super::limits::{MAX_PARTICLES, RESOLUTION_RANGE};
 use super::model::{Anatomy, AnatomyOptions, RingMethod};
 use super::palette::RingColouring;
-use super::parameters::{RingMethodChoice, RingParameters};
+use super::parameters::RingParameters;
 use super::sectors::SectorDivision;
+use super::stem_rings::ring_division;
 use crate::appearance::WoodAppearance;
+use crate::rings::{RingDivision, RingSeriesParameters};
 use crate::species::SPECIES_NAME;
 use crate::stem::{FoundStem, LOCATION, StemLocation, StemOptions};
 use crate::tissue::Proportions;
 use greenstick_geometry::{Context, Mesh};
-use greenstick_schema::{Kind, ParameterError, choice, choices, count, list, parameters, text};
+use greenstick_schema::{Kind, choice, choices, count, list, parameters, text};
 
 choices! {
     /// A kind of output.
@@ -57,7 +59,8 @@ parameters! {
         "How finely", "rings" {
             /// Voxels along each side of a segment, which is slightly longer than the stem is wide.
             resolution: usize = 128, count(*RESOLUTION_RANGE.start() as i128, *RESOLUTION_RANGE.end() as i128);
-            /// Annual rings; "auto" makes rings of the usual width. An erosion makes its own number.
+            /// Annual rings of even width; "auto" makes as many as usual, of widths that differ from year to year. An erosion
+            /// makes its own.
             ring_count as "rings": Option<u16> = None, count(1, 1000).auto();
             /// Sectors of every ring; with equal-area bundles, of the outermost.
             sectors: u32 = LayerOptions::default().sectors, count(3, 10_000);
@@ -80,16 +83,13 @@ parameters! {
     include {
         /// What is known of the stem.
         stem: StemOptions = StemOptions::default();
+        /// Rings that were measured.
+        series: RingSeriesParameters = RingSeriesParameters::default();
         /// Where rings come from.
         ring_source: RingParameters = RingParameters::default();
     }
     check |p| {
-        if p.ring_source.rings_by == RingMethodChoice::Erosion && p.ring_count.is_some() {
-            return Err(ParameterError::Conflict(
-                "rings: an erosion makes its own number of rings, by its kernels and the resolution; expected only one of the two"
-                    .to_owned(),
-            ));
-        }
+        p.ring_source.check_alone(p.ring_count.map(|_| "rings"), &p.series)?;
         Ok(())
     };
 }
@@ -127,15 +127,19 @@ impl AnatomyRequest {
         proportions: Proportions,
         context: &Context,
     ) -> Result<Anatomy<'a>, AnatomyError> {
-        let ring_count = self.ring_count.unwrap_or(wood.rings.round() as u16);
-        if self.ring_method() == RingMethod::Field {
-            self.check_rings(ring_count)?;
+        let division = ring_division(self.ring_count, &self.series, &wood);
+        let known = match &division {
+            RingDivision::Even(count) | RingDivision::Grown { count, .. } => Some(*count),
+            RingDivision::Series(_) => None,
+        };
+        if let (RingMethod::Field, Some(count)) = (self.ring_method(), known) {
+            self.check_rings(count)?;
         }
         context.report(0.0)?;
         let options = AnatomyOptions {
             resolution: self.resolution,
             rings: self.ring_method(),
-            ring_count,
+            division,
             colouring: self.colouring,
             proportions,
         };

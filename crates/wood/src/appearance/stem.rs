@@ -1,6 +1,7 @@
 //! The appearance of a whole stem: the species gives the wood its structure, the size of the stem its rings and its bark.
 
 use super::{BarkAppearance, WoodAppearance};
+use crate::rings::StemRings;
 use crate::species::{HeartwoodColour, RingCharacter, Species};
 use crate::stem::{Stem, StemKind};
 use crate::tissue::Proportions;
@@ -10,6 +11,8 @@ use crate::tissue::Proportions;
 pub struct StemAppearance {
     /// The wood inside.
     pub wood: WoodAppearance,
+    /// Its annual rings.
+    pub rings: StemRings,
     /// The bark.
     pub bark: BarkAppearance,
 }
@@ -32,15 +35,30 @@ const ABSENT: f64 = 2.0;
 impl StemAppearance {
     /// The appearance of `stem`, a softwood where no species is given.
     ///
+    /// `wood` is what [`WoodAppearance::of_stem`] gives, and `rings` are the annual rings that the stem shows.
+    pub fn new(stem: &Stem, wood: WoodAppearance, rings: StemRings) -> StemAppearance {
+        let mut bark = if stem.radius > FURROWED_BARK_RADIUS {
+            BarkAppearance::furrowed(stem.radius)
+        } else {
+            BarkAppearance::young(stem.radius)
+        };
+        bark.seed = wood.seed;
+        StemAppearance { wood, rings, bark }
+    }
+}
+
+impl WoodAppearance {
+    /// The wood of `stem`, a softwood where no species is given.
+    ///
     /// `proportions` are those of the tissues in the section, `bark` is the ring coordinate at which the outer bark begins,
     /// and `seed` decides what is random. A board has neither bark nor pith, and one colour of wood.
-    pub fn new(
+    pub fn of_stem(
         stem: &Stem,
         proportions: &Proportions,
         seed: u64,
         species: Option<&Species>,
         bark: f64,
-    ) -> StemAppearance {
+    ) -> WoodAppearance {
         let mut wood = wood_of(species);
         wood.seed = seed;
         let board = stem.kind == StemKind::Board;
@@ -63,13 +81,7 @@ impl StemAppearance {
             let wood_end = wood.heartwood.max(MIN_PHLOEM_START);
             wood.phloem = (wood.cork - proportions.phloem).max(wood_end);
         }
-        let mut bark = if stem.radius > FURROWED_BARK_RADIUS {
-            BarkAppearance::furrowed(stem.radius)
-        } else {
-            BarkAppearance::young(stem.radius)
-        };
-        bark.seed = seed;
-        StemAppearance { wood, bark }
+        wood
     }
 }
 

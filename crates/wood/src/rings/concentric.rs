@@ -36,16 +36,11 @@ impl ConcentricRings {
         }
     }
 
-    /// `rings` of even width in a board, which is sawn from the sapwood.
-    pub fn even_in_board(rings: u16) -> Self {
-        let all_sapwood = Proportions {
-            pith: 0.0,
-            heartwood: 0.0,
-            phloem: 0.0,
-        };
-        let mut even = ConcentricRings::even(rings, &all_sapwood);
-        even.tissues.fill(Zone::Sapwood);
-        even
+    /// The same in a board, which is sawn from the sapwood.
+    #[must_use]
+    pub fn of_sapwood(mut self) -> Self {
+        self.tissues.fill(Zone::Sapwood);
+        self
     }
 
     /// Rings with outer edges at these ring coordinates, rising and at most 1, as [`super::RingField::coordinates`] gives
@@ -109,6 +104,10 @@ pub struct RingEdges {
 }
 
 impl RingSource for ConcentricRings {
+    fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
     fn ring_count(&self) -> usize {
         self.complete
     }
@@ -183,7 +182,7 @@ mod tests {
         let found = |rho| rings.ring_at(&at(rho)).unwrap();
         assert_eq!((found(0.5).ring, found(0.5).fraction), (2, 0.5));
         assert_eq!((found(0.9).ring, found(0.9).part), (3, RingPart::Latewood));
-        let board = ConcentricRings::even_in_board(4);
+        let board = ConcentricRings::even(4, &TISSUE).of_sapwood();
         assert!(board.tissues().iter().all(|t| *t == Zone::Sapwood));
     }
 }

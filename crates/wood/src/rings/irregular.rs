@@ -11,7 +11,7 @@ use glam::DVec3;
 const RING: u64 = 0x52;
 const WANDER: u64 = 0x57;
 /// Width of the innermost rings relative to that of the outermost: young trees grow wider rings.
-const INNERMOST_DENSITY: f64 = 0.78;
+pub(super) const INNERMOST_DENSITY: f64 = 0.78;
 const DENSITY_GAIN: f64 = 0.22;
 /// How far the edge of a ring is shifted, in rings: year by year, and over runs of good and bad years.
 const YEARLY_SHIFT: f64 = 0.34;
@@ -76,6 +76,14 @@ pub(crate) fn latewood_strength(seed: u64, ring: i64) -> f64 {
     unit(seed ^ RING, ring - 1, 2, 0)
 }
 
+/// Outer edge of a ring, in mean ring widths.
+pub(super) fn year_edge(seed: u64, ring: i64) -> f64 {
+    let seed = seed ^ RING;
+    ring as f64
+        + YEARLY_SHIFT * (unit(seed, ring, 1, 0) - 0.5)
+        + RUN_SHIFT * value_1d(seed, ring as f64 / RUN_YEARS)
+}
+
 /// The length of a cell along the grain that fits a period, and the number of cells in it (0: no period).
 pub(crate) fn periodic_cells(length: f64, period: Option<f64>) -> (f64, i64) {
     match period {
@@ -88,14 +96,6 @@ pub(crate) fn periodic_cells(length: f64, period: Option<f64>) -> (f64, i64) {
 }
 
 impl IrregularRings {
-    /// Outer edge of a ring, in mean ring widths.
-    fn edge(&self, ring: i64) -> f64 {
-        let seed = self.seed ^ RING;
-        ring as f64
-            + YEARLY_SHIFT * (unit(seed, ring, 1, 0) - 0.5)
-            + RUN_SHIFT * value_1d(seed, ring as f64 / RUN_YEARS)
-    }
-
     /// How far rings are shifted at a place, in mean ring widths, where the even count is `t`.
     fn wander(&self, at: &StemAddress, t: f64) -> f64 {
         let place = DVec3::new(at.across.x, at.across.y, at.along);
@@ -124,13 +124,13 @@ impl RingSource for IrregularRings {
         let even = r * (INNERMOST_DENSITY + DENSITY_GAIN * r) * self.count;
         let t = even + self.wander(at, even);
         let mut below = t.floor() as i64;
-        while self.edge(below) > t {
+        while year_edge(self.seed, below) > t {
             below -= 1;
         }
-        while self.edge(below + 1) <= t {
+        while year_edge(self.seed, below + 1) <= t {
             below += 1;
         }
-        let (inner, outer) = (self.edge(below), self.edge(below + 1));
+        let (inner, outer) = (year_edge(self.seed, below), year_edge(self.seed, below + 1));
         let fraction = (t - inner) / (outer - inner);
         // Mean ring widths per ring coordinate: the derivative of `even`.
         let density =

@@ -3,6 +3,7 @@
 
 mod address;
 mod concentric;
+mod division;
 mod erosion;
 mod field;
 mod irregular;
@@ -13,6 +14,7 @@ mod source;
 
 pub use address::StemAddress;
 pub use concentric::{ConcentricRings, LATEWOOD_FRACTION, RingEdges};
+pub use division::{RingDivision, RingSeriesParameters, StemRings};
 pub use erosion::{
     ErodedPasses, Erosion, ErosionFronts, ErosionSchedule, InnerCircleError, Kernel,
     KernelListError, KernelSchedule, NOT_ERODED, Pass, PixelCircle, ScheduleError, erode,

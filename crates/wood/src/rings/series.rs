@@ -18,6 +18,8 @@ pub enum RingSeries {
     Radii(Vec<f64>),
     /// Mean widths from the pith outwards. The rest of the mean radius lies outside the last one.
     Widths(Vec<f64>),
+    /// Mean radii about the pith as shares of the outline's, from the pith outwards.
+    Shares(Vec<f64>),
 }
 
 /// Why rings do not fit a section.
@@ -137,6 +139,7 @@ impl RingField {
     /// # Errors
     /// [`RingError`] where they do not fit into the section.
     pub fn coordinates(&self, rings: &RingSeries) -> Result<Vec<f64>, RingError> {
+        let outer = self.mean_radius(1.0);
         let (what, radii) = match rings {
             RingSeries::Number(n) => {
                 if !(1..=MAX_RINGS).contains(n) {
@@ -157,8 +160,11 @@ impl RingField {
                 });
                 ("the sum of widths", radii.collect())
             }
+            RingSeries::Shares(shares) => {
+                check("share", shares)?;
+                ("radii", shares.iter().map(|s| s * outer).collect())
+            }
         };
-        let outer = self.mean_radius(1.0);
         let mut before = 0.0;
         let mut coordinates = Vec::with_capacity(radii.len());
         for (i, value) in radii.into_iter().enumerate() {

@@ -53,6 +53,11 @@ pub trait RingSource {
     /// Number of rings between pith and bark.
     fn ring_count(&self) -> usize;
 
+    /// Ring coordinates of the outer edge of each ring, from the pith; none where they differ from place to place.
+    fn edges(&self) -> &[f64] {
+        &[]
+    }
+
     /// Where an address lies among the rings; `None` where there is no wood.
     fn ring_at(&self, at: &StemAddress) -> Option<RingPosition>;
 }
