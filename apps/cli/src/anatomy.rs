@@ -43,6 +43,9 @@ struct PrintedReport<'a> {
 pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let mut file = AnatomyFile::default();
     apply_options(&mut file, &options.request)?;
+    if let Some(path) = &options.rings_from {
+        file.request.series.ring_shares = Some(files::read_ring_shares(path)?);
+    }
     file.check()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
     let unit = file.unit;

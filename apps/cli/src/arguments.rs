@@ -203,6 +203,10 @@ pub struct BreakOptions {
         conflicts_with_all = ["preset", "recipe", "set", "species", "moisture", "save_recipe", "pith", "kind", "hang", "fray"])]
     pub simulate: Option<String>,
 
+    /// Take the annual rings of another section: a section file with `rings` (.json), or a folder that `anatomy` wrote
+    #[arg(long, value_name = "PATH", help_heading = "Annual rings", conflicts_with_all = ["simulate", "ring_shares"])]
+    pub rings_from: Option<PathBuf>,
+
     #[command(flatten)]
     pub request: Declared<RequestFile>,
 

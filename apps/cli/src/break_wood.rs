@@ -275,6 +275,9 @@ pub fn resolve_request(options: &BreakOptions) -> Result<ResolvedRequest, Failur
         Failure::request(message).hint(hint(&error))
     })?;
     apply_options(&mut file, &options.request)?;
+    if let Some(path) = &options.rings_from {
+        file.rings.series.ring_shares = Some(files::read_ring_shares(path)?);
+    }
     file.complete()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
     let folder = options.recipe.as_ref().and_then(|path| path.parent());

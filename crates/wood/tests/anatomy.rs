@@ -12,6 +12,7 @@ use greenstick_wood::anatomy::{
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
 use greenstick_wood::raster::fill_loops;
+use greenstick_wood::rings::RingDivision;
 use greenstick_wood::stem::{FoundStem, StemKind, StemOptions, find_stem};
 use std::f64::consts::{PI, TAU};
 

@@ -31,6 +31,15 @@ pub struct AnatomyOptions {
     /// Folder for the files; created if it does not exist
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
+    /// Take the annual rings of another section: a section file with `rings` (.json), or a folder that `anatomy` wrote
+    #[arg(
+        long,
+        value_name = "PATH",
+        help_heading = "Annual rings",
+        conflicts_with = "ring_shares"
+    )]
+    pub rings_from: Option<PathBuf>,
+
     #[command(flatten)]
     pub request: Declared<AnatomyFile>,
 

@@ -15,9 +15,8 @@ use super::overlay::outline::Overlay;
 use super::parts::CapFace;
 use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_geometry::triangulate::Triangulator;
-use line::LineMemory;
 
 /// The triangles of the broken face, oriented for the lower piece.
 #[derive(Default)]
@@ -73,6 +72,14 @@ type Rims = [[u32; 2]; 2];
 
 /// Most facets about a node whose heights are ranked by counting.
 const MAX_COUNTED: usize = 16;
+
+/// Memory that is reused from top to top.
+#[derive(Default)]
+struct LineMemory {
+    ring: Vec<u32>,
+    flat: Vec<DVec2>,
+    filled: Vec<[u32; 3]>,
+}
 
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;

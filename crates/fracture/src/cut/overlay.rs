@@ -15,7 +15,6 @@ use super::parts::Host;
 use crate::surface::NONE;
 use clips::{Clips, Corner, Part, Slot, Support};
 use join::{JoinMemory, Piece};
-use line::Segment;
 use outline::{EdgeCut, Overlay};
 
 /// A corner of the part of a triangle over a facet.
@@ -39,6 +38,20 @@ struct RingCorner {
     support: Support,
     /// As in [`Placed`].
     agreed: bool,
+}
+
+/// Where the surface cuts an edge of a triangle's part.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    id: u32,
+    support: Support,
+}
+
+/// The part of the outline over one facet, directed as the upper skin has it.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: End,
+    to: End,
 }
 
 /// Memory that is reused from triangle to triangle.

@@ -221,8 +221,9 @@ fn snap_to_rings(bounds: &mut [f64], ring_edges: &[f64]) -> Vec<bool> {
     for to in 1..=last {
         if snapped[to] || to == last {
             let (a, b) = (bounds[from], bounds[to]);
-            for i in from + 1..to {
-                bounds[i] = a + (b - a) * (i - from) as f64 / (to - from) as f64;
+            let count = (to - from) as f64;
+            for (i, bound) in (0..).zip(&mut bounds[from..to]) {
+                *bound = a + (b - a) * f64::from(i) / count;
             }
             from = to;
         }
@@ -516,17 +517,12 @@ fn add_tip(builder: &mut NodeBuilder, facets: &mut Vec<[u32; 3]>, first: usize) 
         return crate::surface::NONE;
     };
     let [a, b, c] = facets[largest];
-    let corners = [a, b, c].map(|n| builder.addresses[n as usize]);
-    let near = corners[0].1;
-    let unwrap_near = |phi: f64| phi - TAU * ((phi - near) / TAU + 0.5).floor();
-    let rho = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
-    let phi = (corners.iter().map(|x| unwrap_near(x.1)).sum::<f64>()) / 3.0;
     let place = (0..3)
         .map(|i| builder.nodes[facets[largest][i] as usize])
         .sum::<DVec2>()
         / 3.0;
     builder.nodes.push(place);
-    builder.addresses.push((rho, phi));
+    builder.addresses.push(builder.field.address(place));
     let tip = builder.nodes.len() as u32 - 1;
     facets[largest] = [a, b, tip];
     facets.extend([[b, c, tip], [c, a, tip]]);

@@ -25,6 +25,14 @@ pub enum FileError {
         /// The known endings.
         expected: String,
     },
+    /// A file has no annual rings.
+    #[error("{}: {problem}; expected a section with `rings` (.json), or a folder that holds an inside", path.display())]
+    Rings {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// The content is invalid.
     #[error(transparent)]
     Content(FormatError),

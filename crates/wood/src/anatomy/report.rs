@@ -237,6 +237,21 @@ impl SectionReport {
 }
 
 impl AnatomyReport {
+    /// Mean radii of the rings as shares of the section's, from the pith outwards, in the middle one of its sections: what
+    /// another stem takes of them. `None` where there are none.
+    pub fn ring_shares(&self) -> Option<Vec<f64>> {
+        let radii = &self.sections.get(self.sections.len() / 2)?.rings.radius_m;
+        let outer = radii.last().copied().filter(|&r| r > 0.0)?;
+        let mut shares: Vec<f64> = Vec::with_capacity(radii.len());
+        for share in radii.iter().map(|r| r / outer) {
+            // An erosion may leave a ring out of a section.
+            if share > shares.last().copied().unwrap_or(0.0) {
+                shares.push(share);
+            }
+        }
+        Some(shares)
+    }
+
     /// Returns the report as JSON.
     ///
     /// # Errors

@@ -1,16 +1,7 @@
 //! The short way for a top that the outline crosses along one line, nearly all that it crosses.
 
 use super::super::polygon;
-use super::{Builder, INSIDE, OUTSIDE};
-use glam::DVec2;
-
-/// Memory that is reused from top to top.
-#[derive(Default)]
-pub(super) struct LineMemory {
-    ring: Vec<u32>,
-    flat: Vec<DVec2>,
-    filled: Vec<[u32; 3]>,
-}
+use super::{Builder, INSIDE, LineMemory, OUTSIDE};
 
 impl Builder<'_, '_> {
     /// Fills the part of a facet on the inner side of the `outline`, where that is one line from side to side. Returns

@@ -5,22 +5,8 @@
 
 use super::clips::{Clips, Corner, Slot, Support};
 use super::outline::Overlay;
-use super::{Place, Placed, SplitMemory};
+use super::{End, Place, Placed, Segment, SplitMemory};
 use crate::surface::NONE;
-
-/// Where the surface cuts an edge of a triangle's part.
-#[derive(Clone, Copy, Debug)]
-struct End {
-    id: u32,
-    support: Support,
-}
-
-/// The part of the outline over one facet, directed as the upper skin has it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    from: End,
-    to: End,
-}
 
 impl Overlay<'_> {
     /// Splits a triangle that the surface cuts along one line. Returns `false` where it cuts otherwise; nothing but

@@ -1,6 +1,8 @@
 //! Annual rings of one section: a JSON file with its outline goes in, one with its rings comes out (Forests 2023 §3.3).
 
+use super::super::pith::estimate_pith;
 use super::compare::{AnnotatedRing, RingComparison};
+use super::curves::{mean, radii};
 use super::file_error::SectionFileError;
 use super::outline::SectionOutline;
 use super::rings::{SectionRingMethod, SectionRings};
@@ -94,6 +96,29 @@ impl SectionFile {
     /// The unit of its lengths, px where the file does not say.
     pub fn units(&self) -> &str {
         &self.units
+    }
+
+    /// Mean radii of the rings in the file, about its pith, as shares of the outline's, ascending: what another section
+    /// takes of them.
+    ///
+    /// # Errors
+    /// [`SectionFileError::NotAnnotated`] where none lies within the outline.
+    pub fn ring_shares(&self) -> Result<Vec<f64>, SectionFileError> {
+        let pith = self
+            .outline
+            .pith
+            .unwrap_or_else(|| estimate_pith(&self.outline.points));
+        let mean_radius = |curve: &[DVec2]| mean(&radii(curve, pith));
+        let outer = mean_radius(&self.outline.points);
+        let share = |ring: &AnnotatedRing| mean_radius(&ring.points) / outer;
+        let mut shares: Vec<f64> = self.annotated.iter().map(share).collect();
+        shares.retain(|&share| share > 0.0 && share <= 1.0);
+        shares.sort_by(f64::total_cmp);
+        shares.dedup();
+        if shares.is_empty() {
+            return Err(SectionFileError::NotAnnotated);
+        }
+        Ok(shares)
     }
 
     /// Its rings about `pith`, or the file's pith, or an estimated one.

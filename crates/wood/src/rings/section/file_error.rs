@@ -23,7 +23,7 @@ pub enum SectionFileError {
     #[error(transparent)]
     Rings(#[from] SectionRingError),
     /// Nothing to compare with.
-    #[error("there are no annotated `rings` in the section to compare with")]
+    #[error("there are no annotated `rings` in the section, or none lies within its outline")]
     NotAnnotated,
     /// The caller stopped the work.
     #[error(transparent)]
