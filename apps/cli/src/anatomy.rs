@@ -44,7 +44,11 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let mut file = AnatomyFile::default();
     apply_options(&mut file, &options.request)?;
     if let Some(path) = &options.rings_from {
-        file.request.series.ring_shares = Some(files::read_ring_shares(path)?);
+        let rings = files::read_rings(path)?;
+        let request = &mut file.request;
+        request.series.ring_shares = Some(rings.shares);
+        request.stem.eccentricity_onset =
+            request.stem.eccentricity_onset.or(rings.eccentricity_onset);
     }
     file.check()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;

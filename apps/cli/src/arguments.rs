@@ -114,6 +114,7 @@ Examples
   greenstick rings section.json --rings 24 -o rings.json --picture rings.png
   greenstick rings section.json --widths 4.1,3.8,3.9,2.7 -o rings.json
   greenstick rings section.json --pith 878,901 --compare
+  greenstick rings section.json --fit --compare
   greenstick rings section.json --rings-by erosion --inner-circle 0.4 --picture rings.png
   greenstick rings section.json --rings-by erosion --kernels 4*3/5,3/9 --resolution 256 -o rings.json";
 
@@ -155,6 +156,12 @@ pub struct RingsOptions {
     /// Print how far the file's own rings are from the model's
     #[arg(long)]
     pub compare: bool,
+    /// Fit the model to the file's own rings, of which a few points are enough: when the stem began to be eccentric
+    #[arg(long, conflicts_with_all = ["eccentricity_onset", "rings_by"])]
+    pub fit: bool,
+    /// Share of the radius at which the stem began to be eccentric, 0.02 to 1 [default: 0.28]
+    #[arg(long, value_name = "NUMBER", value_parser = values::onset)]
+    pub eccentricity_onset: Option<f64>,
     /// Where to write a picture of the rings (.png)
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,

@@ -276,7 +276,9 @@ pub fn resolve_request(options: &BreakOptions) -> Result<ResolvedRequest, Failur
     })?;
     apply_options(&mut file, &options.request)?;
     if let Some(path) = &options.rings_from {
-        file.rings.series.ring_shares = Some(files::read_ring_shares(path)?);
+        let rings = files::read_rings(path)?;
+        file.rings.series.ring_shares = Some(rings.shares);
+        file.stem.eccentricity_onset = file.stem.eccentricity_onset.or(rings.eccentricity_onset);
     }
     file.complete()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;

@@ -41,10 +41,25 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     let about_file = |e: SectionFileError| Failure::request(format!("{}: {e}", path.display()));
     let section = SectionFile::parse(&text).map_err(about_file)?;
     let units = section.units().to_owned();
+    let onset = match (options.eccentricity_onset, options.fit) {
+        (None, true) => Some(
+            section
+                .fit_eccentricity_onset(pith.map(Into::into), &context)
+                .map_err(about_file)?,
+        ),
+        (given, _) => given,
+    };
     let section = section
+        .with_eccentricity_onset(onset)
         .rings(&method, pith.map(Into::into), &context)
         .map_err(about_file)?;
     let mut report = summary(path, &section, &method, &units);
+    if let (true, Some(onset)) = (options.fit, onset) {
+        let _ = writeln!(
+            report,
+            "fitted: the stem began to be eccentric at {onset:.2} of its radius (--eccentricity-onset)"
+        );
+    }
     if options.compare {
         let rings = section.compare(&context).map_err(about_file)?;
         let model = match method {

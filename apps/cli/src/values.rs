@@ -27,6 +27,19 @@ pub fn resolution(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Parses an onset of eccentricity.
+pub fn onset(text: &str) -> Result<f64, String> {
+    let range = greenstick::wood::rings::ONSET_RANGE;
+    match text.parse::<f64>() {
+        Ok(x) if range.contains(&x) => Ok(x),
+        _ => Err(format!(
+            "expected a number from {} to {}",
+            range.start(),
+            range.end()
+        )),
+    }
+}
+
 /// Parses two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {

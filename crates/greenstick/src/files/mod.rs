@@ -16,7 +16,7 @@ mod write;
 pub use error::FileError;
 pub use images::carry_images;
 pub use read::{Source, load, load_content, mesh_endings, read};
-pub use rings::read_ring_shares;
+pub use rings::{OtherRings, read_rings};
 pub use write::{
     Batch, Output, check_distinct, check_folder, check_writable, encode, write_all, write_folder,
     write_streamed,

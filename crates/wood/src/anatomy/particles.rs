@@ -290,7 +290,7 @@ mod tests {
             .collect();
         // ½∫r² dφ = π r0² (1 + 0.1²/2)
         let area = PI * 0.0025 * 1.005;
-        let field = RingField::round(&own, DVec2::new(0.006, -0.003), 0.07);
+        let field = RingField::round(&own, DVec2::new(0.006, -0.003), 0.07, None);
         let outline = Outline {
             area,
             centroid: DVec2::ZERO,
@@ -371,8 +371,8 @@ mod tests {
                 .map(|a| DVec2::from_angle(a) * 0.05 * (1.0 + wave * (7.0 * a).cos()))
                 .collect()
         };
-        let fields =
-            [0.0, 0.25].map(|wave| RingField::round(&outline(wave), DVec2::new(0.004, 0.0), 0.1));
+        let fields = [0.0, 0.25]
+            .map(|wave| RingField::round(&outline(wave), DVec2::new(0.004, 0.0), 0.1, None));
         // Shares of the outermost of 30 rings in bundles of 60 sectors, over the mean bundle of the section.
         let worst = |layout: &SectorLayout| {
             fields

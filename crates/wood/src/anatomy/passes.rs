@@ -171,7 +171,7 @@ mod tests {
             .map(|i| TAU * f64::from(i) / 240.0)
             .map(|a| DVec2::from_angle(a) * 0.05 * (1.0 + 0.15 * (3.0 * a).cos()))
             .collect();
-        let field = RingField::round(&outline, DVec2::new(0.008, -0.004), 0.1);
+        let field = RingField::round(&outline, DVec2::new(0.008, -0.004), 0.1, None);
         let grid = PixelGrid {
             count: 256,
             pixel: 0.125 / 256.0,

@@ -206,7 +206,7 @@ impl<'a> StemSections<'a> {
         let pith = if clear { pith } else { outline.centroid };
         let extent = own.iter().map(|p| p.distance(pith)).fold(0.0, f64::max);
         if polygon::contains(own, pith) {
-            RingField::round(own, pith, extent)
+            RingField::round(own, pith, extent, self.stem.rings.eccentricity_onset())
         } else {
             RingField::arcs(pith, extent, extent)
         }

@@ -7,6 +7,7 @@ mod division;
 mod erosion;
 mod field;
 mod irregular;
+mod onset;
 mod pith;
 mod section;
 mod series;
@@ -23,6 +24,7 @@ pub use erosion::{
 pub use field::RingField;
 pub use irregular::{IrregularRings, TissueEdges};
 pub(crate) use irregular::{latewood_strength, periodic_cells};
+pub use onset::ONSET_RANGE;
 pub use pith::estimate_pith;
 pub use section::{
     AnnotatedRing, RingComparison, RingCurve, RingsFile, SectionFile, SectionFileError,

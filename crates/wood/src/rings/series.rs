@@ -106,6 +106,18 @@ impl RingField {
     /// # Errors
     /// [`RingError`] where the outline is no area or does not hold the pith.
     pub fn from_outline(outline: &[DVec2], pith: DVec2) -> Result<Self, RingError> {
+        RingField::with_eccentricity_onset(outline, pith, None)
+    }
+
+    /// [`RingField::from_outline`] where the ring coordinate is known at which eccentricity begins.
+    ///
+    /// # Errors
+    /// As [`RingField::from_outline`].
+    pub fn with_eccentricity_onset(
+        outline: &[DVec2],
+        pith: DVec2,
+        eccentricity_onset: Option<f64>,
+    ) -> Result<Self, RingError> {
         if outline.len() < 3 {
             return Err(RingError::Points(outline.len()));
         }
@@ -131,7 +143,7 @@ impl RingField {
             });
         }
         let reach = outline.iter().map(|p| p.distance(pith)).fold(0.0, f64::max);
-        Ok(RingField::round(outline, pith, reach))
+        Ok(RingField::round(outline, pith, reach, eccentricity_onset))
     }
 
     /// Ring coordinates of a list of rings, from the pith outwards.

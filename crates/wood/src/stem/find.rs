@@ -360,7 +360,7 @@ impl Search<'_> {
             * EXTENT_MARGIN;
         let round = body.kind == StemKind::Round;
         let rings = if round && polygon::contains(&here.contour, pith) {
-            RingField::round(&here.contour, pith, extent)
+            RingField::round(&here.contour, pith, extent, self.options.eccentricity_onset)
         } else {
             if round {
                 notes.push("the pith lies outside the section: rings are arcs about it".to_owned());

@@ -2,8 +2,9 @@
 
 use super::StemKind;
 use super::location::metres;
+use crate::rings::ONSET_RANGE;
 use glam::{DVec2, DVec3};
-use greenstick_schema::{choice, parameters, text, text_field};
+use greenstick_schema::{Unit, choice, number, parameters, text, text_field};
 
 /// Where the pith is, for stems whose pith is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +66,10 @@ parameters! {
             pith: Option<PithPosition> = None, text(PITH).auto();
             /// What the stem is; "auto" judges by its section.
             kind: Option<StemKind> = None, choice(StemKind::CHOICES).auto();
+            /// Share of the radius at which a stem that is eccentric began to be: rings within are about round, rings beyond
+            /// lean as the outline does. "auto" is that of an average tree; points on a few rings decide it.
+            eccentricity_onset: Option<f64> = None,
+                number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
         }
     }
 }

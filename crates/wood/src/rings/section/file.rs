@@ -1,5 +1,6 @@
 //! Annual rings of one section: a JSON file with its outline goes in, one with its rings comes out (Forests 2023 §3.3).
 
+use super::super::field::RingField;
 use super::super::pith::estimate_pith;
 use super::compare::{AnnotatedRing, RingComparison};
 use super::curves::{mean, radii};
@@ -86,6 +87,7 @@ impl SectionFile {
                 points: outline,
                 pith,
                 y_up,
+                eccentricity_onset: None,
             },
             annotated,
             units,
@@ -119,6 +121,32 @@ impl SectionFile {
             return Err(SectionFileError::NotAnnotated);
         }
         Ok(shares)
+    }
+
+    /// The ring coordinate at which eccentricity began, fitted to the points of the file's rings about `pith`, or the file's
+    /// pith, or an estimated one.
+    ///
+    /// # Errors
+    /// [`SectionFileError::NotAnnotated`] where no ring has two points, [`SectionFileError::Rings`] where the pith lies
+    /// outside of the outline, [`SectionFileError::Cancelled`].
+    pub fn fit_eccentricity_onset(
+        &self,
+        pith: Option<DVec2>,
+        context: &Context,
+    ) -> Result<f64, SectionFileError> {
+        let pith = pith.or(self.outline.pith);
+        let pith = pith.unwrap_or_else(|| estimate_pith(&self.outline.points));
+        let rings: Vec<&[DVec2]> = self.annotated.iter().map(|r| &*r.points).collect();
+        let fitted =
+            RingField::fit_eccentricity_onset(&self.outline.points, pith, &rings, context)?;
+        fitted.ok_or(SectionFileError::NotAnnotated)
+    }
+
+    /// The same section with a known onset of eccentricity, as a ring coordinate.
+    #[must_use]
+    pub fn with_eccentricity_onset(mut self, onset: Option<f64>) -> Self {
+        self.outline.eccentricity_onset = onset;
+        self
     }
 
     /// Its rings about `pith`, or the file's pith, or an estimated one.
@@ -171,6 +199,9 @@ impl RingsFile {
         file.insert("kind".into(), json!(kind));
         file.insert("units".into(), json!(self.file.units));
         let outline = self.rings.outline();
+        if let Some(onset) = outline.eccentricity_onset {
+            file.insert("eccentricity_onset".into(), json!(onset));
+        }
         let axis = if outline.y_up { "up" } else { "down" };
         file.insert("y_axis".into(), json!(axis));
         file.insert("pith".into(), json!(round(self.rings.pith())));

@@ -14,6 +14,8 @@ pub struct SectionOutline {
     pub pith: Option<DVec2>,
     /// Whether y points up rather than down.
     pub y_up: bool,
+    /// The ring coordinate at which eccentricity begins, where it is known.
+    pub eccentricity_onset: Option<f64>,
 }
 
 /// Least and greatest coordinates of an outline.
@@ -48,15 +50,15 @@ impl SectionOutline {
 
     /// The ring field about the pith, which is estimated where it is not known.
     pub(super) fn field(&self) -> Result<RingField, RingError> {
+        let about =
+            |pith| RingField::with_eccentricity_onset(&self.points, pith, self.eccentricity_onset);
         if let Some(pith) = self.pith {
-            return RingField::from_outline(&self.points, pith);
+            return about(pith);
         }
         // The first attempt tells what is wrong with the outline before a pith is looked for in it.
         let first = self.points.first().copied().unwrap_or_default();
-        match RingField::from_outline(&self.points, first) {
-            Err(RingError::Pith { .. }) | Ok(_) => {
-                RingField::from_outline(&self.points, estimate_pith(&self.points))
-            }
+        match about(first) {
+            Err(RingError::Pith { .. }) | Ok(_) => about(estimate_pith(&self.points)),
             Err(error) => Err(error),
         }
     }

@@ -37,6 +37,7 @@ pub enum SectionRingMethod {
 ///     points: points.collect(),
 ///     pith: Some(DVec2::new(6.0, 0.0)),
 ///     y_up: false,
+///     eccentricity_onset: None,
 /// };
 /// let method = SectionRingMethod::Field(RingSeries::Number(10));
 /// let rings = SectionRings::new(outline, &method, &Context::quiet())?;
