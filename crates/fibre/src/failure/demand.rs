@@ -78,9 +78,9 @@ pub(crate) fn combined_rod_demand(
 /// twist the shear strain of torsion over that at failure. Both are 0 at a rod's ends.
 ///
 /// A round bar under a torque T has the shear stress τ = T r/J = G r θ′ at its surface, with the twist θ′ per length
-/// (Timoshenko and Goodier, *Theory of Elasticity*, chapter "Torsion"). The strength of wood in torsion is that in shear along the grain
-/// (Wood Handbook, chapter 5). Of §6.1 of the thesis, which looks at how much longer twist makes a line on the surface,
-/// remains only the shear: that length grows with the square of the angle of shear, of which wood bears a few hundredths.
+/// (Timoshenko and Goodier, *Theory of Elasticity*, chapter "Torsion"). The strength of wood in torsion is that in shear along
+/// the grain (Wood Handbook, chapter 5). Section 6.1 of the thesis proposes how much longer twist makes a line along the
+/// surface; that grows with the square of the angle of shear, of which wood bears a few hundredths, and is left out.
 pub(crate) fn rod_demand(
     bundle: &RodBundle,
     state: &State,

@@ -4,6 +4,9 @@
 //!
 //! Time only measures how far loads have gone. A step in which something would be overstressed by more than
 //! [`MAX_OVERSTRESS`] is repeated with a shorter length, so that the load at a break does not depend on the steps.
+//!
+//! Work is that along the path of equilibria. Where a step starts out of balance, after a break or under a load that is
+//! suddenly there, more work is done than is stored; the difference is reported as [`AdvanceReport::dissipated`].
 
 use super::balance::{EquilibriumProblem, Inertia};
 use super::grip::Grip;

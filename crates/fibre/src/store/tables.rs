@@ -25,7 +25,7 @@ pub struct EnergyLedger {
     pub damped: f64,
     /// Dissipated by the method.
     pub dissipated: f64,
-    /// Work of clamps and forces.
+    /// Work of clamps and loads.
     pub work: f64,
 }
 
