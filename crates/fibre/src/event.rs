@@ -29,6 +29,8 @@ pub enum Cause {
     Griffith,
     /// Stress across and along the bond's facet.
     Stress,
+    /// Torsion: shear along the grain at the rod's surface, where it exceeds tension.
+    Torsion,
 }
 
 /// One event. Rod and vertex are numbers of the unbroken bundle, so that they name the same wood at all times.

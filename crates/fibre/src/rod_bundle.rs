@@ -33,6 +33,8 @@ pub struct RodMaterial {
     pub diameter: f64,
     /// Strain along the grain at tensile failure.
     pub tension_limit: f64,
+    /// Shear strain at the surface at which the rod fails in torsion.
+    pub shear_limit: f64,
     /// Strain at which the rod yields in compression (a positive number), infinite for never.
     pub yield_strain: f64,
 }
@@ -50,6 +52,7 @@ impl RodMaterial {
             area,
             diameter: 2.0 * (area / std::f64::consts::PI).sqrt(),
             tension_limit: f64::INFINITY,
+            shear_limit: f64::INFINITY,
             yield_strain: f64::INFINITY,
         }
     }
@@ -117,6 +120,8 @@ pub struct RodBundle {
     pub twist: Vec<f64>,
     /// Per vertex: strain at tensile failure.
     pub tension_limit: Vec<f64>,
+    /// Per vertex: shear strain at failure in torsion.
+    pub shear_limit: Vec<f64>,
     /// Per vertex: the vertex of the unbroken bundle that it is, or is one side of.
     pub origin: Vec<u32>,
     /// Per edge: length at rest, m; 1 at gaps.
@@ -186,6 +191,7 @@ impl RodBundle {
             natural_curvature: [Vec::new(), Vec::new()],
             twist: Vec::new(),
             tension_limit: Vec::new(),
+            shear_limit: Vec::new(),
             origin: Vec::new(),
             rest_length: Vec::new(),
             stretch: Vec::new(),
@@ -222,6 +228,7 @@ impl RodBundle {
                 .push(if inner && self.twisting { m.twist } else { 0.0 });
             let relative = rod.relative_strength.get(i).copied().unwrap_or(1.0);
             self.tension_limit.push(m.tension_limit * relative);
+            self.shear_limit.push(m.shear_limit * relative);
             self.origin.push((start + i) as u32);
             self.rest_length.push(length.unwrap_or(1.0));
             self.stretch.push(length.map_or(0.0, |_| m.stretch));
@@ -402,6 +409,7 @@ fn check_material(number: usize, rod: &Rod) -> Result<(), RodBundleError> {
     }
     let limits = [
         ("strain at tensile failure", m.tension_limit),
+        ("shear strain at failure", m.shear_limit),
         ("yield strain", m.yield_strain),
     ];
     let scatter = rod

@@ -200,6 +200,7 @@ fn split_bundle(bundle: &mut RodBundle, before: &[u32], splits: &[u32]) {
         lambda,
         &mut bundle.twist,
         &mut bundle.tension_limit,
+        &mut bundle.shear_limit,
         &mut bundle.rest_length,
         &mut bundle.stretch,
         &mut bundle.edge_mass,

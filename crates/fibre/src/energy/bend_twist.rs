@@ -107,6 +107,12 @@ pub(crate) fn curvature_change(bundle: &RodBundle, state: &State, vertex: usize)
     (off[0] * off[0] + off[1] * off[1]).sqrt() / (0.5 * bundle.both_lengths(vertex))
 }
 
+/// Returns the twist at a vertex over its share of the rod's length, rad/m.
+pub(crate) fn twist_rate(bundle: &RodBundle, state: &State, vertex: usize) -> f64 {
+    let m = state.angle[vertex] - state.angle[vertex - 1] + state.reference_twist[vertex];
+    m / (0.5 * bundle.both_lengths(vertex))
+}
+
 /// Returns the gradient of the sum of both energies ([`energy`]).
 pub(crate) fn gradient(bundle: &RodBundle, state: &State, vertex: usize) -> BendTwistGradient {
     let s = strains(bundle, state, vertex);

@@ -1,7 +1,7 @@
 //! Breaking of overstressed rods and bonds, with its record in the world's events.
 
 use super::criteria::BondCriterion;
-use super::demand::{Element, FailureDetector, Overstressed, bonds_in, rods_in};
+use super::demand::{Element, FailureDetector, Overstressed, bonds_in, rod_demand, rods_in};
 use super::yielding::yield_rods;
 use crate::contact::Contacts;
 use crate::energy;
@@ -90,14 +90,20 @@ fn rod_event(world: &World, vertex: usize, demand: f64) -> Event {
     } else {
         energy::rod::bend_energy(bundle, state, vertex)
     };
+    let rod = bundle.rod_of(vertex);
+    let parts = rod_demand(bundle, state, vertex, bundle.diameter[rod]);
     Event {
         time: state.time,
         kind: EventKind::RodBroke,
-        rod: bundle.parent[bundle.rod_of(vertex)],
+        rod: bundle.parent[rod],
         vertex: bundle.origin[vertex],
         other: None,
         position: state.position.get(vertex),
-        cause: Cause::Tension,
+        cause: if parts.torsion > parts.tension {
+            Cause::Torsion
+        } else {
+            Cause::Tension
+        },
         demand,
         energy,
     }

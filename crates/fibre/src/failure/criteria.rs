@@ -25,7 +25,8 @@ pub enum BondCriterion {
 /// When a bundle fails. The default is never.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FailureCriteria {
-    /// Whether rods break where stretch × bending ratio exceeds 1 + the strain at tensile failure.
+    /// Whether rods break where ε² + γ² ≥ 1: ε is the strain of stretch × bending ratio over that at tensile failure, γ the shear
+    /// strain of torsion over that at failure in shear along the grain. Rods without twist have only the first.
     pub rods_break: bool,
     /// Whether rods yield in compression and retain the plastic strain.
     pub rods_yield: bool,

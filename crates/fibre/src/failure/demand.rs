@@ -43,12 +43,59 @@ pub(crate) fn bonds_in(queue: &[Overstressed]) -> Vec<u32> {
     queue.iter().filter_map(bond).collect()
 }
 
-/// Returns the demand on a rod at a vertex: the strain of stretch × bending ratio over the strain at tensile failure. It
-/// is 0 at a rod's ends.
-pub(crate) fn rod_demand(bundle: &RodBundle, state: &State, vertex: usize, diameter: f64) -> f64 {
-    if bundle.bend[vertex] <= 0.0 {
-        return 0.0;
+/// The demand on a rod at a vertex.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct RodDemand {
+    /// The largest strain along the rod on its surface over that at tensile failure; negative in compression.
+    pub tension: f64,
+    /// The shear strain of torsion at its surface over that at failure.
+    pub torsion: f64,
+}
+
+impl RodDemand {
+    /// Returns both together, as for bonds: failure is where the sum of squares is 1, and compression does not count.
+    pub fn combined(self) -> f64 {
+        if self.torsion == 0.0 {
+            self.tension
+        } else {
+            let tension = self.tension.max(0.0);
+            (tension * tension + self.torsion * self.torsion).sqrt()
+        }
     }
+}
+
+/// Returns the demand on a rod at a vertex ([`rod_demand`]) as one number.
+pub(crate) fn combined_rod_demand(
+    bundle: &RodBundle,
+    state: &State,
+    vertex: usize,
+    diameter: f64,
+) -> f64 {
+    rod_demand(bundle, state, vertex, diameter).combined()
+}
+
+/// Returns the demand on a rod at a vertex: the strain of stretch × bending ratio over the strain at tensile failure, and with
+/// twist the shear strain of torsion over that at failure. Both are 0 at a rod's ends.
+///
+/// A round bar under a torque T has the shear stress τ = T r/J = G r θ′ at its surface, with the twist θ′ per length
+/// (Timoshenko and Goodier, *Theory of Elasticity*, chapter "Torsion"). The strength of wood in torsion is that in shear along
+/// the grain (Wood Handbook, chapter 5). Section 6.1 of the thesis proposes how much longer twist makes a line along the
+/// surface; that grows with the square of the angle of shear, of which wood bears a few hundredths, and is left out.
+pub(crate) fn rod_demand(
+    bundle: &RodBundle,
+    state: &State,
+    vertex: usize,
+    diameter: f64,
+) -> RodDemand {
+    if bundle.bend[vertex] <= 0.0 {
+        return RodDemand::default();
+    }
+    let torsion = if bundle.twist[vertex] > 0.0 {
+        let rate = energy::bend_twist::twist_rate(bundle, state, vertex);
+        0.5 * diameter * rate.abs() / bundle.shear_limit[vertex]
+    } else {
+        0.0
+    };
     let before = EdgeStrain::new(bundle, state, vertex - 1);
     let after = EdgeStrain::new(bundle, state, vertex);
     let curvature = if bundle.twisting {
@@ -56,7 +103,10 @@ pub(crate) fn rod_demand(bundle: &RodBundle, state: &State, vertex: usize, diame
     } else {
         before.curvature(&after)
     };
-    before.surface_strain(&after, curvature, diameter) / bundle.tension_limit[vertex]
+    RodDemand {
+        tension: before.surface_strain(&after, curvature, diameter) / bundle.tension_limit[vertex],
+        torsion,
+    }
 }
 
 /// An edge at one side of a vertex.
@@ -134,7 +184,8 @@ pub(crate) fn largest_demand(failure: &FailureCriteria, bundle: &RodBundle, stat
     if failure.rods_break {
         for r in 0..bundle.rods() {
             for v in bundle.rod(r) {
-                largest = largest.max(rod_demand(bundle, state, v, bundle.diameter[r]));
+                let demand = combined_rod_demand(bundle, state, v, bundle.diameter[r]);
+                largest = largest.max(demand);
             }
         }
     }
@@ -225,7 +276,7 @@ fn find_rods(bundle: &RodBundle, state: &State, queue: &mut Vec<Overstressed>) {
     for rod in 0..bundle.rods() {
         let (range, diameter) = (bundle.rod(rod), bundle.diameter[rod]);
         if bundle.twisting {
-            range.for_each(|v| push(v, rod_demand(bundle, state, v, diameter)));
+            range.for_each(|v| push(v, combined_rod_demand(bundle, state, v, diameter)));
             continue;
         }
         let mut before = EdgeStrain::new(bundle, state, range.start);

@@ -2,7 +2,7 @@
 
 use super::breaking::break_elements;
 use super::criteria::{BondCriterion, FailureCriteria};
-use super::demand::{Element, Overstressed, bond_demand, rod_demand};
+use super::demand::{Element, Overstressed, bond_demand, combined_rod_demand};
 use crate::contact::NoContacts;
 use crate::energy::{add_forces, energies};
 use crate::evaluator::ForceEvaluator;
@@ -109,7 +109,7 @@ fn the_bending_ratio_is_that_of_the_outer_fibre() {
         state.position.set(i, DVec3::new(a.cos(), 0.0, a.sin()));
     }
     let expected = (1.02 * (1.0 + 0.5 * material.diameter) - 1.0) / 0.01;
-    let got = rod_demand(&bundle, &state, 7, material.diameter);
+    let got = combined_rod_demand(&bundle, &state, 7, material.diameter);
     assert!((got / expected - 1.0).abs() < 1e-10, "{got} {expected}");
 }
 

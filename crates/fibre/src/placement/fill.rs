@@ -261,6 +261,7 @@ fn build(
             vertices,
             material: RodMaterial {
                 tension_limit: wood.tension / wood.longitudinal,
+                shear_limit: wood.shear / mean_shear,
                 yield_strain: wood.compression / wood.longitudinal,
                 ..RodMaterial::solid(cell.area, wood.longitudinal, mean_shear, wood.density)
             },

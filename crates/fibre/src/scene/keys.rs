@@ -164,7 +164,7 @@ parameters! {
     /// When the wood fails.
     pub struct FailureKeys {
         "", "simulate" {
-            /// Whether rods break in tension.
+            /// Whether rods break in tension and, where they resist twist, in torsion.
             rods: bool = true, flag();
             /// Whether rods yield in compression.
             yielding: bool = true, flag();

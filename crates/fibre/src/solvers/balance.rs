@@ -5,7 +5,7 @@
 
 use super::grip::ResolvedGrip;
 use crate::contact::{ContactSpring, ContactTrial, Contacts};
-use crate::energy::rod;
+use crate::energy::{bend_twist, rod};
 use crate::evaluator::ForceEvaluator;
 use crate::forces::Forces;
 use crate::loads::Loads;
@@ -223,9 +223,23 @@ impl Balance {
 
     /// Returns the largest unbalanced force, N; infinite where one is NaN. Moments count as couples one [`MOMENT_ARM`] apart.
     pub fn largest_residual(&self) -> f64 {
+        self.largest_residual_but(|_| false)
+    }
+
+    /// Returns the largest unbalanced force (N), as above, of those at vertices without contact. Friction depends on the way in
+    /// a step, so that in a state by itself forces in contact are not balanced.
+    pub fn largest_residual_without_contact(&self) -> f64 {
+        let mut touched = vec![false; self.residual.len() / self.block];
+        for (v, _) in self.springs.iter().flat_map(ContactSpring::shares) {
+            touched[v] = true;
+        }
+        self.largest_residual_but(|vertex| touched[vertex])
+    }
+
+    fn largest_residual_but(&self, excluded: impl Fn(usize) -> bool) -> f64 {
         let mut largest = 0.0f64;
         for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
-            if *h {
+            if *h || excluded(f / self.block) {
                 continue;
             }
             let size = if f % self.block == 3 {
@@ -241,28 +255,49 @@ impl Balance {
         largest
     }
 
-    /// Returns the forces of clamps on vertices, N.
-    pub fn reaction(&self, bundle: &RodBundle) -> Vectors {
+    /// Returns the forces of clamps on vertices, and with twist their moments on edges.
+    pub fn reaction(&self, bundle: &RodBundle) -> Forces {
         let component = |v: usize, axis: usize| {
             let f = self.dof(v, axis);
             if self.held[f] { -self.residual[f] } else { 0.0 }
         };
-        (0..bundle.vertices())
-            .map(|v| DVec3::new(component(v, 0), component(v, 1), component(v, 2)))
-            .collect()
+        let moment = |j: usize| {
+            if self.block == 4 {
+                component(j, 3)
+            } else {
+                0.0
+            }
+        };
+        Forces {
+            linear: (0..bundle.vertices())
+                .map(|v| DVec3::new(component(v, 0), component(v, 1), component(v, 2)))
+                .collect(),
+            moment: (0..bundle.vertices()).map(moment).collect(),
+        }
     }
 
-    /// Whether the forces on a vertex of a rod and its neighbours are balanced but for a small fraction of those in its edges.
+    /// Whether the forces on a vertex of a rod and its neighbours are balanced but for a small fraction of those in its edges,
+    /// and so the moments on its edges. A torque counts as a couple one diameter of the rod apart.
     pub fn is_balanced_at(&self, bundle: &RodBundle, state: &State, vertex: usize) -> bool {
         let edges = [vertex - 1, vertex];
         let tension = |&j: &usize| (bundle.stretch[j] * rod::strain(bundle, state, j)).abs();
-        let allowed = BALANCED_FRACTION * edges.iter().map(tension).fold(0.0, f64::max);
+        let unbalanced = |v: usize, axis: usize| {
+            let f = self.dof(v, axis);
+            if self.held[f] { 0.0 } else { self.residual[f] }
+        };
+        let mut largest = edges.iter().map(tension).fold(0.0, f64::max);
+        if bundle.twisting {
+            let arm = bundle.diameter[bundle.rod_of(vertex)];
+            let torque = bundle.twist[vertex] * bend_twist::twist_rate(bundle, state, vertex);
+            largest = largest.max(torque.abs() / arm);
+            let allowed = BALANCED_FRACTION * largest * arm;
+            if edges.iter().any(|&j| unbalanced(j, 3).abs() > allowed) {
+                return false;
+            }
+        }
+        let allowed = BALANCED_FRACTION * largest;
         (vertex - 1..=vertex + 1).all(|v| {
-            let unbalanced = |axis| {
-                let f = self.dof(v, axis);
-                if self.held[f] { 0.0 } else { self.residual[f] }
-            };
-            DVec3::new(unbalanced(0), unbalanced(1), unbalanced(2)).length() <= allowed
+            DVec3::from_array([0, 1, 2].map(|axis| unbalanced(v, axis))).length() <= allowed
         })
     }
 }

@@ -189,11 +189,7 @@ impl Explicit {
         let clamps = self.apply_clamps(world, dt, damping_factor);
         kinetic += clamps.kinetic_change;
         let load_work = if loaded {
-            dt * power(
-                self.load_forces(world.bundle.twisting),
-                &self.next,
-                &world.state.spin,
-            )
+            dt * power(self.load_forces(world.bundle.twisting), &self.next)
         } else {
             0.0
         };
@@ -261,30 +257,51 @@ impl Explicit {
         if !contacts.is_empty() {
             self.resolve_contacts(world, contacts, dt, account, context)?;
         }
-        let World {
-            bundle,
-            state,
-            loads,
-            ..
-        } = world;
-        std::mem::swap(&mut state.velocity, &mut self.next);
-        std::mem::swap(&mut state.position, &mut self.position);
-        if bundle.twisting {
-            let damping_factor = 1.0 / (1.0 + loads.damping * dt);
-            for j in 0..bundle.vertices() {
-                let change = dt * self.inverse_inertia[j] * self.external.moment[j];
-                state.spin[j] = (state.spin[j] + change) * damping_factor;
-                state.angle[j] += dt * state.spin[j];
-            }
-            state.transport_frames(bundle);
-            apply_clamped_angles(bundle, loads, state, dt);
+        std::mem::swap(&mut world.state.velocity, &mut self.next);
+        std::mem::swap(&mut world.state.position, &mut self.position);
+        if world.bundle.twisting {
+            self.turn_frames(world, dt, account);
         }
+        let state = &mut world.state;
         state.time += dt;
         state.step += 1;
         if let Some(evaluator) = &mut self.evaluator {
             check_after_step(world, contacts, evaluator, &mut self.detector);
         }
         Ok(())
+    }
+
+    /// Turns the material frames by a step of `dt` seconds at whose end the vertices already are: with the moments on them, and
+    /// as clamps prescribe. Moments are `external`, that of loads alone `loads`.
+    fn turn_frames(&mut self, world: &mut World, dt: f64, account: &mut Account) {
+        let World {
+            bundle,
+            state,
+            loads,
+            ..
+        } = world;
+        let damping_factor = 1.0 / (1.0 + loads.damping * dt);
+        let loaded = has_forces(loads);
+        for j in 0..bundle.vertices() {
+            let change = dt * self.inverse_inertia[j] * self.external.moment[j];
+            state.spin[j] = (state.spin[j] + change) * damping_factor;
+            state.angle[j] += dt * state.spin[j];
+        }
+        state.transport_frames(bundle);
+        let mut work = apply_clamped_angles(bundle, loads, state, dt);
+        if loads.damping > 0.0 {
+            // The work of −c I ω along ω Δt.
+            let twice_kinetic = (0..bundle.vertices()).fold(0.0, |s, j| {
+                s + bundle.inertia[j] * state.spin[j] * state.spin[j]
+            });
+            account.report.damped += loads.damping * dt * twice_kinetic;
+        }
+        if loaded {
+            let power = self.loads.moment.iter().zip(&state.spin);
+            work += dt * power.fold(0.0, |s, (m, w)| s + m * w);
+        }
+        account.report.work += work;
+        account.budget += work;
     }
 
     fn resolve_contacts(
@@ -380,19 +397,15 @@ fn has_forces(loads: &Loads) -> bool {
         || loads.snow != 0.0
 }
 
-/// Returns the power of forces and moments at these velocities, W.
-fn power(forces: &Forces, velocity: &Vectors, spin: &[f64]) -> f64 {
-    let linear =
-        (0..forces.moment.len()).fold(0.0, |s, i| s + forces.linear.get(i).dot(velocity.get(i)));
-    forces
-        .moment
-        .iter()
-        .zip(spin)
-        .fold(linear, |s, (m, w)| s + m * w)
+/// Returns the power of the forces on vertices at these velocities, W. That of moments follows when frames turn.
+fn power(forces: &Forces, velocity: &Vectors) -> f64 {
+    (0..forces.moment.len()).fold(0.0, |s, i| s + forces.linear.get(i).dot(velocity.get(i)))
 }
 
-/// Turns the frames of clamped edges as the clamps prescribe.
-fn apply_clamped_angles(bundle: &RodBundle, loads: &Loads, state: &mut State, dt: f64) {
+/// Turns the frames of clamped edges as the clamps prescribe. Returns the work that this takes, J: as for vertices, the
+/// moment over the step times the angle.
+fn apply_clamped_angles(bundle: &RodBundle, loads: &Loads, state: &mut State, dt: f64) -> f64 {
+    let mut work = 0.0;
     for clamp in &loads.clamps {
         for (k, &edge) in clamp.edges.iter().enumerate() {
             let j = edge as usize;
@@ -402,11 +415,15 @@ fn apply_clamped_angles(bundle: &RodBundle, loads: &Loads, state: &mut State, dt
             let wanted = wanted.reject_from_normalized(tangent);
             let turn = material_frame::signed_angle(now, wanted, tangent);
             if turn.is_finite() {
+                let change = turn / dt;
                 state.angle[j] += turn;
-                state.spin[j] = 0.0;
+                state.spin[j] += change;
+                let impulse = bundle.inertia[j] * change * (1.0 + loads.damping * dt);
+                work += impulse * state.spin[j];
             }
         }
     }
+    work
 }
 
 /// Returns the energy of a strain of rounding in every edge, J.

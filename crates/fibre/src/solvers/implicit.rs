@@ -103,10 +103,10 @@ impl Implicit {
         loads.add_forces(bundle, time, &state.position, &velocity, &mut forces);
         let (mut power, mut damping) = (0.0, 0.0);
         for v in 0..bundle.vertices() {
-            power += (forces.linear.get(v) + reaction.get(v)).dot(velocity.get(v));
+            power += (forces.linear.get(v) + reaction.linear.get(v)).dot(velocity.get(v));
             damping += bundle.mass[v] * velocity.get(v).length_squared();
             if bundle.twisting {
-                power += forces.moment[v] * spin[v];
+                power += (forces.moment[v] + reaction.moment[v]) * spin[v];
                 damping += bundle.inertia[v] * spin[v] * spin[v];
             }
         }

@@ -162,6 +162,10 @@ impl Interactive {
         self.newton.renew_preconditioner();
         // Bonds without stiffness, which are removed at the end or with the next rod that breaks.
         let mut weakened = Vec::new();
+        let mut start = WorkStart {
+            state: old.clone(),
+            work: 0.0,
+        };
         // Vertices at which rods break when the step has ended.
         let mut late_splits = Vec::new();
         let mut round = 0;
@@ -194,12 +198,14 @@ impl Interactive {
                 state: old.clone(),
                 loads: world.loads.clone(),
             });
+            start.work += work(world, &start.state, &found.reaction, old.time + dt);
             if let Some(before) = self.break_queue(world, contacts, &mut weakened) {
                 topology::split_state(&mut old, &before);
             }
+            start.state.clone_from(&world.state);
         };
         world.state = old;
-        let mut energy = accept(world, contacts, found, dt);
+        let mut energy = accept(world, contacts, found, &start, dt);
         if !(weakened.is_empty() && late_splits.is_empty()) {
             remove_elements(world, contacts, weakened, late_splits);
         }
@@ -258,6 +264,14 @@ impl Interactive {
     }
 }
 
+/// From where the work of the rest of a step counts: its start, or the state in which something broke, from which loads and
+/// clamps do the rest of their work on what is left.
+struct WorkStart {
+    state: State,
+    /// The work up to there, J.
+    work: f64,
+}
+
 /// Energy of a step, J.
 #[derive(Debug, Clone, Copy, Default)]
 struct StepEnergy {
@@ -273,6 +287,7 @@ fn accept(
     world: &mut World,
     contacts: &mut dyn Contacts,
     found: Equilibrium,
+    start: &WorkStart,
     dt: f64,
 ) -> StepEnergy {
     let old = std::mem::replace(&mut world.state, found.state);
@@ -287,8 +302,10 @@ fn accept(
     world.fracture_loss += yielded;
     let contact = contacts.accept(&old, old.time + dt, &found.springs);
     StepEnergy {
+        work: start.work + work(world, &start.state, &found.reaction, world.state.time),
+        damped: damping_power(world) * dt,
         contact: contact.work - contact.dissipated,
-        ..work_and_damping(world, &old, &found.reaction, dt)
+        ..StepEnergy::default()
     }
 }
 
@@ -310,9 +327,9 @@ fn predict(world: &mut World, dt: f64) {
     state.transport_frames(bundle);
 }
 
-/// Returns the work of loads and of clamps, whose forces at the end of the step are `reaction`, and the energy that damping
-/// dissipates. Forces are those at the end of the step, as the method has them.
-fn work_and_damping(world: &World, old: &State, reaction: &Vectors, dt: f64) -> StepEnergy {
+/// Returns the work of loads and of clamps from a state to that of the world, J. Forces are those at its end, as the method
+/// has them; those of clamps are `reaction`, loads are those at `time` (s).
+fn work(world: &World, from: &State, reaction: &Forces, time: f64) -> f64 {
     let World {
         bundle,
         state,
@@ -320,23 +337,37 @@ fn work_and_damping(world: &World, old: &State, reaction: &Vectors, dt: f64) -> 
         ..
     } = world;
     let mut forces = Forces::zeros(bundle.vertices());
-    let (x, v) = (&state.position, &state.velocity);
-    loads.add_forces(bundle, state.time, x, v, &mut forces);
-    let (mut work, mut damped) = (0.0, 0.0);
+    loads.add_forces(bundle, time, &state.position, &state.velocity, &mut forces);
+    let mut work = 0.0;
     for v in 0..bundle.vertices() {
-        let way = state.position.get(v) - old.position.get(v);
-        work += (forces.linear.get(v) + reaction.get(v)).dot(way);
-        damped += bundle.mass[v] * state.velocity.get(v).length_squared();
+        let way = state.position.get(v) - from.position.get(v);
+        work += (forces.linear.get(v) + reaction.linear.get(v)).dot(way);
         if bundle.twisting {
-            work += forces.moment[v] * state.spin[v] * dt;
-            damped += bundle.inertia[v] * state.spin[v] * state.spin[v];
+            let turn = state.angle[v] - from.angle[v];
+            work += (forces.moment[v] + reaction.moment[v]) * turn;
         }
     }
-    StepEnergy {
-        work,
-        damped: damped * loads.damping * dt,
-        ..StepEnergy::default()
-    }
+    work
+}
+
+/// Returns the power of damping, W.
+fn damping_power(world: &World) -> f64 {
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = world;
+    let twice_kinetic = (0..bundle.vertices()).fold(0.0, |sum, v| {
+        let linear = bundle.mass[v] * state.velocity.get(v).length_squared();
+        let spin = if bundle.twisting {
+            bundle.inertia[v] * state.spin[v] * state.spin[v]
+        } else {
+            0.0
+        };
+        sum + linear + spin
+    });
+    loads.damping * twice_kinetic
 }
 
 impl Stepwise for Interactive {

@@ -11,9 +11,9 @@ use crate::contact::{ContactSpring, Contacts};
 use crate::error::SolverError;
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{FailureDetector, Overstressed, find_overstressed};
+use crate::forces::Forces;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
-use crate::vectors::Vectors;
 use glam::DVec3;
 use greenstick_geometry::{Cancelled, Context};
 
@@ -28,19 +28,30 @@ const SLOPE_REDUCTION: f64 = 0.5;
 /// Where the largest unbalanced force exceeds the largest force in a rod at the start by this factor, accepting it would add
 /// energy from nowhere, and the iteration continues.
 const WILD_RESIDUAL_RATIO: f64 = 8.0;
+/// A state counts as balanced at the start of a step up to this multiple of the tolerance with which it was found: contacts
+/// that have ended since, and the friction of others, differ by a little.
+const START_TOLERANCE_RATIO: f64 = 10.0;
 /// The iteration then continues for at most this multiple of the usual iterations.
 const WILD_ITERATIONS_FACTOR: usize = 3;
 
 /// An equilibrium.
 pub(super) struct Equilibrium {
     pub state: State,
-    /// Forces of clamps on vertices, N.
-    pub reaction: Vectors,
+    /// Forces of clamps on vertices, and their moments on edges.
+    pub reaction: Forces,
     /// Contacts.
     pub springs: Vec<ContactSpring>,
     pub iterations: usize,
     /// Whether forces are balanced to the tolerance.
     pub converged: bool,
+}
+
+/// The forces in the state from which a load step starts.
+pub(super) struct StartBalance {
+    /// Forces of clamps on vertices, and their moments on edges.
+    pub reaction: Forces,
+    /// Whether all other forces are balanced.
+    pub balanced: bool,
 }
 
 /// The method, with what it retains between steps.
@@ -233,6 +244,27 @@ impl Newton {
             LinearSolver::Direct(solver) => solver.factorisations(),
             _ => 0,
         }
+    }
+
+    /// Returns the forces in the state from which `problem` starts, which is at the time of that state.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the caller cancels the work.
+    pub fn balance_at_start(
+        &mut self,
+        problem: &EquilibriumProblem,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<StartBalance, Cancelled> {
+        let mut state = problem.start.clone();
+        let balance = &mut self.balance;
+        balance.apply_clamps(problem, &state);
+        balance.evaluate(problem, contacts, &mut state, context)?;
+        let tolerance = START_TOLERANCE_RATIO * self.options.tolerance * balance.scale;
+        Ok(StartBalance {
+            reaction: balance.reaction(problem.bundle),
+            balanced: balance.largest_residual_without_contact() <= tolerance,
+        })
     }
 
     /// Finds the equilibrium of `problem`, starting the search from `first`.

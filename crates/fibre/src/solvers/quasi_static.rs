@@ -4,10 +4,13 @@
 //!
 //! Time only measures how far loads have gone. A step in which something would be overstressed by more than
 //! [`MAX_OVERSTRESS`] is repeated with a shorter length, so that the load at a break does not depend on the steps.
+//!
+//! Work is that along the path of equilibria. Where a step starts out of balance, after a break or under a load that is
+//! suddenly there, more work is done than is stored; the difference is reported as [`AdvanceReport::dissipated`].
 
 use super::balance::{EquilibriumProblem, Inertia};
 use super::grip::Grip;
-use super::newton::{Equilibrium, Newton, NewtonOptions};
+use super::newton::{Equilibrium, Newton, NewtonOptions, StartBalance};
 use super::solver::{AdvanceReport, Solver};
 use super::stepwise::{check_duration, given_step};
 use crate::contact::Contacts;
@@ -17,9 +20,10 @@ use crate::failure::breaking::break_elements;
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{Overstressed, find_overstressed, largest_demand};
 use crate::failure::yielding::record_yielding;
+use crate::forces::Forces;
 use crate::state::State;
 use crate::world::World;
-use greenstick_geometry::Context;
+use greenstick_geometry::{Cancelled, Context};
 
 /// Load steps of a call of advance where none are given.
 const DEFAULT_STEPS: f64 = 32.0;
@@ -48,6 +52,14 @@ pub struct QuasiStatic {
     newton: Newton,
     queue: Vec<Overstressed>,
     iterations: u64,
+}
+
+/// A step from the world's state to an equilibrium.
+struct LoadStep {
+    start: StartBalance,
+    end: Equilibrium,
+    /// Time at the end, s.
+    time: f64,
 }
 
 /// The work of a quasi-static solver so far.
@@ -233,8 +245,8 @@ impl QuasiStatic {
             self.break_one(world, contacts, context)
         };
         match result {
-            Ok((found, time)) => {
-                self.accept(world, contacts, found, time, &mut report);
+            Ok(found) => {
+                self.accept(world, contacts, found, &mut report);
                 Ok(report)
             }
             Err(error) => {
@@ -244,18 +256,26 @@ impl QuasiStatic {
         }
     }
 
-    /// Breaks what is in the queue. Returns the equilibrium after it, and its time.
+    /// Breaks what is in the queue. Returns the equilibrium after it.
     fn break_one(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
         context: &Context,
-    ) -> Result<(Equilibrium, f64), SolverError> {
-        let now = world.state.time;
+    ) -> Result<LoadStep, SolverError> {
+        let time = world.state.time;
         let saved = world.clone();
         break_elements(world, contacts, &self.queue);
-        match self.equilibrium(world, contacts, now, context) {
-            Ok(found) => Ok((found, now)),
+        match self.equilibrium(world, contacts, time, context) {
+            Ok(end) => Ok(LoadStep {
+                // Clamps do not move, whatever their forces were.
+                start: StartBalance {
+                    reaction: Forces::zeros(world.bundle.vertices()),
+                    balanced: false,
+                },
+                end,
+                time,
+            }),
             Err(error) => {
                 *world = saved;
                 Err(error)
@@ -263,14 +283,15 @@ impl QuasiStatic {
         }
     }
 
-    /// Advances the loads to `time`, or to where the first element breaks. Returns the equilibrium there, and its time.
+    /// Advances the loads to `time`, or to where the first element breaks. Returns the equilibrium there.
     fn advance_loads(
         &mut self,
         world: &World,
         contacts: &mut dyn Contacts,
         time: f64,
         context: &Context,
-    ) -> Result<(Equilibrium, f64), SolverError> {
+    ) -> Result<LoadStep, SolverError> {
+        let balance = self.balance_at_start(world, contacts, context)?;
         let start = world.state.time;
         let demand = |state: &State| largest_demand(&world.failure, &world.bundle, state);
         let before = demand(&world.state);
@@ -278,10 +299,14 @@ impl QuasiStatic {
         loop {
             trials += 1;
             match self.equilibrium(world, contacts, target, context) {
-                Ok(found) => {
-                    let after = demand(&found.state);
+                Ok(end) => {
+                    let after = demand(&end.state);
                     if after <= 1.0 + MAX_OVERSTRESS || trials > MAX_TRIALS {
-                        return Ok((found, target));
+                        return Ok(LoadStep {
+                            start: balance,
+                            end,
+                            time: target,
+                        });
                     }
                     // Slightly beyond the strength, so that the element breaks.
                     let part = (1.0 + 0.5 * MAX_OVERSTRESS - before) / (after - before);
@@ -295,41 +320,85 @@ impl QuasiStatic {
         }
     }
 
+    /// Finds the forces of clamps in the world as it is, and whether it is in equilibrium.
+    fn balance_at_start(
+        &mut self,
+        world: &World,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<StartBalance, Cancelled> {
+        self.newton.prepare(&world.bundle, &self.grips);
+        let problem = EquilibriumProblem {
+            bundle: &world.bundle,
+            loads: &world.loads,
+            yielding: world.failure.rods_yield,
+            start: &world.state,
+            base: &world.state,
+            inertia: None,
+            time: world.state.time,
+        };
+        self.newton.balance_at_start(&problem, contacts, context)
+    }
+
     fn accept(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        found: Equilibrium,
-        time: f64,
+        LoadStep { start, end, time }: LoadStep,
         report: &mut AdvanceReport,
     ) {
         let stored = energies(&world.bundle, &world.state).potential() + contacts.stored_energy();
-        let old = std::mem::replace(&mut world.state, found.state);
+        let old = std::mem::replace(&mut world.state, end.state);
         let step = time - old.time;
         world.state.time = time;
         world.state.step += 1;
-        let yielded = record_yielding(world, &old);
-        world.fracture_loss += yielded;
-        let mut work = 0.0;
-        for v in 0..world.bundle.vertices() {
-            let way = world.state.position.get(v) - old.position.get(v);
-            work += found.reaction.get(v).dot(way);
-        }
-        let grips = self.newton.grip_forces(&world.bundle, &world.state, time);
-        for (g, force) in self.grips.iter().zip(grips) {
-            work += force * g.speed * step;
-        }
-        report.work += work;
-        let contact = contacts.accept(&old, time, &found.springs);
-        let now = energies(&world.bundle, &world.state).potential() + contact.stored;
-        if step == 0.0 {
-            // With clamps at rest, what a break releases would have become motion and heat.
-            report.dissipated += (stored - now - yielded).max(0.0);
-        }
         world.state.velocity.fill_zero();
         world.state.spin.fill(0.0);
+        let yielded = record_yielding(world, &old);
+        world.fracture_loss += yielded;
+        let mut work = work(world, &old, [&start.reaction, &end.reaction]);
+        let grips = [&old, &world.state]
+            .map(|state| (self.newton).grip_forces(&world.bundle, state, state.time));
+        for (k, grip) in self.grips.iter().enumerate() {
+            work += 0.5 * (grips[0][k] + grips[1][k]) * grip.speed * step;
+        }
+        report.work += work;
+        let contact = contacts.accept(&old, time, &end.springs);
+        let now = energies(&world.bundle, &world.state).potential() + contact.stored;
+        if !start.balanced {
+            // What a break or a load that is suddenly there releases would have become motion and heat.
+            let given = work + contact.work - contact.dissipated;
+            report.dissipated += (stored + given - now - yielded).max(0.0);
+        }
         report.steps += 1;
     }
+}
+
+/// Returns the work of loads and clamps between two equilibria, from `old` to that of the world, J: by the trapezoidal rule,
+/// which is exact for dead loads, and for all loads where the wood is linear. `reactions` are the forces of clamps in both.
+fn work(world: &World, old: &State, reactions: [&Forces; 2]) -> f64 {
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = world;
+    let loads_on = |state: &State| {
+        let mut forces = Forces::zeros(bundle.vertices());
+        let (x, v) = (&state.position, &state.velocity);
+        loads.add_forces(bundle, state.time, x, v, &mut forces);
+        forces
+    };
+    let (before, after) = (loads_on(old), loads_on(state));
+    let all = [&before, &after, reactions[0], reactions[1]];
+    (0..bundle.vertices()).fold(0.0, |work, v| {
+        let way = state.position.get(v) - old.position.get(v);
+        let turn = state.angle[v] - old.angle[v];
+        let both = all.iter().fold(0.0, |sum, forces| {
+            sum + forces.linear.get(v).dot(way) + forces.moment[v] * turn
+        });
+        work + 0.5 * both
+    })
 }
 
 /// Returns the shortest period of an edge over 2π, s.

@@ -19,7 +19,7 @@ pub struct AdvanceReport {
     pub damped: f64,
     /// Energy that the method itself took from the motion, J, as far as it is known; 0 for methods that conserve it.
     pub dissipated: f64,
-    /// Work of clamps and forces, J.
+    /// Work of clamps and loads, J: of forces along ways, and of moments along angles.
     pub work: f64,
 }
 

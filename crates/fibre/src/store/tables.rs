@@ -25,7 +25,7 @@ pub struct EnergyLedger {
     pub damped: f64,
     /// Dissipated by the method.
     pub dissipated: f64,
-    /// Work of clamps and forces.
+    /// Work of clamps and loads.
     pub work: f64,
 }
 
@@ -211,12 +211,13 @@ pub(super) const KINDS: [(EventKind, &str); 3] = [
 ];
 
 /// What the column `cause` holds.
-pub(super) const CAUSES: [(Cause, &str); 5] = [
+pub(super) const CAUSES: [(Cause, &str); 6] = [
     (Cause::Tension, "tension"),
     (Cause::Compression, "compression"),
     (Cause::Potential, "potential"),
     (Cause::Griffith, "griffith"),
     (Cause::Stress, "stress"),
+    (Cause::Torsion, "torsion"),
 ];
 
 fn name_of<T: PartialEq>(value: T, names: &[(T, &'static str)]) -> &'static str {

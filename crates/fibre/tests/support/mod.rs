@@ -33,6 +33,7 @@ pub fn soft() -> RodMaterial {
     RodMaterial {
         // JSON has no infinity.
         tension_limit: 1e9,
+        shear_limit: 1e9,
         yield_strain: 1e9,
         ..RodMaterial::solid(1.25e-5, 1e7, 1e6, 600.0)
     }
