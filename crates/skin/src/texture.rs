@@ -108,7 +108,7 @@ pub struct TexturedWood<'a> {
 ///     middle: glam::DVec2::ZERO,
 ///     section: &|p| (p.length() / 0.02, p.y.atan2(p.x)),
 ///     appearance: &appearance,
-///     rings: &appearance.irregular_rings(),
+///     rings: &appearance.usual_rings(),
 /// };
 /// let textures = bake(16, 0.04, wood, &Context::quiet())?;
 /// assert!(textures.color.starts_with(b"\x89PNG"));
@@ -253,7 +253,7 @@ impl Baker<'_> {
             along,
         };
         let point = WoodPoint { address, end_grain };
-        appearance.surface_with_rings(self.wood.rings, &point, self.texel)
+        appearance.surface_at(self.wood.rings, &point, self.texel)
     }
 }
 
@@ -343,7 +343,7 @@ mod tests {
             middle: DVec2::ZERO,
             section: &round,
             appearance: &appearance,
-            rings: &appearance.irregular_rings(),
+            rings: &appearance.usual_rings(),
         };
         bake(size, width, wood, &Context::quiet())
     }

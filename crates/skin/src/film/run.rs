@@ -147,7 +147,7 @@ impl Run {
         let species = Species::find(&scene.wood.species).ok();
         let tissues = BreakParameters::default().proportions();
         let inside = WoodAppearance::of_stem(&wood.stem, &tissues, scene.seed, species, BARK_START);
-        let rings = StemRings::new(inside.irregular_rings());
+        let rings = StemRings::new(inside.usual_rings());
         let appearance = StemAppearance::new(&wood.stem, inside, rings);
         let bark = bark_mesh(&wood);
         Ok(Run {

@@ -151,7 +151,7 @@ impl Anatomy<'_> {
             CutFace::Along => 0.0,
         };
         let point = WoodPoint { address, end_grain };
-        let surface = (self.wood()).surface_with_rings(self.rings(), &point, footprint);
+        let surface = (self.wood()).surface_at(self.rings(), &point, footprint);
         DVec3::from_array(surface.color)
     }
 

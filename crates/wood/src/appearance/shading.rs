@@ -72,7 +72,7 @@ impl StemAppearance {
             end_grain,
         };
         OrientedSurface {
-            surface: (self.wood).surface_with_rings(&*self.rings, &wood, point.footprint),
+            surface: (self.wood).surface_at(&*self.rings, &wood, point.footprint),
             directions,
         }
     }

@@ -4,7 +4,8 @@ use super::mix::{mix, mix_scalar, visible_detail};
 use super::surface::WoodSurface;
 use crate::colour::linear_from_srgb as srgb;
 use crate::noise::{gradient_3d, smoothstep};
-use crate::rings::{IrregularRings, RingSource, StemAddress, TissueEdges, periodic_cells};
+use crate::rings::{ConcentricRings, RingSource, StemAddress, periodic_cells};
+use crate::tissue::Proportions;
 use glam::DVec3;
 
 /// A point in the wood, and how the surface cuts the grain there.
@@ -26,8 +27,9 @@ pub struct WoodPoint {
 /// let oak = WoodAppearance::ring_porous();
 /// let across = DVec2::new(0.015, 0.0); // m from the pith
 /// let address = StemAddress { rho: across.length() / oak.radius, angle: 0.0, across, along: 0.2 };
-/// let end_grain = oak.surface_at(&WoodPoint { address, end_grain: 1.0 }, 1e-4);
-/// let side_grain = oak.surface_at(&WoodPoint { address, end_grain: 0.0 }, 1e-4);
+/// let rings = oak.usual_rings();
+/// let end_grain = oak.surface_at(&rings, &WoodPoint { address, end_grain: 1.0 }, 1e-4);
+/// let side_grain = oak.surface_at(&rings, &WoodPoint { address, end_grain: 0.0 }, 1e-4);
 /// assert!(end_grain.color[0] < side_grain.color[0]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -149,36 +151,19 @@ impl WoodAppearance {
         }
     }
 
-    /// The tissues' edges.
-    pub fn tissue_edges(&self) -> TissueEdges {
-        TissueEdges {
+    /// The rings that a stem of this wood has where nothing is known of them.
+    pub fn usual_rings(&self) -> ConcentricRings {
+        let proportions = Proportions {
             pith: self.pith,
-            heartwood: self.heartwood,
-            phloem: self.phloem,
-            cork: self.cork,
-        }
+            heartwood: (self.heartwood - self.pith).max(0.0),
+            phloem: (self.cork - self.phloem).max(0.0),
+        };
+        ConcentricRings::grown(self.rings.round() as u16, self.seed, &proportions)
     }
 
-    /// The rings that this wood shows where no others are given.
-    pub fn irregular_rings(&self) -> IrregularRings {
-        IrregularRings {
-            count: self.rings,
-            latewood: self.latewood_width,
-            radius: self.radius,
-            tissue: self.tissue_edges(),
-            seed: self.seed,
-            period: self.period,
-        }
-    }
-
-    /// Returns what the wood (or the bark, where the ring coordinate lies beyond it) looks like at a point; detail finer
-    /// than `footprint` (m) is averaged.
-    pub fn surface_at(&self, at: &WoodPoint, footprint: f64) -> WoodSurface {
-        self.surface_with_rings(&self.irregular_rings(), at, footprint)
-    }
-
-    /// [`WoodAppearance::surface_at`] with the rings of a source.
-    pub fn surface_with_rings(
+    /// Returns what the wood (or the bark, where the ring coordinate lies beyond it) looks like at a point in wood with these
+    /// annual rings; detail finer than `footprint` (m) is averaged.
+    pub fn surface_at(
         &self,
         rings: &dyn RingSource,
         at: &WoodPoint,
@@ -315,6 +300,7 @@ impl TissueBlend {
 mod tests {
     use super::*;
     use crate::appearance::{BarkAppearance, BarkPoint};
+    use crate::rings::RingPosition;
     use glam::DVec2;
 
     fn at(x: f64, y: f64, along: f64, end_grain: f64) -> WoodPoint {
@@ -330,6 +316,24 @@ mod tests {
         }
     }
 
+    /// The appearance at a point of wood with its usual rings.
+    fn show(look: &WoodAppearance, p: &WoodPoint, footprint: f64) -> WoodSurface {
+        look.surface_at(&look.usual_rings(), p, footprint)
+    }
+
+    /// Wood without rings.
+    struct NoRings;
+
+    impl RingSource for NoRings {
+        fn ring_count(&self) -> usize {
+            0
+        }
+
+        fn ring_at(&self, _: &StemAddress) -> Option<RingPosition> {
+            None
+        }
+    }
+
     fn brightness(color: [f64; 3]) -> f64 {
         color[0] * 0.2126 + color[1] * 0.7152 + color[2] * 0.0722
     }
@@ -341,7 +345,7 @@ mod tests {
             for j in -60..60 {
                 let p = at(f64::from(i) * 5.03e-4, f64::from(j) * 5.03e-4, 0.0, end);
                 if (from..to).contains(&p.address.rho) {
-                    sum += brightness(look.surface_at(&p, 1e-4).color);
+                    sum += brightness(show(look, &p, 1e-4).color);
                     number += 1.0;
                 }
             }
@@ -388,8 +392,8 @@ mod tests {
                     0.0,
                     0.0,
                 );
-                fine += brightness(look.surface_at(&p, 1e-6).color);
-                coarse += brightness(look.surface_at(&p, 2.5e-3).color);
+                fine += brightness(show(&look, &p, 1e-6).color);
+                coarse += brightness(show(&look, &p, 2.5e-3).color);
             }
         }
         assert!(
@@ -405,10 +409,7 @@ mod tests {
         for i in 0..500 {
             let s = f64::from(i) * 3.7e-3;
             let color = |dx: f64, ds: f64| {
-                brightness(
-                    look.surface_at(&at(0.02 + dx, 0.0, s + ds, 0.0), 1e-5)
-                        .color,
-                )
+                brightness(show(&look, &at(0.02 + dx, 0.0, s + ds, 0.0), 1e-5).color)
             };
             across += (color(5e-4, 0.0) - color(0.0, 0.0)).abs();
             along += (color(0.0, 5e-4) - color(0.0, 0.0)).abs();
@@ -425,14 +426,11 @@ mod tests {
             lenticels: 0.0,
             ..BarkAppearance::furrowed(0.1)
         };
-        let wood = WoodAppearance {
-            rings: 0.0,
-            ..WoodAppearance::softwood()
-        };
+        let wood = WoodAppearance::softwood();
         let step = 1e-9;
         for i in 0..100 {
             let (angle, along) = (f64::from(i) * 0.071, f64::from(i) * 0.0137);
-            let height = |a: f64| wood.surface_at(&at(0.01 + a, 0.003, along, 0.0), 1e-5);
+            let height = |a: f64| wood.surface_at(&NoRings, &at(0.01 + a, 0.003, along, 0.0), 1e-5);
             let slope = (height(step).height - height(-step).height) / (2.0 * step);
             assert!((slope - height(0.0).slope.x).abs() < 1e-3, "{slope}");
             let height = |s: f64| {
@@ -469,10 +467,7 @@ mod tests {
                 );
                 let mut q = p;
                 q.address.along += 0.06;
-                let (a, b) = (
-                    look.surface_at(&p, 1e-5).color,
-                    look.surface_at(&q, 1e-5).color,
-                );
+                let (a, b) = (show(&look, &p, 1e-5).color, show(&look, &q, 1e-5).color);
                 assert!(
                     (0..3).all(|c| (a[c] - b[c]).abs() < 1e-6),
                     "{a:?} {b:?} at {i}"

@@ -2,6 +2,7 @@
 
 use super::address::StemAddress;
 use super::source::{RingPart, RingPosition, RingSource};
+use super::years::grown_edges;
 use crate::tissue::{Proportions, Zone};
 
 /// Part of a ring's width that is latewood.
@@ -34,6 +35,11 @@ impl ConcentricRings {
             complete: rings.into(),
             latewood: LATEWOOD_FRACTION,
         }
+    }
+
+    /// As many rings as in a tree that grew: wider near the pith and different from year to year, as the seed has it.
+    pub fn grown(rings: u16, seed: u64, proportions: &Proportions) -> Self {
+        ConcentricRings::with_edges(grown_edges(rings, seed), proportions)
     }
 
     /// The same in a board, which is sawn from the sapwood.

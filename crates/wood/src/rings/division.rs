@@ -2,7 +2,6 @@
 
 use super::concentric::ConcentricRings;
 use super::field::RingField;
-use super::irregular::{INNERMOST_DENSITY, year_edge};
 use super::series::{RingError, RingSeries};
 use super::source::RingSource;
 use crate::tissue::Proportions;
@@ -92,7 +91,7 @@ impl RingDivision {
         let rings = match self {
             RingDivision::Even(count) => ConcentricRings::even(*count, proportions),
             RingDivision::Grown { count, seed } => {
-                ConcentricRings::with_edges(grown_edges(*count, *seed), proportions)
+                ConcentricRings::grown(*count, *seed, proportions)
             }
             RingDivision::Series(series) => {
                 let mut edges = field.coordinates(series)?;
@@ -105,21 +104,6 @@ impl RingDivision {
         };
         Ok(if board { rings.of_sapwood() } else { rings })
     }
-}
-
-/// Ring coordinates of the outer edges of grown rings; the last is 1.
-fn grown_edges(count: u16, seed: u64) -> Vec<f64> {
-    let count = f64::from(count.max(1));
-    // Rings per ring coordinate rise outwards: the count up to ρ is count ρ (a + (1 − a) ρ).
-    let (a, b) = (INNERMOST_DENSITY, 1.0 - INNERMOST_DENSITY);
-    let coordinate = |t: f64| ((a * a + 4.0 * b * t / count).sqrt() - a) / (2.0 * b);
-    let (first, last) = (year_edge(seed, 0), year_edge(seed, count as i64));
-    let even = |ring: i64| count * (year_edge(seed, ring) - first) / (last - first);
-    let mut edges: Vec<f64> = (1..count as i64)
-        .map(|ring| coordinate(even(ring)))
-        .collect();
-    edges.push(1.0);
-    edges
 }
 
 /// The annual rings of a stem: the one source that its broken faces, its textures and its pictures show.

@@ -6,12 +6,12 @@ mod concentric;
 mod division;
 mod erosion;
 mod field;
-mod irregular;
 mod onset;
 mod pith;
 mod section;
 mod series;
 mod source;
+mod years;
 
 pub use address::StemAddress;
 pub use concentric::{ConcentricRings, LATEWOOD_FRACTION, RingEdges};
@@ -22,8 +22,6 @@ pub use erosion::{
     erode_from_both_sides, erosion_passes, ring_numbers,
 };
 pub use field::RingField;
-pub use irregular::{IrregularRings, TissueEdges};
-pub(crate) use irregular::{latewood_strength, periodic_cells};
 pub use onset::ONSET_RANGE;
 pub use pith::estimate_pith;
 pub use section::{
@@ -32,3 +30,4 @@ pub use section::{
 };
 pub use series::{RingError, RingSeries};
 pub use source::{RingPart, RingPosition, RingSource};
+pub(crate) use years::{latewood_strength, periodic_cells};

@@ -1,9 +1,9 @@
 //! What the annual rings of a stem may come from: the interface of all ring sources.
 //!
 //! The shape of rings is one thing, how the years divide them another. [`super::RingField`] gives the shape: the ring
-//! coordinate of every point. A [`RingSource`] divides it into years: even or measured widths ([`super::ConcentricRings`]),
-//! widths that differ and wander as in grown wood ([`super::IrregularRings`]), or the published erosion of a section's
-//! pixels ([`crate::anatomy::SectionRaster`]). Whatever shows or uses rings asks a source.
+//! coordinate of every point. A [`RingSource`] divides it into years: those of a
+//! tree that grew, even or measured widths ([`super::ConcentricRings`]), or the published erosion of a section's pixels
+//! ([`crate::anatomy::SectionRaster`]). Whatever shows or uses rings asks a source.
 
 use super::StemAddress;
 use crate::tissue::Zone;
