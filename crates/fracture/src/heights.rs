@@ -96,9 +96,11 @@ fn smooth(
     site: &BreakSite,
     cache: &mut HeightCache,
 ) -> Heights {
-    let heights = smooth_nodes(bundles, &HeightModel::new(p, site), cache);
+    let (heights, thorns) = smooth_nodes(bundles, &HeightModel::new(p, site), cache);
     let at = bundles.layout.nodes.iter().copied();
-    place_heights(bundles, heights, at, &bundles.layout.facets, site)
+    let mut placed = place_heights(bundles, heights, at, &bundles.layout.facets, site);
+    placed.thorns = thorns;
+    placed
 }
 
 /// Heights of the fibrous surface: the end of each bundle, torn.
@@ -125,7 +127,7 @@ pub fn relief_range(
 ) -> f64 {
     let maker = HeightModel::new(p, site);
     let mut heights: Vec<f64> = if p.surface == Kind::Smooth {
-        let heights = smooth_nodes(bundles, &maker, cache);
+        let (heights, _) = smooth_nodes(bundles, &maker, cache);
         let corners = bundles.layout.facets.iter().flatten();
         corners.map(|&n| heights[n as usize]).collect()
     } else {
@@ -144,8 +146,12 @@ pub fn relief_range(
     (hundredth(0.95) - low) * site.radius
 }
 
-/// The height of every node of the published surface, in radii.
-fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightCache) -> Vec<f64> {
+/// The height of every node of the published surface, in radii, and the thorns, each of which stands on a node.
+fn smooth_nodes(
+    bundles: &FibreBundles,
+    maker: &HeightModel,
+    cache: &mut HeightCache,
+) -> (Vec<f64>, Vec<Thorn>) {
     let (p, site) = (maker.p, maker.site);
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
     let rings = f64::from(p.rings);
@@ -165,8 +171,9 @@ fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightC
         let noise = maker.noise(walks, direction * rho, p.zone(zone), key);
         (noise, zone)
     });
+    let mut thorns = Vec::new();
     let nodes = bundles.layout.nodes.iter();
-    nodes
+    let heights = nodes
         .zip(bundles.addresses.iter().zip(&relief.nodes))
         .enumerate()
         .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
@@ -179,9 +186,32 @@ fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightC
                     maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability)
                 }
             };
-            maker.stepped(across, rho, phi) + noise + maker.thorn(rho, phi, zone, thorn)
+            let thorn = maker.thorn(rho, phi, zone, thorn);
+            // Beyond the bark the surface runs on, but no thorn stands there.
+            if thorn > 0.0 && bundles.addresses[n].0 <= 1.0 {
+                thorns.push((n as u32, thorn * site.radius));
+            }
+            maker.stepped(across, rho, phi) + noise * site.relief + thorn
         })
-        .collect()
+        .collect();
+    (heights, thorns_of_nodes(bundles, &thorns))
+}
+
+/// The thorns on nodes, (node, length in m), ascending: each belongs to a bundle at its node.
+fn thorns_of_nodes(bundles: &FibreBundles, thorns: &[(u32, f64)]) -> Vec<Thorn> {
+    if thorns.is_empty() {
+        return Vec::new();
+    }
+    let layout = &bundles.layout;
+    let mut bundle_of = vec![0; layout.nodes.len()];
+    for (facet, &cell) in layout.facets.iter().zip(&layout.cells) {
+        facet.iter().for_each(|&n| bundle_of[n as usize] = cell);
+    }
+    let thorn = |&(node, length): &(u32, f64)| Thorn {
+        bundle: bundle_of[node as usize],
+        length,
+    };
+    thorns.iter().map(thorn).collect()
 }
 
 /// What the noise of nodes is made from beside the layout.

@@ -425,7 +425,7 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<SpeciesRelief, Error> {
         let recipe = &requested.recipe;
-        SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, || {
+        SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, |factor| {
             let p = &recipe.face;
             let layout = self.found_layout((found, rings), p, another, ids)?;
             let cache = if another {
@@ -433,7 +433,7 @@ impl Chain {
             } else {
                 &mut self.cache
             };
-            let site = break_site(&found.value, p, 1.0);
+            let site = break_site(&found.value, p, factor);
             Ok(heights::relief_range(
                 &layout.value.bundles,
                 p,

@@ -31,15 +31,15 @@ impl SpeciesRelief {
     }
 
     /// Returns the effect of a recipe's species on the face of a stem of `radius` (m). `relief_range` gives the range of
-    /// heights from the 5th to the 95th percentile without that effect (m); it is called where the species has a rule for the
-    /// whole face.
+    /// heights from the 5th to the 95th percentile with a factor on the torn relief (m); it is called where the species has
+    /// a rule for the whole face.
     ///
     /// # Errors
     /// An unknown species, and those of `relief_range`.
     pub fn from_recipe<E: From<UnknownSpecies>>(
         recipe: &Recipe,
         radius: f64,
-        relief_range: impl FnOnce() -> Result<f64, E>,
+        relief_range: impl FnMut(f64) -> Result<f64, E>,
     ) -> Result<Self, E> {
         let Some(species) = recipe.species()? else {
             return Ok(SpeciesRelief::none(None));
@@ -58,7 +58,7 @@ impl SpeciesRelief {
             }
         };
         let factor = match height.rule {
-            HeightRule::Eq9 => height.ratio * radius / relief_range()?.max(1e-9),
+            HeightRule::Eq9 => factor_for(height.ratio * radius, relief_range)?,
             HeightRule::ShearLag => {
                 height.ratio * radius / DEFAULT_BUNDLE_DIAMETER / TYPICAL_SLENDERNESS
             }
@@ -78,4 +78,25 @@ impl SpeciesRelief {
             note: None,
         })
     }
+}
+
+/// Fraction by which the range of heights may miss that of the species, and the most corrections of the factor.
+const RANGE_TOLERANCE: f64 = 0.005;
+const MAX_CORRECTIONS: usize = 8;
+
+/// Returns the factor on the torn relief with which the range of heights is `wanted` (m). What the factor does not change,
+/// such as the inclination, counts too, so that the factor is not simply a ratio.
+fn factor_for<E>(
+    wanted: f64,
+    mut relief_range: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<f64, E> {
+    let mut factor = 1.0;
+    for _ in 0..MAX_CORRECTIONS {
+        let ratio = wanted / relief_range(factor)?.max(1e-9);
+        if (ratio - 1.0).abs() < RANGE_TOLERANCE {
+            break;
+        }
+        factor *= ratio;
+    }
+    Ok(factor)
 }

@@ -1,0 +1,42 @@
+//! The height of a broken face that a species calls for is the height that is there.
+
+mod support;
+
+use greenstick::BreakSession;
+use greenstick::built_in_branch;
+use greenstick::fracture::recipe::apply_setting;
+use greenstick::geometry::Context;
+
+#[test]
+fn a_face_is_as_high_as_its_species_says() {
+    let mut session = BreakSession::new(built_in_branch());
+    for (species, inclination) in [
+        ("goldenrain tree", "0"),
+        ("tree-of-heaven", "0"),
+        ("tree-of-heaven", "10"),
+    ] {
+        for surface in ["smooth", "fibrous"] {
+            let mut request = support::request(0.5, &Default::default());
+            let settings = [
+                format!("surface={surface}"),
+                format!("species={species}"),
+                format!("inclination={inclination}"),
+            ];
+            for setting in settings {
+                apply_setting(&mut request.breaks[0].recipe, &setting).unwrap();
+            }
+            request.breaks[0].recipe.complete().unwrap();
+            let stages = session.stages(&request, &Context::quiet()).unwrap();
+            let wanted = stages.heights.relief.report.as_ref().unwrap().height_m;
+            let surface_heights = &stages.heights.heights.surface.heights;
+            let mut heights: Vec<f64> = surface_heights.iter().flatten().copied().collect();
+            heights.sort_by(f64::total_cmp);
+            let at = |share: f64| heights[(share * (heights.len() - 1) as f64) as usize];
+            let found = at(0.95) - at(0.05);
+            assert!(
+                (found / wanted - 1.0).abs() < 0.01,
+                "{species}, {surface}, {inclination}°: {found} m for {wanted} m"
+            );
+        }
+    }
+}
