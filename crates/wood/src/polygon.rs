@@ -160,7 +160,7 @@ fn outer_points(points: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// The convex hull, counter-clockwise (Andrew 1979, Another Efficient Algorithm for Convex Hulls in Two Dimensions).
-fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
+pub(crate) fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted = outer_points(points);
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();
