@@ -21,7 +21,7 @@ pub use erosion::{
 pub use field::RingField;
 pub use irregular::{IrregularRings, TissueEdges};
 pub(crate) use irregular::{latewood_strength, periodic_cells};
-pub use pith::estimate_pith;
+pub use pith::{PITH_OFFSET_RMS, estimate_pith};
 pub use section::{
     AnnotatedRing, RingComparison, RingCurve, RingsFile, SectionFile, SectionFileError,
     SectionOutline, SectionRingError, SectionRingMethod, SectionRings,

@@ -15,10 +15,8 @@ const SECTORS: usize = 24;
 const WAVES: usize = 6;
 /// Points of the outline.
 const OUTLINE_POINTS: usize = 240;
-/// Half the length of stem that is measured, in radii: the first that shows enough points, or else the last.
-const HALF_LENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
-/// Fewest points to measure.
-const MIN_POINTS: usize = 8 * SECTORS;
+/// Half the length of stem that is measured, in radii.
+const HALF_LENGTH_RADII: f64 = 1.0;
 
 /// Measures the stem at length `at` (m). `None` where too few points are there.
 pub(super) fn measure(points: &StemPoints, stem: &TracedStem, at: f64) -> Option<PlaceMeasures> {
@@ -38,42 +36,72 @@ pub(super) fn measure(points: &StemPoints, stem: &TracedStem, at: f64) -> Option
             tape_girth_m: girth,
         });
     }
-    let about = |half: f64| -> Vec<DVec2> {
-        let near = points
-            .points
-            .iter()
-            .filter(|p| (p.s - at).abs() <= half * radius);
-        let mut near: Vec<&StemPoint> = near.collect();
-        near.sort_by_cached_key(|p| noise::hash(17, i64::from(p.number), 0, 0));
-        let point = |p: &&StemPoint| stem.shape.point(p.turn, p.radius);
-        near.iter().map(point).collect()
-    };
-    let section = HALF_LENGTHS
+    let mut near: Vec<&StemPoint> = points
+        .points
         .iter()
-        .map(|half| about(*half))
-        .find(|s| s.len() >= MIN_POINTS)
-        .unwrap_or_else(|| about(HALF_LENGTHS[HALF_LENGTHS.len() - 1]));
-    let expected = Expected {
-        min_radius: 0.5 * radius,
-        max_radius: 2.0 * radius,
-        prior: Some(Prior {
-            centre: DVec2::ZERO,
-            radius,
-            max_offset: 0.5 * radius,
-        }),
+        .filter(|p| (p.s - at).abs() <= HALF_LENGTH_RADII * radius)
+        .collect();
+    near.sort_by_cached_key(|p| noise::hash(17, i64::from(p.number), 0, 0));
+    let section: Vec<DVec2> = near
+        .iter()
+        .map(|p| stem.shape.point(p.turn, p.radius))
+        .collect();
+    let whole = SectionSize::new(&section, radius)?;
+    // What halves of the points give: every other one, and every other two.
+    let halves: Vec<SectionSize> = (0..4)
+        .filter_map(|k| {
+            let is_in = |i: usize| (i >> (k / 2)) % 2 == k % 2;
+            let numbered = section.iter().enumerate().filter(|(i, _)| is_in(*i));
+            let half: Vec<DVec2> = numbered.map(|(_, p)| *p).collect();
+            SectionSize::new(&half, radius)
+        })
+        .collect();
+    let error = |of: fn(&SectionSize) -> f64, fitted: f64| {
+        let squares = halves.iter().map(|h| (of(h) - of(&whole)).powi(2));
+        let spread = squares.sum::<f64>() / halves.len().max(1) as f64;
+        spread.sqrt().hypot(fitted)
     };
-    let circle = fit(&section, &expected, 0)?;
-    let outline = outline(&section, circle.centre, circle.radius);
-    let (area, _) = polygon::area_and_centroid(&outline);
-    let girth = polygon::perimeter(&outline);
     Some(PlaceMeasures {
         at_m: at,
-        diameter_m: 2.0 * (area.abs() / PI).sqrt(),
-        diameter_error_m: 2.0 * circle.radius_error,
-        girth_m: girth,
-        girth_error_m: girth / circle.radius * circle.radius_error,
-        tape_girth_m: polygon::perimeter(&polygon::convex_hull(&outline)),
+        diameter_m: whole.diameter,
+        diameter_error_m: error(|s| s.diameter, 2.0 * whole.radius_error),
+        girth_m: whole.girth,
+        girth_error_m: error(|s| s.girth, TAU * whole.radius_error),
+        tape_girth_m: whole.tape_girth,
     })
+}
+
+/// What a round section measures, m.
+struct SectionSize {
+    diameter: f64,
+    girth: f64,
+    tape_girth: f64,
+    /// Standard error of the circle's radius.
+    radius_error: f64,
+}
+
+impl SectionSize {
+    /// The size of a section of about this radius (m) with its middle near the origin.
+    fn new(section: &[DVec2], radius: f64) -> Option<Self> {
+        let expected = Expected {
+            min_radius: 0.5 * radius,
+            max_radius: 2.0 * radius,
+            prior: Some(Prior {
+                centre: DVec2::ZERO,
+                radius,
+                max_offset: 0.5 * radius,
+            }),
+        };
+        let circle = fit(section, &expected, 0)?;
+        let outline = outline(section, circle.centre, circle.radius);
+        let (area, _) = polygon::area_and_centroid(&outline);
+        Some(SectionSize {
+            diameter: 2.0 * (area.abs() / PI).sqrt(),
+            girth: polygon::perimeter(&outline),
+            tape_girth: polygon::perimeter(&polygon::convex_hull(&outline)),
+            radius_error: circle.radius_error,
+        })
+    }
 }
 
 /// The outline of a section about the circle through it: mean radii of sectors, the circle's where none was seen, as the

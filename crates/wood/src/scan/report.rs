@@ -41,8 +41,9 @@ pub struct Coverage {
     pub share: f64,
 }
 
-/// What the stem measures at the requested place. Standard errors are those of the circle through the section's points,
-/// from their residual by sectors of 15 degrees and from the share of the girth that was seen.
+/// What the stem measures at the requested place, over a length of a diameter. Standard errors are those of the circle
+/// through the section's points, from their residual by sectors of 15 degrees and from the share of the girth that was seen,
+/// and of the spread of what halves of the points give.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PlaceMeasures {
     /// The place, m from the base.

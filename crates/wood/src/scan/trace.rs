@@ -58,6 +58,8 @@ const MIN_ON_SECTION_FIRST: f64 = 0.5;
 const MIN_EVIDENCE: f64 = 6.9;
 /// Least evidence of a whole limb. In crowns that show no stem, tubes with half of it turn up.
 const MIN_LIMB_EVIDENCE: f64 = 200.0;
+/// A point as location may be this far from the middle of a section, in radii.
+const MAX_DISTANCE_RADII: f64 = 2.0;
 /// Least share of the points of a section ahead of its plane, and behind it: a section is no farther than the cloud.
 const MIN_EITHER_SIDE: f64 = 0.1;
 /// Steps along a limb, in radii.
@@ -89,7 +91,7 @@ pub(super) fn limb(
     context: &Context,
 ) -> Result<Option<(Limb, LimbErrors)>, Cancelled> {
     let mut starts: Vec<Ring> = match location {
-        StemLocation::Point(p) => cloud.rings_at(*p, 0, context)?,
+        StemLocation::Point(p) => cloud.starts_near(*p, context)?,
         _ => cloud.starts(&context.part(0.0, 0.5))?,
     };
     starts.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -111,7 +113,11 @@ pub(super) fn limb(
             .map(|start| cloud.follow(*start, context))
             .collect::<Result<_, _>>()?;
         for limb in limbs {
-            let score = limb.cell_evidence();
+            let here = match location {
+                StemLocation::Point(p) => limb.passes(*p),
+                _ => true,
+            };
+            let score = if here { limb.cell_evidence() } else { 0.0 };
             if limb.is_tube() && best.as_ref().is_none_or(|b| score > b.0) {
                 best = Some((score, limb));
             }
@@ -177,6 +183,12 @@ impl Limb {
     /// make circles of many points, which stand in few places.
     fn cell_evidence(&self) -> f64 {
         self.rings.iter().map(|r| r.cell_evidence).sum()
+    }
+
+    /// Whether a point lies in the limb or close to it.
+    fn passes(&self, p: DVec3) -> bool {
+        let mut rings = self.rings.iter();
+        rings.any(|r| r.centre.distance(p) < MAX_DISTANCE_RADII * r.radius)
     }
 
     /// Whether there are rings enough, and their mean evidence suffices. The first ring has none of its own.
@@ -262,6 +274,20 @@ impl Searched<'_> {
             found.extend(some.into_iter().flatten());
         }
         Ok(found)
+    }
+
+    /// First sections about a point: of its own neighbourhoods and of those of points near it.
+    fn starts_near(&self, at: DVec3, context: &Context) -> Result<Vec<Ring>, Cancelled> {
+        const NEIGHBOURS: usize = 128;
+        const EVERY: usize = 16;
+        let near = self.tree.nearest(at, NEIGHBOURS);
+        let starts: Vec<Vec<Ring>> = near
+            .par_iter()
+            .step_by(EVERY)
+            .enumerate()
+            .map(|(k, (_, i))| self.rings_at(self.points[*i as usize], k as u64, context))
+            .collect::<Result<_, _>>()?;
+        Ok(starts.concat())
     }
 
     /// The best sections of neighbourhoods of a point, of every size.
