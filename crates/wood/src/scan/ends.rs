@@ -1,10 +1,8 @@
-//! Where a limb ends: how far its sections speak for it, and how far the halves of its points agree.
+//! How far a limb is certain: as far as halves of its points agree.
 //!
-//! Each step along a limb has a merit that does not depend on how many points there are. The limb ends where the sum of
-//! merits is greatest, so that a gap is bridged where what follows makes up for it. That is done again for random halves of
-//! the points: the limb is taken as far as most halves show it (stability selection, Meinshausen and Bühlmann 2010), and
-//! the spread of the halves is the standard error (balanced half-samples, McCarthy 1969; Wolter 2007, Introduction to
-//! Variance Estimation, chapter 3).
+//! A limb is followed again through random halves of its points, and taken as far as most of them show it (stability
+//! selection, Meinshausen and Bühlmann 2010). The spread of the halves is the standard error (balanced half-samples,
+//! McCarthy 1969; Wolter 2007, Introduction to Variance Estimation, chapter 3).
 
 use super::trace::{Limb, Ring, Searched};
 use crate::noise;
@@ -13,42 +11,10 @@ use greenstick_geometry::cloud::KdTree;
 use greenstick_geometry::{Cancelled, Context};
 use rayon::prelude::*;
 
-/// Information of a point about a section, in nats, from which on a section speaks for the limb. Points scattered evenly
-/// have 0.2 about the circle that suits them best, those of clean bark 1.9.
-const MIN_INFORMATION: f64 = 0.55;
-/// How much more of it makes a full step.
-const INFORMATION_SCALE: f64 = 0.3;
-/// What a step without a section adds to the merit.
-const MISS_MERIT: f64 = -1.0;
-/// How far the merit may fall below its greatest before a limb is followed no farther, in steps without a section.
-const MAX_MERIT_LOSS: f64 = 8.0;
 /// Random halves of the points, each with its complement.
 const HALVES: u64 = 8;
 /// Points about a limb that its halves are taken from, in radii.
 const HALVED_REACH_RADII: f64 = 4.0;
-
-/// The merit of a limb as it is followed, summed over its steps.
-#[derive(Debug, Default)]
-pub(super) struct Merit {
-    total: f64,
-    greatest: f64,
-    /// Rings up to where it is greatest.
-    pub rings: usize,
-}
-
-impl Merit {
-    /// Adds a step, after which there are so many rings, with the information of a point about its section. Returns whether
-    /// the limb has ended.
-    pub fn add(&mut self, information: Option<f64>, rings: usize) -> bool {
-        self.total += information.map_or(MISS_MERIT, |i| {
-            ((i - MIN_INFORMATION) / INFORMATION_SCALE).clamp(-1.0, 1.0)
-        });
-        if self.total > self.greatest {
-            (self.greatest, self.rings) = (self.total, rings);
-        }
-        self.total < self.greatest - MAX_MERIT_LOSS
-    }
-}
 
 /// Standard errors of what was followed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -133,10 +99,12 @@ pub(super) fn confirm(
 /// Gap between points along a limb, in their mean spacing, that ends it: between scattered points one in three thousand is
 /// as wide.
 const END_GAP_SPACINGS: f64 = 8.0;
+/// The same in radii: of very many points some leave a wider gap by chance.
+const END_GAP_RADII: f64 = 0.1;
 /// Distance from the bark, in radii, of the points that show how far it goes.
 const END_TOLERANCE_RADII: f64 = 0.15;
 
-/// Moves the last ring of a side to where the bark's points end, one radius farther at most. Returns the error of that
+/// Moves the last ring of a side to where the bark's points end, two radii farther at most. Returns the error of that
 /// place: the points' spacing along the limb, m.
 fn extend(cloud: &Searched, limb: &mut Limb, side: usize) -> f64 {
     let (end, sign) = if side == 0 {
@@ -148,7 +116,7 @@ fn extend(cloud: &Searched, limb: &mut Limb, side: usize) -> f64 {
     let (along, radius) = (ring.along * sign, ring.radius);
     let mut lengths: Vec<f64> = cloud
         .tree
-        .within_unordered(ring.centre, 1.7 * radius)
+        .within_unordered(ring.centre, 2.4 * radius)
         .into_iter()
         .map(|i| cloud.points[i as usize] - ring.centre)
         .filter(|d| {
@@ -156,18 +124,15 @@ fn extend(cloud: &Searched, limb: &mut Limb, side: usize) -> f64 {
             off.abs() < END_TOLERANCE_RADII * radius
         })
         .map(|d| d.dot(along))
-        .filter(|s| s.abs() < radius)
+        .filter(|s| (-radius..2.0 * radius).contains(s))
         .collect();
     lengths.sort_by(f64::total_cmp);
     let ahead = lengths.partition_point(|s| *s <= 0.0);
     let spacing = radius / ahead.max(1) as f64;
-    let reach = lengths[ahead..].iter().fold(0.0, |reach, s| {
-        if s - reach < END_GAP_SPACINGS * spacing {
-            *s
-        } else {
-            reach
-        }
-    });
+    let gap = (END_GAP_SPACINGS * spacing).max(END_GAP_RADII * radius);
+    let reach = lengths[ahead..]
+        .iter()
+        .fold(0.0, |reach, s| if s - reach < gap { *s } else { reach });
     limb.rings[end].centre += along * reach;
     spacing.min(radius)
 }

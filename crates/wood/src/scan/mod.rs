@@ -12,6 +12,7 @@ mod ends;
 mod folded;
 mod girth;
 mod grid;
+mod merit;
 mod parameters;
 mod points;
 mod report;
@@ -129,9 +130,13 @@ fn round_stem(
         tree: &tree,
         spacing: spacing(&points, context)?,
     };
-    let Some((mut limb, errors)) = trace::limb(&searched, location, context)? else {
+    let Some(mut limb) = trace::limb(&searched, location, context)? else {
         return Ok(None);
     };
+    let errors = ends::confirm(&searched, &mut limb, context)?;
+    if !limb.is_certain() {
+        return Ok(None);
+    }
     turn_base_first(&mut limb);
     // A tube that is wider than long has its axis somewhere else.
     let stem = traced_stem(&limb.rings, errors)

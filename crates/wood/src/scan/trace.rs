@@ -4,7 +4,7 @@
 //! axis; where noise spoils normals, the longest direction of the points stands in.
 
 use super::circle::{Circle, Expected, Prior, fit};
-use super::ends::{self, LimbErrors, Merit};
+use super::merit::Merit;
 use crate::noise;
 use crate::stem::StemLocation;
 use glam::{DMat3, DVec2, DVec3};
@@ -89,7 +89,7 @@ pub(super) fn limb(
     cloud: &Searched,
     location: &StemLocation,
     context: &Context,
-) -> Result<Option<(Limb, LimbErrors)>, Cancelled> {
+) -> Result<Option<Limb>, Cancelled> {
     let mut starts: Vec<Ring> = match location {
         StemLocation::Point(p) => cloud.starts_near(*p, context)?,
         _ => cloud.starts(&context.part(0.0, 0.5))?,
@@ -127,10 +127,7 @@ pub(super) fn limb(
         return Ok(None);
     };
     // Again from where it shows best: what is found does not depend on where it was come upon.
-    let mut limb = cloud.follow(best.clearest(), context)?;
-    let errors = ends::confirm(cloud, &mut limb, context)?;
-    let found = limb.is_tube() && limb.cell_evidence() > MIN_LIMB_EVIDENCE;
-    Ok(found.then_some((limb, errors)))
+    Ok(Some(cloud.follow(best.clearest(), context)?))
 }
 
 /// Why a limb ends.
@@ -189,6 +186,11 @@ impl Limb {
     fn passes(&self, p: DVec3) -> bool {
         let mut rings = self.rings.iter();
         rings.any(|r| r.centre.distance(p) < MAX_DISTANCE_RADII * r.radius)
+    }
+
+    /// Whether the points are surely those of a tube.
+    pub fn is_certain(&self) -> bool {
+        self.is_tube() && self.cell_evidence() > MIN_LIMB_EVIDENCE
     }
 
     /// Whether there are rings enough, and their mean evidence suffices. The first ring has none of its own.
