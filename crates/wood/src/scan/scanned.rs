@@ -60,7 +60,7 @@ impl fmt::Display for ScannedReport {
             if let Some(p) = &b.place {
                 writeln!(
                     f,
-                    "place    at {:.2} m: diameter {:.1} ± {:.1} cm, girth {:.1} ± {:.1} cm, by tape {:.1} cm",
+                    "size     at {:.2} m: diameter {:.1} ± {:.1} cm, girth {:.1} ± {:.1} cm, by tape {:.1} cm",
                     p.at_m,
                     100.0 * p.diameter_m,
                     100.0 * p.diameter_error_m,
