@@ -66,7 +66,8 @@ pub(crate) fn distance(outline: &[DVec2], p: DVec2) -> f64 {
 }
 
 /// The farthest crossing of the ray from `from` along the unit vector `direction` with the outline.
-pub(crate) fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2) -> Option<f64> {
+#[cfg(test)]
+fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2) -> Option<f64> {
     let mut best: Option<f64> = None;
     for (i, &p) in outline.iter().enumerate() {
         let (a, b) = (p - from, outline[(i + 1) % outline.len()] - from);
@@ -81,7 +82,7 @@ pub(crate) fn farthest_crossing(outline: &[DVec2], from: DVec2, direction: DVec2
     best
 }
 
-/// [`farthest_crossing`] in `count` directions at equal angles, the first at −π. Each edge is tested only against the
+/// The same in `count` directions at equal angles, the first at −π. Each edge is tested only against the
 /// directions under which it is seen.
 pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -> Vec<Option<f64>> {
     let directions: Vec<DVec2> = (0..count)
@@ -160,7 +161,7 @@ fn outer_points(points: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// The convex hull, counter-clockwise (Andrew 1979, Another Efficient Algorithm for Convex Hulls in Two Dimensions).
-fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
+pub(crate) fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     let mut sorted = outer_points(points);
     sorted.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     sorted.dedup();

@@ -5,7 +5,9 @@ mod support;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
-use greenstick_wood::stem::{FoundStem, StemError, StemKind, StemLocation, StemOptions, find_stem};
+use greenstick_wood::stem::{
+    FoundStem, StemError, StemKind, StemLocation, StemOptions, find_left_out, find_stem,
+};
 use std::f64::consts::TAU;
 
 fn at(meshes: &[Mesh], place: &str) -> Result<FoundStem, StemError> {
@@ -227,6 +229,14 @@ fn welded_fork() -> Mesh {
             }
         }
     }
+    // Outwards, where the solid's distance grows.
+    for t in &mut mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a).normalize_or_zero());
+        if solid(middle + normal * 1e-3) < solid(middle - normal * 1e-3) {
+            t.swap(1, 2);
+        }
+    }
     mesh
 }
 
@@ -248,6 +258,21 @@ fn a_welded_fork_is_refused_inside_and_limbs_are_told_apart() {
         limb.stem.radius
     );
     assert_eq!(limb.shell.len(), mesh.triangles.len());
+    // The other limb is left out, and said to be where it is.
+    let left_out = find_left_out(&mesh, &limb, &Context::quiet())
+        .unwrap()
+        .unwrap();
+    // The trunk and the thicker limb measure 0.045 and 0.026 m³, the thinner one 0.021 m³.
+    assert!(left_out.centre.x > 0.0, "{left_out}");
+    assert!((0.6..0.9).contains(&left_out.share), "{left_out}");
+    assert!(
+        left_out.to_string().contains("left out, about 0.0"),
+        "{left_out}"
+    );
+    let pole = [cylinder(0.05, 2.0, 24)];
+    let found = at(&pole, "0.5").unwrap();
+    let nothing = find_left_out(&pole[0], &found, &Context::quiet()).unwrap();
+    assert_eq!(nothing, None);
     assert!(limb.limb.len() > 200 && limb.limb.len() < mesh.triangles.len() / 3);
     for &t in &limb.limb {
         assert!(

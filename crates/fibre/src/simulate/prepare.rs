@@ -12,7 +12,7 @@ use glam::DAffine3;
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find_stem};
+use greenstick_wood::stem::{FoundStem, Stem, StemOptions, find_left_out, find_stem};
 
 /// The wood of a scene: its stem filled with rods, before these are moved into the scene's axes.
 #[derive(Debug, Clone)]
@@ -25,6 +25,8 @@ pub struct FilledStem {
     pub node: usize,
     /// The triangles of that node that bound the stem.
     pub shell: Vec<u32>,
+    /// What of the input's mesh the rods do not fill, a sentence each.
+    pub notes: Vec<String>,
     /// The rods.
     pub placed: PlacedRods,
     /// The wood's properties.
@@ -59,7 +61,12 @@ pub fn fill_scene_stem(
     run_scene.check()?;
     let options = placement_options(&run_scene, (range[0], range[1]));
     let placed = fill_stem(&found.stem, &wood, &options, &filling)?;
+    let notes = match scene.stem.kind {
+        StemChoice::Input => notes_on_rest(&of_stem, &found, range, context)?,
+        _ => Vec::new(),
+    };
     Ok(FilledStem {
+        notes,
         stem: found.stem,
         node: found.node,
         shell: found.shell,
@@ -70,10 +77,30 @@ pub fn fill_scene_stem(
     })
 }
 
-fn find_in_scene(
+/// What of the mesh stays without rods: the stem beyond the part of it that is filled, and other limbs.
+fn notes_on_rest(
     of_stem: &StemScene,
+    found: &FoundStem,
+    [from, to]: [f64; 2],
     context: &Context,
-) -> Result<greenstick_wood::stem::FoundStem, SimulateError> {
+) -> Result<Vec<String>, SimulateError> {
+    /// Share of the stem's length without rods that is reported.
+    const MIN_REST: f64 = 0.05;
+    let length = found.stem.length;
+    let mut notes = Vec::new();
+    if to - from < (1.0 - MIN_REST) * length {
+        notes.push(format!(
+            "rods fill {from:.3} to {to:.3} m of the stem's {length:.3} m, where it is free of forks and other parts and the \
+             scene asks for rods"
+        ));
+    }
+    let meshes = of_stem.scene.world_meshes();
+    let left_out = find_left_out(&meshes[found.node], found, context)?;
+    notes.extend(left_out.map(|l| l.to_string()));
+    Ok(notes)
+}
+
+fn find_in_scene(of_stem: &StemScene, context: &Context) -> Result<FoundStem, SimulateError> {
     let meshes = of_stem.scene.world_meshes();
     Ok(find_stem(
         &meshes,
@@ -140,6 +167,8 @@ fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOption
 
 /// A scene that is ready to be moved by a solver.
 pub(super) struct PreparedScene {
+    /// What of the input's mesh the rods do not fill, a sentence each.
+    pub notes: Vec<String>,
     pub assembled: AssembledScene,
     /// The scene with lengths for its stem.
     pub scene: crate::Scene,
@@ -155,7 +184,10 @@ pub(super) fn prepare(
 ) -> Result<PreparedScene, SimulateError> {
     let shapes = mesh_shapes(scene, meshes)?;
     let FilledStem {
-        placed, run_scene, ..
+        placed,
+        run_scene,
+        notes,
+        ..
     } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
     let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
@@ -170,6 +202,7 @@ pub(super) fn prepare(
             .for_each(|v| content.extend(v.to_bits().to_le_bytes()));
     }
     Ok(PreparedScene {
+        notes,
         assembled,
         scene: run_scene,
         hash: checksum(&content),

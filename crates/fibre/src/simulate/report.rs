@@ -81,6 +81,8 @@ pub struct SimulateReport {
     pub energy: EnergyDrift,
     /// Files written; none for a run in memory.
     pub files: Vec<String>,
+    /// What of the input's mesh has no rods, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl std::fmt::Display for SimulateReport {
@@ -125,12 +127,20 @@ impl std::fmt::Display for SimulateReport {
                 100.0 * energy.largest_j / energy.most_j
             )?;
         }
-        writeln!(f, "time     {:.4} s in {} frames", self.time_s, self.frames)
+        writeln!(f, "time     {:.4} s in {} frames", self.time_s, self.frames)?;
+        for note in &self.notes {
+            writeln!(f, "note     {note}")?;
+        }
+        Ok(())
     }
 }
 
 /// Returns the report of a run that begins.
-pub(super) fn begin_report(scene: &Scene, assembled: &AssembledScene) -> SimulateReport {
+pub(super) fn begin_report(
+    scene: &Scene,
+    assembled: &AssembledScene,
+    notes: Vec<String>,
+) -> SimulateReport {
     let bundle = &assembled.world.bundle;
     SimulateReport {
         about: scene.about.clone(),
@@ -150,6 +160,7 @@ pub(super) fn begin_report(scene: &Scene, assembled: &AssembledScene) -> Simulat
         fracture_loss_j: 0.0,
         energy: EnergyDrift::default(),
         files: Vec::new(),
+        notes,
     }
 }
 

@@ -183,12 +183,13 @@ pub fn simulate(
         assembled,
         scene,
         hash,
+        notes,
     } = prepare(&request.scene, &request.meshes, &preparing)?;
     // Nothing of a run is cut before its checkpoint is known to be good.
     if checkpoint.as_ref().is_some_and(|c| c.hash != hash) {
         return Err(SimulateError::OtherRun { run: store.name() });
     }
-    let mut report = begin_report(&scene, &assembled);
+    let mut report = begin_report(&scene, &assembled, notes);
     let mut run = Run {
         scene: &scene,
         assembled,

@@ -17,7 +17,7 @@ use greenstick_wood::anatomy::{
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{FoundStem, find_stem};
+use greenstick_wood::stem::{FoundStem, find_left_out, find_stem};
 
 parameters! {
     /// Everything that decides what is made of a stem's inside.
@@ -125,7 +125,9 @@ pub fn anatomy<E: From<Error>>(
         sink(pictures::longitudinal(&anatomy, &longitudinal)?)?;
     }
     reporting.report(0.0).map_err(Error::from)?;
+    let left_out = find_left_out(mesh, &found, &reporting).map_err(Error::from)?;
     let findings = AnatomyFindings {
+        left_out,
         species: request.species.clone(),
         ring_method: request.ring_method(),
         mesh,

@@ -4,7 +4,7 @@ use super::layers::ParticleLayers;
 use super::measures::SectionMeasures;
 use super::model::{Anatomy, RingMethod};
 use super::segment_report::SegmentReport;
-use crate::stem::FoundStem;
+use crate::stem::{FoundStem, LeftOut};
 use crate::tissue::Zone;
 use greenstick_geometry::{CheckOptions, Mesh};
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,9 @@ pub struct AnatomyReport {
     pub radius_m: f64,
     /// Volume of the stem's mesh, m³; `None` where it is not closed.
     pub mesh_volume_m3: Option<f64>,
+    /// Volume of limbs of that mesh that are not the stem's and were left out, m³.
+    #[serde(default)]
+    pub left_out_volume_m3: f64,
     /// Volume of all voxels that are wood, m³; `None` where none were made.
     pub voxel_volume_m3: Option<f64>,
     /// Number of rings; by erosion that of the section with most.
@@ -116,6 +119,8 @@ pub struct AnatomyFindings<'a> {
     pub anatomy: &'a Anatomy<'a>,
     /// Its particles.
     pub layers: &'a ParticleLayers,
+    /// What of its shell is not the stem's.
+    pub left_out: Option<LeftOut>,
     /// Its segments, where they were voxelised.
     pub segments: Vec<SegmentReport>,
     /// What was assumed, repaired or could not be done, one sentence each.
@@ -138,7 +143,10 @@ impl AnatomyFindings<'_> {
         let mut notes = self.notes.clone();
         notes.extend(self.note_on_holes());
         notes.extend(self.note_on_ends());
-        notes.extend(self.note_on_coarseness(mesh_volume, voxel_volume));
+        let left_out_volume = self.left_out.map_or(0.0, |l| l.volume_m3);
+        notes.extend(self.left_out.map(|l| l.to_string()));
+        let stem_volume = mesh_volume.map(|v| v - left_out_volume);
+        notes.extend(self.note_on_coarseness(stem_volume, voxel_volume));
         AnatomyReport {
             schema: "greenstick-anatomy".into(),
             version: 1,
@@ -147,6 +155,7 @@ impl AnatomyFindings<'_> {
             length_m: axis.length(),
             radius_m: stem.radius,
             mesh_volume_m3: mesh_volume,
+            left_out_volume_m3: left_out_volume,
             voxel_volume_m3: voxel_volume,
             rings: self.anatomy.ring_count(),
             rings_by: self.ring_method.to_string(),
@@ -202,13 +211,20 @@ impl AnatomyFindings<'_> {
         })
     }
 
-    fn note_on_coarseness(&self, mesh: Option<f64>, voxels: Option<f64>) -> Option<String> {
-        let difference = 100.0 * (voxels? / mesh? - 1.0);
+    fn note_on_coarseness(&self, stem: Option<f64>, voxels: Option<f64>) -> Option<String> {
+        let difference = 100.0 * (voxels? / stem? - 1.0);
         (difference.abs() > MAX_VOLUME_DIFFERENCE).then(|| {
+            let pixel = 1e3 * self.anatomy.sections().grid.pixel;
+            if self.left_out.is_some() {
+                // Where a limb ends and the stem begins is a matter of some per cent.
+                return format!(
+                    "the voxels' volume is {difference:+.1} % off what remains of the mesh's without the limbs left out; \
+                     voxels measure {pixel:.2} mm"
+                );
+            }
             format!(
-                "voxels of {:.2} mm are coarse for this stem: their volume is {difference:+.1} % off the mesh's; a higher \
-                 resolution brings it nearer",
-                1e3 * self.anatomy.sections().grid.pixel
+                "voxels of {pixel:.2} mm are coarse for this stem: their volume is {difference:+.1} % off the mesh's; a higher \
+                 resolution brings it nearer"
             )
         })
     }

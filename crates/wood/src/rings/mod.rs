@@ -23,7 +23,7 @@ pub use erosion::{
 };
 pub use field::RingField;
 pub use onset::ONSET_RANGE;
-pub use pith::estimate_pith;
+pub use pith::{PITH_OFFSET_RMS, estimate_pith};
 pub use section::{
     AnnotatedRing, RingComparison, RingCurve, RingsFile, SectionFile, SectionFileError,
     SectionOutline, SectionRingError, SectionRingMethod, SectionRings,

@@ -13,6 +13,8 @@ pub(super) struct Circle {
     pub share: f64,
     /// Root of the mean square of their distances from it, or from a form with lobes and flutes that follows it.
     pub rms: f64,
+    /// Standard error of the radius from the residual and the coverage.
+    pub radius_error: f64,
     /// Share of its girth that has points.
     pub coverage: f64,
     /// Points well inside it for each one on it: wood is solid, so that a scan shows none, whereas a crown is full of them.
@@ -21,6 +23,8 @@ pub(super) struct Circle {
     /// number of such circles that chance brings (Desolneux, Moisan and Morel 2000, Meaningful Alignments). At 0 one is to
     /// be expected.
     pub evidence: f64,
+    /// What one point adds to the evidence on average, in nats: it does not depend on how many there are.
+    pub information: f64,
     /// The same of occupied cells instead of points: points that stand close together count once.
     pub cell_evidence: f64,
 }
@@ -46,8 +50,13 @@ pub(super) struct Prior {
 const SAMPLES: i64 = 150;
 /// Most points that score a sample.
 const MAX_SCORED: usize = 240;
-/// Rounds of least squares.
-const REFINEMENTS: usize = 8;
+/// Most points that a circle is fitted to.
+const MAX_FITTED: usize = 600;
+/// Most rounds of least squares, and the step, in radii, below which they have converged.
+const REFINEMENTS: usize = 20;
+const CONVERGED: f64 = 1e-5;
+/// Guesses with the least loss that are refined.
+const REFINED: usize = 2;
 /// Distance from the circle, in radii, up to which a point lies on it: bark furrows and buttresses included.
 const ON_CIRCLE_RADII: f64 = 0.15;
 /// Distance within the circle, in radii, from which on a point is well inside.
@@ -55,48 +64,97 @@ const INSIDE_RADII: f64 = 0.3;
 /// Sectors in which the covered girth is counted.
 const SECTORS: usize = 24;
 
-/// The circle that most of the points lie on.
+/// The circle that most of the points lie on. They come in a random order: the first of many stand for all.
 pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Circle> {
     let count = points.len();
     if count < 6 {
         return None;
     }
-    let stride = count.div_ceil(MAX_SCORED);
-    let scored: Vec<DVec2> = points.iter().step_by(stride).copied().collect();
-    let allowed = |centre: DVec2, radius: f64| {
-        (expected.min_radius..=expected.max_radius).contains(&radius)
-            && expected
-                .prior
-                .is_none_or(|p| p.centre.distance(centre) <= p.max_offset)
-    };
-    let mut best: Option<(f64, DVec2, f64)> = None;
-    let mut consider = |centre: DVec2, radius: f64| {
-        if !allowed(centre, radius) {
-            return;
-        }
+    let scored = &points[..count.min(MAX_SCORED)];
+    let loss = |centre: DVec2, radius: f64| -> f64 {
         let tolerance = ON_CIRCLE_RADII * expected.prior.map_or(radius, |p| p.radius);
-        let loss: f64 = scored
+        scored
             .iter()
             .map(|p| ((p.distance(centre) - radius) / tolerance).powi(2).min(1.0))
-            .sum();
-        if best.is_none_or(|b| loss < b.0) {
-            best = Some((loss, centre, radius));
+            .sum()
+    };
+    let mut tried: Vec<(f64, DVec2, f64)> = Vec::new();
+    let mut consider = |centre: DVec2, radius: f64| {
+        if expected.allows(centre, radius) {
+            tried.push((loss(centre, radius), centre, radius));
         }
     };
-    if let Some(prior) = expected.prior {
-        consider(prior.centre, prior.radius);
+    match expected.prior {
+        Some(prior) => prior
+            .guesses()
+            .for_each(|(centre, radius)| consider(centre, radius)),
+        None => (0..SAMPLES).for_each(|k| {
+            let pick =
+                |n: i64| points[(noise::unit(seed, k, n, 0) * count as f64) as usize % count];
+            if let Some((centre, radius)) = circle_through(pick(0), pick(1), pick(2)) {
+                consider(centre, radius);
+            }
+        }),
     }
-    for k in 0..SAMPLES {
-        let pick = |n: i64| points[(noise::unit(seed, k, n, 0) * count as f64) as usize % count];
-        if let Some((centre, radius)) = circle_through(pick(0), pick(1), pick(2)) {
-            consider(centre, radius);
+    let fitted = &points[..count.min(MAX_FITTED)];
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    tried.truncate(REFINED);
+    let refined = tried
+        .into_iter()
+        .filter_map(|(_, centre, radius)| refined(fitted, centre, radius, expected))
+        .filter(|(centre, radius)| expected.allows(*centre, *radius));
+    let (_, centre, radius) = refined
+        .map(|(centre, radius)| (loss(centre, radius), centre, radius))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(judge(points, centre, radius, expected.prior.is_none()))
+}
+
+impl Expected {
+    fn allows(&self, centre: DVec2, radius: f64) -> bool {
+        (self.min_radius..=self.max_radius).contains(&radius)
+            && self
+                .prior
+                .is_none_or(|p| p.centre.distance(centre) <= p.max_offset)
+    }
+}
+
+impl Prior {
+    /// Circles about the expected one, so close that one of them leads to the best.
+    fn guesses(self) -> impl Iterator<Item = (DVec2, f64)> {
+        const DIRECTIONS: usize = 8;
+        let offsets = [0.0, 0.3].into_iter().flat_map(move |offset| {
+            let count = if offset > 0.0 { DIRECTIONS } else { 1 };
+            (0..count).map(move |j| {
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * j as f64 / DIRECTIONS as f64);
+                self.centre + DVec2::new(cos, sin) * (offset * self.radius)
+            })
+        });
+        offsets
+            .flat_map(move |centre| [1.0, 0.85, 1.15].map(|factor| (centre, factor * self.radius)))
+    }
+}
+
+/// The circle that least squares converge to from a guess.
+fn refined(
+    points: &[DVec2],
+    mut centre: DVec2,
+    mut radius: f64,
+    expected: &Expected,
+) -> Option<(DVec2, f64)> {
+    // As seen from the guess: the middle moves little.
+    let near: Vec<(DVec2, usize)> = points
+        .iter()
+        .filter(|p| (p.distance(centre) - radius).abs() < 3.0 * ON_CIRCLE_RADII * radius)
+        .map(|p| (*p, sector(*p - centre)))
+        .collect();
+    for _ in 0..REFINEMENTS {
+        let last = (centre, radius);
+        (centre, radius) = refine(&near, centre, radius, expected)?;
+        if centre.distance(last.0) + (radius - last.1).abs() < CONVERGED * radius {
+            break;
         }
     }
-    let (_, mut centre, mut radius) = best?;
-    for _ in 0..REFINEMENTS {
-        (centre, radius) = refine(points, centre, radius, expected)?;
-    }
-    allowed(centre, radius).then(|| judge(points, centre, radius))
+    Some((centre, radius))
 }
 
 /// Half the widths of bands about a circle, in radii, that are tried to judge it.
@@ -128,11 +186,18 @@ fn cell_distances(points: &[DVec2], centre: DVec2, radius: f64) -> Vec<f64> {
 
 /// The evidence of a circle from its points' distances to the middle in radii. `count` points choose it, three by three.
 fn evidence(distances: &[f64], count: usize) -> f64 {
+    let tests = 3.0 * libm::log(count.max(2) as f64) + libm::log(BANDS.len() as f64);
+    unlikeliness(distances).0 - tests
+}
+
+/// Logarithm of one over the chance that so many evenly scattered points lie on the circle, and the number of points
+/// compared.
+fn unlikeliness(distances: &[f64]) -> (f64, f64) {
     let compared = distances.iter().filter(|d| **d < COMPARED_RADII).count() as f64;
     if compared < 1.0 {
-        return f64::NEG_INFINITY;
+        return (0.0, 1.0);
     }
-    let unlikeliness = |band: f64| {
+    let of_band = |band: f64| {
         let on = distances.iter().filter(|d| (**d - 1.0).abs() < band);
         let share = on.count() as f64 / compared;
         let chance = 4.0 * band / (COMPARED_RADII * COMPARED_RADII);
@@ -147,9 +212,7 @@ fn evidence(distances: &[f64], count: usize) -> f64 {
         };
         compared * (share * libm::log(share / chance) + rest)
     };
-    let best = BANDS.map(unlikeliness).into_iter().fold(0.0, f64::max);
-    let tests = 3.0 * libm::log(count.max(2) as f64) + libm::log(BANDS.len() as f64);
-    best - tests
+    (BANDS.map(of_band).into_iter().fold(0.0, f64::max), compared)
 }
 
 /// Centre and radius of the circle through three points.
@@ -165,38 +228,51 @@ fn circle_through(a: DVec2, b: DVec2, c: DVec2) -> Option<(DVec2, f64)> {
     Some((a + offset, offset.length()))
 }
 
-/// The sector of the direction `d`.
-fn sector(d: DVec2) -> usize {
+/// The sector of the direction `d` among equal ones.
+pub(super) fn sector_of(d: DVec2, sectors: usize) -> usize {
     let turn = libm::atan2(d.y, d.x) / std::f64::consts::TAU + 0.5;
-    ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
+    ((turn * sectors as f64) as usize).min(sectors - 1)
+}
+
+fn sector(d: DVec2) -> usize {
+    sector_of(d, SECTORS)
 }
 
 /// Weight of the prior against a whole girth: it keeps a short arc from running away.
 const PRIOR_WEIGHT: f64 = 0.3;
 
+/// Tukey's weight of a residual relative to the greatest one that counts: points come and go without a jump.
+fn biweight(x: f64) -> f64 {
+    (1.0 - x * x).max(0.0).powi(2)
+}
+
 /// One Gauss–Newton step. Each sector weighs the same, so that a side seen by two scanners does not pull.
 fn refine(
-    points: &[DVec2],
+    points: &[(DVec2, usize)],
     centre: DVec2,
     radius: f64,
     expected: &Expected,
 ) -> Option<(DVec2, f64)> {
     let tolerance = ON_CIRCLE_RADII * radius;
-    let on = |p: &&DVec2| (p.distance(centre) - radius).abs() < tolerance;
-    let mut counts = [0.0; SECTORS];
-    points
-        .iter()
-        .filter(on)
-        .for_each(|p| counts[sector(*p - centre)] += 1.0);
-    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
-    for p in points.iter().filter(on) {
+    let mut sums = [(DMat3::ZERO, DVec3::ZERO, 0.0); SECTORS];
+    for (p, sector) in points {
         let d = *p - centre;
         let length = d.length();
-        let Some(u) = d.try_normalize() else { continue };
-        let row = DVec3::new(u.x, u.y, 1.0);
-        let weight = 1.0 / counts[sector(d)];
-        matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
-        right += row * ((length - radius) * weight);
+        let off = length - radius;
+        if off.abs() >= tolerance || length <= 0.0 {
+            continue;
+        }
+        let weight = biweight(off / tolerance);
+        let row = (d / length).extend(1.0);
+        let sum = &mut sums[*sector];
+        sum.0 += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
+        sum.1 += row * (off * weight);
+        sum.2 += weight;
+    }
+    let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
+    for (m, r, weight) in sums.into_iter().filter(|s| s.2 > 0.0) {
+        matrix += m * (1.0 / weight);
+        right += r / weight;
     }
     if let Some(prior) = expected.prior {
         matrix += DMat3::from_diagonal(DVec3::splat(PRIOR_WEIGHT));
@@ -236,8 +312,38 @@ fn deviation_from_any_form(points: &[DVec2], centre: DVec2, radius: f64) -> Opti
     Some((squares / (1.5 * count as f64)).sqrt())
 }
 
-/// How well the points lie on a circle.
-fn judge(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
+/// Standard error of the radius: each sector is one observation, as bark and form are alike within it, and its mean residual
+/// is what the circle does not explain. An arc that is seen in part leaves the radius open by as much as the normal matrix
+/// of the fit says.
+fn radius_error(points: &[DVec2], centre: DVec2, radius: f64) -> f64 {
+    let mut sums = [(0.0, 0.0); SECTORS];
+    for d in points.iter().map(|p| *p - centre) {
+        let off = d.length() - radius;
+        if off.abs() < ON_CIRCLE_RADII * radius {
+            let sum = &mut sums[sector(d)];
+            *sum = (sum.0 + off, sum.1 + 1.0);
+        }
+    }
+    let (mut matrix, mut squares, mut seen) = (DMat3::ZERO, 0.0, 0.0);
+    for (k, (sum, count)) in sums.into_iter().enumerate().filter(|s| s.1.1 > 0.0) {
+        let angle = std::f64::consts::TAU * ((k as f64 + 0.5) / SECTORS as f64 - 0.5);
+        let (sin, cos) = libm::sincos(angle);
+        let row = DVec3::new(cos, sin, 1.0);
+        matrix += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
+        squares += (sum / count).powi(2);
+        seen += 1.0;
+    }
+    let variance = squares / f64::max(seen - 3.0, 1.0);
+    let factor = if matrix.determinant() > 1e-9 {
+        matrix.inverse().z_axis.z
+    } else {
+        f64::INFINITY
+    };
+    (variance * factor).sqrt().min(radius)
+}
+
+/// How well the points lie on a circle, or with `any_form` on a form with lobes that follows it.
+fn judge(points: &[DVec2], centre: DVec2, radius: f64, any_form: bool) -> Circle {
     let (mut on, mut squares, mut seen) = (0usize, 0.0, [false; SECTORS]);
     let mut inside = 0usize;
     let distances: Vec<f64> = points.iter().map(|p| p.distance(centre) / radius).collect();
@@ -251,13 +357,16 @@ fn judge(points: &[DVec2], centre: DVec2, radius: f64) -> Circle {
         }
     }
     let rms = (squares / on.max(1) as f64).sqrt();
-    let deviation = deviation_from_any_form(points, centre, radius);
-    let rms_from_form = deviation.map_or(rms, |off| off * radius);
+    let deviation = any_form.then(|| deviation_from_any_form(points, centre, radius));
+    let rms_from_form = deviation.flatten().map_or(rms, |off| off * radius);
+    let (sum, compared) = unlikeliness(&distances);
     Circle {
         centre,
         radius,
+        information: sum / compared,
         share: on as f64 / points.len() as f64,
         rms: rms.min(rms_from_form),
+        radius_error: radius_error(points, centre, radius),
         inside: inside as f64 / on.max(1) as f64,
         evidence: evidence(&distances, points.len()),
         cell_evidence: evidence(&cell_distances(points, centre, radius), points.len()),

@@ -75,6 +75,8 @@ pub(super) fn bark(
         foreign_points: 0,
         fracture_points: points.fracture_points,
         stem_length_m: length,
+        stem_length_error_m: stem.length_error,
+        radius_error_m: stem.radius_error,
         span_m: [from, to],
         radius_m: (mesh.volume() / (PI * (to - from))).sqrt(),
         coverage,

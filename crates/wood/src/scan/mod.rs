@@ -8,8 +8,11 @@
 mod circle;
 mod cleaned;
 mod coverage;
+mod ends;
 mod folded;
+mod girth;
 mod grid;
+mod merit;
 mod parameters;
 mod points;
 mod report;
@@ -22,11 +25,13 @@ mod traced;
 
 pub use cleaned::{ScanRequest, ScanningError, clean_and_reconstruct};
 pub use parameters::ScanParameters;
-pub use report::{Coverage, ScanError, ScanOptions, ScanReport, ScannedBark};
+pub use report::{Coverage, PlaceMeasures, ScanError, ScanOptions, ScanReport, ScannedBark};
 pub use scanned::ScannedReport;
 
+use crate::noise;
 use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
 use crate::stem::{Axis, StemLocation};
+use ends::LimbErrors;
 use glam::DVec3;
 use greenstick_geometry::cloud::{KdTree, spacing};
 use greenstick_geometry::{Context, PointCloud};
@@ -96,6 +101,7 @@ pub fn reconstruct_bark(
     if round && bark.report.noise_m > CROWN_SPREAD_RADII * bark.report.radius_m {
         return Err(no_stem());
     }
+    bark.report.place = girth::measure(&points, &stem, at);
     context.report(1.0)?;
     bark.report.notes.extend(notes);
     Ok(bark)
@@ -114,8 +120,10 @@ fn round_stem(
     location: &StemLocation,
     context: &Context,
 ) -> Result<Option<(TracedStem, Vec<String>)>, ScanError> {
-    let stride = cloud.points.len().div_ceil(MAX_SEARCHED).max(1);
-    let points: Vec<DVec3> = cloud.points.iter().step_by(stride).copied().collect();
+    let mut numbers: Vec<u32> = (0..cloud.points.len() as u32).collect();
+    numbers.sort_by_cached_key(|&i| (noise::hash(13, i64::from(i), 0, 0), i));
+    numbers.truncate(MAX_SEARCHED);
+    let points: Vec<DVec3> = numbers.iter().map(|&i| cloud.points[i as usize]).collect();
     let tree = KdTree::try_new(&points, context)?;
     let searched = Searched {
         points: &points,
@@ -125,10 +133,14 @@ fn round_stem(
     let Some(mut limb) = trace::limb(&searched, location, context)? else {
         return Ok(None);
     };
+    let errors = ends::confirm(&searched, &mut limb, context)?;
+    if !limb.is_certain() {
+        return Ok(None);
+    }
     turn_base_first(&mut limb);
     // A tube that is wider than long has its axis somewhere else.
-    let stem =
-        traced_stem(&limb.rings).filter(|stem| stem.axis.length() > 2.0 * stem.mean_radius());
+    let stem = traced_stem(&limb.rings, errors)
+        .filter(|stem| stem.axis.length() > 2.0 * stem.mean_radius());
     Ok(stem.map(|stem| {
         let notes = ["base", "end"]
             .iter()
@@ -157,7 +169,7 @@ fn turn_base_first(limb: &mut Limb) {
 }
 
 /// The smooth stem through rings, from the base on.
-fn traced_stem(rings: &[Ring]) -> Option<TracedStem> {
+fn traced_stem(rings: &[Ring], errors: LimbErrors) -> Option<TracedStem> {
     let mut stations: Vec<Station> = Vec::with_capacity(rings.len());
     for (k, ring) in rings.iter().enumerate() {
         let t = match stations.last() {
@@ -205,7 +217,17 @@ fn traced_stem(rings: &[Ring]) -> Option<TracedStem> {
         axis,
         radii,
         shape: SectionShape::Round,
+        length_error: errors.length,
+        radius_error: errors.radius.hypot(mean_error(rings)),
     })
+}
+
+/// Standard error of the mean of the rings' radii, m. Circles err alike along a stem, as they have the same side unseen and
+/// the same form: their mean errs as each of them.
+fn mean_error(rings: &[Ring]) -> f64 {
+    let mut errors: Vec<f64> = rings.iter().map(|r| r.radius_error).collect();
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
 }
 
 /// Length of the location along the stem, m.

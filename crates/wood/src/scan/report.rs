@@ -41,6 +41,25 @@ pub struct Coverage {
     pub share: f64,
 }
 
+/// What the stem measures at the requested place, over a length of a diameter. Standard errors are those of the circle
+/// through the section's points, from their residual by sectors of 15 degrees and from the share of the girth that was seen,
+/// and of the spread of what halves of the points give.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PlaceMeasures {
+    /// The place, m from the base.
+    pub at_m: f64,
+    /// Diameter of the circle of the section's area, m.
+    pub diameter_m: f64,
+    /// Its standard error, m.
+    pub diameter_error_m: f64,
+    /// Girth along the section's outline, without bark relief finer than a sixth of it, m.
+    pub girth_m: f64,
+    /// Its standard error, m.
+    pub girth_error_m: f64,
+    /// Girth as a tape measures it, along the convex hull of that outline, m.
+    pub tape_girth_m: f64,
+}
+
 /// The report of a reconstruction.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct ScanReport {
@@ -53,10 +72,21 @@ pub struct ScanReport {
     pub fracture_points: usize,
     /// Length of the stem that was traced, m.
     pub stem_length_m: f64,
+    /// Standard error of that length, from the spread of the lengths that random halves of the points give, m; of squared
+    /// timber from the spread of its sides' ends.
+    #[serde(default)]
+    pub stem_length_error_m: f64,
     /// The part of it that the surface spans, m from the base.
     pub span_m: [f64; 2],
     /// Mean radius, m.
     pub radius_m: f64,
+    /// Standard error of the mean radius, from the residuals and the coverage of the circles through its sections and from
+    /// the spread of random halves of the points, m.
+    #[serde(default)]
+    pub radius_error_m: f64,
+    /// Diameter and girth at the place.
+    #[serde(default)]
+    pub place: Option<PlaceMeasures>,
     /// Share of the girth that was seen, metre by metre.
     #[serde(rename = "cover")]
     pub coverage: Vec<Coverage>,

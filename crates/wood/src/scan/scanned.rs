@@ -49,6 +49,26 @@ impl fmt::Display for ScannedReport {
                 b.foreign_points,
                 b.fracture_points
             )?;
+            writeln!(
+                f,
+                "errors   length {:.2} ± {:.2} m, mean diameter {:.1} ± {:.1} cm (standard errors)",
+                b.stem_length_m,
+                b.stem_length_error_m,
+                200.0 * b.radius_m,
+                200.0 * b.radius_error_m
+            )?;
+            if let Some(p) = &b.place {
+                writeln!(
+                    f,
+                    "size     at {:.2} m: diameter {:.1} ± {:.1} cm, girth {:.1} ± {:.1} cm, by tape {:.1} cm",
+                    p.at_m,
+                    100.0 * p.diameter_m,
+                    100.0 * p.diameter_error_m,
+                    100.0 * p.girth_m,
+                    100.0 * p.girth_error_m,
+                    100.0 * p.tape_girth_m
+                )?;
+            }
             let parts: Vec<String> = b
                 .coverage
                 .iter()

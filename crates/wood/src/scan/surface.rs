@@ -78,6 +78,8 @@ pub(super) fn bark(
         foreign_points: points.foreign,
         fracture_points: points.fracture_points,
         stem_length_m: length,
+        stem_length_error_m: stem.length_error,
+        radius_error_m: stem.radius_error,
         span_m: span.into(),
         radius_m: stem.shape.equal_radius(mean_radius),
         coverage,
@@ -86,7 +88,7 @@ pub(super) fn bark(
         noise_m,
         cells: [size.around, rows.len()],
         folded: points.folded(0.0, length),
-        notes: Vec::new(),
+        ..ScanReport::default()
     };
     Ok(ScannedBark {
         mesh,

@@ -35,6 +35,8 @@ struct Side {
     /// Distance of the plane from the origin along the normal.
     offset: f64,
     count: usize,
+    /// Root mean square of its points' distances from the plane.
+    rms: f64,
     /// Least and greatest coordinate along the grain.
     reach: (f64, f64),
 }
@@ -220,7 +222,12 @@ fn fit_side(points: &[DVec3], first: &[DVec3], outward: DVec3, grain: DVec3) -> 
             .collect();
     }
     let coordinates: Vec<f64> = on.iter().map(|p| p.dot(grain)).collect();
+    let squares = on
+        .iter()
+        .map(|p| (p.dot(fitted.0) - fitted.1).powi(2))
+        .sum::<f64>();
     Some(Side {
+        rms: (squares / on.len() as f64).sqrt(),
         normal: fitted.0,
         offset: fitted.1,
         count: on.len(),
@@ -250,6 +257,16 @@ fn frame_of_sides(sides: &[Side], frame: DMat3) -> Option<DMat3> {
     Some(DMat3::from_cols(first, grain.cross(first), grain))
 }
 
+/// Standard error of half the distance between two sides: their planes' offsets are as sure as the means of so many patches
+/// of points that err together.
+fn half_error(sides: &[Side]) -> f64 {
+    const PATCHES: f64 = 24.0;
+    let variance = |s: &Side| s.rms * s.rms / PATCHES.min(s.count as f64);
+    let sum: f64 = sides.iter().map(variance).sum();
+    // Two of the four, halved.
+    0.5 * (0.5 * sum).sqrt()
+}
+
 /// The timber between four sides, where they hold the points.
 fn between_sides(samples: &Samples, frame: DMat3, sides: &[Side]) -> Option<Timber> {
     // Each side cuts the line through the middle of the others where it is on average.
@@ -259,6 +276,12 @@ fn between_sides(samples: &Samples, frame: DMat3, sides: &[Side]) -> Option<Timb
         0.5 * (ends[1] + ends[2])
     };
     let (from, to) = (end(|s| s.reach.0), end(|s| s.reach.1));
+    // The mean of the middle two of four has nearly the error of the mean of all.
+    let end_error = |coordinate: fn(&Side) -> f64, mean: f64| {
+        let squares = sides.iter().map(|s| (coordinate(s) - mean).powi(2));
+        squares.sum::<f64>() / (3.0 * 4.0)
+    };
+    let length_error = (end_error(|s| s.reach.0, from) + end_error(|s| s.reach.1, to)).sqrt();
     let middle = 0.5 * (from + to);
     let at = |k: usize, across: DVec3| {
         let side = &sides[k];
@@ -304,6 +327,8 @@ fn between_sides(samples: &Samples, frame: DMat3, sides: &[Side]) -> Option<Timb
                 core: wide - half,
             },
             axis,
+            length_error,
+            radius_error: half_error(sides),
         },
         thickness: 2.0 * half,
         width: 2.0 * wide,

@@ -4,6 +4,7 @@
 //! axis; where noise spoils normals, the longest direction of the points stands in.
 
 use super::circle::{Circle, Expected, Prior, fit};
+use super::merit::Merit;
 use crate::noise;
 use crate::stem::StemLocation;
 use glam::{DMat3, DVec2, DVec3};
@@ -22,9 +23,14 @@ pub(super) struct Ring {
     evidence: f64,
     /// The same of occupied cells instead of points.
     cell_evidence: f64,
+    /// Information of one of its points, in nats.
+    information: f64,
+    /// Standard error of the radius from the residual and the coverage of the circle, m.
+    pub radius_error: f64,
 }
 
-/// Points that are searched for a stem.
+/// Points that are searched for a stem, in a random order: the first of a neighbourhood stand for all of it, and one point
+/// more or less changes no other.
 pub(super) struct Searched<'a> {
     pub points: &'a [DVec3],
     pub tree: &'a KdTree,
@@ -42,22 +48,26 @@ const MAX_NEIGHBOURHOOD: usize = 240;
 /// Most points inside a section for each one on it.
 const MAX_INSIDE_FIRST: f64 = 0.15;
 const MAX_INSIDE: f64 = 0.3;
-/// Largest root mean square of the points' distances from a section, in radii: of a first section, and of those that
-/// follow. Points scattered evenly over the circle's tolerance have 0.087.
+/// Largest root mean square of the points' distances from a first section, in radii. Points scattered evenly over the
+/// circle's tolerance have 0.087.
 const MAX_RMS_FIRST: f64 = 0.06;
-const MAX_RMS: f64 = 0.07;
-/// Least share of the girth that shows a section, and least share of the points on it: first and following ones.
+/// Least share of the girth that shows a section, and least share of the points on a first one.
 const MIN_COVERAGE: f64 = 0.2;
 const MIN_ON_SECTION_FIRST: f64 = 0.5;
-const MIN_ON_SECTION: f64 = 0.35;
 /// Least evidence of a section: one such circle in a thousand crowns is chance.
 const MIN_EVIDENCE: f64 = 6.9;
+/// Least evidence of a whole limb. In crowns that show no stem, tubes with half of it turn up.
+const MIN_LIMB_EVIDENCE: f64 = 200.0;
+/// A point as location may be this far from the middle of a section, in radii.
+const MAX_DISTANCE_RADII: f64 = 2.0;
 /// Least share of the points of a section ahead of its plane, and behind it: a section is no farther than the cloud.
 const MIN_EITHER_SIDE: f64 = 0.1;
 /// Steps along a limb, in radii.
 const STEP_RADII: f64 = 0.5;
-/// Steps without a section before a limb ends: a hole in the scan, a whorl of branches.
-const MAX_MISSES: usize = 6;
+/// Fewest rings of a limb.
+const MIN_RINGS: usize = 4;
+/// Rings on each side of one that say how clearly a limb shows there.
+const CLARITY_RINGS: usize = 6;
 /// Most steps along a limb.
 const MAX_STEPS: usize = 4000;
 
@@ -65,6 +75,8 @@ const MAX_STEPS: usize = 4000;
 pub(super) struct Limb {
     /// In order.
     pub rings: Vec<Ring>,
+    /// The ring from which it was followed both ways.
+    pub start: usize,
     /// Why it ends at the first and at the last ring.
     pub ends: [String; 2],
 }
@@ -79,7 +91,7 @@ pub(super) fn limb(
     context: &Context,
 ) -> Result<Option<Limb>, Cancelled> {
     let mut starts: Vec<Ring> = match location {
-        StemLocation::Point(p) => cloud.rings_at(*p, 0, context)?,
+        StemLocation::Point(p) => cloud.starts_near(*p, context)?,
         _ => cloud.starts(&context.part(0.0, 0.5))?,
     };
     starts.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -101,28 +113,90 @@ pub(super) fn limb(
             .map(|start| cloud.follow(*start, context))
             .collect::<Result<_, _>>()?;
         for limb in limbs {
-            let score = limb.evidence();
-            if limb.rings.len() >= 4 && best.as_ref().is_none_or(|b| score > b.0) {
+            let here = match location {
+                StemLocation::Point(p) => limb.passes(*p),
+                _ => true,
+            };
+            let score = if here { limb.cell_evidence() } else { 0.0 };
+            if limb.is_tube() && best.as_ref().is_none_or(|b| score > b.0) {
                 best = Some((score, limb));
             }
         }
     }
-    // The clumps of a crown make circles of many points, which stand in few places.
-    Ok(best
-        .map(|(_, limb)| limb)
-        .filter(|limb| limb.mean_cell_evidence() > MIN_EVIDENCE))
+    let Some((_, best)) = best else {
+        return Ok(None);
+    };
+    // Again from where it shows best: what is found does not depend on where it was come upon.
+    Ok(Some(cloud.follow(best.clearest(), context)?))
+}
+
+/// Why a limb ends.
+fn ending(at: DVec3) -> String {
+    format!("the points thin out near {at:.3}")
 }
 
 impl Limb {
-    /// The evidence that the points are those of a tube and not scattered.
-    fn evidence(&self) -> f64 {
-        self.rings.iter().map(|r| r.evidence).sum()
+    /// The ring about which its sections are clearest.
+    fn clearest(&self) -> Ring {
+        let count = self.rings.len();
+        let clarity = |k: usize| -> f64 {
+            let near = k.saturating_sub(CLARITY_RINGS)..(k + CLARITY_RINGS + 1).min(count);
+            self.rings[near].iter().map(|r| r.information).sum()
+        };
+        let best = (0..count).max_by(|a, b| clarity(*a).total_cmp(&clarity(*b)));
+        self.rings[best.unwrap_or(0)]
     }
 
-    /// Mean evidence of the rings' occupied cells. The first ring has none of its own.
-    fn mean_cell_evidence(&self) -> f64 {
-        let sum: f64 = self.rings.iter().map(|r| r.cell_evidence).sum();
-        sum / self.rings.len().max(1) as f64
+    /// Cuts off what is farther than `reach` (m) from the start towards the first (`side` 0) or the last ring (1).
+    pub fn cut(&mut self, side: usize, reach: f64) {
+        let mut length = 0.0;
+        let mut retained = 1;
+        let side_rings: Vec<&Ring> = if side == 0 {
+            self.rings[..=self.start].iter().rev().collect()
+        } else {
+            self.rings[self.start..].iter().collect()
+        };
+        for pair in side_rings.windows(2) {
+            length += pair[0].centre.distance(pair[1].centre);
+            if length > reach {
+                break;
+            }
+            retained += 1;
+        }
+        if retained == side_rings.len() {
+            return;
+        }
+        if side == 0 {
+            self.rings.drain(..=self.start - retained);
+            self.start = retained - 1;
+        } else {
+            self.rings.truncate(self.start + retained);
+        }
+        let end = if side == 0 { 0 } else { self.rings.len() - 1 };
+        self.ends[side] = ending(self.rings[end].centre);
+    }
+
+    /// The evidence of the rings' occupied cells that the points are those of a tube and not scattered. The clumps of a crown
+    /// make circles of many points, which stand in few places.
+    fn cell_evidence(&self) -> f64 {
+        self.rings.iter().map(|r| r.cell_evidence).sum()
+    }
+
+    /// Whether a point lies in the limb or close to it.
+    fn passes(&self, p: DVec3) -> bool {
+        let mut rings = self.rings.iter();
+        rings.any(|r| r.centre.distance(p) < MAX_DISTANCE_RADII * r.radius)
+    }
+
+    /// Whether the points are surely those of a tube.
+    pub fn is_certain(&self) -> bool {
+        self.is_tube() && self.cell_evidence() > MIN_LIMB_EVIDENCE
+    }
+
+    /// Whether there are rings enough, and their mean evidence suffices. The first ring has none of its own.
+    fn is_tube(&self) -> bool {
+        let mean = self.cell_evidence() / self.rings.len().max(1) as f64;
+        self.rings.len() >= MIN_RINGS && mean > MIN_EVIDENCE
     }
 }
 
@@ -140,6 +214,16 @@ fn lower_layers(points: &[DVec3], count: usize) -> Vec<Vec<u32>> {
         }
     }
     layers
+}
+
+/// The `count` least of some numbers, ascending.
+fn least(mut numbers: Vec<u32>, count: usize) -> Vec<u32> {
+    if numbers.len() > count {
+        numbers.select_nth_unstable(count);
+        numbers.truncate(count);
+    }
+    numbers.sort_unstable();
+    numbers
 }
 
 /// Sum of the outer products of vectors with themselves.
@@ -194,6 +278,20 @@ impl Searched<'_> {
         Ok(found)
     }
 
+    /// First sections about a point: of its own neighbourhoods and of those of points near it.
+    fn starts_near(&self, at: DVec3, context: &Context) -> Result<Vec<Ring>, Cancelled> {
+        const NEIGHBOURS: usize = 128;
+        const EVERY: usize = 16;
+        let near = self.tree.nearest(at, NEIGHBOURS);
+        let starts: Vec<Vec<Ring>> = near
+            .par_iter()
+            .step_by(EVERY)
+            .enumerate()
+            .map(|(k, (_, i))| self.rings_at(self.points[*i as usize], k as u64, context))
+            .collect::<Result<_, _>>()?;
+        Ok(starts.concat())
+    }
+
     /// The best sections of neighbourhoods of a point, of every size.
     fn rings_at(&self, at: DVec3, seed: u64, context: &Context) -> Result<Vec<Ring>, Cancelled> {
         const MIN_POINTS: usize = 24;
@@ -213,7 +311,7 @@ impl Searched<'_> {
             context.check()?;
             let ball = self.tree.within_unordered(at, reach);
             if ball.len() >= MIN_POINTS {
-                found.extend(self.ring_of(at, &ball, reach, seed));
+                found.extend(self.ring_of(at, ball, reach, seed));
             }
             reach *= NEIGHBOURHOOD_GROWTH;
         }
@@ -221,11 +319,9 @@ impl Searched<'_> {
     }
 
     /// The best section of a neighbourhood.
-    fn ring_of(&self, at: DVec3, ball: &[u32], reach: f64, seed: u64) -> Option<Ring> {
-        let stride = ball.len().div_ceil(MAX_NEIGHBOURHOOD);
-        let points: Vec<DVec3> = ball
+    fn ring_of(&self, at: DVec3, ball: Vec<u32>, reach: f64, seed: u64) -> Option<Ring> {
+        let points: Vec<DVec3> = least(ball, MAX_NEIGHBOURHOOD)
             .iter()
-            .step_by(stride)
             .map(|&i| self.points[i as usize])
             .collect();
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
@@ -234,7 +330,7 @@ impl Searched<'_> {
         let by_length = symmetric_eigen(spread(points.iter().map(|p| *p - mean)))[2].1;
         let mut best: Option<Ring> = None;
         for along in [by_normals, by_length] {
-            let (x, y) = along.any_orthonormal_pair();
+            let (x, y) = self.across(at, along);
             let flat: Vec<DVec2> = points
                 .iter()
                 .map(|p| DVec2::new((*p - at).dot(x), (*p - at).dot(y)))
@@ -262,22 +358,39 @@ impl Searched<'_> {
                     radius: c.radius,
                     evidence,
                     cell_evidence: c.cell_evidence,
+                    information: c.information,
+                    radius_error: c.radius_error,
                 });
             }
         }
         best
     }
 
+    /// Directions across a limb that turn with the points: towards the first of them, and square to it.
+    fn across(&self, centre: DVec3, along: DVec3) -> (DVec3, DVec3) {
+        let ends = [0, self.points.len() - 1].map(|i| self.points[i] - centre);
+        let square = ends.map(|d| d.reject_from_normalized(along));
+        let towards = if square[0].length() > 0.1 * ends[0].length() {
+            square[0]
+        } else {
+            square[1]
+        };
+        match towards.try_normalize() {
+            Some(x) => (x, along.cross(x)),
+            None => along.any_orthonormal_pair(),
+        }
+    }
+
     /// The section near where one is expected, of the points of a slab across it.
-    fn section(&self, near: ExpectedSection, seed: u64) -> Option<FoundSection> {
+    fn section(&self, near: ExpectedSection) -> Option<FoundSection> {
         let ExpectedSection {
             centre,
             along,
             radius,
         } = near;
-        let (x, y) = along.any_orthonormal_pair();
-        let ball = self.tree.within_unordered(centre, 2.2 * radius);
-        for half in [0.25, 0.5, 1.0] {
+        let (x, y) = self.across(centre, along);
+        let ball = self.tree.within(centre, 2.9 * radius);
+        for half in [0.25, 0.5, 1.0, 2.0] {
             let slab: Vec<DVec3> = ball
                 .iter()
                 .map(|&i| self.points[i as usize] - centre)
@@ -285,7 +398,7 @@ impl Searched<'_> {
                 .map(|d| DVec3::new(d.dot(x), d.dot(y), d.dot(along)))
                 .filter(|d| d.truncate().length() < 2.0 * radius)
                 .collect();
-            if slab.len() < 20 && half < 1.0 {
+            if slab.len() < 20 && half < 2.0 {
                 continue;
             }
             let ahead = slab.iter().filter(|d| d.z > 0.0).count() as f64;
@@ -303,13 +416,8 @@ impl Searched<'_> {
                     max_offset: 0.5 * radius,
                 }),
             };
-            let circle = fit(&flat, &expected, seed).filter(|c| {
-                c.coverage >= MIN_COVERAGE
-                    && c.share >= MIN_ON_SECTION
-                    && c.inside < MAX_INSIDE
-                    && c.rms < MAX_RMS * c.radius
-                    && c.evidence > MIN_EVIDENCE
-            });
+            let circle = fit(&flat, &expected, 0)
+                .filter(|c| c.coverage >= MIN_COVERAGE && c.inside < MAX_INSIDE);
             return circle.map(|circle| FoundSection {
                 circle,
                 thickness: 2.0 * half,
@@ -319,10 +427,11 @@ impl Searched<'_> {
     }
 
     /// Rings from one end to the other through a first one.
-    fn follow(&self, start: Ring, context: &Context) -> Result<Limb, Cancelled> {
+    pub fn follow(&self, start: Ring, context: &Context) -> Result<Limb, Cancelled> {
         let (mut rings, first) = self.march(start, -1.0, context)?;
         let (ahead, last) = self.march(start, 1.0, context)?;
         rings.reverse();
+        let begun = rings.len();
         // The evidence of the first section is that of its neighbours, too.
         rings.push(Ring {
             evidence: 0.0,
@@ -332,6 +441,7 @@ impl Searched<'_> {
         rings.extend(ahead);
         Ok(Limb {
             rings,
+            start: begun,
             ends: [first, last],
         })
     }
@@ -346,34 +456,25 @@ impl Searched<'_> {
         let mut rings: Vec<Ring> = Vec::new();
         let mut at = start;
         let mut along = start.along * sign;
-        let (mut misses, mut crowded) = (0, 0);
         let mut trail = vec![start.centre];
-        for k in 0..MAX_STEPS {
+        let mut merit = Merit::default();
+        for _ in 0..MAX_STEPS {
             context.check()?;
-            let step = STEP_RADII * at.radius.max(2.0 * self.spacing);
-            at.centre += along * step;
+            at.centre += along * (STEP_RADII * at.radius);
             let near = ExpectedSection {
                 centre: at.centre,
                 along,
                 radius: at.radius,
             };
-            let Some(FoundSection { circle, thickness }) = self.section(near, k as u64 + 100)
-            else {
-                misses += 1;
-                if misses > MAX_MISSES {
-                    return Ok((rings, format!("the points thin out near {:.3}", at.centre)));
+            let Some(found) = self.section(near) else {
+                if merit.add(None, rings.len()) {
+                    break;
                 }
                 continue;
             };
-            let (x, y) = along.any_orthonormal_pair();
+            let FoundSection { circle, thickness } = found;
+            let (x, y) = self.across(at.centre, along);
             let centre = at.centre + x * circle.centre.x + y * circle.centre.y;
-            // Where other limbs hold most of the points about, the stem has forked or is lost in the crown.
-            crowded = if circle.share < 0.5 { crowded + 1 } else { 0 };
-            if crowded > MAX_MISSES {
-                rings.truncate(rings.len().saturating_sub(crowded - 1));
-                return Ok((rings, format!("other limbs surround it near {centre:.3}")));
-            }
-            misses = 0;
             trail.push(centre);
             let from = trail[trail.len().saturating_sub(7)];
             let towards = (centre - from).try_normalize().unwrap_or(along);
@@ -386,12 +487,19 @@ impl Searched<'_> {
                 radius: 0.5 * (at.radius + circle.radius),
                 evidence: circle.evidence * STEP_RADII / thickness,
                 cell_evidence: circle.cell_evidence * STEP_RADII / thickness,
+                information: circle.information,
+                radius_error: circle.radius_error,
             };
             rings.push(Ring {
                 radius: circle.radius,
                 ..at
             });
+            if merit.add(Some(circle.information), rings.len()) {
+                break;
+            }
         }
-        Ok((rings, "it is longer than any limb".to_owned()))
+        rings.truncate(merit.rings);
+        let end = rings.last().map_or(start.centre, |r| r.centre);
+        Ok((rings, ending(end)))
     }
 }

@@ -19,6 +19,10 @@ pub(crate) struct TracedStem {
     /// At least two, rising in length.
     pub radii: Vec<RadiusAt>,
     pub shape: SectionShape,
+    /// Standard error of the axis's length, m.
+    pub length_error: f64,
+    /// Standard error of the mean radius, of squared timber of half its thickness, m.
+    pub radius_error: f64,
 }
 
 impl TracedStem {

@@ -15,7 +15,8 @@ use super::taper::taper;
 use super::tube::Tube;
 use super::{GrainSpace, StemLocation};
 use crate::polygon;
-use crate::rings::{RingField, estimate_pith};
+use crate::polygon::area_and_centroid;
+use crate::rings::{PITH_OFFSET_RMS, RingField, estimate_pith};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Cancelled, Context, Mesh};
 use std::f64::consts::PI;
@@ -397,9 +398,21 @@ impl Search<'_> {
             (Some(PithPosition::World(p)), _) => grain.to_grain(p).truncate(),
             (None, StemKind::Round) => {
                 let pith = estimate_pith(&section.contour);
-                let off = (pith - section.centroid).length() * 1e3;
+                let (area, centroid) = area_and_centroid(&section.contour);
+                let radius = (area.abs() / std::f64::consts::PI).sqrt();
+                let place = if pith == centroid {
+                    "at the section's centroid".to_owned()
+                } else {
+                    let off = (pith - centroid).length() * 1e3;
+                    format!(
+                        "{off:.1} mm from the section's centroid, which lies outside or close to the bark"
+                    )
+                };
                 notes.push(format!(
-                    "the pith was estimated, {off:.1} mm from the section's centroid"
+                    "the pith was estimated, {place}; a pith is {:.0} % of the radius off the centroid on average, here {:.1} \
+                     mm",
+                    100.0 * PITH_OFFSET_RMS,
+                    1e3 * PITH_OFFSET_RMS * radius
                 ));
                 pith
             }

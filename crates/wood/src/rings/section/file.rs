@@ -206,6 +206,10 @@ impl RingsFile {
         file.insert("y_axis".into(), json!(axis));
         file.insert("pith".into(), json!(round(self.rings.pith())));
         file.insert("pith_guessed".into(), json!(self.rings.is_pith_estimated()));
+        file.insert(
+            "pith_uncertainty".into(),
+            json!(self.rings.pith_uncertainty()),
+        );
         file.insert("outer_contour".into(), json!(list(&outline.points)));
         file.insert("rings".into(), Value::Array(rings));
         Ok(Value::Object(file).to_string() + "\n")

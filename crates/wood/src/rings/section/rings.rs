@@ -2,11 +2,13 @@
 
 use super::super::Erosion;
 use super::super::field::RingField;
+use super::super::pith::PITH_OFFSET_RMS;
 use super::super::series::RingSeries;
 use super::curves::{CURVE_POINTS, RingCurve, mean, radii};
 use super::eroded::ErodedSection;
 use super::error::SectionRingError;
 use super::outline::SectionOutline;
+use crate::polygon::area_and_centroid;
 use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
 
@@ -107,6 +109,15 @@ impl SectionRings {
     /// Whether the pith was estimated from the outline.
     pub fn is_pith_estimated(&self) -> bool {
         self.outline.pith.is_none()
+    }
+
+    /// Root mean square distance of the true pith from the one taken, in the section's unit; 0 where it was given.
+    pub fn pith_uncertainty(&self) -> f64 {
+        if !self.is_pith_estimated() {
+            return 0.0;
+        }
+        let (area, _) = area_and_centroid(&self.outline.points);
+        PITH_OFFSET_RMS * (area.abs() / std::f64::consts::PI).sqrt()
     }
 
     /// Mean radius of the outline about the pith.

@@ -1,5 +1,6 @@
 //! Cylinders with known noise, whole and seen in part.
 
+mod poses;
 mod timber;
 mod trees;
 

@@ -1,0 +1,193 @@
+//! What of a stem's own shell does not belong to it: the other limb of a fork, branches that are welded to it.
+
+use super::{FoundStem, StemKind};
+use glam::DVec3;
+use greenstick_geometry::{Cancelled, Context, Mesh};
+use rayon::prelude::*;
+use std::fmt;
+
+/// Ring coordinate beyond which the surface is another limb's: bark is at about 1.
+const MAX_RING: f64 = 1.6;
+/// Distance beyond the ends, in radii, from which on it is.
+const END_RADII: f64 = 1.0;
+/// Least share of the shell's volume that is reported.
+const MIN_SHARE: f64 = 0.02;
+/// Triangles between two checks for cancellation.
+const BATCH: usize = 1 << 12;
+
+/// Wood of the stem's shell that is not the stem's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeftOut {
+    /// Its volume, closed flat where it meets the stem, m³.
+    pub volume_m3: f64,
+    /// Its share of the shell's volume, 0 to 1.
+    pub share: f64,
+    /// Number of parts, each a limb.
+    pub parts: usize,
+    /// Where the largest part meets the stem, m along it from the base.
+    pub at_m: f64,
+    /// The middle of the largest part's surface, m.
+    pub centre: DVec3,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.centre.to_array();
+        write!(
+            f,
+            "{} beside the stem {} left out, about {:.6} m³ or {:.0} % of the mesh's volume: the largest meets it at {:.3} m \
+             and has its middle at ({x:.3}, {y:.3}, {z:.3}) m",
+            if self.parts == 1 { "a limb" } else { "limbs" },
+            if self.parts == 1 { "was" } else { "were" },
+            self.volume_m3,
+            100.0 * self.share,
+            self.at_m
+        )
+    }
+}
+
+/// Finds what of the stem's shell a round stem leaves out. `mesh` is the one that the stem was found in, in world metres.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn find_left_out(
+    mesh: &Mesh,
+    found: &FoundStem,
+    context: &Context,
+) -> Result<Option<LeftOut>, Cancelled> {
+    if found.stem.kind != StemKind::Round {
+        return Ok(None);
+    }
+    let corners = |t: u32| mesh.triangles[t as usize].map(|v| mesh.positions[v as usize]);
+    let batches: Vec<Vec<u32>> = found
+        .shell
+        .par_chunks(BATCH)
+        .map(|batch| {
+            context.check()?;
+            let is_off = |t: &u32| is_beside(found, corners(*t).iter().sum::<DVec3>() / 3.0);
+            Ok(batch.iter().copied().filter(is_off).collect())
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    let beside = batches.concat();
+    let mut parts: Vec<(f64, Part)> = parts(mesh, &beside)
+        .into_iter()
+        .map(|part| {
+            (
+                volume(part.triangles.iter().map(|t| corners(*t)), part.mouth),
+                part,
+            )
+        })
+        .collect();
+    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let whole = volume(found.shell.iter().map(|t| corners(*t)), DVec3::ZERO);
+    // Burrs are no limbs.
+    parts.retain(|p| p.0 > 0.1 * MIN_SHARE * whole);
+    let Some((_, largest)) = parts.first() else {
+        return Ok(None);
+    };
+    let sum: f64 = parts.iter().map(|p| p.0).sum();
+    let middles = largest
+        .triangles
+        .iter()
+        .map(|t| corners(*t).iter().sum::<DVec3>() / 3.0);
+    let left_out = LeftOut {
+        volume_m3: sum,
+        share: sum / whole,
+        parts: parts.len(),
+        at_m: found
+            .stem
+            .grain
+            .to_grain(largest.mouth)
+            .z
+            .clamp(0.0, found.stem.length),
+        centre: middles.sum::<DVec3>() / largest.triangles.len() as f64,
+    };
+    Ok((left_out.share > MIN_SHARE).then_some(left_out))
+}
+
+/// Whether a point of the surface is not the stem's.
+fn is_beside(found: &FoundStem, p: DVec3) -> bool {
+    let stem = &found.stem;
+    let q = stem.grain.to_grain(p);
+    let beyond = END_RADII * stem.radius;
+    !(-beyond..=stem.length + beyond).contains(&q.z)
+        || stem.rings.address(q.truncate()).0 > MAX_RING
+}
+
+/// The volume of triangles, closed by a cone to a point.
+fn volume(triangles: impl Iterator<Item = [DVec3; 3]>, apex: DVec3) -> f64 {
+    let sum: f64 = triangles
+        .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)))
+        .sum();
+    (sum / 6.0).abs()
+}
+
+/// A connected part of the surface.
+struct Part {
+    triangles: Vec<u32>,
+    /// The middle of its open rim.
+    mouth: DVec3,
+}
+
+/// The connected parts of some triangles. Vertices at one position are one point.
+fn parts(mesh: &Mesh, triangles: &[u32]) -> Vec<Part> {
+    let key = |v: u32| mesh.positions[v as usize].to_array().map(f64::to_bits);
+    let mut vertices: Vec<u32> = triangles
+        .iter()
+        .flat_map(|t| mesh.triangles[*t as usize])
+        .collect();
+    vertices.sort_by_key(|v| key(*v));
+    vertices.dedup_by_key(|v| key(*v));
+    let point = |v: u32| vertices.partition_point(|u| key(*u) < key(v));
+    let corners: Vec<[usize; 3]> = triangles
+        .iter()
+        .map(|t| mesh.triangles[*t as usize].map(point))
+        .collect();
+    let mut parent: Vec<usize> = (0..vertices.len()).collect();
+    for c in &corners {
+        let roots = c.map(|p| root(&mut parent, p));
+        let least = roots[0].min(roots[1]).min(roots[2]);
+        roots.iter().for_each(|r| parent[*r] = least);
+    }
+    // Edges that occur in one direction only are the rim.
+    let mut edges: Vec<(usize, usize)> = corners
+        .iter()
+        .flat_map(|c| [(c[0], c[1]), (c[1], c[2]), (c[2], c[0])])
+        .collect();
+    edges.sort_unstable();
+    let rim = edges
+        .iter()
+        .filter(|(a, b)| edges.binary_search(&(*b, *a)).is_err());
+    let mut rims = vec![(DVec3::ZERO, 0.0); vertices.len()];
+    for (a, _) in rim {
+        let sum = &mut rims[root(&mut parent, *a)];
+        *sum = (sum.0 + mesh.positions[vertices[*a] as usize], sum.1 + 1.0);
+    }
+    let mut numbered: Vec<(usize, u32)> = corners
+        .iter()
+        .zip(triangles)
+        .map(|(c, t)| (root(&mut parent, c[0]), *t))
+        .collect();
+    numbered.sort_unstable();
+    let part = |group: &[(usize, u32)]| {
+        let (sum, count) = rims[group[0].0];
+        let first = mesh.triangles[group[0].1 as usize][0];
+        Part {
+            triangles: group.iter().map(|g| g.1).collect(),
+            mouth: if count > 0.0 {
+                sum / count
+            } else {
+                mesh.positions[first as usize]
+            },
+        }
+    };
+    numbered.chunk_by(|a, b| a.0 == b.0).map(part).collect()
+}
+
+fn root(parent: &mut [usize], mut p: usize) -> usize {
+    while parent[p] != p {
+        parent[p] = parent[parent[p]];
+        p = parent[p];
+    }
+    p
+}
