@@ -137,15 +137,20 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
         };
         let made = skin(&wood, &state, &options);
         let mut sum = 0.0;
+        let (mut crossing, mut triangles) = (0, 0);
         for piece in &made.pieces {
             let report = piece.mesh.check();
             let case = format!("seed {seed}, {}: {report}", piece.name);
             assert!(report.closed && report.oriented, "{case}");
-            // A crack's sides lie a hair apart, and where many sheets meet in a vertex some still pass through each other.
-            let crossing = report.self_intersections.as_ref().map_or(0, |s| s.crossing);
-            assert!(crossing * 10 < piece.mesh.triangles.len(), "{case}");
+            crossing += report.self_intersections.as_ref().map_or(0, |s| s.crossing);
+            triangles += piece.mesh.triangles.len();
             sum += report.volume_m3.unwrap();
         }
+        // A crack's sides lie a hair apart, and where many sheets meet in a vertex some still pass through each other.
+        assert!(
+            crossing * 30 < triangles,
+            "seed {seed}: {crossing} pairs of {triangles} triangles cross"
+        );
         // What is lost is the kerf of cracks.
         assert!(
             sum < volume && sum > 0.998 * volume,
