@@ -113,6 +113,21 @@ fn annotated_rings_are_met() {
     }
 }
 
+/// All sections whose rings and pith are known.
+const SECTIONS: [&str; 11] = [
+    "F02b_cstrd.json",
+    "F02c_cstrd.json",
+    "F10b_traced.json",
+    "fir_C07c_traced.json",
+    "fir_C08d_traced.json",
+    "fir_C10d_traced.json",
+    "fir_D05c_traced.json",
+    "fir_D06c_traced.json",
+    "inbd_shrub.json",
+    "pinus_deepcstrd.json",
+    "trassample_cstrd.json",
+];
+
 /// A section with its annotated rings.
 struct Annotated {
     outline: Vec<DVec2>,
@@ -146,23 +161,10 @@ fn errors(section: &Annotated, onset: Option<f64>) -> [f64; 3] {
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn rings_of_eleven_sections_are_met_better_by_a_few_points_on_them() {
-    let names = [
-        "F02b_cstrd.json",
-        "F02c_cstrd.json",
-        "F10b_traced.json",
-        "fir_C07c_traced.json",
-        "fir_C08d_traced.json",
-        "fir_C10d_traced.json",
-        "fir_D05c_traced.json",
-        "fir_D06c_traced.json",
-        "inbd_shrub.json",
-        "pinus_deepcstrd.json",
-        "trassample_cstrd.json",
-    ];
     let context = Context::quiet();
     let mut sums = [0.0; 4];
     println!("section              default  better  fitted  onset  3 points  onset");
-    for name in names {
+    for name in SECTIONS {
         let section = annotated(name);
         let [default, outline, circle] = errors(&section, None);
         let better = outline.min(circle);
@@ -188,7 +190,7 @@ fn rings_of_eleven_sections_are_met_better_by_a_few_points_on_them() {
             onset_of_three.unwrap()
         );
         for (sum, error) in sums.iter_mut().zip([default, better, fitted, by_three]) {
-            *sum += error / names.len() as f64;
+            *sum += error / SECTIONS.len() as f64;
         }
         assert!(fitted < 1.1 * better, "{name}: {fitted} against {better}");
     }
@@ -199,21 +201,8 @@ fn rings_of_eleven_sections_are_met_better_by_a_few_points_on_them() {
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn the_centroid_is_as_near_the_pith_as_reported() {
-    let names = [
-        "F02b_cstrd.json",
-        "F02c_cstrd.json",
-        "F10b_traced.json",
-        "fir_C07c_traced.json",
-        "fir_C08d_traced.json",
-        "fir_C10d_traced.json",
-        "fir_D05c_traced.json",
-        "fir_D06c_traced.json",
-        "inbd_shrub.json",
-        "pinus_deepcstrd.json",
-        "trassample_cstrd.json",
-    ];
     let mut squares = Vec::new();
-    for name in names {
+    for name in SECTIONS {
         let section = section(name);
         let (outline, pith) = (points(&section["outer_contour"]), point(&section["pith"]));
         let (area, _) = area_and_centroid(&outline);

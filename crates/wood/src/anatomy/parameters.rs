@@ -71,8 +71,8 @@ parameters! {
 }
 
 impl RingParameters {
-    /// Checks that an erosion, which makes its own rings, is not given others: a number, by the name of its parameter, or
-    /// a series.
+    /// Checks that rings are asked for in one way: an erosion makes its own, a series stands beside no `number`, which is
+    /// given by the name of its parameter.
     ///
     /// # Errors
     /// [`ParameterError::Conflict`].
@@ -81,6 +81,11 @@ impl RingParameters {
         number: Option<&str>,
         series: &RingSeriesParameters,
     ) -> Result<(), ParameterError> {
+        if let (Some(number), Some(_)) = (number, series.series()) {
+            return Err(ParameterError::Conflict(format!(
+                "{number}: a list of rings says how many there are; expected only one of the two"
+            )));
+        }
         let given = number.or_else(|| series.series().map(|_| "a list of rings"));
         match (self.rings_by, given) {
             (RingMethodChoice::Erosion, Some(given)) => Err(ParameterError::Conflict(format!(

@@ -91,3 +91,31 @@ impl BreakRingParameters {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick_schema::Parameters;
+
+    #[test]
+    fn rings_are_asked_for_in_one_way() {
+        let checked = |settings: &[(&str, &str)]| {
+            let mut parameters = BreakRingParameters::default();
+            for (key, value) in settings {
+                parameters.set_text(key, value).unwrap();
+            }
+            parameters.check().map_err(|e| e.to_string())
+        };
+        let widths = ("ring_widths", "1 mm, 2 mm");
+        assert!(checked(&[widths]).is_ok() && checked(&[("annual_rings", "5")]).is_ok());
+        for settings in [
+            [widths, ("annual_rings", "5")],
+            [widths, ("ring_shares", "0.5")],
+            [widths, ("rings_by", "erosion")],
+            [("annual_rings", "5"), ("rings_by", "erosion")],
+        ] {
+            let refused = checked(&settings).unwrap_err();
+            assert!(refused.contains("expected"), "{settings:?}: {refused}");
+        }
+    }
+}
