@@ -57,8 +57,9 @@ fn assert_same_stem(what: &str, a: &ScanReport, b: &ScanReport) {
     assert_alike(what, "mean radius", radii, [a, b].map(|r| r.radius_error_m));
 }
 
-/// Tries a cloud in all poses. `free` also lays it down, `thickness` also compares diameter and girth at one place.
-fn assert_same_in_all_poses(name: &str, free: bool, thickness: bool) {
+/// Tries a cloud in all poses. `free` also lays it down; in `unsettled` poses diameter and girth at one
+/// place are not compared.
+fn assert_same_in_all_poses(name: &str, free: bool, unsettled: &[&str]) {
     let cloud = cloud(name);
     let at = StemLocation::Fraction(0.5);
     let first = found(&cloud, at);
@@ -90,7 +91,7 @@ fn assert_same_in_all_poses(name: &str, free: bool, thickness: bool) {
             continue;
         };
         assert_same_stem(&what, a, b);
-        if !thickness {
+        if unsettled.iter().any(|pose| what.ends_with(pose)) {
             continue;
         }
         // Diameter and girth where the first one has its middle.
@@ -113,30 +114,31 @@ fn assert_same_in_all_poses(name: &str, free: bool, thickness: bool) {
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn a_crown_without_a_stem_is_refused_in_all_poses() {
-    assert_same_in_all_poses("scans/tree33.xyz", false, true);
+    assert_same_in_all_poses("scans/tree33.xyz", false, &[]);
 }
 
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn a_scanned_tree_is_the_same_in_all_poses() {
-    assert_same_in_all_poses("scans/tree_tls.las", false, true);
+    assert_same_in_all_poses("scans/tree_tls.las", false, &[]);
 }
 
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn a_forked_tree_is_the_same_in_all_poses() {
-    assert_same_in_all_poses("scans/tree_forks.las", false, true);
+    assert_same_in_all_poses("scans/tree_forks.las", false, &[]);
 }
 
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn a_pine_is_the_same_in_all_poses() {
-    // Among its branches the diameter at one place still differs by more than its standard error (18.0 and 20.1 cm).
-    assert_same_in_all_poses("scans/pine.laz", false, false);
+    // Shifted, its diameter among the branches still differs by more than its standard error (18.0 and 20.1 cm): a fault
+    // to be mended.
+    assert_same_in_all_poses("scans/pine.laz", false, &["shifted"]);
 }
 
 #[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn squared_timber_is_the_same_in_all_poses() {
-    assert_same_in_all_poses("scans/timber_beam_cloud.ply", true, true);
+    assert_same_in_all_poses("scans/timber_beam_cloud.ply", true, &[]);
 }
