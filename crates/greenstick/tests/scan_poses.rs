@@ -6,9 +6,10 @@ mod data;
 use glam::{DMat3, DVec3};
 use greenstick::files;
 use greenstick::formats::Content;
+use greenstick::geometry::cloud::{CleanOptions, clean};
 use greenstick::geometry::{Context, PointCloud};
 use greenstick_wood::noise;
-use greenstick_wood::scan::{ScanReport, ScanRequest, clean_and_reconstruct};
+use greenstick_wood::scan::{PlaceMeasures, ScanOptions, ScanReport, reconstruct_bark};
 use greenstick_wood::stem::StemLocation;
 
 fn cloud(name: &str) -> PointCloud {
@@ -35,11 +36,21 @@ fn half(cloud: &PointCloud, seed: u64) -> PointCloud {
     cloud.select(&kept)
 }
 
-/// Report and centreline; `None` where the cloud is refused.
-fn found(cloud: &PointCloud, at: StemLocation) -> Option<(ScanReport, Vec<DVec3>)> {
-    let request = ScanRequest::default();
-    let bark = clean_and_reconstruct(cloud, &at, &request, &Context::quiet()).ok()?;
-    Some((bark.1.report, bark.1.centreline))
+/// The cleaned cloud; poses and locations are tried on it.
+fn cleaned(cloud: &PointCloud) -> PointCloud {
+    let (cloud, _) = clean(cloud, &CleanOptions::default(), &Context::quiet()).unwrap();
+    cloud
+}
+
+/// Report and centreline of a cleaned cloud; `None` where it is refused.
+fn found(cleaned: &PointCloud, at: StemLocation) -> Option<(ScanReport, Vec<DVec3>)> {
+    let bark = reconstruct_bark(cleaned, &at, &ScanOptions::default(), &Context::quiet()).ok()?;
+    Some((bark.report, bark.centreline))
+}
+
+fn measured(cleaned: &PointCloud, point: DVec3) -> PlaceMeasures {
+    let (report, _) = found(cleaned, StemLocation::Point(point)).unwrap();
+    report.place.unwrap()
 }
 
 fn assert_alike(what: &str, quantity: &str, values: [f64; 2], errors: [f64; 2]) {
@@ -62,7 +73,12 @@ fn assert_same_stem(what: &str, a: &ScanReport, b: &ScanReport) {
 fn assert_same_in_all_poses(name: &str, free: bool, unsettled: &[&str]) {
     let cloud = cloud(name);
     let at = StemLocation::Fraction(0.5);
-    let first = found(&cloud, at);
+    let first = found(&cleaned(&cloud), at);
+    // Diameter and girth are compared where the first one has its middle.
+    let middle = first.as_ref().map(|(_, centreline)| {
+        let middle = centreline[centreline.len() / 2];
+        (middle, measured(&cleaned(&cloud), middle))
+    });
     let about_z = |degrees: f64| DMat3::from_rotation_z(degrees.to_radians());
     let mut poses: Vec<(String, DMat3, DVec3)> = [10.0, 37.0, 90.0, 180.0]
         .map(|a| (format!("{name} turned by {a}°"), about_z(a), DVec3::ZERO))
@@ -85,24 +101,19 @@ fn assert_same_in_all_poses(name: &str, free: bool, unsettled: &[&str]) {
                 .map(|(what, half)| (what, DMat3::IDENTITY, DVec3::ZERO, half)),
         );
     for (what, turn, shift, other) in clouds {
+        let other = cleaned(&other);
         let second = found(&other, at);
         assert_eq!(first.is_some(), second.is_some(), "{what}");
-        let (Some((a, centreline)), Some((b, _))) = (&first, &second) else {
+        let (Some((a, _)), Some((b, _)), Some((middle, a_place))) = (&first, &second, &middle)
+        else {
             continue;
         };
         assert_same_stem(&what, a, b);
         if unsettled.iter().any(|pose| what.ends_with(pose)) {
             continue;
         }
-        // Diameter and girth where the first one has its middle.
-        let middle = centreline[centreline.len() / 2];
-        let [a, b] = [(&cloud, middle), (&other, turn * middle + shift)].map(|(cloud, p)| {
-            found(cloud, StemLocation::Point(p))
-                .unwrap()
-                .0
-                .place
-                .unwrap()
-        });
+        let b_place = measured(&other, turn * *middle + shift);
+        let [a, b] = [a_place, &b_place];
         let errors = [a, b].map(|p| p.diameter_error_m);
         assert_alike(&what, "diameter", [a, b].map(|p| p.diameter_m), errors);
         let errors = [a, b].map(|p| p.girth_error_m);
