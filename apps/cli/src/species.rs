@@ -3,8 +3,8 @@
 use crate::arguments::SpeciesOptions;
 use crate::failure::{Failure, print};
 use crate::list::json;
-use greenstick::wood::moisture::{AIR_DRY_PERCENT, Fallback};
-use greenstick::wood::species::{DEFAULT_BUNDLE_DIAMETER, Group, Property, Species};
+use greenstick::wood::moisture::{AIR_DRY_PERCENT, Basis, Fallback, WETTEST_PERCENT};
+use greenstick::wood::species::{DEFAULT_BUNDLE_DIAMETER, GreenRatio, Group, Property, Species};
 use std::fmt::Write;
 use std::process::ExitCode;
 
@@ -62,18 +62,15 @@ fn rule(s: &Species) -> String {
     if let Ok(ratio) = s.equation_9() {
         return format!("Eq. 9, {ratio:.2} radii");
     }
-    let length = s.shear_lag_length(
-        DEFAULT_BUNDLE_DIAMETER,
-        AIR_DRY_PERCENT,
-        Fallback::TwelvePercent,
-    );
+    let length = s.shear_lag_length(DEFAULT_BUNDLE_DIAMETER, AIR_DRY_PERCENT, Fallback::Estimate);
     match length {
         Ok(length) => format!("shear lag, {:.1} mm", length.value * 1e3),
         Err(_) => "–".to_owned(),
     }
 }
 
-const EXPLANATION: &str = "Values of clear wood at 12 % moisture. The height of a broken face comes from Eq. 9 of Yang \
+const EXPLANATION: &str = "Values of clear wood at 12 % moisture: the *Wood Handbook*'s, those of nine European species, and of the \
+four of Yang 2019. The height of a broken face comes from Eq. 9 of Yang \
 2019 for the four species it was fitted to, and from the shear-lag length of a fibre bundle 1 mm wide for the others.";
 
 fn table() -> String {
@@ -127,15 +124,31 @@ fn one(s: &Species) -> String {
     let _ = writeln!(text, "{} ({}), {group}", s.name, s.scientific_name);
     let _ = writeln!(text, "from {}\n", s.source);
     let _ = writeln!(text, "{:50}{:>12}{:>12}", "", "12 %", "green");
+    let mut estimates = false;
     for property in Property::ALL {
         let (scale, unit) = shown_in(property);
         let value = |x: Option<f64>| x.map_or("–".to_owned(), |x| significant(x / scale));
+        let (green, spread) = match s.property_at(property, WETTEST_PERCENT, Fallback::Estimate) {
+            Ok(green) => match green.basis {
+                Basis::Estimate { error_percent } => {
+                    estimates = true;
+                    (Some(green.value), format!("  ± {error_percent} %"))
+                }
+                Basis::TableGreen => (Some(green.value), String::new()),
+                _ => (None, String::new()),
+            },
+            // The dry row lacks what the green row may have.
+            Err(_) => (
+                s.green.as_ref().and_then(|g| g.get(property)),
+                String::new(),
+            ),
+        };
         let _ = writeln!(
             text,
-            "{:50}{:>12}{:>12}  {unit}",
+            "{:50}{:>12}{:>12}  {unit}{spread}",
             property.name(),
             value(s.dry.get(property)),
-            value(s.green.as_ref().and_then(|g| g.get(property))),
+            value(green),
         );
     }
     let gravity = |x: Option<f64>| x.map_or("–".to_owned(), significant);
@@ -144,8 +157,11 @@ fn one(s: &Species) -> String {
         "{:50}{:>12}{:>12}\n",
         "specific gravity",
         gravity(s.dry.specific_gravity),
-        gravity(s.green.as_ref().and_then(|g| g.specific_gravity)),
+        gravity(green_gravity(s)),
     );
+    if estimates {
+        let _ = writeln!(text, "{}\n", estimate_note(s.group));
+    }
     let mut fact = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
             let _ = writeln!(text, "{name:50}{:>12}  {unit}", significant(value / scale));
@@ -187,6 +203,32 @@ fn one(s: &Species) -> String {
         rule(s)
     );
     text
+}
+
+/// Returns the specific gravity of green wood: the table's, or estimated like the other green values.
+fn green_gravity(s: &Species) -> Option<f64> {
+    let ratio = GreenRatio::of_specific_gravity(s.group).map(|r| r.ratio);
+    match &s.green {
+        Some(green) => green.specific_gravity,
+        None => s
+            .dry
+            .specific_gravity
+            .zip(ratio)
+            .map(|(dry, ratio)| dry * ratio),
+    }
+}
+
+/// Says what the green values with a spread are.
+fn estimate_note(group: Group) -> String {
+    let (group_name, count) = match GreenRatio::of_property(group, Property::ModulusOfRupture) {
+        Some(ratio) if group == Group::Hardwood => ("hardwoods", ratio.species),
+        Some(ratio) => ("softwoods", ratio.species),
+        None => ("woods", 0),
+    };
+    format!(
+        "Green values with ± are estimates: the 12 % value times the mean ratio of green to dry wood in the {count}\n\
+         {group_name} that are known both ways; ± is the error when each of those is left out in turn."
+    )
 }
 
 /// Returns the unit in which a property is shown, and its size in SI units.

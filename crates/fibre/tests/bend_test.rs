@@ -1,5 +1,6 @@
 //! The bending test against the tables from which the wood's properties come.
 
+use greenstick_fibre::bend_test::{BendRequest, bend};
 use greenstick_fibre::{BendError, BendSection, BendTest, EventKind, RodCount, WoodMaterial};
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
@@ -30,6 +31,48 @@ fn bending_returns_the_modulus_and_strength_of_the_table() {
         assert_eq!(out.events[0].kind, EventKind::RodYielded);
         assert!(out.events[0].height > 0.0, "{:?}", out.events[0]);
         assert!(out.events.iter().any(|e| e.kind == EventKind::RodBroke));
+    }
+}
+
+#[test]
+fn european_wood_bends_as_its_sources_have_it_dry_and_as_estimated_green() {
+    for name in [
+        "Picea abies",
+        "Fagus sylvatica",
+        "Quercus robur",
+        "Pinus sylvestris",
+        "Larix decidua",
+        "Fraxinus excelsior",
+        "Abies alba",
+        "Betula pendula",
+        "Acer pseudoplatanus",
+    ] {
+        for moisture in [12.0, 60.0] {
+            let bent = bend(
+                &BendRequest {
+                    species: name.to_owned(),
+                    moisture,
+                    test: coarse(),
+                },
+                &Context::quiet(),
+            )
+            .unwrap();
+            let [modulus, rupture] = [
+                bent.report.modulus_of_elasticity_pa,
+                bent.report.modulus_of_rupture_pa,
+            ]
+            .map(|c| c.ratio.unwrap());
+            println!("{name} at {moisture} %: modulus {modulus}, rupture {rupture}");
+            assert!((modulus - 1.0).abs() < 0.05, "{name}: {modulus}");
+            // So few rods make green wood too strong, as it yields much before it breaks: the report says so.
+            let is_green = moisture > 12.0;
+            assert!(
+                is_green || (rupture - 1.0).abs() < 0.10,
+                "{name}: {rupture}"
+            );
+            let estimated = |note: &String| note.contains("mean ratio of green to dry wood");
+            assert_eq!(bent.report.notes.iter().any(estimated), is_green, "{name}");
+        }
     }
 }
 

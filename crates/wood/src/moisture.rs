@@ -3,7 +3,7 @@
 //!
 //! Moisture contents are percent of the oven-dry mass, as the field writes them.
 
-use crate::species::{Property, Shrinkage, Species};
+use crate::species::{GreenRatio, Property, Shrinkage, Species};
 use serde::{Deserialize, Serialize};
 
 /// Moisture content at which the tables give dry wood, percent.
@@ -43,7 +43,7 @@ pub enum MoistureError {
     /// Eq. 5-3 needs the green value.
     #[error(
         "{species} has no green {property} in the tables, so it is known at 12 % moisture only, not at \
-         {moisture} %; ask at 12 %, or take the 12 % value as it is"
+         {moisture} %; ask at 12 %, or accept an estimate"
     )]
     NoGreenValue {
         /// The species' name.
@@ -76,8 +76,9 @@ pub enum MoistureError {
 pub enum Fallback {
     /// Fail, saying which value is missing.
     Refuse,
-    /// Take the 12 % value unchanged and say so in [`Adjusted::basis`].
-    TwelvePercent,
+    /// Estimate the green value by its group's mean ratio ([`GreenRatio`]) and say so in [`Adjusted::basis`]; take the 12 %
+    /// value unchanged between 12 % and green where Eq. 5-3 does not hold.
+    Estimate,
 }
 
 /// How a value at a moisture content came about, from the best supported to the least. Its
@@ -92,20 +93,31 @@ pub enum Basis {
     Equation,
     /// Eq. 5-3 below the 8 % down to which tests support it.
     EquationBelowRange,
-    /// The 12 % value, unchanged, for want of a green value or of a rule.
+    /// From the 12 % value and the mean ratio of green to dry wood in the species' group, for want of a green value.
+    Estimate {
+        /// Leave-one-out error, in percent of the value.
+        error_percent: u8,
+    },
+    /// The 12 % value, unchanged, for want of a rule.
     Unadjusted,
 }
 
 impl std::fmt::Display for Basis {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
+            Basis::Estimate { error_percent } => {
+                return write!(
+                    f,
+                    "estimated from the 12 % value by the mean ratio of green to dry wood in its group, ± {error_percent} %"
+                );
+            }
             Basis::TableDry => "table value at 12 % moisture",
             Basis::TableGreen => "table value of green wood",
             Basis::Equation => "adjusted for moisture by Eq. 5-3 of the Wood Handbook",
             Basis::EquationBelowRange => {
                 "adjusted for moisture by Eq. 5-3 of the Wood Handbook, below the 8 % to which it is tested"
             }
-            Basis::Unadjusted => "table value at 12 % moisture, not adjusted: no green value or no rule",
+            Basis::Unadjusted => "table value at 12 % moisture, not adjusted for want of a rule",
         })
     }
 }
@@ -155,7 +167,7 @@ impl Species {
     ///
     /// # Errors
     /// [`MoistureError::NoValue`] where the tables have none; [`MoistureError::NoGreenValue`] and
-    /// [`MoistureError::NotAdjustable`] where only 12 % is known and `fallback` is
+    /// [`MoistureError::NotAdjustable`] where only 12 % is known, or no rule leads from it, and `fallback` is
     /// [`Fallback::Refuse`].
     pub fn property_at(
         &self,
@@ -212,10 +224,31 @@ impl Species {
         };
         match fallback {
             Fallback::Refuse => Err(failure),
-            Fallback::TwelvePercent => Ok(Adjusted {
+            Fallback::Estimate => Ok(self.estimate_at(property, dry, moisture)),
+        }
+    }
+
+    /// Returns an estimate of `property` at `moisture` percent from its 12 % value; that value itself where there is no rule.
+    fn estimate_at(&self, property: Property, dry: f64, moisture: f64) -> Adjusted {
+        let known = self.green.as_ref().and_then(|g| g.get(property));
+        let intersection = self.intersection_percent();
+        let is_green = moisture >= intersection;
+        let ratio = GreenRatio::of_property(self.group, property)
+            .filter(|_| known.is_none() && (is_green || property.follows_equation_5_3()));
+        let Some(GreenRatio { ratio, error, .. }) = ratio else {
+            return Adjusted {
                 value: dry,
                 basis: Basis::Unadjusted,
-            }),
+            };
+        };
+        // The error of the green value enters Eq. 5-3 by the same power.
+        let part = (moisture - AIR_DRY_PERCENT) / (intersection - AIR_DRY_PERCENT);
+        let error = 100.0 * error * part.abs().min(1.0);
+        Adjusted {
+            value: equation_5_3(dry, ratio * dry, moisture, intersection),
+            basis: Basis::Estimate {
+                error_percent: error.round() as u8,
+            },
         }
     }
 
@@ -280,14 +313,17 @@ mod tests {
             message.contains("Alder, red") && message.contains("60 %"),
             "{message}"
         );
-        let taken = ask(Fallback::TwelvePercent).unwrap();
-        assert_eq!(
-            taken,
-            Adjusted {
-                value: 68e6,
-                basis: Basis::Unadjusted
-            }
-        );
+        // The mean of six hardwoods is 0.597, and each misses that of the other five by 7 % (root mean square).
+        let estimate = ask(Fallback::Estimate).unwrap();
+        assert!((estimate.value / 68e6 - 0.597).abs() < 5e-4, "{estimate:?}");
+        assert_eq!(estimate.basis, Basis::Estimate { error_percent: 7 });
+        // Half way between 12 % and Mp, in the exponent of Eq. 5-3, the error is half as large.
+        let middle = 0.5 * (12.0 + alder.intersection_percent());
+        let half = alder
+            .property_at(Property::ModulusOfRupture, middle, Fallback::Estimate)
+            .unwrap();
+        assert!((half.value / (estimate.value * 68e6).sqrt() - 1.0).abs() < 1e-9);
+        assert_eq!(half.basis, Basis::Estimate { error_percent: 4 });
         assert!(
             alder
                 .property_at(Property::ModulusOfRupture, 12.0, Fallback::Refuse)
@@ -304,6 +340,8 @@ mod tests {
             Err(MoistureError::NotAdjustable { .. })
         ));
         assert_eq!(work(40.0).unwrap().value, 108e3);
+        let between = ash.property_at(Property::WorkToMaximumLoad, 18.0, Fallback::Estimate);
+        assert_eq!(between.unwrap().basis, Basis::Unadjusted);
         for bad in [0.0, -1.0, 201.0, f64::NAN] {
             assert!(
                 matches!(work(bad), Err(MoistureError::OutOfRange(_))),

@@ -14,7 +14,7 @@
 //! | `outcome` | [`BendOutcome`]: what a test returns, and its evaluation |
 //! | `species` | [`bend`]: the test of a species |
 //! | `report` | [`BendReport`]: what it returned, beside the tables of species |
-//! | `all_species` | [`bend_all`]: the test of every species of the Wood Handbook |
+//! | `all_species` | [`bend_all`]: the test of every species |
 //! | `tables` | points, events and species as text, and the curve |
 
 mod all_species;

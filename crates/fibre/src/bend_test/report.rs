@@ -19,7 +19,7 @@ const MAX_PRINTED_PHASES: usize = 12;
 pub struct Compared {
     /// Of the test.
     pub test: f64,
-    /// Of the table at this moisture; none where it has none.
+    /// Of the table at this moisture, or estimated from it; none where there is neither.
     pub table: Option<f64>,
     /// The first over the second.
     pub ratio: Option<f64>,
@@ -29,9 +29,11 @@ pub struct Compared {
 
 impl Compared {
     fn of(test: f64, species: &Species, property: Property, moisture: f64) -> Self {
+        // An estimate for this moisture is worth comparing with, a value of another moisture is not.
         let table = species
-            .property_at(property, moisture, Fallback::Refuse)
-            .ok();
+            .property_at(property, moisture, Fallback::Estimate)
+            .ok()
+            .filter(|t| t.basis != Basis::Unadjusted);
         Compared {
             test,
             table: table.map(|t| t.value),
@@ -239,13 +241,13 @@ fn notes(species: &Species, moisture: f64, test: &BendTest, rods: usize) -> Vec<
             "{rods} rods are few: fewer than {MIN_RODS_FOR_STRENGTH} make wood that yields much before it breaks too strong"
         ));
     }
-    let known = |p| species.property_at(p, moisture, Fallback::Refuse);
+    let known = |p| species.property_at(p, moisture, Fallback::Estimate);
     for property in [Property::TensionPerpendicular, Property::ShearParallel] {
-        if let Err(why) = strength_at(species, property, moisture) {
-            let state = species.property_at(property, moisture, Fallback::TwelvePercent);
+        if strength_at(species, property, moisture).is_err() {
+            let state = species.property_at(property, moisture, Fallback::Estimate);
             notes.push(match state {
-                Ok(_) if !estimated(species, property, moisture) => {
-                    format!("{property} is the 12 % value: {why}")
+                Ok(value) if !estimated(species, property, moisture) => {
+                    format!("{property} is {}", value.basis)
                 }
                 _ => format!(
                     "{property} is estimated from specific gravity (Wood Handbook, Table 5-11), as the table has none"
@@ -254,7 +256,10 @@ fn notes(species: &Species, moisture: f64, test: &BendTest, rods: usize) -> Vec<
         }
     }
     if let Ok(value) = known(Property::ModulusOfRupture)
-        && matches!(value.basis, Basis::Equation | Basis::EquationBelowRange)
+        && matches!(
+            value.basis,
+            Basis::Equation | Basis::EquationBelowRange | Basis::Estimate { .. }
+        )
     {
         notes.push(format!("the table's values are {}", value.basis));
     }

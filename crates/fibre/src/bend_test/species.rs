@@ -31,7 +31,7 @@ use super::specimen::BendTest;
 use crate::placement::WoodMaterial;
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, Fallback};
-use greenstick_wood::species::{Property, Species};
+use greenstick_wood::species::Species;
 
 /// A bending test of a species.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,16 +81,7 @@ pub(super) fn bend_species(
     test: &BendTest,
     context: &Context,
 ) -> Result<Bent, BendingError> {
-    // What bending depends on must be known at this moisture; for what only bonds depend on, wood across the grain, the
-    // 12 % value is better than none, and the report says so.
-    for property in [
-        Property::ModulusOfElasticity,
-        Property::ModulusOfRupture,
-        Property::CompressionParallel,
-    ] {
-        species.property_at(property, moisture, Fallback::Refuse)?;
-    }
-    let wood = WoodMaterial::from_species(species, moisture, Fallback::TwelvePercent)?;
+    let wood = WoodMaterial::from_species(species, moisture, Fallback::Estimate)?;
     let outcome = test.run(&wood, context)?;
     Ok(Bent {
         report: BendReport::of(species, moisture, test, &outcome),

@@ -2,7 +2,7 @@
 
 use greenstick_wood::moisture::{Fallback, MoistureError};
 use greenstick_wood::species::StrengthError;
-use greenstick_wood::species::{Group, Property, Species};
+use greenstick_wood::species::{GreenRatio, Group, Property, Species};
 use serde::{Deserialize, Serialize};
 
 /// The true modulus along the grain over that of bending tests, whose deflection at a span of 14 depths is partly shear (Wood
@@ -81,13 +81,16 @@ fn estimate(
     missing: MoistureError,
     by: &StrengthFromGravity,
 ) -> Result<f64, MoistureError> {
-    let green = species
-        .green
-        .as_ref()
-        .filter(|_| moisture >= species.intersection_percent());
+    let wet = moisture >= species.intersection_percent();
+    let green = species.green.as_ref().filter(|_| wet);
     let (laws, gravity) = match (&missing, green) {
         (MoistureError::NoValue { .. } | MoistureError::NoGreenValue { .. }, Some(green)) => {
             (by.green, green.specific_gravity)
+        }
+        (MoistureError::NoValue { .. }, None) if wet => {
+            let ratio = GreenRatio::of_specific_gravity(species.group);
+            let dry = species.dry.specific_gravity;
+            (by.green, ratio.zip(dry).map(|(r, dry)| r.ratio * dry))
         }
         (MoistureError::NoValue { .. }, None) => (by.dry, species.dry.specific_gravity),
         _ => return Err(missing),
@@ -200,13 +203,13 @@ mod tests {
         for name in ["slash pine", "sugar maple"] {
             let species = Species::find(name).unwrap();
             let [dry, green] = [12.0, 100.0]
-                .map(|m| WoodMaterial::from_species(species, m, Fallback::TwelvePercent).unwrap());
+                .map(|m| WoodMaterial::from_species(species, m, Fallback::Estimate).unwrap());
             let ratio = green.tension_across / dry.tension_across;
             assert!((0.3..0.95).contains(&ratio), "{name}: {ratio}");
         }
         // The green row of this one has it, the dry row has not.
         let hemlock = Species::find("eastern hemlock").unwrap();
-        let wood = WoodMaterial::from_species(hemlock, 100.0, Fallback::TwelvePercent).unwrap();
+        let wood = WoodMaterial::from_species(hemlock, 100.0, Fallback::Estimate).unwrap();
         assert_eq!(wood.tension_across, 1600e3);
     }
 }

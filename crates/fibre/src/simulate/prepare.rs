@@ -113,8 +113,7 @@ fn find_in_scene(of_stem: &StemScene, context: &Context) -> Result<FoundStem, Si
 /// Returns the properties of the scene's wood.
 fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
     let species = Species::find(&scene.wood.species)?;
-    let mut wood =
-        WoodMaterial::from_species(species, scene.wood.moisture, Fallback::TwelvePercent)?;
+    let mut wood = WoodMaterial::from_species(species, scene.wood.moisture, Fallback::Estimate)?;
     for modulus in [
         &mut wood.longitudinal,
         &mut wood.radial,

@@ -49,7 +49,7 @@ impl SpeciesRelief {
             radius,
             DEFAULT_BUNDLE_DIAMETER,
             moisture,
-            Fallback::TwelvePercent,
+            Fallback::Estimate,
         ) {
             Ok(height) => height,
             Err(error) => {

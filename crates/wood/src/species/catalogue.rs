@@ -15,7 +15,7 @@ pub const SPECIES_NAME: Format = Format {
 static ALL: LazyLock<Vec<Species>> = LazyLock::new(table::read);
 
 impl Species {
-    /// All species: the 112 of the Wood Handbook in its order, then the four of Yang's Table 1.
+    /// All species: the 112 of the Wood Handbook in its order, then nine of Europe, then the four of Yang's Table 1.
     pub fn all() -> &'static [Species] {
         &ALL
     }
@@ -100,18 +100,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_tables_have_116_species_of_which_27_are_known_green() {
+    fn the_tables_have_125_species_of_which_27_are_known_green() {
         let all = Species::all();
-        assert_eq!(all.len(), 116);
+        assert_eq!(all.len(), 125);
         assert_eq!(
             all.iter().filter(|s| s.source.contains("5-3a")).count(),
             112
         );
         assert_eq!(all.iter().filter(|s| s.green.is_some()).count(), 27);
-        // 79 rows of Table 4-3 of which nine are no species of Table 5-3a, and Yang's four.
+        // 79 rows of Table 4-3 of which nine are no species of Table 5-3a, eight of Europe's nine, and Yang's four.
         assert_eq!(
             all.iter().filter(|s| s.shrinkage.radial.is_some()).count(),
-            70 + 4
+            70 + 8 + 4
         );
         assert_eq!(
             all.iter()
@@ -156,6 +156,10 @@ mod tests {
         assert_eq!(name("yellow poplar"), Ok("Yellow-poplar"));
         assert_eq!(name("Pseudotsuga menziesii"), Ok("Douglas-fir, coast"));
         assert_eq!(name("Eastern redcedar"), Ok("Cedar, eastern redcedar"));
+        for spruce in ["Picea abies", "Norway spruce", "Fichte", "ÉPICÉA"] {
+            assert_eq!(name(spruce), Ok("Spruce, Norway"));
+        }
+        assert_eq!(name("weißtanne"), Ok("Fir, silver"));
     }
 
     #[test]

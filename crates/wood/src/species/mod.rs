@@ -1,4 +1,4 @@
-//! Species: the measured properties of the wood of 116 of them, and what follows for how it breaks.
+//! Species: the measured properties of the wood of 125 of them, and what follows for how it breaks.
 //!
 //! Values are those of clear, straight-grained wood; a species has only what its table has. Tables
 //! and their terms are listed in `data/SOURCES.md`.
@@ -18,6 +18,7 @@
 
 mod catalogue;
 mod genus;
+mod green;
 mod names;
 mod record;
 mod strength;
@@ -25,6 +26,7 @@ mod table;
 
 pub use catalogue::SPECIES_NAME;
 pub use genus::{HeartwoodColour, RingCharacter};
+pub use green::GreenRatio;
 pub use names::UnknownSpecies;
 pub use record::{Group, MechanicalProperties, Property, Shrinkage, Species};
 pub use strength::{

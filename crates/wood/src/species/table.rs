@@ -12,6 +12,7 @@ const MECHANICAL: &str = include_str!("../../data/usda_table_5_3a_mechanical.csv
 const SHRINKAGE: &str = include_str!("../../data/usda_table_4_3_shrinkage.csv");
 const GREEN_MOISTURE: &str = include_str!("../../data/usda_table_4_1_green_moisture.csv");
 const INTERSECTION: &str = include_str!("../../data/usda_table_5_13_intersection_moisture.csv");
+const EUROPEAN: &str = include_str!("../../data/european_species.csv");
 const YANG: &str = include_str!("../../data/yang_2019_table_1.csv");
 
 /// Air-dry density over oven-dry mass per volume: wood at 12 % moisture holds 0.12 of its own mass in water.
@@ -160,12 +161,49 @@ fn from_yang(row: &[&str]) -> Species {
     }
 }
 
+fn from_european(row: &[&str]) -> Species {
+    let anatomy = genus::ring_character_and_heartwood(&text(row, 1));
+    let density = number(row, 3, 1.0);
+    Species {
+        name: text(row, 0),
+        scientific_name: text(row, 1),
+        group: group(row.get(2).copied().unwrap_or_default()),
+        source: text(row, 11),
+        air_dry_density: density,
+        dry: MechanicalProperties {
+            specific_gravity: density.map(|d| d / (AIR_DRY_MASS * WATER_DENSITY)),
+            modulus_of_rupture: number(row, 7, 1e6),
+            modulus_of_elasticity: number(row, 8, 1e6),
+            compression_parallel: number(row, 9, 1e6),
+            shear_parallel: number(row, 10, 1e6),
+            ..MechanicalProperties::default()
+        },
+        green_source: None,
+        green: None,
+        end_hardness: None,
+        splitting_resistance: None,
+        shrinkage: Shrinkage {
+            radial: percent(row, 4),
+            tangential: percent(row, 5),
+            volumetric: percent(row, 6),
+        },
+        green_heartwood_percent: None,
+        green_sapwood_percent: None,
+        intersection_percent: None,
+        ring_character: anatomy.map(|a| a.0),
+        heartwood_colour: anatomy.map(|a| a.1),
+    }
+}
+
 /// Reads all species, in the order of their tables.
 pub(super) fn read() -> Vec<Species> {
     let handbook = rows(MECHANICAL)
         .filter(|r| r.get(3) == Some(&"12%"))
         .map(|r| from_handbook(&r));
-    handbook.chain(rows(YANG).map(|r| from_yang(&r))).collect()
+    handbook
+        .chain(rows(EUROPEAN).map(|r| from_european(&r)))
+        .chain(rows(YANG).map(|r| from_yang(&r)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -180,6 +218,7 @@ mod tests {
             (SHRINKAGE, 5, &[0, 4][..]),
             (GREEN_MOISTURE, 3, &[0][..]),
             (INTERSECTION, 2, &[0][..]),
+            (EUROPEAN, 12, &[0, 1, 2, 11][..]),
             (YANG, 11, &[0, 1, 2][..]),
         ] {
             for row in rows(table) {
