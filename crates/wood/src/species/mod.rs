@@ -17,6 +17,7 @@
 //! ```
 
 mod catalogue;
+mod elastic;
 mod genus;
 mod names;
 mod record;
@@ -24,6 +25,7 @@ mod strength;
 mod table;
 
 pub use catalogue::SPECIES_NAME;
+pub use elastic::EngineeringConstants;
 pub use genus::{HeartwoodColour, RingCharacter};
 pub use names::UnknownSpecies;
 pub use record::{Group, MechanicalProperties, Property, Shrinkage, Species};
