@@ -6,7 +6,10 @@ With --open the mesh was open, so its volume is not known. Needs vtk, pyarrow, n
 
 import json
 import pathlib
+import shutil
+import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import pyarrow.parquet
@@ -15,6 +18,8 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 NO_WOOD = 255
+# A stem is no prism: its taper, and the grain that follows it, are not in beam theory.
+MAX_BENDING_ERROR = 0.05
 
 
 def read(reader, path):
@@ -123,6 +128,181 @@ def check_surface(folder, report, places):
         assert (mesh.bounds[0] >= low - 1e-4).all() and (mesh.bounds[1] <= high + 1e-4).all()
 
 
+def texts(data):
+    """The strings of a data set's field data."""
+    fields = data.GetFieldData()
+    count = fields.GetNumberOfArrays()
+    return {fields.GetArrayName(i): fields.GetAbstractArray(i).GetVariantValue(0).ToString() for i in range(count)}
+
+
+def check_provenance(folder, report):
+    """All files say where they come from, and alike."""
+    told = report["provenance"]
+    assert told["program"] == "greenstick" and told["version"] and len(told["origin_m"]) == 3
+    notes = json.loads((folder / "csv-metadata.json").read_text())["notes"][0]
+    found = [notes]
+    found.append(texts(read(vtk.vtkXMLImageDataReader(), folder / report["segments"][0]["file"])))
+    found.append(texts(read(vtk.vtkXMLPolyDataReader(), folder / "particles.vtp")))
+    metadata = pyarrow.parquet.read_metadata(folder / "particles.parquet").metadata
+    found.append({k.decode(): v.decode() for k, v in metadata.items() if b"." not in k and k != b"ARROW:schema"})
+    for one in found:
+        assert one == notes, (one, notes)
+    assert notes["version"] == told["version"] and notes.get("input") == told["input"]
+    comments = (folder / "particles.ply").read_bytes().split(b"end_header")[0].decode()
+    assert f"comment version: {told['version']}" in comments
+
+
+def check_tables(folder, report):
+    """The tables are what their metadata say, and what the report says of them."""
+    described = json.loads((folder / "csv-metadata.json").read_text())
+    for table in described["tables"]:
+        columns = [c["name"] for c in table["tableSchema"]["columns"]]
+        rows = np.genfromtxt(folder / table["url"], delimiter=",", names=True)
+        assert list(rows.dtype.names) == columns, table["url"]
+    sections = np.genfromtxt(folder / "sections.csv", delimiter=",", names=True)
+    for under, over in (("under_bark", "over_bark"),):
+        assert (np.diff(sections[f"volume_{over}_m3"]) > 0).all()
+        assert (sections[f"volume_{under}_m3"] <= sections[f"volume_{over}_m3"] * (1 + 1e-12)).all()
+    assert (sections["diameter_by_tape_m"] <= sections["diameter_by_girth_m"] * (1 + 1e-9)).all()
+    assert (sections["calliper_least_m"] <= sections["calliper_greatest_m"]).all()
+    measures = report["measures"]
+    whole = measures["volume_over_bark_m3"]
+    if report["mesh_volume_m3"] is not None:
+        assert abs(whole / report["mesh_volume_m3"] - 1) < 0.02, (whole, report["mesh_volume_m3"])
+    assert sections["volume_over_bark_m3"][-1] <= whole
+
+
+def check_cores(folder, report):
+    """Ring widths in the Tucson format are those of the table."""
+    if report["kind"] == "board" or report["rings_by"] != "field":
+        assert not (folder / "rings.rwl").exists()
+        return
+    table = np.genfromtxt(folder / "ring_widths.csv", delimiter=",", names=True)
+    for name, order in (("rings.rwl", 1), ("rings_inwards.rwl", -1)):
+        series, years = {}, {}
+        for line in (folder / name).read_text().splitlines()[3:]:
+            core, year = line[:8].strip(), int(line[8:12])
+            values = [int(line[i : i + 6]) for i in range(12, len(line), 6)]
+            have = series.setdefault(core, [])
+            years.setdefault(core, year)
+            assert year == years[core] + len(have) and (year % 10 == 0 or not have)
+            have += values
+        assert len(series) == len(np.unique(table["direction_rad"]))
+        for core, values in series.items():
+            assert values[-1] == -9999 and len(values) > 1
+            own = np.isclose(np.degrees(table["direction_rad"]), int(core[1:]), atol=0.6)
+            widths = table["width_m"][own][::order]
+            assert np.allclose(np.array(values[:-1]) * 1e-6, widths, atol=0.51e-6), core
+
+
+def check_elements(folder, report):
+    """The hexahedra are sound, fill the stem, and have axes at right angles."""
+    if report["kind"] == "board":
+        assert report["elements"] is None
+        return
+    grid = read(vtk.vtkXMLUnstructuredGridReader(), folder / "stem.vtu")
+    told = report["elements"]
+    assert grid.GetNumberOfCells() == told["hexahedra"] and grid.GetNumberOfPoints() == told["nodes"]
+    sizes = vtk.vtkCellSizeFilter()
+    sizes.SetInputData(grid)
+    sizes.Update()
+    volumes = vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume"))
+    cells = arrays(grid.GetCellData())
+    # VTK divides a hexahedron into tetrahedra, which differs where its faces are warped.
+    assert (volumes > 0).all() and abs(volumes.sum() / told["volume_m3"] - 1) < 2e-3
+    assert abs(cells["volume_m3"].sum() / told["volume_m3"] - 1) < 1e-9
+    assert abs(told["volume_m3"] / told["sections_volume_m3"] - 1) < 5e-3, told
+    axes = [cells[name] for name in ("longitudinal", "radial", "tangential")]
+    for i, a in enumerate(axes):
+        for j, b in enumerate(axes):
+            assert np.allclose((a * b).sum(axis=1), float(i == j), atol=1e-9)
+    quality = vtk.vtkMeshQuality()
+    quality.SetInputData(grid)
+    quality.SetHexQualityMeasureToScaledJacobian()
+    quality.Update()
+    jacobians = vtk_to_numpy(quality.GetOutput().GetCellData().GetArray("Quality"))
+    assert jacobians.min() > 0.05, jacobians.min()
+    if (folder / "stem.inp").exists():
+        check_deck(folder / "stem.inp", told)
+
+
+def read_deck(path):
+    """The keywords of an input file with their lines."""
+    blocks = []
+    for line in path.read_text().splitlines():
+        if line.startswith("*") and not line.startswith("**"):
+            blocks.append((line, []))
+        elif not line.startswith("**"):
+            blocks[-1][1].append(line)
+    return blocks
+
+
+def rows_of(blocks, keyword):
+    """The numbers below a keyword, a row each."""
+    lines = next(lines for name, lines in blocks if name == keyword)
+    return [[float(x) for x in line.split(",") if x.strip()] for line in lines]
+
+
+def check_deck(path, told):
+    """The input of CalculiX: its solid has the volume of the wood, and bends like a beam where CalculiX is installed."""
+    blocks = read_deck(path)
+    nodes = np.array([row[1:] for row in rows_of(blocks, "*NODE, NSET=NALL")])
+    elements = np.array([row[1:] for row in rows_of(blocks, "*ELEMENT, TYPE=C3D8, ELSET=EALL")], dtype=int) - 1
+    sets = [rows_of(blocks, name) for name, _ in blocks if name.startswith("*ELSET")]
+    assert sorted(int(x) for rows in sets for row in rows for x in row) == list(range(1, len(elements) + 1))
+    assert len(rows_of(blocks, "*DISTRIBUTION, NAME=GRAIN")) == len(elements) + 1
+    gauss = np.array([-1, 1]) / np.sqrt(3)
+    corners = np.array([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)])
+    points, weights = [], []
+    for x in np.stack(np.meshgrid(gauss, gauss, gauss), -1).reshape(-1, 3):
+        factors = (1 + corners * x) / 2
+        slopes = corners / 2 * np.stack([np.delete(factors, k, axis=1).prod(axis=1) for k in range(3)], axis=1)
+        weights.append(np.linalg.det(np.einsum("enk,nl->ekl", nodes[elements], slopes)))
+        points.append(np.einsum("enk,n->ek", nodes[elements], factors.prod(axis=1)))
+    weights, points = np.array(weights), np.array(points)
+    assert (weights > 0).all()
+    assert abs(weights.sum() / told["wood_volume_m3"] - 1) < 1e-5, (weights.sum(), told)
+    if shutil.which("ccx"):
+        check_bending(path, blocks, nodes, points, weights)
+
+
+def check_bending(path, blocks, nodes, points, weights):
+    """Held at its butt and pulled aside at its top, a stem bends as beam theory says: E I of every slab, and shear."""
+    butt, top = (
+        [int(x) - 1 for row in rows_of(blocks, f"*NSET, NSET={name}") for x in row] for name in ("BUTT", "TOP")
+    )
+    ends = [nodes[side].mean(axis=0) for side in (butt, top)]
+    along = ends[1] - ends[0]
+    length = np.linalg.norm(along)
+    along /= length
+    side = np.cross(along, np.eye(3)[np.abs(along).argmin()])
+    side /= np.linalg.norm(side)
+    elastic = rows_of(blocks, "*ELASTIC, TYPE=ENGINEERING CONSTANTS")[0]
+    modulus, shear = elastic[0], elastic[6]
+    # Elements come slab by slab, as many in each.
+    slabs = round(len(nodes) / len(butt)) - 1
+    per_slab = (8, slabs, -1)
+    height = ((points - ends[0]) @ along).reshape(per_slab)
+    across = ((points - ends[0]) @ side).reshape(per_slab)
+    volume = weights.reshape(per_slab)
+    areas = volume.sum(axis=(0, 2)) / (length / slabs)
+    middle = (volume * across).sum(axis=(0, 2)) / volume.sum(axis=(0, 2))
+    inertia = (volume * (across - middle[:, None]) ** 2).sum(axis=(0, 2)) / (length / slabs)
+    arm = length - (volume * height).sum(axis=(0, 2)) / volume.sum(axis=(0, 2))
+    expected = (length / slabs) * (arm**2 / (modulus * inertia) + 1.11 / (shear * areas)).sum()
+    force = [f"TOP,{k + 1},{side[k] / len(top):.9e}" for k in range(3)]
+    step = ["*BOUNDARY", "BUTT,1,3", "*STEP", "*STATIC", "*CLOAD", *force, "*NODE PRINT, NSET=TOP", "U", "*END STEP", ""]
+    with tempfile.TemporaryDirectory() as work:
+        deck = pathlib.Path(work) / "bend"
+        deck.with_suffix(".inp").write_text(path.read_text() + "\n".join(step))
+        subprocess.run(["ccx", "-i", str(deck)], check=True, stdout=subprocess.DEVNULL, cwd=work)
+        rows = [line.split() for line in deck.with_suffix(".dat").read_text().splitlines()]
+    moved = np.array([[float(x) for x in row[1:]] for row in rows if len(row) == 4 and row[0].isdigit()])
+    found = (moved.mean(axis=0) @ side).item()
+    print(f"{path.parent.name}: CalculiX moves the tip by {found:.5g} m/N, beam theory by {expected:.5g}")
+    assert abs(found / expected - 1) < MAX_BENDING_ERROR, (found, expected)
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     vtk.vtkObject.GlobalWarningDisplayOff()
@@ -133,6 +313,10 @@ def main():
     total = check_volume(folder, report)
     places = check_particles(folder, report)
     check_surface(folder, report, places)
+    check_provenance(folder, report)
+    check_tables(folder, report)
+    check_cores(folder, report)
+    check_elements(folder, report)
     pictures = list(folder.glob("section_*.png")) + [folder / "longitudinal.png"]
     for path in pictures:
         image = read(vtk.vtkPNGReader(), path)

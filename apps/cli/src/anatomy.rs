@@ -1,18 +1,22 @@
 //! `greenstick anatomy`: the inside of a stem as files.
 
+mod many;
+
 use crate::arguments::{AnatomyOptions, Declared};
 use crate::break_wood::{in_metres, size, unit_warning, use_threads};
 use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent};
-use crate::progress::{Progress, StageTime};
+use crate::progress::{Progress, StageTime, split};
 use crate::scan::{self, Loaded};
-use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, report_file};
+use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyInput, report_file};
 use greenstick::files::{self, Batch, FileError, Output};
 use greenstick::formats::Encoded;
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Provenance};
 use greenstick::scanning::ScannedReport;
 use greenstick::schema::Parameters;
-use greenstick::wood::anatomy::{AnatomyReport, SegmentReport};
+use greenstick::wood::anatomy::{
+    AnatomyReport, ElementsReport, LimbReport, MassReport, MensurationReport, SegmentReport,
+};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,6 +28,7 @@ struct PrintedReport<'a> {
     schema: &'a str,
     version: u32,
     kind: &'a str,
+    provenance: &'a Provenance,
     length_m: f64,
     radius_m: f64,
     rings: u16,
@@ -32,6 +37,10 @@ struct PrintedReport<'a> {
     bundle_area_m2: [f64; 2],
     mesh_volume_m3: Option<f64>,
     voxel_volume_m3: Option<f64>,
+    measures: &'a MensurationReport,
+    mass: Option<&'a MassReport>,
+    limbs: &'a [LimbReport],
+    elements: Option<&'a ElementsReport>,
     segments: &'a [SegmentReport],
     notes: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,34 +61,75 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     }
     file.check()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
-    let unit = file.unit;
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
-    let source = load(options, &file, &read)?;
-    file.request.location = source.place;
-    let mut folder = OutputFolder::new(&options.output, source.files)?;
-    let mut report =
-        greenstick::anatomy::anatomy(&source.scene, &file.request, &work, |file| folder.add(file))?;
-    report.notes.extend(unit_warning(
-        options.input.as_deref(),
-        unit,
-        report.length_m,
-    ));
-    write.report(0.0)?;
-    folder.add(report_file(&report)?)?;
-    let outputs = folder.finish()?;
-    let stages = progress.finish();
+    if options.inputs.len() > 1 {
+        return many::run(options, &file, &progress);
+    }
+    let job = Job {
+        input: options.inputs.first().map(PathBuf::as_path),
+        output: &options.output,
+        file: &file,
+    };
+    let mut done = job.run(&progress.item(0, 1))?;
+    done.stages = progress.finish();
     if options.reporting.prints_report() {
-        print(&format_report(
-            &report,
-            source.scan.as_ref(),
-            &outputs,
-            &stages,
-            options.reporting.json,
-        )?)?;
+        print(&done.format(options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The inside of one stem that is to be made.
+struct Job<'a> {
+    /// The input file; the branch that comes with the program where absent.
+    input: Option<&'a Path>,
+    /// The folder for its files.
+    output: &'a Path,
+    /// What is wanted.
+    file: &'a AnatomyFile,
+}
+
+/// The inside of one stem.
+struct Done {
+    report: AnatomyReport,
+    scan: Option<ScannedReport>,
+    outputs: Vec<Written>,
+    stages: Vec<StageTime>,
+}
+
+impl Job<'_> {
+    fn run(&self, context: &Context) -> Result<Done, Failure> {
+        let [read, work, write] = split(context, [("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
+        let mut file = self.file.clone();
+        file.input = self.input.map(file_name);
+        let source = load(self.input, &file, &read)?;
+        let provenance = file.provenance(source.scan.as_ref());
+        file.request.location = source.place;
+        let mut folder = OutputFolder::new(self.output, source.files)?;
+        let input = AnatomyInput {
+            scene: &source.scene,
+            scan: source.scan.as_ref(),
+            provenance,
+        };
+        let mut report =
+            greenstick::anatomy::anatomy(&input, &file.request, &work, |file| folder.add(file))?;
+        let warning = unit_warning(self.input, file.unit, report.length_m);
+        report.notes.extend(warning);
+        write.report(0.0)?;
+        folder.add(report_file(&report)?)?;
+        Ok(Done {
+            report,
+            outputs: folder.finish()?,
+            scan: source.scan,
+            stages: Vec::new(),
+        })
+    }
+}
+
+/// The name of a file without its folders.
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 /// A folder into which files are written one after the other, all or none. It is created if it does not exist, and then
@@ -147,13 +197,9 @@ impl Drop for OutputFolder {
 }
 
 /// Loads the scene of an input, of a cloud the bark of its stem, or the branch that comes with the program.
-fn load(
-    options: &AnatomyOptions,
-    file: &AnatomyFile,
-    context: &Context,
-) -> Result<Loaded, Failure> {
+fn load(input: Option<&Path>, file: &AnatomyFile, context: &Context) -> Result<Loaded, Failure> {
     let place = file.request.location;
-    match &options.input {
+    match input {
         Some(path) => scan::load(path, place, file.unit, &file.scan, context),
         None => Ok(Loaded {
             scene: greenstick::built_in_branch(),
@@ -173,19 +219,15 @@ fn apply_options(file: &mut AnatomyFile, options: &Declared<AnatomyFile>) -> Res
     options.apply(file, |key, text| in_metres(key, text, unit))
 }
 
-/// Formats the report.
-fn format_report(
-    report: &AnatomyReport,
-    scan: Option<&ScannedReport>,
-    outputs: &[Written],
-    stages: &[StageTime],
-    json: bool,
-) -> Result<String, Failure> {
-    if json {
-        let printed = PrintedReport {
+impl Done {
+    /// What `--json` prints.
+    fn printed(&self) -> PrintedReport<'_> {
+        let report = &self.report;
+        PrintedReport {
             schema: &report.schema,
             version: report.version,
             kind: &report.kind,
+            provenance: &report.provenance,
             length_m: report.length_m,
             radius_m: report.radius_m,
             rings: report.rings,
@@ -194,22 +236,40 @@ fn format_report(
             bundle_area_m2: report.bundle_area_m2,
             mesh_volume_m3: report.mesh_volume_m3,
             voxel_volume_m3: report.voxel_volume_m3,
+            measures: &report.measures,
+            mass: report.mass.as_ref(),
+            limbs: &report.limbs,
+            elements: report.elements.as_ref(),
             segments: &report.segments,
             notes: &report.notes,
-            scan,
-            outputs,
-            stages,
-        };
-        let text = serde_json::to_string_pretty(&printed)
-            .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
-        return Ok(text + "\n");
+            scan: self.scan.as_ref(),
+            outputs: &self.outputs,
+            stages: &self.stages,
+        }
     }
-    let mut text = scan.map(ToString::to_string).unwrap_or_default();
-    text += &report.to_string();
-    for file in outputs {
-        let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
+
+    /// The report as text or as JSON.
+    fn format(&self, json: bool) -> Result<String, Failure> {
+        if json {
+            return to_json(&self.printed());
+        }
+        let mut text = self
+            .scan
+            .as_ref()
+            .map(ToString::to_string)
+            .unwrap_or_default();
+        text += &self.report.to_string();
+        for file in &self.outputs {
+            let _ = writeln!(text, "wrote     {}, {}", file.path, size(file.bytes));
+        }
+        let total: f64 = self.stages.iter().map(|s| s.seconds).sum();
+        let _ = writeln!(text, "time      {total:.2} s: {}", spent(&self.stages));
+        Ok(text)
     }
-    let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let _ = writeln!(text, "time      {total:.2} s: {}", spent(stages));
-    Ok(text)
+}
+
+fn to_json(report: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(report)
+        .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
+    Ok(text + "\n")
 }

@@ -95,8 +95,24 @@ impl Failure {
         }
     }
 
+    /// The kind of the failure.
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// What went wrong.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// Prints the failure and returns its exit code.
     pub fn report(self) -> ExitCode {
+        self.print();
+        ExitCode::from(exit_code(self.kind))
+    }
+
+    /// Prints the failure.
+    pub fn print(&self) {
         let mut errors = std::io::stderr().lock();
         let colored = errors.is_terminal() && std::env::var_os("NO_COLOR").is_none();
         let head = match (self.kind, colored) {
@@ -104,12 +120,10 @@ impl Failure {
             (_, true) => "\x1b[1;31merror:\x1b[0m ",
             (_, false) => "error: ",
         };
-        let hint = self
-            .hint
-            .map_or(String::new(), |h| format!("\n  hint: {h}"));
+        let hint = self.hint.as_ref();
+        let hint = hint.map_or(String::new(), |h| format!("\n  hint: {h}"));
         // If stderr is closed, nobody reads the message.
         let _ = writeln!(errors, "{head}{}{hint}", self.message);
-        ExitCode::from(exit_code(self.kind))
     }
 }
 

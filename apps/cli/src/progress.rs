@@ -63,8 +63,12 @@ impl Progress {
 
     /// Divides the whole of the work among stages, by the seconds that they usually take.
     pub fn split<const N: usize>(&self, stages: [(&'static str, f64); N]) -> [Context; N] {
-        let stages = stages.map(|(name, weight)| (Stage::new(name), weight));
-        self.root.split(stages)
+        split(&self.root, stages)
+    }
+
+    /// The part of the whole work that is one of `count` alike.
+    pub fn item(&self, index: usize, count: usize) -> Context {
+        self.root.item(index, count)
     }
 
     fn clear(&self) {
@@ -89,6 +93,11 @@ impl Progress {
         }
         stages
     }
+}
+
+/// Divides a part of the work among stages, by the seconds that they usually take.
+pub fn split<const N: usize>(context: &Context, stages: [(&'static str, f64); N]) -> [Context; N] {
+    context.split(stages.map(|(name, weight)| (Stage::new(name), weight)))
 }
 
 impl Drop for Progress {

@@ -209,3 +209,138 @@ fn wrong_requests_are_refused() {
     );
     assert!(done.out.contains("--unit mm"));
 }
+
+/// Reads a CSV file: its headings, and its rows of cells.
+fn cells(folder: &Folder, path: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let text = String::from_utf8(folder.read(path)).unwrap();
+    let split = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<String>>();
+    let mut lines = text.lines();
+    (split(lines.next().unwrap()), lines.map(split).collect())
+}
+
+#[test]
+fn many_stems_make_a_table_and_a_failure_stops_none() {
+    let folder = Folder::new();
+    folder.write("one.obj", cylinder());
+    folder.write("two.obj", cylinder());
+    folder.write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let arguments = "anatomy one.obj none.obj two.obj --unit cm -o all --only measures,cores --layers 2 --rings 8 \
+                     --last-year 2020";
+    let done = folder.run(&arguments.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(done.code, 1, "{}", done.err);
+    assert!(done.err.contains("none.obj"), "{}", done.err);
+    assert!(done.out.contains("2 of 3 done"), "{}", done.out);
+    let (headings, rows) = cells(&folder, "all/stems.csv");
+    assert_eq!(&headings[..3], ["file", "folder", "length_m"]);
+    let names: Vec<[&str; 2]> = rows.iter().map(|r| [&*r[0], &*r[1]]).collect();
+    assert_eq!(
+        names,
+        [["one.obj", "one"], ["none.obj", ""], ["two.obj", "two"]]
+    );
+    let length: f64 = rows[0][2].parse().unwrap();
+    assert!(
+        (length - 0.08).abs() < 1e-3 && rows[1][2].is_empty(),
+        "{length}"
+    );
+    // Stems give the same files alone.
+    let alone = "anatomy two.obj --unit cm -o two --only measures,cores --layers 2 --rings 8 --last-year 2020";
+    assert_eq!(folder.run(&alone.split(' ').collect::<Vec<_>>()).code, 0);
+    for name in [
+        "sections.csv",
+        "rings.rwl",
+        "rings_inwards.rwl",
+        "ring_widths.csv",
+    ] {
+        let path = format!("two/{name}");
+        assert_eq!(
+            folder.read(&format!("all/{path}")),
+            folder.read(&path),
+            "{name}"
+        );
+    }
+    let rings = String::from_utf8(folder.read("two/rings.rwl")).unwrap();
+    // Seven rings of wood of 1.25 mm each, and one of bark.
+    let line = rings.lines().nth(3).unwrap();
+    assert!(
+        line.starts_with("R000    2014") && line.contains("  125"),
+        "{rings}"
+    );
+    assert!(
+        rings
+            .lines()
+            .next()
+            .unwrap()
+            .contains("two.obj pith to bark")
+    );
+    let described = numbers(&folder, "two/csv-metadata.json");
+    assert_eq!(described["tables"][0]["url"], "sections.csv");
+    assert_eq!(described["notes"][0]["input"], "two.obj");
+}
+
+#[test]
+fn coordinates_of_the_input_come_back() {
+    let folder = Folder::new();
+    // A stem far from the origin, as points.
+    let mut text = String::new();
+    for i in 0..60 {
+        for j in 0..40 {
+            let (s, c) = (2.0 * PI * (f64::from(j) + 0.37 * f64::from(i)) / 40.0).sin_cos();
+            let (x, y) = (477_000.0 + 0.1 * c, 5_429_000.0 + 0.1 * s);
+            text += &format!("{x:.4} {y:.4} {:.4}\n", 310.0 + 0.05 * f64::from(i));
+        }
+    }
+    folder.write("far.xyz", text);
+    let run = |more: &str, out: &str| {
+        let arguments = format!(
+            "anatomy far.xyz -o {out} --only measures,elements,particles --layers 4 --rings 6 --species spruce,sitka{more}"
+        );
+        let arguments = arguments.replace("spruce,sitka", "Sitka_spruce");
+        let words: Vec<String> = arguments.split(' ').map(|w| w.replace('_', " ")).collect();
+        let done = folder.run(&words.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(done.code, 0, "{}", done.err);
+        numbers(&folder, &format!("{out}/anatomy.json"))
+    };
+    let local = run("", "local");
+    let input = run(" --coordinates input", "input");
+    let origin = &local["provenance"]["origin_m"];
+    assert_eq!(origin, &input["provenance"]["origin_m"]);
+    assert_eq!(input["provenance"]["coordinates"], "input");
+    assert_eq!(input["provenance"]["input"], "far.xyz");
+    assert!(input["provenance"]["residual_m"].as_f64().unwrap() < 0.01);
+    for k in 0..3 {
+        let at = |report: &Value| report["sections"][1]["centre_m"][k].as_f64().unwrap();
+        let off = at(&input) - at(&local) - origin[k].as_f64().unwrap();
+        assert!(off.abs() < 1e-6, "{off}");
+    }
+    let (headings, rows) = cells(&folder, "input/sections.csv");
+    let column = |name: &str| headings.iter().position(|h| h == name).unwrap();
+    let cell = |row: &[String], name: &str| row[column(name)].parse::<f64>().unwrap();
+    for row in &rows {
+        assert!((cell(row, "x_m") - 477_000.0).abs() < 0.05);
+        assert!((cell(row, "pith_y_m") - 5_429_000.0).abs() < 0.05);
+        assert!((cell(row, "diameter_by_area_m") - 0.2).abs() < 0.01);
+        assert!(cell(row, "diameter_by_area_error_m") < 0.01);
+    }
+    // The elements carry where they come from, in the input's coordinates, and what CalculiX needs.
+    let deck = String::from_utf8(folder.read("input/stem.inp")).unwrap();
+    for line in [
+        "** input: far.xyz",
+        "** coordinates: input",
+        "*ELASTIC, TYPE=ENGINEERING CONSTANTS",
+    ] {
+        assert!(deck.contains(line), "{line}");
+    }
+    let node = deck
+        .lines()
+        .skip_while(|l| !l.starts_with("*NODE"))
+        .nth(1)
+        .unwrap();
+    let x: f64 = node.split(',').nth(1).unwrap().parse().unwrap();
+    assert!((x - 477_000.0).abs() < 0.2, "{node}");
+    let mass = &input["mass"];
+    assert!(mass["mass_kg"].as_f64() > mass["dry_mass_kg"].as_f64());
+    let elements = &input["elements"];
+    let share =
+        elements["volume_m3"].as_f64().unwrap() / elements["sections_volume_m3"].as_f64().unwrap();
+    assert!((share - 1.0).abs() < 5e-3, "{share}");
+}

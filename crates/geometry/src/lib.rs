@@ -16,6 +16,7 @@ pub mod film;
 pub mod intersect;
 pub mod material;
 pub mod mesh;
+pub mod provenance;
 pub mod repair;
 pub mod scene;
 pub mod simplify;
@@ -38,6 +39,7 @@ pub use film::{
 };
 pub use material::{Image, ImageSource, Material, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
+pub use provenance::{Metadata, MetadataEntry, Provenance};
 pub use scene::{Node, Scene};
 pub use simplify::{Simplified, simplify};
 pub use table::{Column, Table, Values};

@@ -1,6 +1,6 @@
 //! A scene: placed meshes and the materials they share. What every reader returns and every writer takes.
 
-use crate::{Image, Material, Mesh, Texture};
+use crate::{Image, Material, Mesh, Metadata, Texture};
 use glam::DAffine3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -50,6 +50,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// What the reader left out or repaired, one sentence each (cameras dropped, polygons triangulated …).
     pub notes: Vec<String>,
+    /// Where it comes from, for writers of formats with a place for it.
+    pub metadata: Metadata,
 }
 
 impl Scene {

@@ -1,5 +1,7 @@
 //! Tables: rows of numbers in named columns with units.
 
+use crate::provenance::Metadata;
+
 /// The values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -7,8 +9,10 @@ pub enum Values {
     U8(Vec<u8>),
     /// Integers.
     U32(Vec<u32>),
-    /// Numbers.
+    /// Numbers; NaN where one is missing.
     F64(Vec<f64>),
+    /// Texts.
+    Text(Vec<String>),
 }
 
 impl Values {
@@ -18,6 +22,7 @@ impl Values {
             Values::U8(v) => v.len(),
             Values::U32(v) => v.len(),
             Values::F64(v) => v.len(),
+            Values::Text(v) => v.len(),
         }
     }
 
@@ -67,7 +72,7 @@ impl Column {
 /// use greenstick_geometry::{Column, Table, Values};
 ///
 /// let radii = Column::new("radius", "m", "radius of the ring", Values::F64(vec![0.01, 0.02]));
-/// let table = Table { columns: vec![radii] };
+/// let table = Table { columns: vec![radii], ..Table::default() };
 /// assert_eq!((table.rows(), table.fault()), (2, None));
 /// assert_eq!(table.columns[0].heading(), "radius_m");
 /// ```
@@ -75,6 +80,8 @@ impl Column {
 pub struct Table {
     /// The columns; all must be as long as the first.
     pub columns: Vec<Column>,
+    /// Where it comes from; CSV has no place for it.
+    pub metadata: Metadata,
 }
 
 impl Table {

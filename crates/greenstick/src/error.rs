@@ -26,6 +26,9 @@ pub enum Error {
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] greenstick_wood::species::UnknownSpecies),
+    /// The wood is not known at a moisture content.
+    #[error(transparent)]
+    Moisture(#[from] greenstick_wood::moisture::MoistureError),
     /// The textures of the wood inside cannot be made.
     #[error(transparent)]
     Texture(#[from] greenstick_skin::texture::TextureError),
@@ -64,9 +67,11 @@ impl Error {
             Error::Texture(error) => error.kind(),
             Error::Scan(error) => error.kind(),
             Error::Anatomy(error) => error.kind(),
-            Error::Recipe(_) | Error::Species(_) | Error::Parameter(_) | Error::Amount(_) => {
-                ErrorKind::Request
-            }
+            Error::Recipe(_)
+            | Error::Species(_)
+            | Error::Moisture(_)
+            | Error::Parameter(_)
+            | Error::Amount(_) => ErrorKind::Request,
             Error::Cut { .. } | Error::Crack(_) | Error::Format(_) | Error::Report(_) => {
                 ErrorKind::Work
             }

@@ -1,6 +1,7 @@
 //! Colours: linear numbers and their sRGB encoding (IEC 61966-2-1), and pictures of them.
 
 use glam::DVec3;
+use greenstick_geometry::{Metadata, MetadataEntry};
 
 /// An 8-bit sRGB colour as linear numbers.
 pub(crate) fn linear_from_srgb(colour: [u8; 3]) -> [f64; 3] {
@@ -51,11 +52,20 @@ impl RgbImage {
     /// assert!(white.png().starts_with(b"\x89PNG"));
     /// ```
     pub fn png(&self) -> Vec<u8> {
+        self.png_with(&Metadata::default())
+    }
+
+    /// The same with metadata as international text chunks, whose keywords are their names.
+    pub fn png_with(&self, metadata: &Metadata) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        for MetadataEntry { name, text } in &metadata.entries {
+            // Names and texts are short, and their characters are allowed.
+            let _ = encoder.add_itxt_chunk(name.clone(), text.clone());
+        }
         let written = encoder.write_header().and_then(|mut writer| {
             let data = writer.write_image_data(&self.rgb);
             data.and_then(|()| writer.finish())

@@ -188,6 +188,34 @@ pub(crate) fn convex_hull(points: &[DVec2]) -> Vec<DVec2> {
     chain
 }
 
+/// Least and greatest width of an outline between parallel tangents, as callipers measure it, to 0.02 %.
+pub(crate) fn calliper_widths(outline: &[DVec2]) -> (f64, f64) {
+    const DIRECTIONS: usize = 180;
+    let hull = convex_hull(outline);
+    (0..DIRECTIONS)
+        .map(|k| {
+            let (sin, cos) = libm::sincos(PI * k as f64 / DIRECTIONS as f64);
+            let along = hull.iter().map(|p| p.dot(DVec2::new(cos, sin)));
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            high - low
+        })
+        .fold((f64::INFINITY, 0.0), |(least, greatest), width| {
+            (least.min(width), greatest.max(width))
+        })
+}
+
+/// Ovality of an outline: by how much its least calliper width is below the greatest, as a share of it.
+pub(crate) fn ovality(outline: &[DVec2]) -> f64 {
+    let (least, greatest) = calliper_widths(outline);
+    if greatest > 0.0 {
+        1.0 - least / greatest
+    } else {
+        0.0
+    }
+}
+
 /// A rectangle in any direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {

@@ -263,7 +263,7 @@ fn a_welded_fork_is_refused_inside_and_limbs_are_told_apart() {
         .unwrap()
         .unwrap();
     // The trunk and the thicker limb measure 0.045 and 0.026 m³, the thinner one 0.021 m³.
-    assert!(left_out.centre.x > 0.0, "{left_out}");
+    assert!(left_out.limbs[0].centre.x > 0.0, "{left_out}");
     assert!((0.6..0.9).contains(&left_out.share), "{left_out}");
     assert!(
         left_out.to_string().contains("left out, about 0.0"),

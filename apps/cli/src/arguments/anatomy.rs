@@ -13,6 +13,7 @@ What is written (--only takes a list of the first words; all by default)
   volume        volume.vti, or volume.vtm with a volume_NNN.vti for each segment: ring, zone, colour of every voxel
   particles     particles.ply, .vtp, .csv and .parquet: place, ring, sector, layer, zone, colour, bundle area
   surface       surface_rings.glb and surface_sectors.glb, rebuilt from the particles
+  measures      sections.csv: diameters, ovality, pith and volumes over and under bark along the stem, with errors
   and always    anatomy.json: centreline, pith, girth and rings of every layer
 
 Examples
@@ -20,15 +21,16 @@ Examples
   greenstick anatomy pole.ply --unit mm -o inside --resolution 512 --rings 30
   greenstick anatomy pole.ply --unit mm -o inside --rings-by erosion --schedule eccentric --inner-circle 0.4
   greenstick anatomy pole.ply --unit mm -o inside --rings-by erosion --kernels 4*3/5,5x3+1+0/7
+  greenstick anatomy plot/*.laz -o stems --only measures
   greenstick anatomy tree.glb --at 0.3,2.1,-0.4 -o limb --only particles,surface --bundles equal-area";
 
 #[derive(Debug, Args)]
 #[command(after_help = ANATOMY_EXAMPLES)]
 pub struct AnatomyOptions {
-    /// Mesh of a stem (.glb, .gltf, .obj, .ply, .stl or .off) or point cloud (.ply, .xyz, .las or .laz); without it, a
+    /// Meshes of stems (.glb, .gltf, .obj, .ply, .stl or .off) or point clouds (.ply, .xyz, .las or .laz); without any, a
     /// branch that comes with the program
-    pub input: Option<PathBuf>,
-    /// Folder for the files; created if it does not exist
+    pub inputs: Vec<PathBuf>,
+    /// Folder for the files; created if it does not exist. Of several inputs each has a folder in it, and `stems.csv` a row
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Take the annual rings of another section: a section file with `rings` (.json), or a folder that `anatomy` wrote

@@ -339,6 +339,6 @@ fn at_rest(film: &Film, description: &VertexTexture) -> Scene {
         materials: film.materials.clone(),
         textures: film.textures.clone(),
         images: film.images.clone(),
-        notes: Vec::new(),
+        ..Scene::default()
     }
 }

@@ -1,6 +1,7 @@
 //! A glTF document under construction: its lists, its binary data and its companions.
 
 use crate::companions::Encoded;
+use greenstick_geometry::Metadata;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,9 +17,19 @@ pub(super) struct Builder {
     companions: Vec<Encoded>,
     used: BTreeSet<String>,
     required: BTreeSet<String>,
+    /// Where the document comes from: extras of its asset.
+    metadata: Metadata,
 }
 
 impl Builder {
+    /// A document without content.
+    pub fn with_metadata(metadata: Metadata) -> Self {
+        Builder {
+            metadata,
+            ..Builder::default()
+        }
+    }
+
     /// Appends an entry to a top-level list. Returns its index.
     pub fn push(&mut self, list: &'static str, value: Value) -> usize {
         let entries = self.lists.entry(list).or_default();
@@ -166,10 +177,13 @@ impl Builder {
         }
         self.push("buffers", buffer);
         let mut document = Map::new();
-        document.insert(
-            "asset".to_owned(),
-            json!({ "version": "2.0", "generator": "Greenstick" }),
-        );
+        let mut asset = json!({ "version": "2.0", "generator": "Greenstick" });
+        if !self.metadata.is_empty() {
+            let entries = self.metadata.entries.into_iter();
+            let extras: Map<String, Value> = entries.map(|e| (e.name, json!(e.text))).collect();
+            asset["extras"] = json!(extras);
+        }
+        document.insert("asset".to_owned(), asset);
         document.insert("scene".to_owned(), json!(0));
         for (key, list) in self.lists {
             document.insert(key.to_owned(), Value::Array(list));

@@ -15,7 +15,7 @@ pub(crate) fn write(scene: &Scene, name: &str, glb: bool) -> Result<Vec<Encoded>
     let file = InFile(name);
     let surfaces = Surfaces::from_scene(scene);
     surfaces.check(scene.nodes.iter().map(|n| &*n.mesh), file)?;
-    let mut builder = Builder::default();
+    let mut builder = Builder::with_metadata(scene.metadata.clone());
     let roots = write_nodes(&scene.nodes, scene.materials.as_slice(), &mut builder, file)?;
     builder.push("scenes", json!({ "nodes": roots }));
     let mut names = CompanionNames::new(name);

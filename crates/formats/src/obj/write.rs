@@ -34,6 +34,9 @@ pub(crate) fn write(
     let triangles: usize = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
     let mut out = Vec::with_capacity(64 * triangles);
     out.extend_from_slice(format!("# by Greenstick, in {unit}\n").as_bytes());
+    for line in scene.metadata.lines() {
+        out.extend_from_slice(format!("# {line}\n").as_bytes());
+    }
     if !names.is_empty() {
         let safe = library.replace(char::is_control, "_");
         out.extend_from_slice(format!("mtllib {safe}\n").as_bytes());

@@ -75,6 +75,9 @@ fn columns(scene: &Scene) -> Vec<Column> {
 fn header(scene: &Scene, columns: &[Column], unit: LengthUnit, counts: [usize; 2]) -> String {
     let mut text =
         format!("ply\nformat binary_little_endian 1.0\ncomment by Greenstick, in {unit}\n");
+    for line in scene.metadata.lines() {
+        text += &format!("comment {line}\n");
+    }
     let nodes = scene.nodes.iter().map(|n| ("node", &n.name));
     let materials = scene.materials.iter().map(|m| ("material", &m.name));
     for (number, (kind, name)) in nodes.enumerate().chain(materials.enumerate()) {

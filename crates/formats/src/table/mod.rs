@@ -1,11 +1,13 @@
 //! Writers of tables: comma-separated values, Parquet, and, for tables with positions, points in PLY and VTK.
 
 mod csv;
+mod csvw;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod points;
 mod positions;
 
+pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
 pub(crate) use positions::positions;
 
 use crate::companions::Encoded;
@@ -49,7 +51,8 @@ impl TableFormat {
     }
 }
 
-/// Writes a table. The point formats take positions from the columns `x`, `y` and `z`.
+/// Writes a table. The point formats take positions from the columns `x`, `y` and `z`. A number that is missing, NaN, makes
+/// an empty cell in CSV, which alone of these formats has such.
 ///
 /// ```
 /// use greenstick_formats::{TableFormat, write_table};
@@ -57,7 +60,7 @@ impl TableFormat {
 ///
 /// let rings = Column::new("ring", "", "number of the ring", Values::U32(vec![1, 2]));
 /// let widths = Column::new("width", "m", "width of the ring", Values::F64(vec![0.002, 0.0015]));
-/// let table = Table { columns: vec![rings, widths] };
+/// let table = Table { columns: vec![rings, widths], ..Table::default() };
 /// let file = write_table(TableFormat::Csv, &table, "rings.csv")?;
 /// assert_eq!(file.bytes, b"ring,width_m\n1,0.002\n2,0.0015\n");
 /// # Ok::<(), greenstick_formats::FormatError>(())
@@ -71,11 +74,21 @@ pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Enc
         let right = "columns of equal length with distinct names of letters, digits and _";
         return Err(file.unwritable(fault, right));
     }
+    let texts = table
+        .columns
+        .iter()
+        .find(|c| matches!(c.values, Values::Text(_)));
+    let has_positions = matches!(format, TableFormat::Ply | TableFormat::Vtp);
+    if let (Some(column), true) = (texts, has_positions) {
+        let found = format!("the column of texts {}", column.name);
+        return Err(file.unwritable(found, "columns of numbers in a file of points"));
+    }
     for column in &table.columns {
         let Values::F64(values) = &column.values else {
             continue;
         };
-        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+        let is_missing = |v: &f64| v.is_nan() && format == TableFormat::Csv;
+        if let Some(row) = (values.iter()).position(|v| !v.is_finite() && !is_missing(v)) {
             let found = format!("{} in row {row} of column {}", values[row], column.name);
             return Err(file.unwritable(found, "finite numbers"));
         }

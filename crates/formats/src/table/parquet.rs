@@ -1,10 +1,10 @@
 //! Apache Parquet: one row group with required columns. Units and meanings are in the key-value metadata of the file, as
-//! `NAME.unit` and `NAME.meaning`.
+//! `NAME.unit` and `NAME.meaning`, and the table's own metadata under their names.
 
 use crate::error::{FormatError, InFile};
 use greenstick_geometry::{Table, Values};
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
-use parquet::data_type::{DoubleType, Int32Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -26,6 +26,7 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
                 Values::U8(_) => (Physical::INT32, ConvertedType::UINT_8),
                 Values::U32(_) => (Physical::INT32, ConvertedType::UINT_32),
                 Values::F64(_) => (Physical::DOUBLE, ConvertedType::NONE),
+                Values::Text(_) => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
             };
             Type::primitive_type_builder(&c.heading(), physical)
                 .with_repetition(Repetition::REQUIRED)
@@ -44,6 +45,9 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
             KeyValue::new(format!("{heading}.meaning"), c.meaning.clone()),
         ]
     });
+    let entries = table.metadata.entries.iter();
+    let provenance = entries.map(|e| KeyValue::new(e.name.clone(), e.text.clone()));
+    let metadata = metadata.chain(provenance);
     let properties = WriterProperties::builder()
         .set_created_by("Greenstick".to_owned())
         .set_key_value_metadata(Some(metadata.collect()))
@@ -56,6 +60,11 @@ fn encode(table: &Table) -> Result<Vec<u8>, ParquetError> {
         };
         match &column.values {
             Values::F64(v) => out.typed::<DoubleType>().write_batch(v, None, None)?,
+            Values::Text(v) => {
+                let texts: Vec<ByteArray> = v.iter().map(|t| t.as_str().into()).collect();
+                out.typed::<ByteArrayType>()
+                    .write_batch(&texts, None, None)?
+            }
             Values::U8(v) => {
                 let widened: Vec<i32> = v.iter().map(|&x| x.into()).collect();
                 out.typed::<Int32Type>().write_batch(&widened, None, None)?

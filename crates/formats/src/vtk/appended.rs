@@ -1,7 +1,7 @@
 //! Appended arrays, and other parts that all files share.
 
 use flate2::{Compression, write::ZlibEncoder};
-use greenstick_geometry::Values;
+use greenstick_geometry::{Metadata, MetadataEntry, Values};
 use std::io::Write;
 
 /// Uncompressed size of the blocks of an array.
@@ -101,7 +101,28 @@ pub(super) fn bytes_of(values: &Values) -> (&'static str, Vec<u8>) {
         Values::U8(v) => ("UInt8", v.clone()),
         Values::U32(v) => ("UInt32", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
         Values::F64(v) => ("Float64", v.iter().flat_map(|n| n.to_le_bytes()).collect()),
+        Values::Text(v) => {
+            let ended = v.iter().flat_map(|text| text.bytes().chain([0]));
+            ("String", ended.collect())
+        }
     }
+}
+
+/// Metadata as field data of a data set: an array of one string each, written as the codes of its bytes and a 0.
+pub(super) fn field_data(metadata: &Metadata) -> String {
+    if metadata.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from("    <FieldData>\n");
+    for MetadataEntry { name, text: value } in &metadata.entries {
+        let codes: Vec<String> = value.bytes().chain([0]).map(|b| b.to_string()).collect();
+        text += &format!(
+            "      <DataArray type=\"String\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">\n        {}\n      </DataArray>\n",
+            escape(name),
+            codes.join(" ")
+        );
+    }
+    text + "    </FieldData>\n"
 }
 
 /// Escapes text for an XML attribute.

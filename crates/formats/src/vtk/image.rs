@@ -1,9 +1,10 @@
 //! Image data: voxels with arrays, in slices that can be computed and compressed one by one.
 
-use super::appended::{Appended, escape, file_start};
+use super::appended::{Appended, escape, field_data, file_start};
 use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
 use glam::DVec3;
+use greenstick_geometry::Metadata;
 
 /// The type of the values of an array, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +42,8 @@ pub struct Image {
     pub directions: [DVec3; 3],
     /// The arrays.
     pub arrays: Vec<ImageArray>,
+    /// Where it comes from.
+    pub metadata: Metadata,
 }
 
 /// Writes a `.vti` file.
@@ -70,10 +73,11 @@ pub fn write_image(image: &Image, name: &str) -> Result<Encoded, FormatError> {
     let matrix = [x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z];
     let extent = format!("0 {nx} 0 {ny} 0 {nz}");
     text += &format!(
-        "  <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{}\">\n    <Piece Extent=\"{extent}\">\n      <CellData Scalars=\"{}\">\n",
+        "  <ImageData WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{}\">\n{}    <Piece Extent=\"{extent}\">\n      <CellData Scalars=\"{}\">\n",
         numbers(&image.origin.to_array()),
         numbers(&image.spacing),
         numbers(&matrix),
+        field_data(&image.metadata),
         image
             .arrays
             .first()

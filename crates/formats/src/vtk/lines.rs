@@ -1,41 +1,11 @@
 //! Polylines with data: rods, or bonds as lines of two points.
 
-use super::appended::{Appended, CompressedArray, add_array, bytes_of, escape, file_start};
+use super::appended::{Appended, CompressedArray, add_array, bytes_of, file_start};
+use super::fields::{Field, check_fields, compress_fields};
 use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
 use glam::DVec3;
 use greenstick_geometry::Values;
-
-/// Data of points or lines.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Field {
-    /// Name, with the unit if there is one: `force_N`.
-    pub name: String,
-    /// Values for each point or line: 1, 3 for a vector …
-    pub components: usize,
-    /// The values.
-    pub values: Values,
-}
-
-impl Field {
-    /// A field with one value for each point or line.
-    pub fn scalar(name: &str, values: Values) -> Self {
-        Field {
-            name: name.to_owned(),
-            components: 1,
-            values,
-        }
-    }
-
-    /// A field with a vector for each point or line.
-    pub fn vectors(name: &str, vectors: &[DVec3]) -> Self {
-        Field {
-            name: name.to_owned(),
-            components: 3,
-            values: Values::F64(vectors.iter().flat_map(|v| v.to_array()).collect()),
-        }
-    }
-}
 
 /// Polylines through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,29 +70,6 @@ pub fn write_lines(lines: &Polylines, name: &str) -> Result<Encoded, FormatError
     })
 }
 
-/// A compressed field with the attributes of its array.
-struct CompressedField {
-    attributes: String,
-    array: CompressedArray,
-}
-
-/// Compresses fields.
-fn compress_fields(fields: &[Field]) -> Vec<CompressedField> {
-    let compress = |field: &Field| {
-        let (kind, bytes) = bytes_of(&field.values);
-        let attributes = format!(
-            "type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{}\"",
-            escape(&field.name),
-            field.components
-        );
-        CompressedField {
-            attributes,
-            array: CompressedArray::new(&bytes),
-        }
-    };
-    fields.iter().map(compress).collect()
-}
-
 /// Refuses invalid lines and fields.
 fn check(lines: &Polylines, file: InFile) -> Result<(), FormatError> {
     let (count, points) = (lines.ends.len(), lines.points.len());
@@ -150,21 +97,6 @@ fn check(lines: &Polylines, file: InFile) -> Result<(), FormatError> {
         let found = format!("point {i} lies at {}", lines.points[i]);
         return Err(file.unwritable(found, "finite coordinates"));
     }
-    let point_data = lines.point_data.iter().map(|f| (f, points));
-    let line_data = lines.line_data.iter().map(|f| (f, count));
-    for (field, entries) in point_data.chain(line_data) {
-        let right = field.components.checked_mul(entries);
-        if field.components == 0 || right != Some(field.values.len()) {
-            let found = format!("field {} has {} values", field.name, field.values.len());
-            let right = format!("{} for each of {entries}", field.components.max(1));
-            return Err(file.unwritable(found, right));
-        }
-        if let Values::F64(values) = &field.values
-            && let Some(k) = values.iter().position(|v| !v.is_finite())
-        {
-            let found = format!("{} in field {}", values[k], field.name);
-            return Err(file.unwritable(found, "finite numbers"));
-        }
-    }
-    Ok(())
+    check_fields(lines.point_data, points, file)?;
+    check_fields(lines.line_data, count, file)
 }

@@ -1,6 +1,8 @@
 //! Points with data: each row of a table is a vertex, each column other than its position an array.
 
-use super::appended::{Appended, CompressedArray, add_array, bytes_of, escape, file_start};
+use super::appended::{
+    Appended, CompressedArray, add_array, bytes_of, escape, field_data, file_start,
+};
 use crate::error::{FormatError, InFile};
 use crate::table::positions;
 use greenstick_geometry::Table;
@@ -30,8 +32,9 @@ pub(crate) fn write_points(table: &Table, file: InFile) -> Result<Vec<u8>, Forma
     let mut appended = Appended::default();
     let mut text = file_start("PolyData", "1.0");
     text += &format!(
-        "  <PolyData>\n    <Piece NumberOfPoints=\"{rows}\" NumberOfVerts=\"{rows}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
-         NumberOfPolys=\"0\">\n      <PointData>\n"
+        "  <PolyData>\n{}    <Piece NumberOfPoints=\"{rows}\" NumberOfVerts=\"{rows}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
+         NumberOfPolys=\"0\">\n      <PointData>\n",
+        field_data(&table.metadata)
     );
     for (attributes, array) in &arrays {
         add_array(&mut text, &mut appended, attributes, array);

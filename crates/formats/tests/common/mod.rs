@@ -171,7 +171,7 @@ pub fn two_cubes() -> Scene {
             image("color", "image/png", ImageSource::Bytes(png)),
             image("", "", ImageSource::Reference("missing.png".to_owned())),
         ],
-        notes: Vec::new(),
+        ..Scene::default()
     }
 }
 

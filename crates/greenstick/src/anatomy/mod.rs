@@ -1,19 +1,30 @@
 //! The inside of a stem as files a scientist can use (Forests 2023): sections, a volume, particles, the surface
 //! reconstructed from them, and their numbers.
 
+mod cores;
+mod outputs;
 mod pictures;
+mod provenance;
+mod solid;
+mod stems;
 mod volume;
+
+pub use stems::{StemOutcome, stems_files};
 
 pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
-use crate::scanning::ScanParameters;
-use greenstick_formats::{Encoded, Format, LengthUnit, TableFormat};
+use crate::anatomy::outputs::Outputs;
+use crate::scanning::{ScanParameters, ScannedReport};
+use glam::DVec3;
+use greenstick_formats::{Encoded, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_geometry::{Context, Mesh, Scene, Stage};
+use greenstick_geometry::{Context, Mesh, Provenance, Scene, Stage};
 use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
-    Anatomy, AnatomyFindings, AnatomyReport, ParticleLayers, SurfaceColouring,
+    Anatomy, AnatomyFindings, AnatomyReport, CoordinateChoice, ElementsReport, LimbReport,
+    MassReport, MeasurementErrors, ParticleLayers, SegmentReport, StemMeasures, SurfaceColouring,
+    WoodMass, limb_table,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
@@ -42,6 +53,28 @@ pub const ANATOMY_FILE: &str = "anatomy.json";
 /// Ring coordinate at which bark begins in pictures.
 const BARK: f64 = 0.95;
 
+/// What the inside is made of: a scene, and what is known of its making.
+#[derive(Debug, Clone)]
+pub struct AnatomyInput<'a> {
+    /// The meshes.
+    pub scene: &'a Scene,
+    /// The report of the scan that the scene was reconstructed from, where it was.
+    pub scan: Option<&'a ScannedReport>,
+    /// Where it comes from, which every file carries.
+    pub provenance: Provenance,
+}
+
+impl<'a> From<&'a Scene> for AnatomyInput<'a> {
+    /// Meshes that were not made from a scan.
+    fn from(scene: &'a Scene) -> Self {
+        AnatomyInput {
+            scene,
+            scan: None,
+            provenance: AnatomyFile::default().provenance(None),
+        }
+    }
+}
+
 /// The inside of a stem, all files at once.
 #[derive(Debug, Clone)]
 pub struct AnatomyFiles {
@@ -56,12 +89,12 @@ pub struct AnatomyFiles {
 /// # Errors
 /// [`Error`] where there is no stem at the location, a number is out of range, or the caller cancelled.
 pub fn anatomy_files(
-    scene: &Scene,
+    input: &AnatomyInput,
     request: &AnatomyRequest,
     context: &Context,
 ) -> Result<AnatomyFiles, Error> {
     let mut files = Vec::new();
-    let report = anatomy(scene, request, context, |file| -> Result<(), Error> {
+    let report = anatomy(input, request, context, |file| -> Result<(), Error> {
         files.push(file);
         Ok(())
     })?;
@@ -76,56 +109,41 @@ pub fn anatomy_files(
 /// Those of `sink`, and [`Error`] where there is no stem at the location, a number is out of range, or the caller
 /// cancelled.
 pub fn anatomy<E: From<Error>>(
-    scene: &Scene,
+    input: &AnatomyInput,
     request: &AnatomyRequest,
     context: &Context,
     mut sink: impl FnMut(Encoded) -> Result<(), E>,
 ) -> Result<AnatomyReport, E> {
-    let [
-        finding,
-        dividing,
-        sampling,
-        encoding,
-        surface,
-        volume,
-        sections,
-        longitudinal,
-        reporting,
-    ] = stages(request, context);
+    let stages = Stages::new(request, context);
     request.check().map_err(Error::from)?;
-    finding.report(0.0).map_err(Error::from)?;
-    let meshes = scene.world_meshes();
-    let found =
-        find_stem(&meshes, &request.location, &request.stem, &finding).map_err(Error::from)?;
+    let offset = match request.coordinates {
+        CoordinateChoice::Local => DVec3::ZERO,
+        CoordinateChoice::Input => DVec3::from(input.provenance.origin_m),
+    };
+    let mut outputs = Outputs::new(&mut sink, input.provenance.metadata(), offset);
+    stages.finding.report(0.0).map_err(Error::from)?;
+    let meshes = input.scene.world_meshes();
+    let found = find_stem(&meshes, &request.location, &request.stem, &stages.finding)
+        .map_err(Error::from)?;
     let mesh = &meshes[found.node];
-    let anatomy = model(request, &found, mesh, &dividing)?;
-    let mut notes = scene.notes.clone();
+    let anatomy = model(request, &found, mesh, &stages.dividing)?;
+    let mut notes = input.scene.notes.clone();
     // Where a break may be does not matter here.
     let about_breaks = |note: &&String| note.starts_with("the break");
     notes.extend(found.notes.iter().filter(|n| !about_breaks(n)).cloned());
 
-    let layers = ParticleLayers::sample(&anatomy, &request.layer_options(), &sampling)
-        .map_err(Error::from)?;
-    if request.wants(AnatomyOutput::Particles) {
-        write_particles(&layers, &encoding, &mut sink)?;
+    let made = make_files(&anatomy, input, request, &stages, &mut outputs)?;
+    notes.extend(made.notes);
+    stages.reporting.report(0.0).map_err(Error::from)?;
+    // A scan's surface is that of one stem.
+    let left_out = match input.scan {
+        Some(_) => None,
+        None => find_left_out(mesh, &found, &stages.reporting).map_err(Error::from)?,
+    };
+    if let (Some(left_out), true) = (&left_out, request.wants(AnatomyOutput::Measures)) {
+        let limbs: Vec<LimbReport> = left_out.limbs.iter().map(LimbReport::from).collect();
+        outputs.table(limb_table(&limbs), "limbs", TableFormat::Csv)?;
     }
-    if request.wants(AnatomyOutput::Surface) {
-        surface.report(0.0).map_err(Error::from)?;
-        let ring = request.surface_ring.unwrap_or(anatomy.ring_count());
-        notes.extend(write_surfaces(&layers, ring, &mut sink)?);
-    }
-    let mut segments = Vec::new();
-    if request.wants(AnatomyOutput::Volume) {
-        segments = volume::write(&anatomy, &volume, &mut sink)?;
-    }
-    if request.wants(AnatomyOutput::Sections) {
-        pictures::sections(&anatomy, request, &sections, &mut sink)?;
-    }
-    if request.wants(AnatomyOutput::Longitudinal) {
-        sink(pictures::longitudinal(&anatomy, &longitudinal)?)?;
-    }
-    reporting.report(0.0).map_err(Error::from)?;
-    let left_out = find_left_out(mesh, &found, &reporting).map_err(Error::from)?;
     let findings = AnatomyFindings {
         left_out,
         species: request.species.clone(),
@@ -133,11 +151,78 @@ pub fn anatomy<E: From<Error>>(
         mesh,
         found: &found,
         anatomy: &anatomy,
-        layers: &layers,
-        segments,
+        layers: &made.layers,
+        measures: made.measures.report(),
+        mass: mass(&made.measures, request)?,
+        elements: made.elements,
+        provenance: input.provenance.clone(),
+        segments: made.segments,
         notes,
     };
-    Ok(findings.report())
+    outputs.finish()?;
+    let mut report = findings.report();
+    report.translate(offset);
+    Ok(report)
+}
+
+/// What the files were made from, and what is to be said of them.
+struct Made {
+    layers: ParticleLayers,
+    segments: Vec<SegmentReport>,
+    measures: StemMeasures,
+    elements: Option<ElementsReport>,
+    notes: Vec<String>,
+}
+
+/// Makes the files that are wanted of a stem's sections and rings.
+fn make_files<E: From<Error>>(
+    anatomy: &Anatomy,
+    input: &AnatomyInput,
+    request: &AnatomyRequest,
+    stages: &Stages,
+    outputs: &mut Outputs<E>,
+) -> Result<Made, E> {
+    let mut notes = Vec::new();
+    let layers = ParticleLayers::sample(anatomy, &request.layer_options(), &stages.sampling)
+        .map_err(Error::from)?;
+    if request.wants(AnatomyOutput::Particles) {
+        write_particles(&layers, &stages.encoding, outputs)?;
+    }
+    if request.wants(AnatomyOutput::Surface) {
+        stages.surface.report(0.0).map_err(Error::from)?;
+        let ring = request.surface_ring.unwrap_or(anatomy.ring_count());
+        notes.extend(write_surfaces(&layers, ring, outputs)?);
+    }
+    let mut segments = Vec::new();
+    if request.wants(AnatomyOutput::Volume) {
+        segments = volume::write(anatomy, &stages.volume, outputs)?;
+    }
+    if request.wants(AnatomyOutput::Sections) {
+        pictures::sections(anatomy, request, &stages.sections, outputs)?;
+    }
+    if request.wants(AnatomyOutput::Longitudinal) {
+        pictures::longitudinal(anatomy, &stages.longitudinal, outputs)?;
+    }
+    let measures = measure(anatomy, input, request, &stages.measuring)?;
+    if request.wants(AnatomyOutput::Measures) {
+        outputs.table(measures.table(), "sections", TableFormat::Csv)?;
+    }
+    if request.wants(AnatomyOutput::Cores) {
+        notes.extend(cores::write(anatomy, request, &input.provenance, outputs)?);
+    }
+    let mut elements = None;
+    if request.wants(AnatomyOutput::Elements) {
+        let written = solid::write(anatomy, &measures, request, &stages.meshing, outputs)?;
+        notes.extend(written.notes);
+        elements = written.report;
+    }
+    Ok(Made {
+        layers,
+        segments,
+        measures,
+        elements,
+        notes,
+    })
 }
 
 /// Returns a report as the file `anatomy.json`.
@@ -149,24 +234,67 @@ pub fn report_file(report: &AnatomyReport) -> Result<Encoded, Error> {
     Ok(Encoded::new(ANATOMY_FILE, bytes))
 }
 
-/// Returns the contexts of the stages, in their order: stem, rings, particles, encode, surface, volume, sections,
-/// longitudinal, report.
-fn stages(request: &AnatomyRequest, context: &Context) -> [Context; 9] {
-    let output = |output, name, weight| {
-        let weight = if request.wants(output) { weight } else { 0.0 };
-        (Stage::new(name), weight)
-    };
-    context.split([
-        (Stage::new("stem"), 1.0),
-        (Stage::new("rings"), 1.0),
-        (Stage::new("particles"), 2.0),
-        output(AnatomyOutput::Particles, "encode", 1.0),
-        output(AnatomyOutput::Surface, "surface", 1.0),
-        output(AnatomyOutput::Volume, "volume", 4.0),
-        output(AnatomyOutput::Sections, "sections", 4.0),
-        output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),
-        (Stage::new("report"), 0.2),
-    ])
+/// The parts of the work.
+struct Stages {
+    finding: Context,
+    dividing: Context,
+    sampling: Context,
+    encoding: Context,
+    surface: Context,
+    volume: Context,
+    sections: Context,
+    longitudinal: Context,
+    measuring: Context,
+    meshing: Context,
+    reporting: Context,
+}
+
+impl Stages {
+    /// Divides the work among its parts; those that are not wanted take none of it.
+    fn new(request: &AnatomyRequest, context: &Context) -> Self {
+        let output = |output, name, weight| {
+            let weight = if request.wants(output) { weight } else { 0.0 };
+            (Stage::new(name), weight)
+        };
+        let [
+            finding,
+            dividing,
+            sampling,
+            encoding,
+            surface,
+            volume,
+            sections,
+            longitudinal,
+            measuring,
+            meshing,
+            reporting,
+        ] = context.split([
+            (Stage::new("stem"), 1.0),
+            (Stage::new("rings"), 1.0),
+            (Stage::new("particles"), 2.0),
+            output(AnatomyOutput::Particles, "encode", 1.0),
+            output(AnatomyOutput::Surface, "surface", 1.0),
+            output(AnatomyOutput::Volume, "volume", 4.0),
+            output(AnatomyOutput::Sections, "sections", 4.0),
+            output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),
+            (Stage::new("measures"), 1.0),
+            output(AnatomyOutput::Elements, "elements", 1.0),
+            (Stage::new("report"), 0.2),
+        ]);
+        Stages {
+            finding,
+            dividing,
+            sampling,
+            encoding,
+            surface,
+            volume,
+            sections,
+            longitudinal,
+            measuring,
+            meshing,
+            reporting,
+        }
+    }
 }
 
 /// The stem's sections and rings.
@@ -184,18 +312,46 @@ fn model<'a>(
     Ok(request.anatomy(found, mesh, wood, proportions, context)?)
 }
 
+/// What the wood of the stem weighs; `None` where no species was named or the tables have no density.
+fn mass(measures: &StemMeasures, request: &AnatomyRequest) -> Result<Option<MassReport>, Error> {
+    let Some(name) = &request.species else {
+        return Ok(None);
+    };
+    let wood = WoodMass::new(Species::find(name)?, request.mensuration.moisture)?;
+    Ok(wood.map(|wood| measures.mass(&wood)))
+}
+
+/// Measures the stem, with standard errors where it comes from a scan.
+fn measure(
+    anatomy: &Anatomy,
+    input: &AnatomyInput,
+    request: &AnatomyRequest,
+    context: &Context,
+) -> Result<StemMeasures, Error> {
+    let errors = input
+        .scan
+        .and_then(|scan| MeasurementErrors::from_scan(scan.bark.as_ref()?));
+    let pith_is_known = request.stem.pith.is_some();
+    let measures = StemMeasures::new(
+        anatomy,
+        &request.mensuration,
+        errors,
+        pith_is_known,
+        context,
+    )?;
+    Ok(measures)
+}
+
 fn write_particles<E: From<Error>>(
     layers: &ParticleLayers,
     context: &Context,
-    sink: &mut dyn FnMut(Encoded) -> Result<(), E>,
+    outputs: &mut Outputs<E>,
 ) -> Result<(), E> {
     let table = layers.table();
     for (i, &format) in TableFormat::ALL.iter().enumerate() {
         let done = i as f64 / TableFormat::ALL.len() as f64;
         context.report(done).map_err(Error::from)?;
-        let name = format!("particles.{}", format.extension());
-        let file = greenstick_formats::write_table(format, &table, &name);
-        sink(file.map_err(Error::from)?)?;
+        outputs.table(table.clone(), "particles", format)?;
     }
     Ok(())
 }
@@ -204,7 +360,7 @@ fn write_particles<E: From<Error>>(
 fn write_surfaces<E: From<Error>>(
     layers: &ParticleLayers,
     ring: u16,
-    sink: &mut dyn FnMut(Encoded) -> Result<(), E>,
+    outputs: &mut Outputs<E>,
 ) -> Result<Option<String>, E> {
     for (colouring, name) in [
         (SurfaceColouring::Ring, "surface_rings.glb"),
@@ -216,11 +372,7 @@ fn write_surfaces<E: From<Error>>(
                     .to_owned(),
             ));
         };
-        let files = greenstick_formats::write(Format::Glb, &scene, name, LengthUnit::Metre);
-        files
-            .map_err(Error::from)?
-            .into_iter()
-            .try_for_each(&mut *sink)?;
+        outputs.scene(scene, name)?;
     }
     Ok(None)
 }

@@ -4,13 +4,11 @@
 //! A segment's sections are square to the centreline; its image is placed in the world by the frame at its middle. For a
 //! straight stem that is exact; the report gives how far the centreline of a bent one leaves it.
 
+use super::outputs::Outputs;
 use crate::Error;
 use glam::DVec3;
-use greenstick_formats::Encoded;
-use greenstick_formats::vtk::{
-    Block, Image, ImageArray, ImageNumber, compress, write_image, write_multiblock,
-};
-use greenstick_geometry::Context;
+use greenstick_formats::vtk::{Block, Image, ImageArray, ImageNumber, compress, write_multiblock};
+use greenstick_geometry::{Context, Metadata};
 use greenstick_wood::anatomy::{Anatomy, Segment, SegmentReport, SliceMeasures, VoxelSlice};
 
 /// The compressed voxels of a section.
@@ -41,7 +39,7 @@ impl CompressedSlice {
 pub(super) fn write<E: From<Error>>(
     anatomy: &Anatomy,
     context: &Context,
-    sink: &mut dyn FnMut(Encoded) -> Result<(), E>,
+    outputs: &mut Outputs<E>,
 ) -> Result<Vec<SegmentReport>, E> {
     let segments = &anatomy.sections().segments;
     let (mut reports, mut blocks) = (Vec::new(), Vec::new());
@@ -56,15 +54,14 @@ pub(super) fn write<E: From<Error>>(
         };
         let measures: Vec<SliceMeasures> = slices.iter().map(|s| s.measures).collect();
         reports.push(SegmentReport::new(anatomy, segment, &measures, &name));
-        let file = write_image(&image(anatomy, segment, slices), &name);
-        sink(file.map_err(Error::from)?)?;
+        outputs.volume(image(anatomy, segment, slices), &name)?;
         blocks.push(Block {
             name: format!("segment {i}"),
             file: name,
         });
     }
     if blocks.len() > 1 {
-        sink(write_multiblock(&blocks, "volume.vtm"))?;
+        outputs.add(write_multiblock(&blocks, "volume.vtm"))?;
     }
     Ok(reports)
 }
@@ -106,5 +103,6 @@ fn image(anatomy: &Anatomy, segment: &Segment, slices: Vec<CompressedSlice>) -> 
             array("zone", 1, ImageNumber::U8, tissues),
             array("colour", 3, ImageNumber::U8, colours),
         ],
+        metadata: Metadata::default(),
     }
 }

@@ -41,7 +41,7 @@ impl SkinnedFilm {
             materials: film.materials.clone(),
             textures: film.textures.clone(),
             images: film.images.clone(),
-            notes: Vec::new(),
+            ..Scene::default()
         })
     }
 

@@ -167,6 +167,7 @@ impl ParticleLayers {
                 reals("phi", "rad", "angle about the pith", &|p| p.angle),
                 reals("s", "m", "length along the centreline", &|p| p.length),
             ],
+            ..Table::default()
         }
     }
 

@@ -31,10 +31,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cores;
+mod elements;
 mod error;
 mod layers;
+mod limb_report;
 mod limits;
 mod measures;
+mod mensuration;
 mod model;
 mod outline;
 mod painting;
@@ -54,10 +58,17 @@ mod stem_rings;
 mod surface;
 mod voxels;
 
+pub use cores::{Core, core_table};
+pub use elements::{ElementError, StemElement, StemElements};
 pub use error::AnatomyError;
 pub use layers::{BundleSpread, LayerOptions, ParticleLayer, ParticleLayers};
+pub use limb_report::{LimbReport, limb_table};
 pub use limits::{MAX_PARTICLES, RESOLUTION_RANGE};
 pub use measures::{RingMeasures, SectionMeasures};
+pub use mensuration::{
+    BreastHeightReport, Log, LogOptions, LogReport, MassReport, MeasurementErrors,
+    MensurationParameters, MensurationReport, SectionSize, StemMeasures, WoodMass,
+};
 pub use model::{Anatomy, AnatomyOptions, RingMethod};
 pub use outline::Outline;
 pub use painting::SectionPictures;
@@ -66,8 +77,8 @@ pub use parameters::{KERNELS, RingMethodChoice, RingParameters, ScheduleChoice};
 pub use particles::{Particle, particles_from_field, particles_from_raster};
 pub use passes::{PassLegend, PassMeaning, passes_of_rings};
 pub use pictured_sections::PicturedSection;
-pub use report::{AnatomyFindings, AnatomyReport, RingRows, SectionReport};
-pub use request::{AnatomyOutput, AnatomyRequest};
+pub use report::{AnatomyFindings, AnatomyReport, ElementsReport, RingRows, SectionReport};
+pub use request::{AnatomyOutput, AnatomyRequest, CoordinateChoice};
 pub use section_raster::SectionRaster;
 pub use sections::{Segment, StemSections, TransverseSection};
 pub use sectors::{SectorDivision, SectorLayout};

@@ -11,7 +11,7 @@ use crate::rings::{
     ConcentricRings, ErodedPasses, Erosion, ErosionFronts, RingDivision, ring_numbers,
 };
 use crate::stem::{FoundStem, StemKind};
-use crate::tissue::Proportions;
+use crate::tissue::{Proportions, Zone};
 use greenstick_geometry::{Bitmap, Cancelled, Context, Mesh};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -153,6 +153,27 @@ impl<'a> Anatomy<'a> {
     /// The rings by whose ring coordinates the field is divided.
     pub(super) fn rings(&self) -> &ConcentricRings {
         &self.rings
+    }
+
+    /// Ring coordinate at which the wood ends and inner bark begins; 1 in a board, which has no bark.
+    pub(super) fn cambium(&self) -> f64 {
+        if self.is_board() {
+            return 1.0;
+        }
+        let end = self.end_of(Zone::Sapwood);
+        end.unwrap_or(1.0 - self.proportions.phloem)
+    }
+
+    /// Ring coordinate at which the heartwood ends; 0 without any.
+    pub(super) fn heartwood_edge(&self) -> f64 {
+        self.end_of(Zone::Heartwood).unwrap_or(0.0)
+    }
+
+    /// Where the last ring of a tissue, or of one within it, ends.
+    fn end_of(&self, tissue: Zone) -> Option<f64> {
+        let rings = self.rings.edges().iter().zip(self.rings.tissues());
+        let mut within = rings.filter(|(_, t)| **t <= tissue);
+        within.next_back().map(|(edge, _)| *edge)
     }
 
     /// What the wood looks like between rings.

@@ -1,12 +1,15 @@
 //! The numbers of a stem's inside: `anatomy.json`, and a few lines for people.
 
 use super::layers::ParticleLayers;
+use super::limb_report::LimbReport;
 use super::measures::SectionMeasures;
+use super::mensuration::{MassReport, MensurationReport};
 use super::model::{Anatomy, RingMethod};
 use super::segment_report::SegmentReport;
 use crate::stem::{FoundStem, LeftOut};
 use crate::tissue::Zone;
-use greenstick_geometry::{CheckOptions, Mesh};
+use glam::DVec3;
+use greenstick_geometry::{CheckOptions, Mesh, Provenance};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::fmt;
@@ -22,6 +25,8 @@ pub struct AnatomyReport {
     pub schema: Cow<'static, str>,
     /// Version of the schema, which rises when a name changes or is removed.
     pub version: u32,
+    /// Where it comes from.
+    pub provenance: Provenance,
     /// `round` or `board`.
     pub kind: Cow<'static, str>,
     /// Species, where one was named.
@@ -60,12 +65,35 @@ pub struct AnatomyReport {
     pub zones: Vec<String>,
     /// Points of the centreline in the world, m.
     pub centreline_m: Vec<[f64; 3]>,
+    /// Breast height, volumes and logs.
+    pub measures: MensurationReport,
+    /// What its wood weighs; `None` where no species was named or the tables have no density.
+    pub mass: Option<MassReport>,
+    /// Limbs that were left out, the largest first.
+    pub limbs: Vec<LimbReport>,
+    /// Finite elements, where they were made.
+    pub elements: Option<ElementsReport>,
     /// Voxelised segments.
     pub segments: Vec<SegmentReport>,
     /// The section of every layer.
     pub sections: Vec<SectionReport>,
     /// What was assumed, repaired or could not be done, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// The finite elements of a stem.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ElementsReport {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of hexahedra.
+    pub hexahedra: usize,
+    /// Sum of their volumes, m³.
+    pub volume_m3: f64,
+    /// Volume of the stem's sections over the same length, m³.
+    pub sections_volume_m3: f64,
+    /// Sum of the volumes of those that are wood, m³.
+    pub wood_volume_m3: f64,
 }
 
 /// A section.
@@ -107,6 +135,8 @@ pub struct RingRows {
 /// What the report of a stem's inside is made from.
 #[derive(Debug, Clone)]
 pub struct AnatomyFindings<'a> {
+    /// Where the input comes from.
+    pub provenance: Provenance,
     /// Species, where one was named.
     pub species: Option<String>,
     /// Where rings come from.
@@ -119,6 +149,12 @@ pub struct AnatomyFindings<'a> {
     pub anatomy: &'a Anatomy<'a>,
     /// Its particles.
     pub layers: &'a ParticleLayers,
+    /// What was measured along it.
+    pub measures: MensurationReport,
+    /// What its wood weighs.
+    pub mass: Option<MassReport>,
+    /// Its finite elements, where they were made.
+    pub elements: Option<ElementsReport>,
     /// What of its shell is not the stem's.
     pub left_out: Option<LeftOut>,
     /// Its segments, where they were voxelised.
@@ -143,13 +179,16 @@ impl AnatomyFindings<'_> {
         let mut notes = self.notes.clone();
         notes.extend(self.note_on_holes());
         notes.extend(self.note_on_ends());
-        let left_out_volume = self.left_out.map_or(0.0, |l| l.volume_m3);
-        notes.extend(self.left_out.map(|l| l.to_string()));
+        let left_out = self.left_out.as_ref();
+        let left_out_volume = left_out.map_or(0.0, |l| l.volume_m3);
+        notes.extend(left_out.map(ToString::to_string));
+        let limbs = left_out.map_or(&[][..], |l| &l.limbs);
         let stem_volume = mesh_volume.map(|v| v - left_out_volume);
         notes.extend(self.note_on_coarseness(stem_volume, voxel_volume));
         AnatomyReport {
             schema: "greenstick-anatomy".into(),
             version: 1,
+            provenance: self.provenance,
             kind: stem.kind.word().into(),
             species: self.species,
             length_m: axis.length(),
@@ -174,6 +213,10 @@ impl AnatomyFindings<'_> {
                 .iter()
                 .map(|layer| SectionReport::new(&layer.section))
                 .collect(),
+            measures: self.measures,
+            mass: self.mass,
+            limbs: limbs.iter().map(LimbReport::from).collect(),
+            elements: self.elements,
             segments: self.segments,
             notes,
         }
@@ -268,6 +311,16 @@ impl AnatomyReport {
         Some(shares)
     }
 
+    /// Adds an offset (m) to all coordinates.
+    pub fn translate(&mut self, offset: DVec3) {
+        let sections = self.sections.iter_mut();
+        let places = sections.flat_map(|s| [&mut s.centre_m, &mut s.pith_m]);
+        let mouths = self.limbs.iter_mut().map(|l| &mut l.mouth_m);
+        for place in places.chain(&mut self.centreline_m).chain(mouths) {
+            *place = (DVec3::from(*place) + offset).to_array();
+        }
+    }
+
     /// Returns the report as JSON.
     ///
     /// # Errors
@@ -308,6 +361,23 @@ impl fmt::Display for AnatomyReport {
                 Some(m) => writeln!(f, ", {:+.2} % of the mesh's", 100.0 * (v / m - 1.0))?,
                 None => writeln!(f)?,
             }
+        }
+        write!(f, "{}", self.measures)?;
+        if let Some(mass) = &self.mass {
+            writeln!(
+                f,
+                "mass      {:.3} kg of wood at {:.0} % moisture, {:.3} kg oven-dry; {:.0} kg/m³",
+                mass.mass_kg, mass.moisture_percent, mass.dry_mass_kg, mass.density_kg_m3
+            )?;
+        }
+        if let Some(e) = &self.elements {
+            writeln!(
+                f,
+                "elements  {} hexahedra, {:.6} m³, {:+.3} % of the sections'",
+                e.hexahedra,
+                e.volume_m3,
+                100.0 * (e.volume_m3 / e.sections_volume_m3 - 1.0)
+            )?;
         }
         for note in &self.notes {
             writeln!(f, "note      {note}")?;

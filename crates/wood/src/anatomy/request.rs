@@ -3,6 +3,7 @@
 use super::error::AnatomyError;
 use super::layers::LayerOptions;
 use super::limits::{MAX_PARTICLES, RESOLUTION_RANGE};
+use super::mensuration::MensurationParameters;
 use super::model::{Anatomy, AnatomyOptions, RingMethod};
 use super::palette::RingColouring;
 use super::parameters::RingParameters;
@@ -17,6 +18,13 @@ use greenstick_geometry::{Context, Mesh};
 use greenstick_schema::{Kind, choice, choices, count, list, parameters, text};
 
 choices! {
+    /// Which coordinates are written.
+    pub enum CoordinateChoice {
+        /// Those of the work, in which a scan far from the origin is near it.
+        Local = "local",
+        /// Those of the input.
+        Input = "input",
+    }
     /// A kind of output.
     pub enum AnatomyOutput {
         /// Pictures of sections: contour, rings and tissues.
@@ -29,17 +37,26 @@ choices! {
         Particles = "particles",
         /// The surface reconstructed from particles, coloured by ring and by sector.
         Surface = "surface",
+        /// Diameters, shape and volumes along the stem as a table.
+        Measures = "measures",
+        /// Ring widths along radii.
+        Cores = "cores",
+        /// Finite elements with the axes of the wood.
+        Elements = "elements",
     }
 }
 
 impl AnatomyOutput {
     /// All of them.
-    pub const ALL: [AnatomyOutput; 5] = [
+    pub const ALL: [AnatomyOutput; 8] = [
         AnatomyOutput::Sections,
         AnatomyOutput::Longitudinal,
         AnatomyOutput::Volume,
         AnatomyOutput::Particles,
         AnatomyOutput::Surface,
+        AnatomyOutput::Measures,
+        AnatomyOutput::Cores,
+        AnatomyOutput::Elements,
     ];
 }
 
@@ -55,6 +72,11 @@ parameters! {
             location as "at": StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
             /// Make only these. The numbers (anatomy.json) always are.
             outputs as "only": Vec<AnatomyOutput> = AnatomyOutput::ALL.to_vec(), list(&OUTPUT, 1, AnatomyOutput::ALL.len());
+        }
+        "Output", "report" {
+            /// Coordinates of what is written: "local", less the origin in anatomy.json that was subtracted from a scan far
+            /// from 0, or "input", those of the input.
+            coordinates: CoordinateChoice = CoordinateChoice::Local, choice(CoordinateChoice::CHOICES);
         }
         "How finely", "rings" {
             /// Voxels along each side of a segment, which is slightly longer than the stem is wide.
@@ -87,6 +109,8 @@ parameters! {
         series: RingSeriesParameters = RingSeriesParameters::default();
         /// Where rings come from.
         ring_source: RingParameters = RingParameters::default();
+        /// What is measured along the stem.
+        mensuration: MensurationParameters = MensurationParameters::default();
     }
     check |p| {
         p.ring_source.check_alone(p.ring_count.map(|_| "rings"), &p.series)?;

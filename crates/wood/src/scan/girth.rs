@@ -1,4 +1,4 @@
-//! Diameter and girth of the stem at the requested place, with their standard errors.
+//! Diameter, girth and ovality of the stem at the requested place and along it, with their standard errors.
 
 use super::circle::{Expected, Prior, fit, sector_of};
 use super::points::{StemPoint, StemPoints};
@@ -7,6 +7,8 @@ use super::shape::SectionShape;
 use super::traced::TracedStem;
 use crate::{noise, polygon};
 use glam::DVec2;
+use greenstick_geometry::{Cancelled, Context};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Sectors of the outline.
@@ -17,23 +19,57 @@ const WAVES: usize = 6;
 const OUTLINE_POINTS: usize = 240;
 /// Half the length of stem that is measured, in radii.
 const HALF_LENGTH_RADII: f64 = 1.0;
+/// Fewest and most places along the stem; they are a diameter apart.
+const PLACES_ALONG: (f64, f64) = (4.0, 64.0);
+
+/// Measures the stem at places between two lengths (m). Those with too few points are left out.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn measure_along(
+    points: &StemPoints,
+    stem: &TracedStem,
+    span: [f64; 2],
+    context: &Context,
+) -> Result<Vec<PlaceMeasures>, Cancelled> {
+    let length = span[1] - span[0];
+    let (fewest, most) = PLACES_ALONG;
+    let count = (length / (2.0 * stem.mean_radius()))
+        .round()
+        .clamp(fewest, most) as usize;
+    let places: Vec<Option<PlaceMeasures>> = (0..count)
+        .into_par_iter()
+        .map(|k| {
+            context.check()?;
+            let at = span[0] + length * (k as f64 + 0.5) / count as f64;
+            Ok(measure(points, stem, at))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(places.into_iter().flatten().collect())
+}
 
 /// Measures the stem at length `at` (m). `None` where too few points are there.
 pub(super) fn measure(points: &StemPoints, stem: &TracedStem, at: f64) -> Option<PlaceMeasures> {
     let radius = stem.radius(at);
+    let centre_m = stem.axis.frame(at).origin.to_array();
     if let SectionShape::Squared { half, core } = stem.shape {
         let diameter = 2.0 * stem.shape.equal_radius(half);
         let girth = stem.shape.girth(half);
         // Each pair of sides is as far apart as it was measured.
         let error = 2.0 * stem.radius_error;
         let relative = (error / (2.0 * half)).hypot(error / (2.0 * (half + core)));
+        // The greatest calliper diameter of a rectangle is its diagonal.
+        let thinness = half / half.hypot(half + core);
         return Some(PlaceMeasures {
             at_m: at,
+            centre_m,
             diameter_m: diameter,
             diameter_error_m: 0.5 * diameter * relative,
             girth_m: girth,
             girth_error_m: 2.0 * error * 2f64.sqrt(),
             tape_girth_m: girth,
+            ovality: 1.0 - thinness,
+            ovality_error: thinness * relative,
         });
     }
     let mut near: Vec<&StemPoint> = points
@@ -63,19 +99,24 @@ pub(super) fn measure(points: &StemPoints, stem: &TracedStem, at: f64) -> Option
     };
     Some(PlaceMeasures {
         at_m: at,
+        centre_m,
         diameter_m: whole.diameter,
         diameter_error_m: error(|s| s.diameter, 2.0 * whole.radius_error),
         girth_m: whole.girth,
         girth_error_m: error(|s| s.girth, TAU * whole.radius_error),
         tape_girth_m: whole.tape_girth,
+        ovality: whole.ovality,
+        ovality_error: error(|s| s.ovality, 0.0),
     })
 }
 
-/// What a round section measures, m.
+/// What a round section measures, lengths in m.
 struct SectionSize {
     diameter: f64,
     girth: f64,
     tape_girth: f64,
+    /// A share.
+    ovality: f64,
     /// Standard error of the circle's radius.
     radius_error: f64,
 }
@@ -99,6 +140,7 @@ impl SectionSize {
             diameter: 2.0 * (area.abs() / PI).sqrt(),
             girth: polygon::perimeter(&outline),
             tape_girth: polygon::perimeter(&polygon::convex_hull(&outline)),
+            ovality: polygon::ovality(&outline),
             radius_error: circle.radius_error,
         })
     }

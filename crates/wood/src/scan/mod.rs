@@ -102,6 +102,7 @@ pub fn reconstruct_bark(
         return Err(no_stem());
     }
     bark.report.place = girth::measure(&points, &stem, at);
+    bark.report.along = girth::measure_along(&points, &stem, bark.report.span_m, context)?;
     context.report(1.0)?;
     bark.report.notes.extend(notes);
     Ok(bark)

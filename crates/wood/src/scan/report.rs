@@ -48,6 +48,9 @@ pub struct Coverage {
 pub struct PlaceMeasures {
     /// The place, m from the base.
     pub at_m: f64,
+    /// The middle of the stem there, m.
+    #[serde(default)]
+    pub centre_m: [f64; 3],
     /// Diameter of the circle of the section's area, m.
     pub diameter_m: f64,
     /// Its standard error, m.
@@ -58,6 +61,12 @@ pub struct PlaceMeasures {
     pub girth_error_m: f64,
     /// Girth as a tape measures it, along the convex hull of that outline, m.
     pub tape_girth_m: f64,
+    /// By how much the least calliper diameter of that outline is below the greatest, as a share of it.
+    #[serde(default)]
+    pub ovality: f64,
+    /// Its standard error.
+    #[serde(default)]
+    pub ovality_error: f64,
 }
 
 /// The report of a reconstruction.
@@ -87,6 +96,9 @@ pub struct ScanReport {
     /// Diameter and girth at the place.
     #[serde(default)]
     pub place: Option<PlaceMeasures>,
+    /// The same along the part that the surface spans.
+    #[serde(default)]
+    pub along: Vec<PlaceMeasures>,
     /// Share of the girth that was seen, metre by metre.
     #[serde(rename = "cover")]
     pub coverage: Vec<Coverage>,

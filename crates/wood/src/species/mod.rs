@@ -17,6 +17,7 @@
 //! ```
 
 mod catalogue;
+mod elastic;
 mod genus;
 mod green;
 mod names;
@@ -25,6 +26,7 @@ mod strength;
 mod table;
 
 pub use catalogue::SPECIES_NAME;
+pub use elastic::EngineeringConstants;
 pub use genus::{HeartwoodColour, RingCharacter};
 pub use green::GreenRatio;
 pub use names::UnknownSpecies;

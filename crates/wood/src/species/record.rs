@@ -134,6 +134,14 @@ impl MechanicalProperties {
     }
 }
 
+/// A row of Tables 5-1 and 5-2: E_R, E_T, G_LR, G_LT, G_RT over E_L, then ν_LR, ν_LT, ν_RT.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ElasticRow {
+    pub name: &'static str,
+    pub group: Group,
+    pub ratios: [Option<f64>; 8],
+}
+
 /// Shrinkage in the three measures, as fractions of the green size; `None` where the table has no
 /// value.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -6,13 +6,14 @@
 //! stays `None`.
 
 use super::genus;
-use super::record::{Group, MechanicalProperties, Shrinkage, Species};
+use super::record::{ElasticRow, Group, MechanicalProperties, Shrinkage, Species};
 
 const MECHANICAL: &str = include_str!("../../data/usda_table_5_3a_mechanical.csv");
 const SHRINKAGE: &str = include_str!("../../data/usda_table_4_3_shrinkage.csv");
 const GREEN_MOISTURE: &str = include_str!("../../data/usda_table_4_1_green_moisture.csv");
 const INTERSECTION: &str = include_str!("../../data/usda_table_5_13_intersection_moisture.csv");
 const EUROPEAN: &str = include_str!("../../data/european_species.csv");
+const ELASTICITY: &str = include_str!("../../data/usda_tables_5_1_and_5_2_elasticity.csv");
 const YANG: &str = include_str!("../../data/yang_2019_table_1.csv");
 
 /// Air-dry density over oven-dry mass per volume: wood at 12 % moisture holds 0.12 of its own mass in water.
@@ -206,6 +207,16 @@ pub(super) fn read() -> Vec<Species> {
         .collect()
 }
 
+/// Reads the elastic ratios.
+pub(super) fn read_elastic() -> Vec<ElasticRow> {
+    let row = |r: Vec<&'static str>| ElasticRow {
+        name: r[0],
+        group: group(r.get(1).copied().unwrap_or_default()),
+        ratios: std::array::from_fn(|k| number(&r, 2 + k, 1.0)),
+    };
+    rows(ELASTICITY).map(row).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,6 +230,7 @@ mod tests {
             (GREEN_MOISTURE, 3, &[0][..]),
             (INTERSECTION, 2, &[0][..]),
             (EUROPEAN, 12, &[0, 1, 2, 11][..]),
+            (ELASTICITY, 10, &[0, 1][..]),
             (YANG, 11, &[0, 1, 2][..]),
         ] {
             for row in rows(table) {

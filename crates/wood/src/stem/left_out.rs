@@ -15,33 +15,57 @@ const MIN_SHARE: f64 = 0.02;
 /// Triangles between two checks for cancellation.
 const BATCH: usize = 1 << 12;
 
-/// Wood of the stem's shell that is not the stem's.
+/// A limb that grows from the stem, or the other limb of a fork.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limb {
+    /// Where it meets the stem, m along it from the base.
+    pub at_m: f64,
+    /// The middle of its mouth, where it leaves the stem, m.
+    pub mouth: DVec3,
+    /// From its mouth to the middle of its surface (unit vector).
+    pub direction: DVec3,
+    /// Angle between this direction and the stem, rad.
+    pub angle: f64,
+    /// Diameter of the mouth: twice the mean distance of its rim from the limb's axis, m.
+    pub diameter_m: f64,
+    /// How far it reaches from its mouth along its direction, m.
+    pub length_m: f64,
+    /// Volume, closed flat at its mouth, m³.
+    pub volume_m3: f64,
+    /// The middle of its surface, m.
+    pub centre: DVec3,
+}
+
+/// Wood of the stem's shell that is not the stem's.
+#[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
     /// Its volume, closed flat where it meets the stem, m³.
     pub volume_m3: f64,
     /// Its share of the shell's volume, 0 to 1.
     pub share: f64,
-    /// Number of parts, each a limb.
-    pub parts: usize,
-    /// Where the largest part meets the stem, m along it from the base.
-    pub at_m: f64,
-    /// The middle of the largest part's surface, m.
-    pub centre: DVec3,
+    /// Its parts, the largest first; at least one.
+    pub limbs: Vec<Limb>,
 }
 
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.centre.to_array();
+        let several = self.limbs.len() != 1;
         write!(
             f,
-            "{} beside the stem {} left out, about {:.6} m³ or {:.0} % of the mesh's volume: the largest meets it at {:.3} m \
-             and has its middle at ({x:.3}, {y:.3}, {z:.3}) m",
-            if self.parts == 1 { "a limb" } else { "limbs" },
-            if self.parts == 1 { "was" } else { "were" },
+            "{} beside the stem {} left out, about {:.6} m³ or {:.0} % of the mesh's volume",
+            if several { "limbs" } else { "a limb" },
+            if several { "were" } else { "was" },
             self.volume_m3,
             100.0 * self.share,
-            self.at_m
+        )?;
+        let Some(largest) = self.limbs.first() else {
+            return Ok(());
+        };
+        let [x, y, z] = largest.centre.to_array();
+        write!(
+            f,
+            ": the largest meets it at {:.3} m and has its middle at ({x:.3}, {y:.3}, {z:.3}) m",
+            largest.at_m
         )
     }
 }
@@ -69,40 +93,46 @@ pub fn find_left_out(
         })
         .collect::<Result<_, Cancelled>>()?;
     let beside = batches.concat();
-    let mut parts: Vec<(f64, Part)> = parts(mesh, &beside)
-        .into_iter()
-        .map(|part| {
-            (
-                volume(part.triangles.iter().map(|t| corners(*t)), part.mouth),
-                part,
-            )
-        })
-        .collect();
-    parts.sort_by(|a, b| b.0.total_cmp(&a.0));
     let whole = volume(found.shell.iter().map(|t| corners(*t)), DVec3::ZERO);
-    // Burrs are no limbs.
-    parts.retain(|p| p.0 > 0.1 * MIN_SHARE * whole);
-    let Some((_, largest)) = parts.first() else {
-        return Ok(None);
-    };
-    let sum: f64 = parts.iter().map(|p| p.0).sum();
-    let middles = largest
-        .triangles
+    let mut limbs: Vec<Limb> = parts(mesh, &beside)
         .iter()
-        .map(|t| corners(*t).iter().sum::<DVec3>() / 3.0);
+        .map(|part| limb(mesh, found, part))
+        // Burrs are no limbs.
+        .filter(|limb| limb.volume_m3 > 0.1 * MIN_SHARE * whole)
+        .collect();
+    limbs.sort_by(|a, b| b.volume_m3.total_cmp(&a.volume_m3));
+    let sum: f64 = limbs.iter().map(|l| l.volume_m3).sum();
     let left_out = LeftOut {
         volume_m3: sum,
         share: sum / whole,
-        parts: parts.len(),
-        at_m: found
-            .stem
-            .grain
-            .to_grain(largest.mouth)
-            .z
-            .clamp(0.0, found.stem.length),
-        centre: middles.sum::<DVec3>() / largest.triangles.len() as f64,
+        limbs,
     };
     Ok((left_out.share > MIN_SHARE).then_some(left_out))
+}
+
+/// Measures a part of the surface as a limb.
+fn limb(mesh: &Mesh, found: &FoundStem, part: &Part) -> Limb {
+    let corners = |t: &u32| mesh.triangles[*t as usize].map(|v| mesh.positions[v as usize]);
+    let middles = (part.triangles.iter()).map(|t| corners(t).iter().sum::<DVec3>() / 3.0);
+    let centre = middles.sum::<DVec3>() / part.triangles.len() as f64;
+    let at_m = found.stem.grain.to_grain(part.mouth).z;
+    let at_m = at_m.clamp(0.0, found.stem.length);
+    let stem = found.stem.grain.axis().frame(at_m).tangent;
+    let direction = (centre - part.mouth).normalize_or(stem);
+    let reach = part.triangles.iter().flat_map(corners);
+    let reach = reach.map(|p| (p - part.mouth).dot(direction));
+    let distances = part.rim.iter();
+    let distances = distances.map(|p| (*p - part.mouth).reject_from_normalized(direction).length());
+    Limb {
+        at_m,
+        mouth: part.mouth,
+        direction,
+        angle: direction.dot(stem).clamp(-1.0, 1.0).acos(),
+        diameter_m: 2.0 * distances.sum::<f64>() / part.rim.len().max(1) as f64,
+        length_m: reach.fold(0.0, f64::max),
+        volume_m3: volume(part.triangles.iter().map(corners), part.mouth),
+        centre,
+    }
 }
 
 /// Whether a point of the surface is not the stem's.
@@ -125,7 +155,9 @@ fn volume(triangles: impl Iterator<Item = [DVec3; 3]>, apex: DVec3) -> f64 {
 /// A connected part of the surface.
 struct Part {
     triangles: Vec<u32>,
-    /// The middle of its open rim.
+    /// Points of its open rim.
+    rim: Vec<DVec3>,
+    /// Their middle; a point of the part where it has no rim.
     mouth: DVec3,
 }
 
@@ -158,10 +190,9 @@ fn parts(mesh: &Mesh, triangles: &[u32]) -> Vec<Part> {
     let rim = edges
         .iter()
         .filter(|(a, b)| edges.binary_search(&(*b, *a)).is_err());
-    let mut rims = vec![(DVec3::ZERO, 0.0); vertices.len()];
+    let mut rims: Vec<Vec<DVec3>> = vec![Vec::new(); vertices.len()];
     for (a, _) in rim {
-        let sum = &mut rims[root(&mut parent, *a)];
-        *sum = (sum.0 + mesh.positions[vertices[*a] as usize], sum.1 + 1.0);
+        rims[root(&mut parent, *a)].push(mesh.positions[vertices[*a] as usize]);
     }
     let mut numbered: Vec<(usize, u32)> = corners
         .iter()
@@ -170,15 +201,17 @@ fn parts(mesh: &Mesh, triangles: &[u32]) -> Vec<Part> {
         .collect();
     numbered.sort_unstable();
     let part = |group: &[(usize, u32)]| {
-        let (sum, count) = rims[group[0].0];
+        let rim = rims[group[0].0].clone();
         let first = mesh.triangles[group[0].1 as usize][0];
+        let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
         Part {
             triangles: group.iter().map(|g| g.1).collect(),
-            mouth: if count > 0.0 {
-                sum / count
-            } else {
+            mouth: if rim.is_empty() {
                 mesh.positions[first as usize]
+            } else {
+                middle
             },
+            rim,
         }
     };
     numbered.chunk_by(|a, b| a.0 == b.0).map(part).collect()

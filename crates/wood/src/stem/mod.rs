@@ -35,7 +35,7 @@ pub use error::StemError;
 pub use find::{CarriedShell, FoundStem, find_stem};
 pub use grain::{GrainSpace, TaperPoint};
 pub use layered::LayeredGrain;
-pub use left_out::{LeftOut, find_left_out};
+pub use left_out::{LeftOut, Limb, find_left_out};
 pub use level_steps::LevelSteps;
 pub use location::{LOCATION, StemLocation, StemLocationError};
 pub use model::{CrossSection, Stem, StemKind};
