@@ -91,7 +91,7 @@ pub(super) fn bend_species(
         species.property_at(property, moisture, Fallback::Refuse)?;
     }
     let wood = WoodMaterial::from_species(species, moisture, Fallback::TwelvePercent)?;
-    let outcome = test.run(&wood, context)?;
+    let outcome = test.run_on(&wood, Some(species), context)?;
     Ok(Bent {
         report: BendReport::of(species, moisture, test, &outcome),
         outcome,
