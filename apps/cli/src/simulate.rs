@@ -198,6 +198,12 @@ pub fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
 fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
     let solver = scene.solver;
     options.changes.apply(scene, |_, _| Ok(None))?;
+    if let Some(path) = &options.rings_from {
+        let rings = files::read_rings(path)?;
+        scene.rings.series.ring_shares = Some(rings.shares);
+        let onset = scene.stem.eccentricity_onset;
+        scene.stem.eccentricity_onset = onset.or(rings.eccentricity_onset);
+    }
     if scene.solver != solver && options.changes.text("step").is_none() {
         // A step that was given for another solver says nothing about this one's.
         scene.step = None;

@@ -14,6 +14,7 @@ pub mod raster;
 pub mod rings;
 pub mod scan;
 pub mod species;
+pub mod structure;
 
 pub mod stem;
 pub mod tissue;

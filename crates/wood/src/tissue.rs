@@ -75,6 +75,13 @@ pub struct Proportions {
 }
 
 impl Proportions {
+    /// Those of a branch where nothing else is known.
+    pub const USUAL: Proportions = Proportions {
+        pith: 0.05,
+        heartwood: 0.4,
+        phloem: 0.05,
+    };
+
     /// The zone of ring `ring` of `rings`, counted from 1 at the pith to `rings` at the outside, by
     /// the inequalities of section 3.2. The outermost ring is bark whatever the proportions; a ring
     /// beyond it is bark too.

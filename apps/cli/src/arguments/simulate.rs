@@ -13,6 +13,7 @@ Examples
   greenstick simulate three-blocks -o run --seed 2 --resume    goes on where it was stopped
   greenstick simulate three-blocks -o film.glb                 the run in film.run, and its skin as a film
   greenstick simulate bend pole.ply -o bent                    the scene on a mesh
+  greenstick simulate bend pole.ply --rings-from inside -o bent with the annual rings that `anatomy` found in it
   greenstick simulate bend --save-scene mine.toml              to change it";
 
 #[derive(Debug, Args)]
@@ -38,6 +39,15 @@ pub struct SimulateOptions {
     /// Write the scene with all its keys
     #[arg(long, value_name = "FILE.toml")]
     pub save_scene: Option<PathBuf>,
+
+    /// Take the annual rings of another section: a section file with `rings` (.json), or a folder that `anatomy` wrote
+    #[arg(
+        long,
+        value_name = "PATH",
+        help_heading = "In place of the scene's own",
+        conflicts_with = "ring_shares"
+    )]
+    pub rings_from: Option<PathBuf>,
 
     #[command(flatten)]
     pub changes: Declared<Scene>,

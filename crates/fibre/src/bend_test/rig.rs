@@ -8,15 +8,23 @@ use crate::error::SolverError;
 use crate::event::{Event, EventKind};
 use crate::failure::{BondCriterion, FailureCriteria};
 use crate::loads::{Clamp, Motion};
-use crate::placement::{Arrangement, EdgeLengths, PlacementOptions, WoodMaterial, fill_stem};
+use crate::placement::{
+    Arrangement, EdgeLengths, PlacementOptions, WoodMaterial, fill_stem, fill_structured_stem,
+};
 use crate::rod_bundle::RodBundle;
 use crate::solvers::{Grip, QuasiStatic};
 use crate::vectors::Vectors;
 use crate::world::World;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::moisture::AIR_DRY_PERCENT;
 use greenstick_wood::primitive::{board, cylinder};
-use greenstick_wood::stem::{StemKind, StemLocation, StemOptions, find_stem};
+use greenstick_wood::rings::StemRings;
+use greenstick_wood::species::Species;
+use greenstick_wood::stem::{Stem, StemKind, StemLocation, StemOptions, find_stem};
+use greenstick_wood::structure::{TissueBoundaries, WoodStructure};
+use greenstick_wood::tissue::{BARK_START, Proportions};
 
 /// Stiffness of the grips' springs over that of the specimen.
 const GRIP_STIFFNESS_RATIO: f64 = 1e3;
@@ -93,9 +101,25 @@ impl Division {
     }
 }
 
+/// Returns the structure of clear wood: annual rings of mature sapwood, as test specimens are cut.
+fn clear_wood(stem: &Stem, species: &Species, seed: u64) -> WoodStructure {
+    let proportions = Proportions {
+        pith: 0.0,
+        heartwood: 0.0,
+        phloem: 0.0,
+    };
+    let looks = WoodAppearance::of_stem(stem, &proportions, seed, Some(species), BARK_START);
+    let rings = StemRings::new(looks.usual_rings().of_sapwood());
+    WoodStructure::new(species, AIR_DRY_PERCENT, rings, TissueBoundaries::SAPWOOD).mature()
+}
+
 impl Rig {
     /// Fills the specimen of a test with rods, and puts it on its supports.
-    pub fn new(test: &BendTest, wood: &WoodMaterial, context: &Context) -> Result<Self, BendError> {
+    pub fn new(
+        test: &BendTest,
+        (wood, species): (&WoodMaterial, Option<&Species>),
+        context: &Context,
+    ) -> Result<Self, BendError> {
         let (mesh, axes, kind) = specimen_mesh(test);
         let options = StemOptions {
             kind: Some(kind),
@@ -114,7 +138,14 @@ impl Rig {
             weibull: test.weibull,
             ..PlacementOptions::default()
         };
-        let bundle = fill_stem(&stem, wood, &placement, context)?.bundle;
+        let placed = match species {
+            None => fill_stem(&stem, wood, &placement, context)?,
+            Some(species) => {
+                let structure = clear_wood(&stem, species, test.seed);
+                fill_structured_stem(&stem, wood, &structure, &placement, context)?
+            }
+        };
+        let bundle = placed.bundle;
         let held = division.sections(&bundle);
         let middle = centroid(&bundle, &held.centre);
         let grips = grips(test, wood, &bundle, &held, axes);

@@ -7,7 +7,7 @@ use super::specimen::BendTest;
 use crate::error::SolverError;
 use crate::placement::WoodMaterial;
 use greenstick_geometry::Context;
-use greenstick_wood::species::nominal_bending_strength;
+use greenstick_wood::species::{Species, nominal_bending_strength};
 
 /// Load steps up to the deflection at which a linear beam would have the stress of rupture.
 const STEPS_TO_RUPTURE: f64 = 10.0;
@@ -17,13 +17,23 @@ const MAX_DEFLECTION_RATIO: f64 = 12.0;
 const PROGRESS_AT_FIRST_BREAK: f64 = 0.5;
 
 impl BendTest {
-    /// Runs the test on `wood`.
+    /// Runs the test on `wood` that is everywhere alike.
     ///
     /// # Errors
     /// [`BendError`].
     pub fn run(&self, wood: &WoodMaterial, context: &Context) -> Result<BendOutcome, BendError> {
+        self.run_on(wood, None, context)
+    }
+
+    /// Runs the test on `wood`, which has the annual rings of a species where one is given.
+    pub(crate) fn run_on(
+        &self,
+        wood: &WoodMaterial,
+        species: Option<&Species>,
+        context: &Context,
+    ) -> Result<BendOutcome, BendError> {
         self.check()?;
-        let mut rig = Rig::new(self, wood, &context.silenced())?;
+        let mut rig = Rig::new(self, (wood, species), &context.silenced())?;
         let strength = nominal_bending_strength(wood.tension, wood.compression);
         let height = self.section.height();
         let linear = strength * self.span * self.span / (6.0 * wood.longitudinal * height);

@@ -82,7 +82,7 @@ pub(super) fn bend_species(
     context: &Context,
 ) -> Result<Bent, BendingError> {
     let wood = WoodMaterial::from_species(species, moisture, Fallback::Estimate)?;
-    let outcome = test.run(&wood, context)?;
+    let outcome = test.run_on(&wood, Some(species), context)?;
     Ok(Bent {
         report: BendReport::of(species, moisture, test, &outcome),
         outcome,

@@ -1,5 +1,6 @@
 //! Breaking of overstressed rods and bonds, with its record in the world's events.
 
+use super::break_place::{BreakPlace, corner_energy, move_breaks};
 use super::criteria::BondCriterion;
 use super::demand::{Element, FailureDetector, Overstressed, bonds_in, rod_demand, rods_in};
 use super::yielding::yield_rods;
@@ -42,7 +43,40 @@ pub(crate) fn break_elements(
     queue: &[Overstressed],
 ) -> Vec<u32> {
     record_breaks(world, queue);
-    remove_elements(world, contacts, bonds_in(queue), rods_in(queue))
+    let splits = rods_in(queue);
+    let placed = place_breaks(world, bonds_in(queue), &splits);
+    remove_elements(world, contacts, placed.bonds, splits)
+}
+
+/// Breaks whose vertices were moved to their places.
+pub(crate) struct PlacedBreaks {
+    /// The vertices that were moved.
+    pub places: Vec<BreakPlace>,
+    /// Bonds that are still to be removed.
+    pub bonds: Vec<u32>,
+}
+
+/// Moves the vertices at which rods are about to break to where the demand along the rods is greatest, where the criteria
+/// say so. As that renumbers bonds, the broken ones are removed before.
+pub(crate) fn place_breaks(world: &mut World, mut bonds: Vec<u32>, splits: &[u32]) -> PlacedBreaks {
+    if !world.failure.between_vertices || splits.is_empty() {
+        return PlacedBreaks {
+            places: Vec::new(),
+            bonds,
+        };
+    }
+    bonds.sort_unstable();
+    topology::break_up(
+        &mut world.bundle,
+        &mut world.state,
+        &mut world.loads,
+        &bonds,
+        &[],
+    );
+    PlacedBreaks {
+        places: move_breaks(world, splits),
+        bonds: Vec::new(),
+    }
 }
 
 /// Records that all elements of `queue` break: as events, and as energy lost.
@@ -84,21 +118,21 @@ fn bond_event(world: &World, bond: usize, demand: f64) -> Event {
 
 fn rod_event(world: &World, vertex: usize, demand: f64) -> Event {
     let World { bundle, state, .. } = world;
-    let energy = if bundle.twisting {
-        let (bend, twist) = energy::bend_twist::energy(bundle, state, vertex);
-        bend + twist
-    } else {
-        energy::rod::bend_energy(bundle, state, vertex)
-    };
+    let energy = corner_energy(bundle, state, vertex);
     let rod = bundle.rod_of(vertex);
     let parts = rod_demand(bundle, state, vertex, bundle.diameter[rod]);
+    let place = if world.failure.between_vertices {
+        BreakPlace::new(bundle, state, &world.loads, vertex as u32)
+    } else {
+        None
+    };
     Event {
         time: state.time,
         kind: EventKind::RodBroke,
         rod: bundle.parent[rod],
         vertex: bundle.origin[vertex],
         other: None,
-        position: state.position.get(vertex),
+        position: place.map_or(state.position.get(vertex), |p| p.position(state)),
         cause: if parts.torsion > parts.tension {
             Cause::Torsion
         } else {

@@ -30,6 +30,8 @@ pub struct FailureCriteria {
     pub rods_break: bool,
     /// Whether rods yield in compression and retain the plastic strain.
     pub rods_yield: bool,
+    /// Whether rods break where the demand along them is greatest, which lies between vertices; otherwise at vertices.
+    pub between_vertices: bool,
     /// When bonds break.
     pub bonds: BondCriterion,
     /// Number of steps from one check for failure to the next; 1 checks after every step.
@@ -43,6 +45,7 @@ impl Default for FailureCriteria {
         FailureCriteria {
             rods_break: false,
             rods_yield: false,
+            between_vertices: false,
             bonds: BondCriterion::Never,
             check_interval: 1,
             max_breaks: u32::MAX,

@@ -5,8 +5,12 @@
 //! | `criteria` | [`FailureCriteria`], [`BondCriterion`] |
 //! | `demand` | demand over strength of rods and bonds, and the elements that exceed it |
 //! | `yielding` | yielding of rods in compression |
+//! | `break_place` | where between vertices a rod breaks |
 //! | `breaking` | breaking of elements, with its events |
 
+pub(crate) mod break_place;
+#[cfg(test)]
+mod break_place_tests;
 pub(crate) mod breaking;
 pub(crate) mod criteria;
 pub(crate) mod demand;

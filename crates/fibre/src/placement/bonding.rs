@@ -6,19 +6,16 @@
 //! square of the cosine of the facet's direction.
 
 use super::material::WoodMaterial;
+use super::neighbours::bonded_facets;
 use super::options::PlacementOptions;
 use super::scatter::weibull;
+use super::section_wood::{FacetWood, SectionWood, radial_part};
 use super::voronoi::VoronoiCell;
 use crate::bonds::Bond;
 use crate::rod_bundle::RodBundle;
-use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::noise::unit;
 use greenstick_wood::stem::Stem;
-use std::f64::consts::TAU;
-
-/// Facets narrower than this fraction of the distance of their rods get no bond.
-const MIN_RELATIVE_WIDTH: f64 = 1e-3;
 
 /// The material of a facet.
 struct FacetMaterial {
@@ -26,36 +23,22 @@ struct FacetMaterial {
     across: f64,
     /// Shear modulus along it, Pa.
     shear: f64,
-    /// Strength relative to that of wood without weak planes.
-    strength: f64,
+    /// Tensile strength across it, Pa.
+    tension_strength: f64,
+    /// Shear strength along it, Pa.
+    shear_strength: f64,
+    /// Fracture energy, J/m².
+    fracture_energy: f64,
 }
 
-fn facet_material(
-    stem: &Stem,
-    wood: &WoodMaterial,
-    options: &PlacementOptions,
-    [p, q]: [DVec2; 2],
-) -> FacetMaterial {
-    let radial = (p.midpoint(q) - stem.rings.pith()).normalize_or_zero();
-    let direction = (q - p).normalize_or_zero().dot(radial);
-    let part = direction * direction;
-    let mix = |r: f64, t: f64| t + (r - t) * part;
-    let ((ring_p, angle_p), (ring_q, angle_q)) = (stem.rings.address(p), stem.rings.address(q));
-    let differs = |count: u32, a: f64, b: f64| {
-        let slot = |v: f64| (v * f64::from(count)).floor();
-        count > 0 && slot(a) != slot(b)
-    };
-    let mut strength = 1.0;
-    if part > 0.5 && differs(options.rings, ring_p, ring_q) {
-        strength *= options.ring_strength;
-    }
-    if part <= 0.5 && differs(options.rays, angle_p / TAU, angle_q / TAU) {
-        strength *= options.ray_strength;
-    }
+fn facet_material(wood: &WoodMaterial, relative: FacetWood, radial: f64) -> FacetMaterial {
+    let mix = |r: f64, t: f64| t + (r - t) * radial;
     FacetMaterial {
-        across: mix(wood.radial, wood.tangential),
-        shear: mix(wood.shear_radial, wood.shear_tangential),
-        strength,
+        across: mix(wood.radial, wood.tangential) * relative.modulus,
+        shear: mix(wood.shear_radial, wood.shear_tangential) * relative.modulus,
+        tension_strength: wood.tension_across * relative.tension,
+        shear_strength: wood.shear * relative.shear,
+        fracture_energy: wood.fracture_energy * relative.tension,
     }
 }
 
@@ -101,7 +84,7 @@ fn nearest_point(bundle: &RodBundle, along: &[f64], i: usize, rod: usize) -> Opt
 /// [`Cancelled`] where the caller cancels the work.
 pub(super) fn bonds(
     stem: &Stem,
-    wood: &WoodMaterial,
+    (wood, section): (&WoodMaterial, &SectionWood),
     options: &PlacementOptions,
     bundle: &RodBundle,
     cells: &[VoronoiCell],
@@ -110,16 +93,15 @@ pub(super) fn bonds(
 ) -> Result<Vec<Bond>, Cancelled> {
     let area: f64 = cells.iter().map(|c| c.area).sum();
     let reach = options.reach * (area / cells.len().max(1) as f64).sqrt();
+    let facets = bonded_facets(options.neighbours, cells, reach);
     let mut bonds = Vec::new();
     for (number, cell) in cells.iter().enumerate() {
         context.report(number as f64 / cells.len() as f64)?;
-        for &facet in &cell.facets {
+        for &facet in &facets[number] {
             let (p, q) = (cell.centroid, cells[facet.neighbour as usize].centroid);
-            let distance = p.distance(q);
-            if distance > reach || facet.width < MIN_RELATIVE_WIDTH * distance {
-                continue;
-            }
-            let material = facet_material(stem, wood, options, [p, q]);
+            let radial = radial_part(stem, [p, q]);
+            let relative = section.facet([number, facet.neighbour as usize], radial);
+            let material = facet_material(wood, relative, radial);
             for i in bundle.rod(number) {
                 let other = facet.neighbour as usize;
                 let Some(nearest) = nearest_point(bundle, along, i, other) else {
@@ -130,7 +112,7 @@ pub(super) fn bonds(
                 let area = facet.width * scale * length;
                 let uniform = unit(options.seed ^ 0xb0d5, i as i64, other as i64, 0);
                 let scatter = weibull(options.weibull, uniform);
-                let strength = material.strength * scatter * area;
+                let strength = scatter * area;
                 bonds.push(Bond {
                     vertex: i as u32,
                     edge: nearest.edge as u32,
@@ -140,9 +122,9 @@ pub(super) fn bonds(
                     transverse: material.across * area,
                     shear: 0.5 * material.shear * area * nearest.distance,
                     area,
-                    tension_strength: wood.tension_across * strength,
-                    shear_strength: wood.shear * strength,
-                    fracture_energy: wood.fracture_energy * strength,
+                    tension_strength: material.tension_strength * strength,
+                    shear_strength: material.shear_strength * strength,
+                    fracture_energy: material.fracture_energy * strength,
                 });
             }
         }

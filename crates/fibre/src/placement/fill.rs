@@ -9,13 +9,15 @@ use super::material::WoodMaterial;
 use super::options::{Arrangement, PlacementError, PlacementOptions, RodCount};
 use super::points;
 use super::scatter::weibull;
+use super::section_wood::{RodWood, SectionWood};
 use super::voronoi::{VoronoiCell, area_and_centroid, cells_of_points};
 use crate::error::RodBundleError;
-use crate::rod_bundle::{Rod, RodBundle, RodMaterial};
+use crate::rod_bundle::{Rod, RodBundle};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_wood::noise::{hash, unit};
 use greenstick_wood::stem::Stem;
+use greenstick_wood::structure::WoodStructure;
 
 /// A stem filled with rods.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,11 +30,10 @@ pub struct PlacedRods {
     pub along: Vec<f64>,
     /// Outline of the cross-section in the same coordinates, m.
     pub outline: Vec<DVec2>,
+    /// Tissue and properties of each rod.
+    pub wood: Vec<RodWood>,
 }
 
-/// Lloyd iterations, which move points to the centroids of their cells: they close the holes that thinning to a given number
-/// leaves.
-const LLOYD_ITERATIONS: usize = 3;
 /// Bisections of the spacing that gives a number of rods.
 const SPACING_BISECTIONS: usize = 12;
 const MAX_RODS: f64 = 1e6;
@@ -46,7 +47,7 @@ struct AxisRange {
     to: f64,
 }
 
-/// Fills a stem with rods of `wood`.
+/// Fills a stem with rods of `wood`, all alike.
 ///
 /// ```
 /// use greenstick_fibre::placement::{PlacementOptions, RodCount, WoodMaterial, fill_stem};
@@ -80,6 +81,29 @@ pub fn fill_stem(
     options: &PlacementOptions,
     context: &Context,
 ) -> Result<PlacedRods, PlacementError> {
+    fill(stem, (wood, None), options, context)
+}
+
+/// Fills a stem with rods whose wood follows its `structure`; `wood` is the mean of its section.
+///
+/// # Errors
+/// [`PlacementError`].
+pub fn fill_structured_stem(
+    stem: &Stem,
+    wood: &WoodMaterial,
+    structure: &WoodStructure,
+    options: &PlacementOptions,
+    context: &Context,
+) -> Result<PlacedRods, PlacementError> {
+    fill(stem, (wood, Some(structure)), options, context)
+}
+
+fn fill(
+    stem: &Stem,
+    (wood, structure): (&WoodMaterial, Option<&WoodStructure>),
+    options: &PlacementOptions,
+    context: &Context,
+) -> Result<PlacedRods, PlacementError> {
     options.check()?;
     let (from, to) = options.range.unwrap_or(stem.usable);
     if !(from.is_finite() && to.is_finite() && to - from > options.edges.least) {
@@ -91,22 +115,37 @@ pub fn fill_stem(
     }
     let outline = outline(stem, 0.5 * (from + to)).ok_or(PlacementError::NoSection { from, to })?;
     let points = section_points(stem, &outline, options, &context.part(0.0, 0.4))?;
-    let cells = relaxed_cells(&outline, points, &context.part(0.4, 0.7))?;
+    let cells = relaxed_cells(&outline, points, options.lloyd, &context.part(0.4, 0.7))?;
     let range = AxisRange { from, to };
     let context = context.part(0.7, 1.0);
     let section = Section { outline, cells };
-    build(stem, wood, options, range, section, &context)
+    let section_wood = match structure {
+        None => SectionWood::even(wood, section.cells.len()),
+        Some(structure) => {
+            let middle = 0.5 * (from + to);
+            SectionWood::structured(stem, wood, structure, &section.cells, middle)
+        }
+    };
+    build(
+        stem,
+        (wood, section_wood),
+        options,
+        range,
+        section,
+        &context,
+    )
 }
 
 /// Cells of points after some Lloyd iterations.
 fn relaxed_cells(
     outline: &[DVec2],
     mut points: Vec<DVec2>,
+    iterations: u32,
     context: &Context,
 ) -> Result<Vec<VoronoiCell>, PlacementError> {
     let mut cells = cells_of_points(outline, &points, context)?;
-    for iteration in 0..LLOYD_ITERATIONS {
-        context.report(iteration as f64 / LLOYD_ITERATIONS as f64)?;
+    for iteration in 0..iterations {
+        context.report(f64::from(iteration) / f64::from(iterations))?;
         points = cells.iter().map(|c| c.centroid).collect();
         cells = cells_of_points(outline, &points, context)?;
     }
@@ -237,13 +276,12 @@ struct Section {
 
 fn build(
     stem: &Stem,
-    wood: &WoodMaterial,
+    (wood, section_wood): (&WoodMaterial, SectionWood),
     options: &PlacementOptions,
     range: AxisRange,
     section: Section,
     context: &Context,
 ) -> Result<PlacedRods, PlacementError> {
-    let mean_shear = 0.5 * (wood.shear_radial + wood.shear_tangential);
     let director = stem.grain.axis().frame(range.from).x;
     let mut along = Vec::new();
     let mut rods = Vec::with_capacity(section.cells.len());
@@ -259,12 +297,7 @@ fn build(
         rods.push(Rod {
             relative_strength: (0..vertices.len()).map(strength).collect(),
             vertices,
-            material: RodMaterial {
-                tension_limit: wood.tension / wood.longitudinal,
-                shear_limit: wood.shear / mean_shear,
-                yield_strain: wood.compression / wood.longitudinal,
-                ..RodMaterial::solid(cell.area, wood.longitudinal, mean_shear, wood.density)
-            },
+            material: section_wood.rods[number].material.rod(cell.area),
             director: Some(director),
         });
         along.extend(lengths);
@@ -279,7 +312,7 @@ fn build(
     apply_taper(&mut bundle, stem, &along);
     let bonds = bonds(
         stem,
-        wood,
+        (wood, &section_wood),
         options,
         &bundle,
         &section.cells,
@@ -292,6 +325,7 @@ fn build(
         cells: section.cells,
         along,
         outline: section.outline,
+        wood: section_wood.rods,
     })
 }
 

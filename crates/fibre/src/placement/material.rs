@@ -1,5 +1,6 @@
 //! Elasticity and strength of rods and bonds from a species' table values.
 
+use crate::rod_bundle::RodMaterial;
 use greenstick_wood::moisture::{Fallback, MoistureError};
 use greenstick_wood::species::StrengthError;
 use greenstick_wood::species::{GreenRatio, Group, Property, Species};
@@ -122,6 +123,17 @@ pub fn strength_at(
 }
 
 impl WoodMaterial {
+    /// Returns a rod of this wood whose cell has an area in m².
+    pub fn rod(&self, area: f64) -> RodMaterial {
+        let shear = 0.5 * (self.shear_radial + self.shear_tangential);
+        RodMaterial {
+            tension_limit: self.tension / self.longitudinal,
+            shear_limit: self.shear / shear,
+            yield_strain: self.compression / self.longitudinal,
+            ..RodMaterial::solid(area, self.longitudinal, shear, self.density)
+        }
+    }
+
     /// Returns the wood of a species at `moisture` percent.
     ///
     /// # Errors

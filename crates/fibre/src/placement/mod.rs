@@ -7,21 +7,32 @@
 //! | `fill` | [`fill_stem`]: points, cells, rods and bonds, with the taper of the stem |
 //! | `points` | where rods pierce a cross-section |
 //! | `voronoi` | [`VoronoiCell`]: the cells of these points |
+//! | `neighbours` | which rods are bonded |
 //! | `bonding` | bonds between neighbouring cells |
 //! | `material` | [`WoodMaterial`]: elasticity and strength of a species |
+//! | `section_wood` | [`RodWood`]: the wood of each rod, from the structure of the stem |
+//! | `section_moment` | the bending moment that a section of rods bears |
 //! | `scatter` | Weibull scatter of strength |
 
 mod bonding;
 mod fill;
 mod material;
+mod neighbours;
 mod options;
 mod points;
 mod scatter;
+mod section_moment;
+mod section_wood;
+#[cfg(test)]
+mod structure_tests;
 #[cfg(test)]
 mod tests;
 mod voronoi;
 
-pub use fill::{PlacedRods, fill_stem};
+pub use fill::{PlacedRods, fill_stem, fill_structured_stem};
 pub use material::{WoodMaterial, strength_at};
-pub use options::{Arrangement, EdgeLengths, PlacementError, PlacementOptions, RodCount};
+pub use options::{
+    Arrangement, EdgeLengths, Neighbours, PlacementError, PlacementOptions, RodCount,
+};
+pub use section_wood::RodWood;
 pub use voronoi::{Facet, VoronoiCell, voronoi_cells};

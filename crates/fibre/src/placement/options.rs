@@ -14,6 +14,16 @@ pub enum Arrangement {
     Anatomy,
 }
 
+/// Which rods are bonded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Neighbours {
+    /// Rods whose cells meet in a facet.
+    Facets,
+    /// All rods within reach of each other, as in the thesis. A rod's bonds share the facets of its cell evenly.
+    WithinReach,
+}
+
 /// The number of rods.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -39,18 +49,15 @@ pub struct PlacementOptions {
     pub range: Option<(f64, f64)>,
     /// Reach of bonds, in mean distances of rods.
     pub reach: f64,
+    /// Which rods within reach are bonded.
+    pub neighbours: Neighbours,
+    /// Lloyd iterations, which move rods to the centroids of their cells: they close the holes that thinning to a given
+    /// number leaves. The thesis has none.
+    pub lloyd: u32,
     /// Whether rods resist twist; `None` for only where they are curved.
     pub twisting: Option<bool>,
     /// Weibull modulus of the scatter of strength of rods and bonds; infinite for none.
     pub weibull: f64,
-    /// Rings in the cross-section; bonds between rods of different rings are weaker. 0 for none.
-    pub rings: u32,
-    /// Rays around the cross-section; bonds across a ray are weaker. 0 for none.
-    pub rays: u32,
-    /// Strength of bonds across ring boundaries over that of others.
-    pub ring_strength: f64,
-    /// Strength of bonds across rays over that of others.
-    pub ray_strength: f64,
 }
 
 /// The range of edge lengths, m.
@@ -73,7 +80,7 @@ impl EdgeLengths {
 }
 
 impl Default for PlacementOptions {
-    /// The thesis's: 100 rods by Poisson disk with edges of 4 to 6 mm, without scatter or weak planes.
+    /// The thesis's: 100 rods by Poisson disk with edges of 4 to 6 mm, without scatter.
     fn default() -> Self {
         PlacementOptions {
             seed: 1,
@@ -85,12 +92,10 @@ impl Default for PlacementOptions {
             },
             range: None,
             reach: 2.5,
+            neighbours: Neighbours::Facets,
+            lloyd: 3,
             twisting: None,
             weibull: f64::INFINITY,
-            rings: 0,
-            rays: 0,
-            ring_strength: 0.7,
-            ray_strength: 0.8,
         }
     }
 }
@@ -149,8 +154,6 @@ impl PlacementOptions {
             ("the greatest edge (m)", greatest),
             ("the number or spacing of rods", spacing),
             ("the reach of bonds", self.reach),
-            ("the strength of ring boundaries", self.ring_strength),
-            ("the strength of rays", self.ray_strength),
         ];
         for (what, value) in positive {
             if !(value > 0.0 && value.is_finite()) {

@@ -169,8 +169,6 @@ fn a_curved_tapering_branch_is_filled_at_rest() {
     let options = PlacementOptions {
         rods: RodCount::Spacing(6e-3),
         weibull: 8.0,
-        rings: 6,
-        rays: 12,
         ..PlacementOptions::default()
     };
     let placed = fill_stem(&curved, &oak(), &options, &Context::quiet()).unwrap();

@@ -97,6 +97,7 @@ fn failure(scene: &Scene) -> FailureCriteria {
     FailureCriteria {
         rods_break: keys.rods,
         rods_yield: keys.yielding,
+        between_vertices: keys.between_vertices,
         check_interval: if scene.solver == SolverChoice::Explicit {
             keys.every
         } else {

@@ -31,7 +31,8 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "twist",
     "pull",
     "fall",
-    "snow"
+    "snow",
+    "as-published"
 ];
 
 impl BuiltIn {

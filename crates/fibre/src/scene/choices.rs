@@ -22,6 +22,13 @@ choices! {
         /// By ring and sector.
         Anatomy = "anatomy",
     }
+    /// Which rods are bonded.
+    pub enum NeighbourChoice {
+        /// Rods whose cells meet in a facet.
+        Facets = "facets",
+        /// All rods within reach of each other, as in the thesis.
+        WithinReach = "within-reach",
+    }
     /// Whether rods resist twist.
     pub enum TwistChoice {
         /// Only where rods are curved.

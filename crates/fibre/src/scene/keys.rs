@@ -1,8 +1,8 @@
 //! The keys of a scene file.
 
 use super::choices::{
-    ArrangementChoice, BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice, StemChoice,
-    TwistChoice,
+    ArrangementChoice, BondCriterionChoice, MotionChoice, NeighbourChoice, ShapeChoice,
+    SolverChoice, StemChoice, TwistChoice,
 };
 use super::held_axes::{HELD_AXES, HeldAxes};
 use crate::solvers::{IMPLICIT_STEP, INTERACTIVE_STEP, Solver};
@@ -10,6 +10,8 @@ use greenstick_schema::{
     Declaration, Format, Kind, ParameterError, Unit, choice, count, flag, length, list, number,
     parameters, text,
 };
+use greenstick_wood::anatomy::BreakRingParameters;
+use greenstick_wood::rings::ONSET_RANGE;
 use greenstick_wood::stem::{LOCATION, StemLocation};
 
 /// Greatest seed: TOML's integers have 64 bits with a sign.
@@ -66,6 +68,9 @@ parameters! {
             at: StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
             /// Part of the length that is filled with rods, from and to.
             part: [f64; 2] = [0.0, 1.0], range(&PART);
+            /// Share of the radius at which an eccentric stem began to be so; "auto" is that of an average tree.
+            eccentricity_onset: Option<f64> = None,
+                number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
         }
     }
     check |keys| match keys.part {
@@ -86,6 +91,13 @@ parameters! {
             moisture: f64 = 12.0, number(Unit::Percent, 0.0, 200.0);
             /// Factor on all moduli of elasticity; strains at failure stay the same.
             stiffness: f64 = 1.0, number(Unit::One, 1e-6, 100.0).logarithmic();
+            /// Whether rods and bonds differ as the wood does: earlywood and latewood, juvenile and mature wood, bark, and weak
+            /// planes along rings and rays. Otherwise all of the section is the mean of the species' wood.
+            structure: bool = true, flag();
+            /// Strength of a ring boundary over the mean across the grain; "auto" is that of earlywood.
+            ring_strength: Option<f64> = None, number(Unit::One, 1e-3, 1.0).auto();
+            /// Strength of a plane along rays over that of one along rings; "auto" is 1/1.4.
+            ray_strength: Option<f64> = None, number(Unit::One, 1e-3, 1.0).auto();
         }
     }
 }
@@ -106,16 +118,12 @@ parameters! {
             twist: TwistChoice = TwistChoice::Auto, choice(TwistChoice::CHOICES);
             /// Reach of bonds, in mean distances of rods.
             reach: f64 = 2.5, number(Unit::One, 1.0, 5.0);
+            /// Which rods within reach are bonded.
+            neighbours: NeighbourChoice = NeighbourChoice::Facets, choice(NeighbourChoice::CHOICES);
+            /// Lloyd iterations, which move rods to the centroids of their cells; the thesis has none.
+            lloyd: u32 = 3, count(0, 100);
             /// Weibull modulus of the scatter of strength; "auto" is no scatter.
             weibull: Option<f64> = None, number(Unit::One, 1.0, 1e6).logarithmic().auto();
-            /// Rings, at whose boundaries bonds are weaker.
-            rings: u32 = 0, count(0, 1000);
-            /// Rays, across which bonds are weaker.
-            rays: u32 = 0, count(0, 1000);
-            /// Strength across a ring boundary over that elsewhere.
-            ring_strength: f64 = 0.7, number(Unit::One, 1e-3, 1.0);
-            /// Strength across a ray over that elsewhere.
-            ray_strength: f64 = 0.8, number(Unit::One, 1e-3, 1.0);
         }
     }
     check |keys| match keys.edge {
@@ -166,6 +174,8 @@ parameters! {
         "", "simulate" {
             /// Whether rods break in tension and, where they resist twist, in torsion.
             rods: bool = true, flag();
+            /// Whether rods break anywhere along their length, where stress over strength is greatest; otherwise at vertices.
+            between_vertices: bool = true, flag();
             /// Whether rods yield in compression.
             yielding: bool = true, flag();
             /// When bonds break.
@@ -314,6 +324,10 @@ parameters! {
             /// Step of the solver; with "auto" the solver chooses.
             step: Option<f64> = None, number(Unit::Second, 1e-12, 1.0).logarithmic().auto();
         }
+    }
+    include {
+        /// The annual rings.
+        rings: BreakRingParameters = BreakRingParameters::default();
     }
     tables {
         /// The stem.

@@ -32,8 +32,8 @@ mod start;
 pub use assemble::{AssembledScene, assemble};
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use choices::{
-    ArrangementChoice, BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice, StemChoice,
-    TwistChoice,
+    ArrangementChoice, BondCriterionChoice, MotionChoice, NeighbourChoice, ShapeChoice,
+    SolverChoice, StemChoice, TwistChoice,
 };
 pub use error::SceneError;
 pub use held_axes::{HELD_AXES, HeldAxes, HeldAxesError};

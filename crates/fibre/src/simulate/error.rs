@@ -6,6 +6,7 @@ use crate::placement::PlacementError;
 use crate::scene::SceneError;
 use crate::store::RunError;
 use greenstick_geometry::{Cancelled, ErrorKind};
+use greenstick_wood::anatomy::AnatomyError;
 use greenstick_wood::species::{StrengthError, UnknownSpecies};
 use greenstick_wood::stem::StemError;
 
@@ -35,6 +36,9 @@ pub enum SimulateError {
     /// The species' strength is not known.
     #[error(transparent)]
     Strength(#[from] StrengthError),
+    /// The annual rings do not fit the stem.
+    #[error(transparent)]
+    Rings(AnatomyError),
     /// The stem cannot be filled with rods.
     #[error(transparent)]
     Placement(PlacementError),
@@ -91,7 +95,8 @@ macro_rules! from_cancellable {
     };
 }
 
-from_cancellable!(SceneError => Scene, StemError => Stem, PlacementError => Placement, BodyError => Bodies);
+from_cancellable!(SceneError => Scene, StemError => Stem, AnatomyError => Rings,
+    PlacementError => Placement, BodyError => Bodies);
 
 impl SimulateError {
     /// Returns the kind of the error.
@@ -99,6 +104,7 @@ impl SimulateError {
         match self {
             SimulateError::Cancelled(_) => ErrorKind::Cancelled,
             SimulateError::Stem(error) => error.kind(),
+            SimulateError::Rings(error) => error.kind(),
             SimulateError::Run(error) => error.kind(),
             SimulateError::Solver { .. } | SimulateError::Placement(_) => ErrorKind::Work,
             _ => ErrorKind::Request,

@@ -34,6 +34,7 @@ mod meshes;
 mod prepare;
 mod report;
 mod run;
+mod tissue_report;
 
 pub use curves::{LoadCurves, energy_curves};
 pub use error::SimulateError;
@@ -41,6 +42,7 @@ pub use meshes::{SceneMeshes, body_shapes};
 pub use prepare::{FilledStem, PositionedBundle, fill_scene_stem, position_bundle};
 pub use report::{EnergyDrift, SimulateReport};
 pub use run::{SimulateRequest, simulate};
+pub use tissue_report::TissueReport;
 
 use glam::DVec3;
 

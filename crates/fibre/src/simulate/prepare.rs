@@ -2,17 +2,25 @@
 
 use super::error::SimulateError;
 use super::meshes::{SceneMeshes, StemScene, mesh_shapes, stem_scene};
+use super::tissue_report::TissueReport;
 use crate::placement::{
-    Arrangement, EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+    Arrangement, EdgeLengths, Neighbours, PlacedRods, PlacementOptions, RodCount, WoodMaterial,
+    fill_stem, fill_structured_stem,
 };
 use crate::rod_bundle::RodBundle;
-use crate::scene::{ArrangementChoice, AssembledScene, StemChoice, TwistChoice, assemble};
+use crate::scene::{
+    ArrangementChoice, AssembledScene, NeighbourChoice, StemChoice, TwistChoice, assemble,
+};
 use crate::store::checksum;
 use glam::DAffine3;
 use greenstick_geometry::{Context, Scene, Stage};
+use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::moisture::Fallback;
+use greenstick_wood::rings::StemRings;
 use greenstick_wood::species::Species;
 use greenstick_wood::stem::{FoundStem, Stem, StemOptions, find_left_out, find_stem};
+use greenstick_wood::structure::{TissueBoundaries, WoodStructure};
+use greenstick_wood::tissue::{BARK_START, Proportions};
 
 /// The wood of a scene: its stem filled with rods, before these are moved into the scene's axes.
 #[derive(Debug, Clone)]
@@ -29,8 +37,12 @@ pub struct FilledStem {
     pub notes: Vec<String>,
     /// The rods.
     pub placed: PlacedRods,
-    /// The wood's properties.
+    /// The mean properties of its wood.
     pub wood: WoodMaterial,
+    /// What its wood looks like.
+    pub appearance: WoodAppearance,
+    /// Its annual rings.
+    pub rings: StemRings,
     /// The scene with lengths for this stem.
     pub run_scene: crate::Scene,
 }
@@ -46,10 +58,14 @@ pub fn fill_scene_stem(
 ) -> Result<FilledStem, SimulateError> {
     scene.check()?;
     let wood = wood_material(scene)?;
-    let [finding, filling] = context.split([(Stage::new("stem"), 1.0), (Stage::new("rods"), 2.0)]);
+    let [finding, ringing, filling] = context.split([
+        (Stage::new("stem"), 1.0),
+        (Stage::new("rings"), 0.2),
+        (Stage::new("rods"), 2.0),
+    ]);
     finding.report(0.0)?;
     let of_stem = stem_scene(scene, input)?;
-    let found = find_in_scene(&of_stem, &finding)?;
+    let found = find_in_scene(scene, &of_stem, &finding)?;
     let (from, to) = found.stem.usable;
     let range = scene.stem.part.map(|p| from + p * (to - from));
     filling.report(0.0)?;
@@ -60,7 +76,28 @@ pub fn fill_scene_stem(
     });
     run_scene.check()?;
     let options = placement_options(&run_scene, (range[0], range[1]));
-    let placed = fill_stem(&found.stem, &wood, &options, &filling)?;
+    let species = Species::find(&scene.wood.species)?;
+    let proportions = Proportions::USUAL;
+    let appearance = WoodAppearance::of_stem(
+        &found.stem,
+        &proportions,
+        scene.seed,
+        Some(species),
+        BARK_START,
+    );
+    let mesh = || of_stem.scene.world_meshes().swap_remove(found.node);
+    let rings = scene
+        .rings
+        .rings(&found, mesh, (&appearance, proportions), &ringing)?;
+    let placed = if scene.wood.structure {
+        let keys = &scene.wood;
+        let boundaries = TissueBoundaries::from(&appearance);
+        let structure = WoodStructure::new(species, keys.moisture, rings.clone(), boundaries)
+            .with_planes(keys.ring_strength, keys.ray_strength);
+        fill_structured_stem(&found.stem, &wood, &structure, &options, &filling)?
+    } else {
+        fill_stem(&found.stem, &wood, &options, &filling)?
+    };
     let notes = match scene.stem.kind {
         StemChoice::Input => notes_on_rest(&of_stem, &found, range, context)?,
         _ => Vec::new(),
@@ -73,6 +110,8 @@ pub fn fill_scene_stem(
         scene: of_stem.scene,
         placed,
         wood,
+        appearance,
+        rings,
         run_scene,
     })
 }
@@ -100,14 +139,17 @@ fn notes_on_rest(
     Ok(notes)
 }
 
-fn find_in_scene(of_stem: &StemScene, context: &Context) -> Result<FoundStem, SimulateError> {
+fn find_in_scene(
+    scene: &crate::Scene,
+    of_stem: &StemScene,
+    context: &Context,
+) -> Result<FoundStem, SimulateError> {
     let meshes = of_stem.scene.world_meshes();
-    Ok(find_stem(
-        &meshes,
-        &of_stem.location,
-        &StemOptions::default(),
-        context,
-    )?)
+    let options = StemOptions {
+        eccentricity_onset: scene.stem.eccentricity_onset,
+        ..StemOptions::default()
+    };
+    Ok(find_stem(&meshes, &of_stem.location, &options, context)?)
 }
 
 /// Returns the properties of the scene's wood.
@@ -151,21 +193,24 @@ fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOption
         },
         range: Some(range),
         reach: keys.reach,
+        neighbours: match keys.neighbours {
+            NeighbourChoice::Facets => Neighbours::Facets,
+            NeighbourChoice::WithinReach => Neighbours::WithinReach,
+        },
+        lloyd: keys.lloyd,
         twisting: match keys.twist {
             TwistChoice::Auto => None,
             TwistChoice::On => Some(true),
             TwistChoice::Off => Some(false),
         },
         weibull: keys.weibull.unwrap_or(f64::INFINITY),
-        rings: keys.rings,
-        rays: keys.rays,
-        ring_strength: keys.ring_strength,
-        ray_strength: keys.ray_strength,
     }
 }
 
 /// A scene that is ready to be moved by a solver.
 pub(super) struct PreparedScene {
+    /// The tissues that rods lie in.
+    pub wood: Vec<TissueReport>,
     /// What of the input's mesh the rods do not fill, a sentence each.
     pub notes: Vec<String>,
     pub assembled: AssembledScene,
@@ -188,6 +233,7 @@ pub(super) fn prepare(
         notes,
         ..
     } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
+    let wood = TissueReport::from_rods(&placed);
     let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
     // The duration may grow when a run is resumed; everything else must be as it was.
     let without_duration = crate::Scene {
@@ -201,6 +247,7 @@ pub(super) fn prepare(
             .for_each(|v| content.extend(v.to_bits().to_le_bytes()));
     }
     Ok(PreparedScene {
+        wood,
         notes,
         assembled,
         scene: run_scene,

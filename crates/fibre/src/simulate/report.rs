@@ -1,6 +1,7 @@
 //! The report of a simulation.
 
 use super::error::SimulateError;
+use super::tissue_report::TissueReport;
 use crate::event::{Event, EventKind};
 use crate::scene::{AssembledScene, Scene};
 use crate::store::{EnergyRow, RunStore};
@@ -81,6 +82,8 @@ pub struct SimulateReport {
     pub energy: EnergyDrift,
     /// Files written; none for a run in memory.
     pub files: Vec<String>,
+    /// The tissues that rods lie in, from the inside out.
+    pub wood: Vec<TissueReport>,
     /// What of the input's mesh has no rods, a sentence each.
     pub notes: Vec<String>,
 }
@@ -98,6 +101,9 @@ impl std::fmt::Display for SimulateReport {
             "wood     {} rods, {} vertices, {} bonds on {:.3} m, {twist}",
             self.rods, self.vertices, self.bonds, self.length_m
         )?;
+        for tissue in self.wood.iter().filter(|_| self.wood.len() > 1) {
+            writeln!(f, "tissue   {tissue}")?;
+        }
         let limit = self
             .limit_s
             .map_or(String::new(), |l| format!(" of at most {:.3} µs", l * 1e6));
@@ -139,7 +145,7 @@ impl std::fmt::Display for SimulateReport {
 pub(super) fn begin_report(
     scene: &Scene,
     assembled: &AssembledScene,
-    notes: Vec<String>,
+    (wood, notes): (Vec<TissueReport>, Vec<String>),
 ) -> SimulateReport {
     let bundle = &assembled.world.bundle;
     SimulateReport {
@@ -160,6 +166,7 @@ pub(super) fn begin_report(
         fracture_loss_j: 0.0,
         energy: EnergyDrift::default(),
         files: Vec::new(),
+        wood,
         notes,
     }
 }

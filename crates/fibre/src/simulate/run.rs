@@ -183,13 +183,14 @@ pub fn simulate(
         assembled,
         scene,
         hash,
+        wood,
         notes,
     } = prepare(&request.scene, &request.meshes, &preparing)?;
     // Nothing of a run is cut before its checkpoint is known to be good.
     if checkpoint.as_ref().is_some_and(|c| c.hash != hash) {
         return Err(SimulateError::OtherRun { run: store.name() });
     }
-    let mut report = begin_report(&scene, &assembled, notes);
+    let mut report = begin_report(&scene, &assembled, (wood, notes));
     let mut run = Run {
         scene: &scene,
         assembled,

@@ -18,7 +18,8 @@ use super::stepwise::Stepwise;
 use crate::contact::Contacts;
 use crate::energy::energies;
 use crate::error::SolverError;
-use crate::failure::breaking::{record_breaks, remove_elements};
+use crate::failure::break_place::move_state;
+use crate::failure::breaking::{place_breaks, record_breaks, remove_elements};
 use crate::failure::demand::{Element, Overstressed, bonds_in, rods_in};
 use crate::failure::yielding::record_yielding;
 use crate::forces::Forces;
@@ -199,7 +200,7 @@ impl Interactive {
                 loads: world.loads.clone(),
             });
             start.work += work(world, &start.state, &found.reaction, old.time + dt);
-            if let Some(before) = self.break_queue(world, contacts, &mut weakened) {
+            if let Some(before) = self.break_queue(world, &mut old, contacts, &mut weakened) {
                 topology::split_state(&mut old, &before);
             }
             start.state.clone_from(&world.state);
@@ -207,7 +208,8 @@ impl Interactive {
         world.state = old;
         let mut energy = accept(world, contacts, found, &start, dt);
         if !(weakened.is_empty() && late_splits.is_empty()) {
-            remove_elements(world, contacts, weakened, late_splits);
+            let placed = place_breaks(world, weakened, &late_splits);
+            remove_elements(world, contacts, placed.bonds, late_splits);
         }
         let after = energies(&world.bundle, &world.state).total() + contacts.stored_energy();
         let fractured = world.fracture_loss - fracture_loss;
@@ -217,10 +219,11 @@ impl Interactive {
     }
 
     /// Breaks the elements of the queue. Bonds lose their stiffness, and are removed with the next rod that breaks. Returns
-    /// for each vertex its number before, where that changes.
+    /// for each vertex its number before, where that changes. `old` is the start of the step.
     fn break_queue(
         &mut self,
         world: &mut World,
+        old: &mut State,
         contacts: &mut dyn Contacts,
         weakened: &mut Vec<u32>,
     ) -> Option<Vec<u32>> {
@@ -234,8 +237,9 @@ impl Interactive {
         if splits.is_empty() {
             return None;
         }
-        let bonds = std::mem::take(weakened);
-        Some(remove_elements(world, contacts, bonds, splits))
+        let placed = place_breaks(world, std::mem::take(weakened), &splits);
+        move_state(old, &world.bundle, &placed.places);
+        Some(remove_elements(world, contacts, placed.bonds, splits))
     }
 
     /// Puts into the queue what breaks at the end of a step. Where forces are not balanced yet, overstress may come from that

@@ -51,12 +51,12 @@ parameters! {
         }
         "tissue", "heights" {
             /// Part of the radius that is pith.
-            pith_proportion: f64 = 0.05, number(Fraction, 0.0, 1.0).symbol("ν_pith");
+            pith_proportion: f64 = Proportions::USUAL.pith, number(Fraction, 0.0, 1.0).symbol("ν_pith");
             /// Part of the radius that is heartwood.
-            heartwood_proportion: f64 = 0.4, number(Fraction, 0.0, 1.0).symbol("ν_heartwood");
+            heartwood_proportion: f64 = Proportions::USUAL.heartwood, number(Fraction, 0.0, 1.0).symbol("ν_heartwood");
             /// Part of the radius that is phloem. What is left is sapwood, and the outermost ring
             /// is bark.
-            phloem_proportion: f64 = 0.05, number(Fraction, 0.0, 1.0).symbol("ν_phloem");
+            phloem_proportion: f64 = Proportions::USUAL.phloem, number(Fraction, 0.0, 1.0).symbol("ν_phloem");
         }
         "face", "heights" {
             /// What the face is made of: "smooth" is the height field of the paper, "fibrous" has

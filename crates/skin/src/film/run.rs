@@ -14,14 +14,12 @@ use greenstick_fibre::simulate::{
 };
 use greenstick_fibre::store::{Frame, FrameTimes, RunSource};
 use greenstick_fibre::{Cause, Event, EventKind, RodBundle};
-use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Mesh, Scene};
 use greenstick_wood::appearance::{StemAppearance, WoodAppearance};
 use greenstick_wood::rings::StemRings;
-use greenstick_wood::species::Species;
 use greenstick_wood::stem::{Stem, StemKind};
-use greenstick_wood::tissue::BARK_START;
+use greenstick_wood::structure::TissueBoundaries;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -41,8 +39,12 @@ pub struct RunWood {
     pub shell: Vec<u32>,
     /// The rods in the stem's world.
     pub placed: PlacedRods,
-    /// The wood's properties.
+    /// The mean properties of its wood.
     pub material: WoodMaterial,
+    /// What its wood looks like.
+    pub appearance: WoodAppearance,
+    /// Its annual rings.
+    pub rings: StemRings,
     /// The unbroken rods in the scene's axes.
     pub bundle: RodBundle,
     /// Maps the stem's world to the scene's axes.
@@ -74,6 +76,8 @@ impl RunWood {
             shell: filled.shell,
             placed: filled.placed,
             material: filled.wood,
+            appearance: filled.appearance,
+            rings: filled.rings,
             bundle,
             scene_from_stem,
             shapes,
@@ -144,10 +148,7 @@ impl Run {
             return Err(FilmError::NoFrames { run: source.name() });
         }
         let causes = break_causes(&source.events()?);
-        let species = Species::find(&scene.wood.species).ok();
-        let tissues = BreakParameters::default().proportions();
-        let inside = WoodAppearance::of_stem(&wood.stem, &tissues, scene.seed, species, BARK_START);
-        let rings = StemRings::new(inside.usual_rings());
+        let (inside, rings) = (wood.appearance.clone(), wood.rings.clone());
         let appearance = StemAppearance::new(&wood.stem, inside, rings);
         let bark = bark_mesh(&wood);
         Ok(Run {
@@ -221,14 +222,14 @@ impl Run {
         &self,
         make: impl FnOnce(&Wood, &Materials) -> Result<T, E>,
     ) -> Result<T, E> {
-        let proportions = BreakParameters::default().proportions();
+        let tissues = TissueBoundaries::from(&self.wood.appearance);
         let board = self.wood.stem.kind == StemKind::Board;
         let materials = Materials {
             bark: u32::from(!board) * BARK_MATERIAL,
             bark_mesh_offset: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,
-            zone: &|rho| proportions.zone_at(rho, 0.0).code(),
+            zone: &|rho| tissues.tissue(rho).code(),
         };
         make(&self.wood(), &materials)
     }

@@ -15,7 +15,7 @@ use greenstick_schema::{count, parameters};
 use std::borrow::Cow;
 
 parameters! {
-    /// The annual rings of a stem that is broken.
+    /// The annual rings of a stem that is broken or simulated.
     pub struct BreakRingParameters {
         "Annual rings", "layout" {
             /// Annual rings of even width; "auto" makes as many as usual, of widths that differ from year to year. An erosion
