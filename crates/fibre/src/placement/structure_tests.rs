@@ -41,7 +41,7 @@ fn stem(round: bool) -> Stem {
 
 fn filled(name: &str, round: bool, tissues: TissueBoundaries, rings: u16, rods: u32) -> Filled {
     let species = Species::find(name).unwrap();
-    let wood = WoodMaterial::from_species(species, 12.0, Fallback::TwelvePercent).unwrap();
+    let wood = WoodMaterial::from_species(species, 12.0, Fallback::Estimate).unwrap();
     let rings = StemRings::new(ConcentricRings::grown(rings, 3, &Proportions::USUAL));
     let structure = WoodStructure::new(species, 12.0, rings, tissues);
     let options = PlacementOptions {

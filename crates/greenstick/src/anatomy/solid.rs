@@ -88,7 +88,7 @@ impl Wood {
         };
         let moisture = moisture.unwrap_or(FIBRE_SATURATION_PERCENT);
         Ok(Some(Wood {
-            elastic: species.engineering_constants(moisture, Fallback::TwelvePercent)?,
+            elastic: species.engineering_constants(moisture, Fallback::Estimate)?,
             densities: mass.densities(),
         }))
     }
