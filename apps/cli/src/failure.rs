@@ -87,6 +87,15 @@ impl Failure {
         }
     }
 
+    /// Puts the name of a file before the message unless it is there.
+    pub fn about_once(self, file: &std::path::Path) -> Self {
+        if self.message.contains(&file.display().to_string()) {
+            self
+        } else {
+            self.about(file)
+        }
+    }
+
     /// Adds a hint at what to do next.
     pub fn hint(self, hint: impl ToString) -> Self {
         Failure {

@@ -292,7 +292,7 @@ fn coordinates_of_the_input_come_back() {
     folder.write("far.xyz", text);
     let run = |more: &str, out: &str| {
         let arguments = format!(
-            "anatomy far.xyz -o {out} --only measures,elements,particles --layers 4 --rings 6 --species spruce,sitka{more}"
+            "anatomy far.xyz -o {out} --only measures,elements --layers 2 --rings 6 --species spruce,sitka{more}"
         );
         let arguments = arguments.replace("spruce,sitka", "Sitka_spruce");
         let words: Vec<String> = arguments.split(' ').map(|w| w.replace('_', " ")).collect();

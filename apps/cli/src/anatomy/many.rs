@@ -1,6 +1,6 @@
 //! Several stems in one call: a folder for each, and a table of all.
 
-use super::{Done, Job, PrintedReport, file_name, to_json};
+use super::job::{Done, Job, PrintedReport, file_name, to_json};
 use crate::arguments::AnatomyOptions;
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
@@ -54,6 +54,7 @@ pub fn run(
             Err(failure) if failure.kind() == ErrorKind::Cancelled => return Err(failure),
             Err(failure) => {
                 progress.finish();
+                let failure = failure.about_once(input);
                 let message = failure.message().to_owned();
                 failure.print();
                 failures.push(PrintedFailure {

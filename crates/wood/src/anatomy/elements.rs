@@ -25,8 +25,9 @@ const SLENDERNESS: f64 = 2.0;
 const SIDE_RANGE: (f64, f64) = (2.0, 64.0);
 /// Most elements.
 const MAX_ELEMENTS: f64 = 4e6;
-/// How far within an end of the stem its section is taken, in radii: at the very end a plane lies in the cut face.
-const END_INSET_RADII: f64 = 1e-3;
+/// How far within an end of the stem its section is taken, in slabs: at the very end a plane lies in the cut face, which may be
+/// rough.
+const END_INSET_SLABS: f64 = 0.5;
 /// Step by which the direction across the rings is found, as an angle, rad.
 const ANGLE_STEP: f64 = 1e-3;
 
@@ -104,7 +105,7 @@ impl StemElements {
             return Err(ElementError::TooMany { edge, count });
         }
         let slabs = slabs as usize;
-        let inset = END_INSET_RADII * radius;
+        let inset = END_INSET_SLABS * (high - low) / slabs as f64;
         let rows: Vec<SectionNodes> = (0..=slabs)
             .into_par_iter()
             .map(|k| {
