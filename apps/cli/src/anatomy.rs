@@ -6,11 +6,11 @@ use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, spent};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
-use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, report_file};
+use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyOutput, report_file};
 use greenstick::files::{self, Batch, FileError, Output};
 use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
-use greenstick::scanning::ScannedReport;
+use greenstick::scanning::{ScannedReport, cleaned_file, outline_error};
 use greenstick::schema::Parameters;
 use greenstick::wood::anatomy::{AnatomyReport, SegmentReport};
 use serde::Serialize;
@@ -58,7 +58,17 @@ pub fn run(options: &AnatomyOptions) -> Result<ExitCode, Failure> {
     let [read, work, write] = progress.split([("read", 1.0), ("anatomy", 8.0), ("write", 1.0)]);
     let source = load(options, &file, &read)?;
     file.request.location = source.place;
+    let request = &mut file.request;
+    request.smoothing = request
+        .smoothing
+        .or(source.scan.as_ref().and_then(outline_error));
     let mut folder = OutputFolder::new(&options.output, source.files)?;
+    if let Some(cloud) = source
+        .cleaned
+        .filter(|_| file.request.wants(AnatomyOutput::Cleaned))
+    {
+        folder.add(cleaned_file(&cloud)?)?;
+    }
     let mut report =
         greenstick::anatomy::anatomy(&source.scene, &file.request, &work, |file| folder.add(file))?;
     report.notes.extend(unit_warning(
@@ -159,6 +169,7 @@ fn load(
             scene: greenstick::built_in_branch(),
             place,
             scan: None,
+            cleaned: None,
             files: Vec::new(),
         }),
     }

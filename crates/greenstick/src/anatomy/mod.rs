@@ -2,6 +2,7 @@
 //! reconstructed from them, and their numbers.
 
 mod pictures;
+mod springs;
 mod volume;
 
 pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
@@ -87,6 +88,7 @@ pub fn anatomy<E: From<Error>>(
         sampling,
         encoding,
         surface,
+        joining,
         volume,
         sections,
         longitudinal,
@@ -113,6 +115,9 @@ pub fn anatomy<E: From<Error>>(
         surface.report(0.0).map_err(Error::from)?;
         let ring = request.surface_ring.unwrap_or(anatomy.ring_count());
         notes.extend(write_surfaces(&layers, ring, &mut sink)?);
+    }
+    if request.wants(AnatomyOutput::Springs) {
+        springs::write(&layers, &joining, &mut sink)?;
     }
     let mut segments = Vec::new();
     if request.wants(AnatomyOutput::Volume) {
@@ -149,9 +154,9 @@ pub fn report_file(report: &AnatomyReport) -> Result<Encoded, Error> {
     Ok(Encoded::new(ANATOMY_FILE, bytes))
 }
 
-/// Returns the contexts of the stages, in their order: stem, rings, particles, encode, surface, volume, sections,
+/// Returns the contexts of the stages, in their order: stem, rings, particles, encode, surface, springs, volume, sections,
 /// longitudinal, report.
-fn stages(request: &AnatomyRequest, context: &Context) -> [Context; 9] {
+fn stages(request: &AnatomyRequest, context: &Context) -> [Context; 10] {
     let output = |output, name, weight| {
         let weight = if request.wants(output) { weight } else { 0.0 };
         (Stage::new(name), weight)
@@ -162,6 +167,7 @@ fn stages(request: &AnatomyRequest, context: &Context) -> [Context; 9] {
         (Stage::new("particles"), 2.0),
         output(AnatomyOutput::Particles, "encode", 1.0),
         output(AnatomyOutput::Surface, "surface", 1.0),
+        output(AnatomyOutput::Springs, "springs", 2.0),
         output(AnatomyOutput::Volume, "volume", 4.0),
         output(AnatomyOutput::Sections, "sections", 4.0),
         output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),

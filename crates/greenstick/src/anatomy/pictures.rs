@@ -3,8 +3,8 @@
 use crate::Error;
 use greenstick_formats::Encoded;
 use greenstick_geometry::Context;
-use greenstick_wood::anatomy::{Anatomy, AnatomyRequest, PicturedSection};
-use greenstick_wood::colour::RgbImage;
+use greenstick_picture::Picture;
+use greenstick_wood::anatomy::{Anatomy, AnatomyRequest, PicturedSection, ScaledImage};
 
 /// Contour, rings and tissues of the section at the location, and of others at equal distances.
 pub(super) fn sections<E: From<Error>>(
@@ -21,19 +21,34 @@ pub(super) fn sections<E: From<Error>>(
             .report(i as f64 / sections.len() as f64)
             .and_then(|()| anatomy.paint_section(section, context))
             .map_err(Error::from)?;
-        sink(png(&pictures.contour, format!("{name}_contour.png")))?;
-        sink(png(&pictures.rings, format!("{name}_rings.png")))?;
-        sink(png(&pictures.tissues, format!("{name}_zones.png")))?;
+        for (image, kind) in [
+            (pictures.contour, "contour"),
+            (pictures.rings, "rings"),
+            (pictures.tissues, "zones"),
+        ] {
+            let scaled = ScaledImage {
+                image,
+                pixel: pictures.pixel,
+            };
+            sink(png(scaled, format!("{name}_{kind}.png")))?;
+        }
     }
     Ok(())
 }
 
-/// The stem cut in half along its pith.
+/// The stem cut in half along its pith, in strips from the base on.
 pub(super) fn longitudinal(anatomy: &Anatomy, context: &Context) -> Result<Encoded, Error> {
     let picture = anatomy.paint_longitudinal(context)?;
-    Ok(png(&picture, "longitudinal.png".to_owned()))
+    Ok(png(picture, "longitudinal.png".to_owned()))
 }
 
-fn png(image: &RgbImage, name: String) -> Encoded {
-    Encoded::new(name, image.png())
+/// Encodes a picture with a scale bar below it.
+fn png(scaled: ScaledImage, name: String) -> Encoded {
+    let mut picture = Picture {
+        width: scaled.image.width,
+        height: scaled.image.height,
+        rgb: scaled.image.rgb,
+    };
+    picture.add_scale_bar(scaled.pixel);
+    Encoded::new(name, picture.png())
 }
