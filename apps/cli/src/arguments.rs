@@ -18,12 +18,11 @@ pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 pub use unit::UnitChoice;
 
-use crate::values;
 use clap::{Arg, Args, Parser, Subcommand};
 use greenstick::RequestFile;
+use greenstick::SectionRingSettings;
 use greenstick::picture::PictureParameters;
 use greenstick::scanning::ScanParameters;
-use greenstick::wood::anatomy::RingParameters;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -123,33 +122,6 @@ Examples
 pub struct RingsOptions {
     /// The section (.json)
     pub section: PathBuf,
-    /// Number of rings, all of the same mean width [default: 20]
-    #[arg(long, value_name = "N", conflicts_with_all = ["radii", "widths"])]
-    pub rings: Option<usize>,
-    /// Mean radii from the pith outwards, in the file's units
-    #[arg(
-        long,
-        value_name = "R1,R2,..",
-        value_delimiter = ',',
-        conflicts_with = "widths"
-    )]
-    pub radii: Option<Vec<f64>>,
-    /// Mean widths from the pith outwards, in the file's units
-    #[arg(
-        long,
-        value_name = "W1,W2,..",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    pub widths: Option<Vec<f64>>,
-    /// Where the pith is, in the file's coordinates; without it the file's, else a guess from the outline
-    #[arg(
-        long,
-        value_name = "X,Y",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    pub pith: Option<Vec<f64>>,
     /// Where to write the rings (.json)
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -159,20 +131,19 @@ pub struct RingsOptions {
     /// Fit the model to the file's own rings, of which a few points are enough: when the stem began to be eccentric
     #[arg(long, conflicts_with_all = ["eccentricity_onset", "rings_by"])]
     pub fit: bool,
-    /// Share of the radius at which the stem began to be eccentric, 0.02 to 1 [default: 0.28]
-    #[arg(long, value_name = "NUMBER", value_parser = values::onset)]
-    pub eccentricity_onset: Option<f64>,
     /// Where to write a picture of the rings (.png)
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// Width and height of the picture, pixels
-    #[arg(long, value_name = "N", default_value_t = 900, value_parser = clap::value_parser!(u32).range(16..=8192))]
-    pub picture_size: u32,
+    /// Draw outline, rings and pith over this photograph (.png), whose pixels are the file's coordinates, as the picture
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "picture",
+        conflicts_with = "picture_size"
+    )]
+    pub photo: Option<PathBuf>,
     #[command(flatten)]
-    pub source: Declared<RingParameters>,
-    /// Pixels along each side of the picture that is eroded, 32 to 512 [default: 512]
-    #[arg(long, value_name = "NUMBER", value_parser = values::resolution, help_heading = "Where rings come from")]
-    pub resolution: Option<usize>,
+    pub settings: Declared<SectionRingSettings>,
 }
 
 #[derive(Debug, Args)]
@@ -250,10 +221,12 @@ impl OptionSet for PictureParameters {
     }
 }
 
-impl OptionSet for RingParameters {
+impl OptionSet for SectionRingSettings {
     fn adjust(option: Arg) -> Arg {
         match option.get_id().as_str() {
             "schedule" => option.conflicts_with("kernels"),
+            "rings" => option.conflicts_with_all(["radii", "widths"]),
+            "radii" => option.conflicts_with("widths"),
             _ => option,
         }
     }

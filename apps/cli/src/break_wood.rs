@@ -222,6 +222,7 @@ fn load(
             scene: greenstick::built_in_branch(),
             place,
             scan: None,
+            cleaned: None,
             files: Vec::new(),
         }),
     }

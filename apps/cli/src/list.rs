@@ -3,6 +3,7 @@
 use crate::arguments::{ParametersOptions, PresetsOptions, SchemaOptions};
 use crate::failure::{Failure, print};
 use greenstick::RequestFile;
+use greenstick::SectionRingSettings;
 use greenstick::anatomy::AnatomyFile;
 use greenstick::fibre::scene::Scene;
 use greenstick::fracture::parameters::{RadialCrack, TangentialCrack};
@@ -11,7 +12,6 @@ use greenstick::fracture::recipe::{Recipe, apply_preset};
 use greenstick::schema::{
     ParameterInfo, Parameters, closest_names, did_you_mean, document_schema, markdown_tables,
 };
-use greenstick::wood::anatomy::RingParameters;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
@@ -54,7 +54,7 @@ fn schemas() -> Vec<(&'static str, Value)> {
         ),
         (
             "rings",
-            document_schema("Greenstick rings", &RingParameters::default()),
+            document_schema("Greenstick rings", &SectionRingSettings::default()),
         ),
         (
             "scene",

@@ -2,30 +2,27 @@
 
 use crate::arguments::RingsOptions;
 use crate::break_wood::check_png;
-use crate::failure::{Failure, print};
+use crate::failure::{Failure, parameter_hint, print};
+use greenstick::SectionRingSettings;
 use greenstick::files::{self, Output};
 use greenstick::geometry::Context;
 use greenstick::schema::Parameters;
-use greenstick::wood::anatomy::RingMethod;
+use greenstick::wood::colour::RgbImage;
 use greenstick::wood::rings::{
-    RingComparison, RingSeries, RingsFile, SectionFile, SectionFileError, SectionRingMethod,
+    RingComparison, RingsFile, SectionFile, SectionFileError, SectionRingMethod,
 };
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Default number of rings.
-const DEFAULT_RINGS: usize = 20;
-/// Default number of pixels along each side of the bitmap that is eroded.
-const DEFAULT_RESOLUTION: usize = 512;
 
 pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     let path = &options.section;
     if let Some(picture) = &options.picture {
         check_png(picture)?;
     }
-    let method = method(options)?;
-    let pith = pith(options)?;
+    let settings = settings(options)?;
+    let (method, pith) = (settings.method(), settings.pith_point());
+    let photo = options.photo.as_deref().map(read_photo).transpose()?;
     let outputs: Vec<&Path> = options
         .output
         .iter()
@@ -34,14 +31,18 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
         .collect();
     let text = std::fs::read_to_string(path)
         .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
-    files::check_distinct(&outputs, std::slice::from_ref(path))?;
+    let inputs: Vec<PathBuf> = std::iter::once(path)
+        .chain(&options.photo)
+        .cloned()
+        .collect();
+    files::check_distinct(&outputs, &inputs)?;
     outputs.iter().try_for_each(|p| files::check_writable(p))?;
 
     let context = Context::quiet();
     let about_file = |e: SectionFileError| Failure::request(format!("{}: {e}", path.display()));
     let section = SectionFile::parse(&text).map_err(about_file)?;
     let units = section.units().to_owned();
-    let onset = match (options.eccentricity_onset, options.fit) {
+    let onset = match (settings.eccentricity_onset, options.fit) {
         (None, true) => Some(
             section
                 .fit_eccentricity_onset(pith.map(Into::into), &context)
@@ -76,9 +77,13 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
         });
     }
     if let Some(path) = &options.picture {
+        let picture = match &photo {
+            Some(photo) => section.paint_over(photo, &context)?,
+            None => section.paint(settings.picture_size, &context)?,
+        };
         files.push(Output {
             path: path.clone(),
-            bytes: section.paint(options.picture_size, &context)?.png(),
+            bytes: picture.png(),
         });
     }
     files::write_all(&files)?;
@@ -89,48 +94,21 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn method(options: &RingsOptions) -> Result<SectionRingMethod, Failure> {
-    let counted = [
-        ("--rings", options.rings.is_some()),
-        ("--radii", options.radii.is_some()),
-        ("--widths", options.widths.is_some()),
-    ];
-    let counted = counted.into_iter().find(|c| c.1).map(|c| c.0);
-    let source = options.source.set()?;
-    source.check().map_err(Failure::request)?;
-    let method = source.method();
-    if let (RingMethod::Erosion(_), Some(option)) = (&method, counted) {
-        return Err(Failure::request(format!(
-            "{option}: an erosion makes its own number of rings, by its kernels and --resolution; leave the option out"
-        )));
-    }
-    match method {
-        RingMethod::Field if options.resolution.is_some() => Err(Failure::request(
-            "--resolution belongs to an erosion; add --rings-by erosion",
-        )),
-        RingMethod::Field => Ok(SectionRingMethod::Field(
-            match (options.rings, &options.radii, &options.widths) {
-                (_, Some(radii), _) => RingSeries::Radii(radii.clone()),
-                (_, _, Some(widths)) => RingSeries::Widths(widths.clone()),
-                (number, _, _) => RingSeries::Number(number.unwrap_or(DEFAULT_RINGS)),
-            },
-        )),
-        RingMethod::Erosion(erosion) => Ok(SectionRingMethod::Erosion {
-            erosion,
-            resolution: options.resolution.unwrap_or(DEFAULT_RESOLUTION),
-        }),
-    }
+/// Returns the settings with their defaults and the options.
+fn settings(options: &RingsOptions) -> Result<SectionRingSettings, Failure> {
+    let settings = options.settings.set()?;
+    settings
+        .check()
+        .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
+    Ok(settings)
 }
 
-fn pith(options: &RingsOptions) -> Result<Option<[f64; 2]>, Failure> {
-    match options.pith.as_deref() {
-        Some([x, y]) => Ok(Some([*x, *y])),
-        Some(other) => Err(Failure::request(format!(
-            "--pith takes two numbers x,y, not {}",
-            other.len()
-        ))),
-        None => Ok(None),
-    }
+/// Reads a photograph.
+fn read_photo(path: &Path) -> Result<RgbImage, Failure> {
+    let bytes = std::fs::read(path)
+        .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
+    RgbImage::from_png(&bytes)
+        .map_err(|e| Failure::request(format!("{} is no PNG picture: {e}", path.display())))
 }
 
 /// Summarises the rings in one line.

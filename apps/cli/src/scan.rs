@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use greenstick::files;
 use greenstick::formats::{Content, LengthUnit};
-use greenstick::geometry::{Context, Scene};
+use greenstick::geometry::{Context, PointCloud, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::stem::StemLocation;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ pub struct Loaded {
     pub place: StemLocation,
     /// The report on the scan, if the input was one.
     pub scan: Option<ScannedReport>,
+    /// The points of the scan that were left after cleaning, if the input was one.
+    pub cleaned: Option<PointCloud>,
     /// The files that were read.
     pub files: Vec<PathBuf>,
 }
@@ -39,6 +41,7 @@ pub fn load(
                 scene,
                 place,
                 scan: None,
+                cleaned: None,
                 files,
             });
         }
@@ -52,6 +55,7 @@ pub fn load(
         scene: scanned.scene,
         place: scanned.location,
         scan: Some(scanned.report),
+        cleaned: Some(scanned.cleaned),
         files,
     })
 }

@@ -14,32 +14,6 @@ pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
     PithPosition::parse(text, unit.metres()).map_err(|e| format!("--pith: {e}"))
 }
 
-/// Parses a number of voxels along the side of a segment, or of pixels along the side of a section: 32 to 512.
-pub fn resolution(text: &str) -> Result<usize, String> {
-    let range = greenstick::wood::anatomy::RESOLUTION_RANGE;
-    match text.parse::<usize>() {
-        Ok(x) if range.contains(&x) => Ok(x),
-        _ => Err(format!(
-            "expected a number from {} to {}",
-            range.start(),
-            range.end()
-        )),
-    }
-}
-
-/// Parses an onset of eccentricity.
-pub fn onset(text: &str) -> Result<f64, String> {
-    let range = greenstick::wood::rings::ONSET_RANGE;
-    match text.parse::<f64>() {
-        Ok(x) if range.contains(&x) => Ok(x),
-        _ => Err(format!(
-            "expected a number from {} to {}",
-            range.start(),
-            range.end()
-        )),
-    }
-}
-
 /// Parses two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {

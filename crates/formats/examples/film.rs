@@ -86,6 +86,7 @@ fn series(folder: &Path, film: &Film, frames: usize) -> Result<(), Box<dyn Error
                 Field::vectors("place_m", &rod),
             ],
             line_data: &[Field::scalar("rod", Values::U32(vec![7]))],
+            metadata: None,
         };
         let rods = vtk::write_lines(&rods, &name)?;
         let ground = rod.iter().map(|p| DVec3::new(p.x, -1.0, p.z));
@@ -99,6 +100,7 @@ fn series(folder: &Path, film: &Film, frames: usize) -> Result<(), Box<dyn Error
             ends: &after,
             point_data: &[],
             line_data: &[Field::scalar("broken", Values::U8(vec![0; count as usize]))],
+            metadata: None,
         };
         let bonds = vtk::write_lines(&bonds, &name)?;
         let time = motion.time(frame);

@@ -37,6 +37,7 @@ fn lines_keep_their_points_and_fields() {
         ends: &[3, 5],
         point_data: &frames,
         line_data: &field,
+        metadata: None,
     };
     let file = write_lines(&rods, "rods.vtp").unwrap();
     let numbers = |name: &str| -> Vec<f64> {
@@ -77,6 +78,7 @@ fn invalid_lines_are_refused() {
         ends: &[2],
         point_data: &[],
         line_data: &[],
+        metadata: None,
     };
     assert!(write_lines(&good, "x").is_ok());
     let cases = [

@@ -59,6 +59,7 @@ pub mod fit;
 mod pictures;
 mod request;
 pub mod scanning;
+mod section_rings;
 pub mod session;
 #[cfg(feature = "simulate")]
 pub mod simulate;
@@ -82,6 +83,7 @@ pub use greenstick_wood as wood;
 pub use greenstick_wood::branch::built_in_branch;
 pub use pictures::{picture_of_break, picture_of_scene, picture_of_skin};
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
+pub use section_rings::SectionRingSettings;
 pub use session::{BreakSession, Broken, break_scene};
 
 /// Keeps the example in the README one that compiles.

@@ -1,5 +1,6 @@
 //! Line charts with two axes and a legend, drawn into a [`Picture`].
 
+use crate::drawing::{CHARACTER_SIZE, Pen, draw_text};
 use crate::picture::Picture;
 
 /// A line of a chart.
@@ -44,10 +45,6 @@ const LINE_COLOURS: [[u8; 3]; 8] = [
 ];
 /// Colour of grid lines.
 const GRID_COLOUR: [u8; 3] = [225, 225, 225];
-/// Colour of text.
-const TEXT_COLOUR: [u8; 3] = [50, 50, 50];
-/// Width and height of a character, pixels.
-const CHARACTER_SIZE: i64 = 16;
 /// Margins around the plot, pixels.
 const LEFT_MARGIN: i64 = 130;
 const RIGHT_MARGIN: i64 = 30;
@@ -180,15 +177,6 @@ fn label(v: f64) -> String {
     format!("{v:.1e}").replace(".0e", "e")
 }
 
-/// Sets a pixel, if it is in the picture.
-fn set_pixel(to: &mut Picture, x: i64, y: i64, colour: [u8; 3]) {
-    if x < 0 || y < 0 || x >= i64::from(to.width) || y >= i64::from(to.height) {
-        return;
-    }
-    let at = 3 * (y as usize * to.width as usize + x as usize);
-    to.rgb[at..at + 3].copy_from_slice(&colour);
-}
-
 /// The area between the axes.
 struct Plot {
     left: i64,
@@ -231,56 +219,6 @@ impl Plot {
             let width = label.len() as i64 * CHARACTER_SIZE;
             let top = py as i64 - CHARACTER_SIZE / 2;
             draw_text(to, self.left - 8 - width, top, &label);
-        }
-    }
-}
-
-/// A pen for straight lines.
-struct Pen {
-    /// Width, pixels.
-    width: i64,
-    colour: [u8; 3],
-}
-
-impl Pen {
-    /// Draws a line between two pixels.
-    fn draw(&self, to: &mut Picture, start: [f64; 2], end: [f64; 2]) {
-        let (dx, dy) = (end[0] - start[0], end[1] - start[1]);
-        let steps = dx.abs().max(dy.abs()).ceil().clamp(1.0, 20_000.0);
-        let half = (self.width - 1) / 2;
-        for k in 0..=steps as i64 {
-            let fraction = k as f64 / steps;
-            let (x, y) = (start[0] + dx * fraction, start[1] + dy * fraction);
-            for a in 0..self.width {
-                for b in 0..self.width {
-                    let (px, py) = (x.round() as i64 + a - half, y.round() as i64 + b - half);
-                    set_pixel(to, px, py, self.colour);
-                }
-            }
-        }
-    }
-}
-
-/// Draws text with its top left corner at (x, y).
-fn draw_text(to: &mut Picture, x: i64, y: i64, text: &str) {
-    for (k, c) in text.chars().enumerate() {
-        let glyph = font8x8::legacy::BASIC_LEGACY
-            .get(c as usize)
-            .copied()
-            .unwrap_or_default();
-        for row in 0..CHARACTER_SIZE {
-            for column in 0..CHARACTER_SIZE {
-                if glyph[(row * 8 / CHARACTER_SIZE) as usize] >> (column * 8 / CHARACTER_SIZE) & 1
-                    == 1
-                {
-                    set_pixel(
-                        to,
-                        x + k as i64 * CHARACTER_SIZE + column,
-                        y + row,
-                        TEXT_COLOUR,
-                    );
-                }
-            }
         }
     }
 }

@@ -8,6 +8,7 @@
 mod bvh;
 mod camera;
 mod chart;
+mod drawing;
 mod error;
 mod item;
 mod light;
@@ -15,6 +16,7 @@ mod parameters;
 mod picture;
 mod render;
 mod sampling;
+mod scale_bar;
 mod scene;
 mod shader;
 mod smooth;

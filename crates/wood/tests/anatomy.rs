@@ -6,8 +6,8 @@ mod support;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::anatomy::{
-    Anatomy, AnatomyError, AnatomyOptions, LayerOptions, ParticleLayers, SectorDivision,
-    StemSections, SurfaceColouring,
+    AddressMapping, Anatomy, AnatomyError, AnatomyOptions, GrainAddress, LayerOptions,
+    ParticleLayers, SectorDivision, SpringDirection, StemSections, SurfaceColouring,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
@@ -296,4 +296,207 @@ fn scans_have_sections_all_along() {
         "{voxels} {}",
         mesh.volume()
     );
+}
+
+/// An anatomy with `rings` rings, and its layers.
+fn with_layers<'a>(
+    found: &'a FoundStem,
+    mesh: &Mesh,
+    rings: u16,
+    options: &LayerOptions,
+) -> (Anatomy<'a>, ParticleLayers) {
+    let division = RingDivision::Even(rings);
+    let anatomy_options = AnatomyOptions {
+        resolution: 64,
+        division,
+        ..AnatomyOptions::default()
+    };
+    let look = WoodAppearance::softwood();
+    let anatomy = Anatomy::new(found, mesh, &anatomy_options, look, &Context::quiet()).unwrap();
+    let layers = ParticleLayers::sample(&anatomy, options, &Context::quiet()).unwrap();
+    (anatomy, layers)
+}
+
+#[test]
+fn particles_have_six_neighbours_and_springs_their_distances() {
+    // A cylinder of 2 cm about z: spacing 1 cm, rings 2 mm apart, 24 sectors.
+    let mesh = cylinder(0.02, 0.2, 96);
+    let found = found(&mesh);
+    let options = LayerOptions {
+        sectors: 24,
+        layers: Some(10),
+        ..LayerOptions::default()
+    };
+    let (_, layers) = with_layers(&found, &mesh, 10, &options);
+    let springs = layers.springs();
+    let count = |d| springs.iter().filter(|s| s.direction == d).count();
+    assert_eq!(count(SpringDirection::Tangential), 10 * 24 * 10);
+    assert_eq!(count(SpringDirection::Radial), 9 * 24 * 10);
+    assert_eq!(count(SpringDirection::Longitudinal), 10 * 24 * 9);
+    // Symmetric: each pair once, and every particle within has two neighbours in each direction.
+    let particles: Vec<_> = layers.particles().collect();
+    let mut neighbours = vec![[0; 3]; particles.len()];
+    let mut pairs: Vec<[u32; 2]> = springs.iter().map(|s| s.particles).collect();
+    pairs.dedup();
+    assert_eq!(pairs.len(), springs.len());
+    for s in &springs {
+        let [a, b] = s.particles.map(|i| i as usize);
+        assert!(a < b);
+        neighbours[a][s.direction as usize] += 1;
+        neighbours[b][s.direction as usize] += 1;
+        let (p, q) = (particles[a], particles[b]);
+        assert_eq!(s.rest_length, p.position.distance(q.position));
+        // Chord of the ring, width of the ring, distance of the layers.
+        let expected = match s.direction {
+            SpringDirection::Tangential => 0.004 * f64::from(p.ring) * (PI / 24.0).sin(),
+            SpringDirection::Radial => 0.002,
+            SpringDirection::Longitudinal => layers.spacing,
+        };
+        assert!(
+            (s.rest_length / expected - 1.0).abs() < 5e-3,
+            "{s:?}: {expected}"
+        );
+        let outer = if p.ring > q.ring { p } else { q };
+        assert_eq!(s.tissue, outer.tissue);
+    }
+    for (p, found) in particles.iter().zip(&neighbours) {
+        let ends = |inner: bool| if inner { 2 } else { 1 };
+        let expected = [
+            ends((2..10).contains(&p.ring)),
+            2,
+            ends((1..9).contains(&p.layer)),
+        ];
+        assert_eq!(found, &expected, "{p:?}");
+    }
+    // Where outer rings have more sectors, each particle beyond the first ring still has one neighbour inwards.
+    let equal_area = LayerOptions {
+        division: SectorDivision::EqualArea,
+        ..options
+    };
+    let (_, layers) = with_layers(&found, &mesh, 10, &equal_area);
+    let per_layer: u32 = layers.layout.sectors.iter().sum();
+    let radial = layers.springs();
+    let radial = radial
+        .iter()
+        .filter(|s| s.direction == SpringDirection::Radial);
+    assert_eq!(
+        radial.count() as u32,
+        10 * (per_layer - layers.layout.sectors[0])
+    );
+}
+
+#[test]
+fn the_published_mapping_is_within_half_a_cell_of_the_continuous_one() {
+    let mesh = branch(&BranchOptions::default());
+    let found = found(&mesh);
+    for division in [SectorDivision::EqualAngle, SectorDivision::EqualArea] {
+        let options = LayerOptions {
+            sectors: 48,
+            layers: Some(60),
+            division,
+        };
+        let (anatomy, layers) = with_layers(&found, &mesh, 12, &options);
+        let continuous = AddressMapping::Continuous(&anatomy);
+        let discrete = AddressMapping::Discrete(&layers);
+        let (low, high) = anatomy.sections().whole;
+        let mut greatest = 0.0_f64;
+        for k in 0..400_u32 {
+            // Points that fill the box evenly (golden-ratio lattice in three dimensions).
+            let part = |a: f64| (f64::from(k) * a + 0.5).fract();
+            let at = GrainAddress {
+                rho: 0.08 + 0.92 * part(0.819_172_513_396_164_4),
+                angle: TAU * part(0.671_043_606_703_789_3),
+                along: low + (high - low) * part(0.549_700_477_901_970_3),
+            };
+            let p = layers.particle_at(&at).unwrap();
+            let sectors = layers.layout.sectors[usize::from(p.ring) - 1];
+            assert!((p.rho - at.rho).abs() <= 0.5 / 12.0 + 1e-9, "{at:?} {p:?}");
+            assert!(
+                (p.length - at.along).abs() <= 0.5 * layers.spacing + 1e-9,
+                "{at:?} {p:?}"
+            );
+            let turn = (p.angle - at.angle).rem_euclid(TAU);
+            // Sectors of equal area are not of equal angle.
+            let widest = if division == SectorDivision::EqualAngle {
+                0.5
+            } else {
+                0.8
+            };
+            let apart = PI - (turn - PI).abs();
+            assert!(
+                apart <= widest * TAU / f64::from(sectors) + 1e-9,
+                "{at:?} {p:?}"
+            );
+            // In space: half the cell's diagonal, of which the ring's width is on average a twelfth of the radius.
+            let [a, b] = [&continuous, &discrete].map(|m| m.position(&at).unwrap());
+            let radius = found.stem.radius * 1.6;
+            let cell = DVec3::new(
+                radius / 12.0,
+                TAU * radius * at.rho / f64::from(sectors) * 2.0 * widest,
+                layers.spacing,
+            );
+            greatest = greatest.max(a.distance(b) / (0.5 * cell.length()));
+        }
+        println!("{division:?}: {greatest:.2} of half a cell's diagonal at most");
+        assert!(greatest <= 1.0, "{greatest}");
+        let beyond = GrainAddress {
+            rho: 0.5,
+            angle: 0.0,
+            along: high + layers.spacing,
+        };
+        assert!(layers.particle_at(&beyond).is_none());
+    }
+}
+
+#[test]
+fn the_table_of_rings_has_the_widths_of_the_years() {
+    let mesh = cylinder(0.02, 0.2, 256);
+    let found = found(&mesh);
+    let options = AnatomyOptions {
+        resolution: 64,
+        division: RingDivision::Grown { count: 20, seed: 3 },
+        ..AnatomyOptions::default()
+    };
+    let look = WoodAppearance::softwood();
+    let anatomy = Anatomy::new(&found, &mesh, &options, look, &Context::quiet()).unwrap();
+    let few = LayerOptions {
+        layers: Some(2),
+        ..LayerOptions::default()
+    };
+    let layers = ParticleLayers::sample(&anatomy, &few, &Context::quiet()).unwrap();
+    let rings = &layers.layers[0].section.rings;
+    // Years differ, and areas, which are those of the particles, are those of rings with these radii.
+    let (narrow, wide) = rings
+        .widths
+        .iter()
+        .fold((1.0, 0.0), |(low, high): (f64, f64), w| {
+            (low.min(*w), high.max(*w))
+        });
+    assert!(wide > 1.5 * narrow, "{:?}", rings.widths);
+    let mut inner = 0.0;
+    for (radius, area) in rings.radii.iter().zip(&rings.areas) {
+        let ring = PI * (radius * radius - inner * inner);
+        assert!((area / ring - 1.0).abs() < 2e-3, "{radius}: {area} {ring}");
+        inner = *radius;
+    }
+    assert!((inner / 0.02 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_scan_of_few_cells_has_smooth_sections_of_the_same_area() {
+    let mesh = cylinder(0.1, 1.0, 16);
+    let found = found(&mesh);
+    let plain = sections(&found, &mesh, 64).unwrap();
+    let smooth = plain.clone().smoothed(Some(2e-3));
+    let [a, b] = [&plain, &smooth].map(|s| s.outline(0.5).unwrap());
+    assert!((a.area / b.area - 1.0).abs() < 1e-12);
+    assert!(b.smoothing_residual > 1e-4 && b.smoothing_residual <= 2e-3);
+    // The circle through the corners has 16 · sin(π/16) · 2r of girth as a polygon, and its area's circle less than that.
+    let circle = TAU * b.mean_radius();
+    assert!(
+        b.girth < a.girth && (b.girth / circle - 1.0).abs() < 1e-3,
+        "{} {circle}",
+        b.girth
+    );
+    assert!(b.loops[0].len() > 100);
 }

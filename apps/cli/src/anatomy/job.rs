@@ -9,7 +9,7 @@ use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyInput, report_file};
 use greenstick::files::{self, Batch, FileError, Output};
 use greenstick::formats::Encoded;
 use greenstick::geometry::{Context, Provenance};
-use greenstick::scanning::ScannedReport;
+use greenstick::scanning::{ScannedReport, outline_error};
 use greenstick::wood::anatomy::{
     AnatomyReport, ElementsReport, LimbReport, MassReport, MensurationReport, SegmentReport,
 };
@@ -71,11 +71,15 @@ impl Job<'_> {
         file.input = self.input.map(file_name);
         let source = load(self.input, &file, &read)?;
         let provenance = file.provenance(source.scan.as_ref());
-        file.request.location = source.place;
+        let request = &mut file.request;
+        request.location = source.place;
+        let outline_error = source.scan.as_ref().and_then(outline_error);
+        request.smoothing = request.smoothing.or(outline_error);
         let mut folder = OutputFolder::new(self.output, source.files)?;
         let input = AnatomyInput {
             scene: &source.scene,
             scan: source.scan.as_ref(),
+            cleaned: source.cleaned.as_ref(),
             provenance,
         };
         let mut report =
@@ -172,6 +176,7 @@ fn load(input: Option<&Path>, file: &AnatomyFile, context: &Context) -> Result<L
             scene: greenstick::built_in_branch(),
             place,
             scan: None,
+            cleaned: None,
             files: Vec::new(),
         }),
     }

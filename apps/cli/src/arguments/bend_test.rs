@@ -28,7 +28,7 @@ Examples
   greenstick bend-test --species \"white ash\" --moisture green --diameter 12mm
   greenstick bend-test --species \"red maple\" --rods 64 --edge 15mm      finer: minutes
   greenstick bend-test --species \"red maple\" --scatter 8 --seed 3       uneven strength
-  greenstick bend-test --all-species -o table                  the Wood Handbook: minutes";
+  greenstick bend-test --all-species -o table                  every species: minutes";
 
 #[derive(Debug, Args)]
 #[command(after_help = BEND_EXAMPLES,
@@ -37,7 +37,7 @@ pub struct BendTestOptions {
     /// Species, by common or scientific name
     #[arg(long, value_name = "NAME")]
     pub species: Option<String>,
-    /// Every species of the Wood Handbook, as a table beside the handbook's
+    /// Every species, as a table beside those of the sources
     #[arg(long)]
     pub all_species: bool,
     /// Folder for all files, created if it does not exist; without it no files are written

@@ -1,11 +1,11 @@
 //! Polylines with data: rods, or bonds as lines of two points.
 
-use super::appended::{Appended, CompressedArray, add_array, bytes_of, file_start};
+use super::appended::{Appended, CompressedArray, add_array, bytes_of, field_data, file_start};
 use super::fields::{Field, check_fields, compress_fields};
 use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
 use glam::DVec3;
-use greenstick_geometry::Values;
+use greenstick_geometry::{Metadata, Values};
 
 /// Polylines through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Polylines<'a> {
     pub point_data: &'a [Field],
     /// Data of the lines.
     pub line_data: &'a [Field],
+    /// Where the lines come from.
+    pub metadata: Option<&'a Metadata>,
 }
 
 /// Writes lines as a `.vtp` file.
@@ -45,8 +47,9 @@ pub fn write_lines(lines: &Polylines, name: &str) -> Result<Encoded, FormatError
     let mut appended = Appended::default();
     let mut text = file_start("PolyData", "1.0");
     text += &format!(
-        "  <PolyData>\n    <Piece NumberOfPoints=\"{point_count}\" NumberOfVerts=\"0\" NumberOfLines=\"{line_count}\" NumberOfStrips=\"0\" \
-         NumberOfPolys=\"0\">\n"
+        "  <PolyData>\n{}    <Piece NumberOfPoints=\"{point_count}\" NumberOfVerts=\"0\" NumberOfLines=\"{line_count}\" NumberOfStrips=\"0\" \
+         NumberOfPolys=\"0\">\n",
+        lines.metadata.map_or(String::new(), field_data)
     );
     for (kind, fields) in [("PointData", &point_data), ("CellData", &line_data)] {
         text += &format!("      <{kind}>\n");

@@ -6,6 +6,7 @@ mod outputs;
 mod pictures;
 mod provenance;
 mod solid;
+mod springs;
 mod stems;
 mod volume;
 
@@ -15,11 +16,11 @@ pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
 
 use crate::Error;
 use crate::anatomy::outputs::Outputs;
-use crate::scanning::{ScanParameters, ScannedReport};
+use crate::scanning::{ScanParameters, ScannedReport, cleaned_table};
 use glam::DVec3;
 use greenstick_formats::{Encoded, LengthUnit, TableFormat};
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_geometry::{Context, Mesh, Provenance, Scene, Stage};
+use greenstick_geometry::{Context, Mesh, PointCloud, Provenance, Scene, Stage};
 use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyFindings, AnatomyReport, CoordinateChoice, ElementsReport, LimbReport,
@@ -60,6 +61,8 @@ pub struct AnatomyInput<'a> {
     pub scene: &'a Scene,
     /// The report of the scan that the scene was reconstructed from, where it was.
     pub scan: Option<&'a ScannedReport>,
+    /// The points of that scan that were left after cleaning.
+    pub cleaned: Option<&'a PointCloud>,
     /// Where it comes from, which every file carries.
     pub provenance: Provenance,
 }
@@ -70,6 +73,7 @@ impl<'a> From<&'a Scene> for AnatomyInput<'a> {
         AnatomyInput {
             scene,
             scan: None,
+            cleaned: None,
             provenance: AnatomyFile::default().provenance(None),
         }
     }
@@ -193,6 +197,12 @@ fn make_files<E: From<Error>>(
         let ring = request.surface_ring.unwrap_or(anatomy.ring_count());
         notes.extend(write_surfaces(&layers, ring, outputs)?);
     }
+    if request.wants(AnatomyOutput::Springs) {
+        springs::write(&layers, &stages.joining, outputs)?;
+    }
+    if let (Some(cloud), true) = (input.cleaned, request.wants(AnatomyOutput::Cleaned)) {
+        outputs.table(cleaned_table(cloud), "cleaned", TableFormat::Ply)?;
+    }
     let mut segments = Vec::new();
     if request.wants(AnatomyOutput::Volume) {
         segments = volume::write(anatomy, &stages.volume, outputs)?;
@@ -241,6 +251,7 @@ struct Stages {
     sampling: Context,
     encoding: Context,
     surface: Context,
+    joining: Context,
     volume: Context,
     sections: Context,
     longitudinal: Context,
@@ -262,6 +273,7 @@ impl Stages {
             sampling,
             encoding,
             surface,
+            joining,
             volume,
             sections,
             longitudinal,
@@ -274,6 +286,7 @@ impl Stages {
             (Stage::new("particles"), 2.0),
             output(AnatomyOutput::Particles, "encode", 1.0),
             output(AnatomyOutput::Surface, "surface", 1.0),
+            output(AnatomyOutput::Springs, "springs", 2.0),
             output(AnatomyOutput::Volume, "volume", 4.0),
             output(AnatomyOutput::Sections, "sections", 4.0),
             output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),
@@ -287,6 +300,7 @@ impl Stages {
             sampling,
             encoding,
             surface,
+            joining,
             volume,
             sections,
             longitudinal,

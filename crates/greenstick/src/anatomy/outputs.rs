@@ -7,6 +7,8 @@ use greenstick_formats::{
     DescribedTable, Encoded, Format, LengthUnit, TableFormat, write_csv_metadata, write_table,
 };
 use greenstick_geometry::{Metadata, Scene, Table, Values};
+use greenstick_picture::Picture;
+use greenstick_wood::anatomy::ScaledImage;
 use greenstick_wood::colour::RgbImage;
 
 /// Endings of the names of columns that hold coordinates.
@@ -62,9 +64,13 @@ impl<'a, E: From<Error>> Outputs<'a, E> {
         self.add(write_table(format, &table, &name).map_err(Error::from)?)
     }
 
-    /// Adds a picture.
-    pub fn picture(&mut self, image: &RgbImage, name: String) -> Result<(), E> {
-        let bytes = image.png_with(&self.metadata);
+    /// Adds a picture with a scale bar below it.
+    pub fn picture(&mut self, scaled: ScaledImage, name: String) -> Result<(), E> {
+        let RgbImage { width, height, rgb } = scaled.image;
+        let mut picture = Picture { width, height, rgb };
+        picture.add_scale_bar(scaled.pixel);
+        let Picture { width, height, rgb } = picture;
+        let bytes = RgbImage { width, height, rgb }.png_with(&self.metadata);
         self.add(Encoded::new(name, bytes))
     }
 

@@ -65,6 +65,7 @@ fn rods(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
         ends: &frame.rod_offsets[1..],
         point_data: &point_data,
         line_data: &line_data,
+        metadata: None,
     };
     Ok(write_lines(&rods, name).map_err(crate::Error::from)?)
 }
@@ -80,6 +81,7 @@ fn bonds(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
         ends: &ends,
         point_data: &[],
         line_data: &line_data,
+        metadata: None,
     };
     Ok(write_lines(&bonds, name).map_err(crate::Error::from)?)
 }

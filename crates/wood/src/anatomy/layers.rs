@@ -75,7 +75,7 @@ pub struct ParticleLayers {
     /// Colour of each ring from the pith, sRGB.
     ring_colours: Vec<[u8; 3]>,
     /// Whether every ring goes round the pith, as it does not in a board.
-    closed_rings: bool,
+    pub(super) closed_rings: bool,
 }
 
 impl ParticleLayers {

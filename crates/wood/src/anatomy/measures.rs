@@ -39,6 +39,8 @@ pub struct SectionMeasures {
     pub girth: f64,
     /// Part of the girth that was bridged across holes of the mesh, 0 to 1.
     pub bridged: f64,
+    /// Root mean square distance by which the outline was smoothed, m.
+    pub smoothing_residual: f64,
     /// Its rings.
     pub rings: RingMeasures,
 }
@@ -57,6 +59,7 @@ impl Anatomy<'_> {
             area: section.outline.area,
             girth: section.outline.girth,
             bridged: section.outline.bridged,
+            smoothing_residual: section.outline.smoothing_residual,
             rings: self.measure_rings(section, particles),
         }
     }
@@ -78,8 +81,10 @@ impl Anatomy<'_> {
             });
             std::iter::once(0.0).chain(equal_circles).collect()
         } else {
-            (0..=rings)
-                .map(|ring| mean_radius(section, f64::from(ring) / f64::from(rings)))
+            let edges = &self.rings().edges()[..rings.into()];
+            std::iter::once(&0.0)
+                .chain(edges)
+                .map(|&rho| mean_radius(section, rho))
                 .collect()
         };
         RingMeasures {

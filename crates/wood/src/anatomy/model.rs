@@ -50,6 +50,8 @@ pub struct AnatomyOptions {
     pub colouring: RingColouring,
     /// The part of the radius that each tissue takes.
     pub proportions: Proportions,
+    /// By which root mean square distance (m) outlines of sections are smoothed at most; not at all where absent.
+    pub smoothing: Option<f64>,
 }
 
 impl Default for AnatomyOptions {
@@ -64,6 +66,7 @@ impl Default for AnatomyOptions {
                 heartwood: 0.3,
                 phloem: 0.1,
             },
+            smoothing: None,
         }
     }
 }
@@ -105,7 +108,8 @@ impl<'a> Anatomy<'a> {
             RingMethod::Field => None,
             RingMethod::Erosion(erosion) => Some(erosion.fronts(options.resolution)?),
         };
-        let sections = StemSections::new(found, mesh, options.resolution, context)?;
+        let sections = StemSections::new(found, mesh, options.resolution, context)?
+            .smoothed(options.smoothing);
         let is_board = sections.stem().kind == StemKind::Board;
         let eroded;
         let division = match &fronts {

@@ -1,5 +1,6 @@
 //! The outline of a section.
 
+use super::smoothing::smooth;
 use crate::polygon;
 use glam::DVec2;
 
@@ -19,6 +20,8 @@ pub struct Outline {
     pub girth: f64,
     /// Part of the girth that was bridged across holes of the mesh, 0 to 1.
     pub bridged: f64,
+    /// Root mean square distance of its points from those of the mesh, m: 0 unless it was smoothed.
+    pub smoothing_residual: f64,
 }
 
 impl Outline {
@@ -32,6 +35,20 @@ impl Outline {
         self.loops[..self.own_loops]
             .iter()
             .any(|l| polygon::contains(l, p))
+    }
+
+    /// The same with its first loop smoothed, by a root mean square distance of `tolerance` m at most; as it is where that
+    /// cannot be.
+    pub(super) fn smoothed(mut self, tolerance: f64) -> Self {
+        let Some(smoothed) = smooth(&self.loops[0], tolerance) else {
+            return self;
+        };
+        let bridged = self.bridged * self.girth;
+        self.girth += polygon::perimeter(&smoothed.points) - polygon::perimeter(&self.loops[0]);
+        self.bridged = bridged / self.girth;
+        self.smoothing_residual = smoothed.residual;
+        self.loops[0] = smoothed.points;
+        self
     }
 
     /// Radius of the circle of the same area, m.

@@ -296,6 +296,7 @@ mod tests {
             centroid: DVec2::ZERO,
             girth: 0.33,
             bridged: 0.0,
+            smoothing_residual: 0.0,
             own_loops: 1,
             loops: vec![own],
         };

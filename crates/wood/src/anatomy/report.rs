@@ -115,6 +115,9 @@ pub struct SectionReport {
     pub girth_m: f64,
     /// Part of the girth that was bridged across holes of the mesh, 0 to 1.
     pub girth_guessed: f64,
+    /// Root mean square distance by which the outline was smoothed, m.
+    #[serde(default)]
+    pub smoothing_residual_m: f64,
     /// Its rings, from the pith outwards.
     pub rings: RingRows,
 }
@@ -179,6 +182,7 @@ impl AnatomyFindings<'_> {
         let mut notes = self.notes.clone();
         notes.extend(self.note_on_holes());
         notes.extend(self.note_on_ends());
+        notes.extend(self.note_on_smoothing());
         let left_out = self.left_out.as_ref();
         let left_out_volume = left_out.map_or(0.0, |l| l.volume_m3);
         notes.extend(left_out.map(ToString::to_string));
@@ -254,6 +258,24 @@ impl AnatomyFindings<'_> {
         })
     }
 
+    fn note_on_smoothing(&self) -> Option<String> {
+        let residuals = self
+            .layers
+            .layers
+            .iter()
+            .map(|l| l.section.smoothing_residual);
+        let count = residuals.clone().filter(|r| *r > 0.0).count();
+        let (sum, most) = residuals.fold((0.0, 0.0_f64), |(sum, most), r| (sum + r, most.max(r)));
+        (count > 0).then(|| {
+            format!(
+                "the outlines of {count} of {} sections were smoothed, by {:.2} mm on average and {:.2} mm at most (root mean square)",
+                self.layers.layers.len(),
+                1e3 * sum / count as f64,
+                1e3 * most
+            )
+        })
+    }
+
     fn note_on_coarseness(&self, stem: Option<f64>, voxels: Option<f64>) -> Option<String> {
         let difference = 100.0 * (voxels? / stem? - 1.0);
         (difference.abs() > MAX_VOLUME_DIFFERENCE).then(|| {
@@ -285,6 +307,7 @@ impl SectionReport {
             area_m2: section.area,
             girth_m: section.girth,
             girth_guessed: section.bridged,
+            smoothing_residual_m: section.smoothing_residual,
             rings: RingRows {
                 radius_m: rings.radii.clone(),
                 width_m: rings.widths.clone(),

@@ -15,7 +15,7 @@ use crate::species::SPECIES_NAME;
 use crate::stem::{FoundStem, LOCATION, StemLocation, StemOptions};
 use crate::tissue::Proportions;
 use greenstick_geometry::{Context, Mesh};
-use greenstick_schema::{Kind, choice, choices, count, list, parameters, text};
+use greenstick_schema::{Kind, Unit, choice, choices, count, list, number, parameters, text};
 
 choices! {
     /// Which coordinates are written.
@@ -43,12 +43,18 @@ choices! {
         Cores = "cores",
         /// Finite elements with the axes of the wood.
         Elements = "elements",
+        /// The springs between neighbouring particles as VTK lines, CSV and Parquet.
+        Springs = "springs",
+        /// The points of a scan that were left after cleaning, as PLY.
+        Cleaned = "cleaned",
     }
 }
 
 impl AnatomyOutput {
-    /// All of them.
-    pub const ALL: [AnatomyOutput; 8] = [
+    /// Number of kinds.
+    const COUNT: usize = 10;
+    /// Those that are made where none is chosen: all but the springs, of which there are three for each particle.
+    pub const DEFAULT: [AnatomyOutput; 9] = [
         AnatomyOutput::Sections,
         AnatomyOutput::Longitudinal,
         AnatomyOutput::Volume,
@@ -57,6 +63,7 @@ impl AnatomyOutput {
         AnatomyOutput::Measures,
         AnatomyOutput::Cores,
         AnatomyOutput::Elements,
+        AnatomyOutput::Cleaned,
     ];
 }
 
@@ -71,7 +78,7 @@ parameters! {
             /// a length, or a point in the world.
             location as "at": StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
             /// Make only these. The numbers (anatomy.json) always are.
-            outputs as "only": Vec<AnatomyOutput> = AnatomyOutput::ALL.to_vec(), list(&OUTPUT, 1, AnatomyOutput::ALL.len());
+            outputs as "only": Vec<AnatomyOutput> = AnatomyOutput::DEFAULT.to_vec(), list(&OUTPUT, 1, AnatomyOutput::COUNT);
         }
         "Output", "report" {
             /// Coordinates of what is written: "local", less the origin in anatomy.json that was subtracted from a scan far
@@ -90,6 +97,9 @@ parameters! {
             layers: Option<u32> = None, count(2, 1_000_000).auto();
             /// How rings are divided into sectors.
             division as "bundles": SectorDivision = LayerOptions::default().division, choice(SectorDivision::CHOICES);
+            /// Smooth the outlines of sections by at most this root mean square distance; "auto" is a scan's error in its cells,
+            /// and nothing for a mesh. Areas stay as they are.
+            smoothing: Option<f64> = None, number(Unit::Metre, 0.0, 1.0).auto();
             /// Sections that are pictured: one at the place, the others at equal distances.
             sections: u32 = 3, count(1, 1000);
             /// Ring whose surface is reconstructed, from 1 at the pith; "auto" is the outermost.
@@ -166,6 +176,7 @@ impl AnatomyRequest {
             division,
             colouring: self.colouring,
             proportions,
+            smoothing: self.smoothing,
         };
         let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
         self.check_rings(anatomy.ring_count())?;

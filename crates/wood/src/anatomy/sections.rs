@@ -66,6 +66,8 @@ pub struct StemSections<'a> {
     pub segments: Vec<Segment>,
     /// Between which lengths (m) sections are whole, not cut by the stem's ends.
     pub whole: (f64, f64),
+    /// By which root mean square distance (m) outlines are smoothed at most.
+    smoothing: Option<f64>,
 }
 
 /// A section that was tried along the stem.
@@ -128,7 +130,16 @@ impl<'a> StemSections<'a> {
                 .map(|k| segment(axis, (at(k as f64), at(k as f64 + 1.0))))
                 .collect(),
             whole: whole_range(&stations, stem.radius, length),
+            smoothing: None,
         })
+    }
+
+    /// The same with outlines that are smoothed by a root mean square distance of at most `tolerance` m, such as a scan's
+    /// error. Boards keep their corners.
+    #[must_use]
+    pub fn smoothed(mut self, tolerance: Option<f64>) -> Self {
+        self.smoothing = tolerance.filter(|_| self.stem.kind == StemKind::Round);
+        self
     }
 
     /// The stem.
@@ -154,13 +165,22 @@ impl<'a> StemSections<'a> {
 
     /// The outline at a length, m; `None` where the plane misses the stem.
     pub fn outline(&self, length: f64) -> Option<Outline> {
-        self.slicer.outline(&self.stem.grain.axis().frame(length))
+        self.outline_in(&self.stem.grain.axis().frame(length))
+    }
+
+    /// The outline in a frame.
+    fn outline_in(&self, frame: &Frame) -> Option<Outline> {
+        let outline = self.slicer.outline(frame)?;
+        Some(match self.smoothing {
+            Some(tolerance) => outline.smoothed(tolerance),
+            None => outline,
+        })
     }
 
     /// The section at a length, m; `None` where the plane misses the stem.
     pub fn section(&self, length: f64) -> Option<TransverseSection> {
         let frame = self.stem.grain.axis().frame(length);
-        let outline = self.slicer.outline(&frame)?;
+        let outline = self.outline_in(&frame)?;
         let field = self.field(&outline, length);
         Some(TransverseSection {
             length,

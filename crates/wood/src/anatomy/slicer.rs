@@ -113,6 +113,7 @@ impl SectionSlicer {
             centroid,
             girth,
             bridged: bridged / girth,
+            smoothing_residual: 0.0,
         })
     }
 
@@ -210,6 +211,7 @@ fn board_outline(own: Vec<DVec2>, main: usize, chains: Vec<Chain>, centroid: DVe
         centroid,
         girth,
         bridged: bridged / girth,
+        smoothing_residual: 0.0,
     }
 }
 

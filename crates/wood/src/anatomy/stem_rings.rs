@@ -78,6 +78,7 @@ impl BreakRingParameters {
             division,
             colouring: RingColouring::Wood,
             proportions,
+            smoothing: None,
         };
         let mesh = mesh();
         let anatomy = Anatomy::new(found, &mesh, &options, wood.clone(), context)?;

@@ -42,7 +42,7 @@ impl From<Cancelled> for ScanningError {
     }
 }
 
-/// Cleans a cloud and reconstructs the bark of the stem at a location of it.
+/// Cleans a cloud and reconstructs the bark of the stem at a location of it. Returns the points that were left as well.
 ///
 /// # Errors
 /// [`ScanningError`] where the cloud cannot be cleaned or has no stem there.
@@ -51,10 +51,10 @@ pub fn clean_and_reconstruct(
     location: &StemLocation,
     request: &ScanRequest,
     context: &Context,
-) -> Result<(CleanReport, ScannedBark), ScanningError> {
+) -> Result<(CleanReport, ScannedBark, PointCloud), ScanningError> {
     let [cleaning, finding] =
         context.split([(Stage::new("clean"), 1.0), (Stage::new("bark"), 2.0)]);
     let (cloud, cleaned) = clean(cloud, &request.clean, &cleaning)?;
     let bark = reconstruct_bark(&cloud, location, &request.scan, &finding)?;
-    Ok((cleaned, bark))
+    Ok((cleaned, bark, cloud))
 }

@@ -36,11 +36,16 @@ impl Kernel {
     pub(super) fn scaled(self, factor: u32) -> Self {
         let reach = |k: u32| k.saturating_sub(1).saturating_mul(factor).saturating_add(1);
         let scaled = |o: i32| o.saturating_mul(i32::try_from(factor).unwrap_or(i32::MAX));
+        let (width, height) = (reach(self.width), reach(self.height));
+        // One black pixel stays one; more are a part of the kernel's.
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let more = u64::from(self.threshold.saturating_sub(1));
+        let share = more * u64::from(width) * u64::from(height) / pixels.max(1);
         Kernel {
-            width: reach(self.width),
-            height: reach(self.height),
+            width,
+            height,
             offset: (scaled(self.offset.0), scaled(self.offset.1)),
-            threshold: self.threshold,
+            threshold: self.threshold.min(1) + u32::try_from(share).unwrap_or(u32::MAX - 1),
         }
     }
 

@@ -24,7 +24,7 @@ pub enum ErosionSchedule {
     Alternating,
     /// Rings of different widths, from the bark inwards: Fig. 6, made for 256 pixels and widened for twice as many.
     Figure6,
-    /// Twice as fast along the section's x and shifted along it: Fig. 8, which gives no numbers.
+    /// Faster from the side of positive x than from the other: Fig. 8, which gives no numbers. Made for 256 pixels as well.
     Eccentric,
     /// A custom list of kernels, in pixels of any resolution.
     Kernels(KernelSchedule),
@@ -35,8 +35,8 @@ pub enum ErosionSchedule {
 #[error("an inner circle of {0} mean radii; expected more than 0 and less than 1")]
 pub struct InnerCircleError(f64);
 
-/// Resolution for which Fig. 6 gives its kernels.
-const FIGURE_6_RESOLUTION: usize = 256;
+/// Resolution for which Fig. 6 gives its kernels, and for which those of Fig. 8 are chosen.
+const SCHEDULE_RESOLUTION: usize = 256;
 
 impl fmt::Display for Erosion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -59,13 +59,11 @@ impl Erosion {
     /// # Errors
     /// [`InnerCircleError`] where the inner circle is out of range.
     pub fn fronts(&self, resolution: usize) -> Result<ErosionFronts, InnerCircleError> {
+        let factor = (resolution / SCHEDULE_RESOLUTION).max(1) as u32;
         let schedule = match &self.schedule {
             ErosionSchedule::Alternating => KernelSchedule::one_pixel_per_pass(),
-            ErosionSchedule::Figure6 => {
-                let factor = (resolution / FIGURE_6_RESOLUTION).max(1) as u32;
-                KernelSchedule::figure_6().scaled(factor)
-            }
-            ErosionSchedule::Eccentric => KernelSchedule::one_pixel_per_pass().eccentric(2, (1, 0)),
+            ErosionSchedule::Figure6 => KernelSchedule::figure_6().scaled(factor),
+            ErosionSchedule::Eccentric => KernelSchedule::eccentric().scaled(factor),
             ErosionSchedule::Kernels(schedule) => schedule.clone(),
         };
         if let Some(share) = self.inner_circle

@@ -3,6 +3,11 @@
 use super::kernel::Kernel;
 use crate::rings::RingPart;
 
+/// Size of the kernel of eccentric rings, and the part of its pixels that is its threshold: together 2 pixels a pass, and
+/// corners rounded over about 20.
+const ECCENTRIC_SIZE: u32 = 21;
+const ECCENTRIC_THRESHOLD: f64 = 0.4;
+
 /// One pass of the erosion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
@@ -100,15 +105,20 @@ impl KernelSchedule {
         self
     }
 
-    /// The same with every kernel shifted by (x, y) pixels and its reach along x multiplied by `wide`: eccentric rings
-    /// (the paper's Fig. 8).
-    #[must_use]
-    pub fn eccentric(mut self, wide: u32, offset: (i32, i32)) -> Self {
-        for pass in &mut self.passes {
-            pass.kernel.width = pass.kernel.width.saturating_sub(1).saturating_mul(wide) + 1;
-            pass.kernel.offset = offset;
-        }
-        self
+    /// Eccentric rings (the paper's Fig. 8, which gives no numbers): twice and more as wide on the side of positive x as on the
+    /// other, for a section of 256 × 256 pixels.
+    ///
+    /// A narrow kernel with a threshold of one black pixel takes a corner of the outline inwards as it is, and the rings get a
+    /// kink on the line between two sides. A wide kernel with a threshold of little less than half of its pixels advances by the
+    /// small rest, d = (½ − M_K/K²) K, and by more where the front is curved: it rounds corners off, as growth does. The offset
+    /// adds to d on one side what it takes on the other.
+    pub fn eccentric() -> Self {
+        let kernel = Kernel {
+            threshold: (ECCENTRIC_THRESHOLD * f64::from(ECCENTRIC_SIZE * ECCENTRIC_SIZE)) as u32,
+            offset: (1, 0),
+            ..Kernel::square(ECCENTRIC_SIZE)
+        };
+        Self::alternating(kernel, kernel)
     }
 
     /// The schedule of a front that runs outwards: latewood and earlywood of every ring exchanged, as a year's earlywood lies

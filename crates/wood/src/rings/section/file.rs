@@ -233,6 +233,14 @@ impl RingsFile {
     pub fn paint(&self, size: u32, context: &Context) -> Result<RgbImage, Cancelled> {
         self.rings.paint(size, context)
     }
+
+    /// Draws outline, rings and pith over a photograph, whose pixels are the file's coordinates.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn paint_over(&self, photo: &RgbImage, context: &Context) -> Result<RgbImage, Cancelled> {
+        self.rings.paint_over(photo, context)
+    }
 }
 
 fn annotated_ring(index: usize, ring: &Value) -> Result<AnnotatedRing, SectionFileError> {

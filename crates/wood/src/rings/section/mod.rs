@@ -9,6 +9,7 @@ mod error;
 mod file;
 mod file_error;
 mod outline;
+mod overlay;
 mod paint;
 mod rings;
 
