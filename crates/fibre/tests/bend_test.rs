@@ -173,3 +173,41 @@ fn specimens_that_cannot_be_tested_are_refused() {
     };
     assert!(matches!(huge.check(), Err(BendError::TooFine { .. })));
 }
+
+#[test]
+fn sloping_grain_bends_and_breaks_as_hankinson_has_it() {
+    let bent = |degrees: f64| {
+        let test = BendTest {
+            grain_angle: degrees.to_radians(),
+            ..coarse()
+        };
+        let request = BendRequest {
+            test,
+            ..BendRequest::of("white oak")
+        };
+        bend(&request, &Context::quiet()).unwrap().report
+    };
+    let straight = bent(0.0).modulus_of_elasticity_pa.test;
+    let wood = {
+        let oak = Species::find("white oak").unwrap();
+        WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap()
+    };
+    for degrees in [5.0, 15.0, 30.0] {
+        let report = bent(degrees);
+        let expected = report.sloped_grain.unwrap();
+        // Deflection by shear is that of straight grain: bending alone follows the formula.
+        let shear = 1.0 / straight - 1.0 / wood.longitudinal;
+        let ratio =
+            expected.modulus_of_elasticity_pa / report.modulus_of_elasticity_pa.table.unwrap();
+        let modulus = 1.0 / (1.0 / (ratio * wood.longitudinal) + shear);
+        let off = report.modulus_of_elasticity_pa.test / modulus - 1.0;
+        assert!(off.abs() < 0.02, "{degrees}: modulus off by {off}");
+        let [low, high] = expected.modulus_of_rupture_pa;
+        let rupture = report.modulus_of_rupture_pa.test;
+        println!("{degrees}: rupture {rupture} of {low} to {high}");
+        assert!(
+            (0.9 * low..1.1 * high).contains(&rupture),
+            "{degrees}: {rupture} {low} {high}"
+        );
+    }
+}

@@ -19,6 +19,7 @@
 
 mod all_species;
 mod error;
+mod grain;
 mod outcome;
 mod parameters;
 mod report;
@@ -30,6 +31,7 @@ mod tables;
 
 pub use all_species::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
 pub use error::{BendError, BendingError};
+pub use grain::SlopedGrain;
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
 pub use parameters::{BendParameters, BendSettings};
 pub use report::{BendReport, Compared, Failing, Phase};

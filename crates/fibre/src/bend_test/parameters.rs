@@ -46,6 +46,10 @@ parameters! {
             /// Distance between the supports; "auto" is 14.2 heights.
             span: Option<f64> = None, dimension();
         }
+        "Grain", "bend" {
+            /// Angle of the grain to the specimen; stiffness and strength along it follow by Hankinson's formula.
+            grain_angle: f64 = 0.0, number(Unit::Degree, 0.0, 45.0);
+        }
         "Model", "bend" {
             /// Number of rods in the section.
             rods: u32 = 25, count(1, u32::MAX as i128).logarithmic();
@@ -118,6 +122,7 @@ impl BendParameters {
             },
             edge: self.edge.unwrap_or(span / EDGES_PER_SPAN),
             seed: self.seed,
+            grain_angle: self.grain_angle.to_radians(),
             weibull: self.scatter.unwrap_or(f64::INFINITY),
             end: self.end.unwrap_or(END),
         }

@@ -1,5 +1,6 @@
 //! What a bending test returns, beside the table.
 
+use super::grain::SlopedGrain;
 use super::outcome::{BendEvent, BendOutcome};
 use super::specimen::{BendSection, BendTest};
 use crate::event::EventKind;
@@ -153,6 +154,8 @@ pub struct BendReport {
     pub ended: &'static str,
     /// What failed, in order.
     pub sequence: Vec<Phase>,
+    /// What Hankinson's formula expects where the grain is not along the specimen.
+    pub sloped_grain: Option<SlopedGrain>,
     /// What was assumed, a sentence each.
     pub notes: Vec<String>,
 }
@@ -229,6 +232,7 @@ impl BendReport {
             bonds_broken: last.bonds_broken,
             ended,
             sequence: Phase::all(&outcome.events),
+            sloped_grain: None,
             notes: notes(species, moisture, test, outcome.rods),
         }
     }

@@ -33,6 +33,7 @@ impl BendTest {
         context: &Context,
     ) -> Result<BendOutcome, BendError> {
         self.check()?;
+        let wood = &wood.at_grain_angle(self.grain_angle);
         let mut rig = Rig::new(self, (wood, species), &context.silenced())?;
         let strength = nominal_bending_strength(wood.tension, wood.compression);
         let height = self.section.height();

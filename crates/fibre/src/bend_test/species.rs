@@ -25,6 +25,7 @@
 //! ```
 
 use super::error::BendingError;
+use super::grain::SlopedGrain;
 use super::outcome::BendOutcome;
 use super::report::BendReport;
 use super::specimen::BendTest;
@@ -83,8 +84,19 @@ pub(super) fn bend_species(
 ) -> Result<Bent, BendingError> {
     let wood = WoodMaterial::from_species(species, moisture, Fallback::Estimate)?;
     let outcome = test.run_on(&wood, Some(species), context)?;
+    let mut report = BendReport::of(species, moisture, test, &outcome);
+    let moduli = [
+        report.modulus_of_elasticity_pa.table,
+        report.modulus_of_rupture_pa.table,
+    ];
+    if let [Some(elasticity), Some(rupture)] = moduli {
+        report.sloped_grain = SlopedGrain::expected(test, &wood, [elasticity, rupture]);
+        report
+            .notes
+            .extend(report.sloped_grain.map(|g| g.to_string()));
+    }
     Ok(Bent {
-        report: BendReport::of(species, moisture, test, &outcome),
+        report,
         outcome,
         test: *test,
     })

@@ -66,6 +66,8 @@ pub struct BendTest {
     pub seed: u64,
     /// Weibull modulus of the scatter of strength; infinite for none.
     pub weibull: f64,
+    /// Angle of the grain to the specimen, rad.
+    pub grain_angle: f64,
     /// The test ends when the load has fallen to this fraction of the largest.
     pub end: f64,
 }

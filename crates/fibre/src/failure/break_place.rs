@@ -50,7 +50,7 @@ impl BreakPlace {
         let middle = demand(v);
         let rise = (middle - demand(v - 1)) / before;
         let fall = (middle - demand(v + 1)) / after;
-        if !(rise + fall > 0.0) {
+        if !(rise + fall).is_finite() || rise + fall <= 0.0 {
             return None;
         }
         // The parabola has the slope `rise` in the middle of the edge before and −`fall` in that of the edge after.

@@ -5,6 +5,7 @@
 //! stiffness together give the bending stiffness of the cross-section.
 
 use super::bonding::bonds;
+use super::grain::apply_grain;
 use super::material::WoodMaterial;
 use super::options::{Arrangement, PlacementError, PlacementOptions, RodCount};
 use super::points;
@@ -128,7 +129,7 @@ fn fill(
     };
     build(
         stem,
-        (wood, section_wood),
+        (wood, section_wood, structure),
         options,
         range,
         section,
@@ -276,7 +277,7 @@ struct Section {
 
 fn build(
     stem: &Stem,
-    (wood, section_wood): (&WoodMaterial, SectionWood),
+    (wood, section_wood, structure): (&WoodMaterial, SectionWood, Option<&WoodStructure>),
     options: &PlacementOptions,
     range: AxisRange,
     section: Section,
@@ -310,6 +311,10 @@ fn build(
         },
     };
     apply_taper(&mut bundle, stem, &along);
+    if let Some(structure) = structure {
+        let rods = (&section_wood.rods[..], &section.cells[..]);
+        apply_grain(&mut bundle, stem, structure, rods, &along);
+    }
     let bonds = bonds(
         stem,
         (wood, &section_wood),

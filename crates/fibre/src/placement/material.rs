@@ -4,6 +4,9 @@ use crate::rod_bundle::RodMaterial;
 use greenstick_wood::moisture::{Fallback, MoistureError};
 use greenstick_wood::species::StrengthError;
 use greenstick_wood::species::{GreenRatio, Group, Property, Species};
+use greenstick_wood::structure::{
+    COMPRESSION_EXPONENT, MODULUS_EXPONENT, TENSION_EXPONENT, hankinson,
+};
 use serde::{Deserialize, Serialize};
 
 /// The true modulus along the grain over that of bending tests, whose deflection at a span of 14 depths is partly shear (Wood
@@ -19,6 +22,9 @@ const FRACTURE_ENERGY_SLOPE: f64 = 1.04;
 const FRACTURE_ENERGY_OFFSET: f64 = 146.0;
 /// Least fracture energy, J/m²: the lightest woods are below the densities for which that line was measured.
 const MIN_FRACTURE_ENERGY: f64 = 50.0;
+/// Compressive strength across the grain over that along it, where no table has it: within the 0.03 to 0.40 that the Wood
+/// Handbook (chapter 5, Hankinson's formula) gives.
+const COMPRESSION_ACROSS_RATIO: f64 = 0.2;
 
 /// A strength (Pa) as a power law a G^b of specific gravity G.
 #[derive(Debug, Clone, Copy)]
@@ -69,6 +75,8 @@ pub struct WoodMaterial {
     pub compression: f64,
     /// Tensile strength across the grain.
     pub tension_across: f64,
+    /// Compressive strength across the grain: the stress at the proportional limit.
+    pub compression_across: f64,
     /// Shear strength along the grain.
     pub shear: f64,
     /// Fracture energy across the grain, J/m².
@@ -123,6 +131,22 @@ pub fn strength_at(
 }
 
 impl WoodMaterial {
+    /// Returns the same wood with properties along a rod whose grain has an angle (rad) to it, by Hankinson's formula.
+    pub fn at_grain_angle(&self, angle: f64) -> Self {
+        let across = 0.5 * (self.radial + self.tangential);
+        WoodMaterial {
+            longitudinal: hankinson(self.longitudinal, across, MODULUS_EXPONENT, angle),
+            tension: hankinson(self.tension, self.tension_across, TENSION_EXPONENT, angle),
+            compression: hankinson(
+                self.compression,
+                self.compression_across,
+                COMPRESSION_EXPONENT,
+                angle,
+            ),
+            ..*self
+        }
+    }
+
     /// Returns a rod of this wood whose cell has an area in m².
     pub fn rod(&self, area: f64) -> RodMaterial {
         let shear = 0.5 * (self.shear_radial + self.shear_tangential);
@@ -159,6 +183,7 @@ impl WoodMaterial {
         let dry = species.air_dry_density.map(|d| d / 1.12);
         let basic = species.dry.specific_gravity.unwrap_or(0.5) * 1000.0;
         let density = dry.unwrap_or(basic) * (1.0 + 0.01 * moisture);
+        let compression = value(Property::CompressionParallel)?;
         Ok(WoodMaterial {
             density,
             longitudinal,
@@ -167,7 +192,9 @@ impl WoodMaterial {
             shear_radial: ratios[2] * longitudinal,
             shear_tangential: ratios[3] * longitudinal,
             tension: species.tensile_strength_at(moisture, fallback)?.value,
-            compression: value(Property::CompressionParallel)?,
+            compression,
+            compression_across: value(Property::CompressionPerpendicular)
+                .unwrap_or(COMPRESSION_ACROSS_RATIO * compression),
             tension_across: strength(Property::TensionPerpendicular, &TENSION_ACROSS)?,
             shear: strength(Property::ShearParallel, &SHEAR)?,
             fracture_energy: (FRACTURE_ENERGY_SLOPE * density - FRACTURE_ENERGY_OFFSET)

@@ -12,10 +12,12 @@
 //! | `material` | [`WoodMaterial`]: elasticity and strength of a species |
 //! | `section_wood` | [`RodWood`]: the wood of each rod, from the structure of the stem |
 //! | `section_moment` | the bending moment that a section of rods bears |
+//! | `grain` | rods whose grain is not along the stem |
 //! | `scatter` | Weibull scatter of strength |
 
 mod bonding;
 mod fill;
+mod grain;
 mod material;
 mod neighbours;
 mod options;

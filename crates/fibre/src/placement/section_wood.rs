@@ -390,6 +390,8 @@ impl SectionScale {
                 shear_tangential: wood.shear_tangential * across,
                 tension: wood.tension * strength,
                 compression: wood.compression * strength,
+                compression_across: wood.compression_across
+                    * (own.tension_across + bark.tension_across),
                 tension_across: wood.tension_across * (own.tension_across + bark.tension_across),
                 shear: wood.shear * (own.shear + bark.shear),
                 fracture_energy: wood.fracture_energy * (own.tension_across + bark.tension_across),

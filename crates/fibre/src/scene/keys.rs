@@ -13,6 +13,7 @@ use greenstick_schema::{
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::rings::ONSET_RANGE;
 use greenstick_wood::stem::{LOCATION, StemLocation};
+use greenstick_wood::structure::GrainAngles;
 
 /// Greatest seed: TOML's integers have 64 bits with a sign.
 const MAX_SEED: i128 = i64::MAX as i128;
@@ -98,6 +99,16 @@ parameters! {
             ring_strength: Option<f64> = None, number(Unit::One, 1e-3, 1.0).auto();
             /// Strength of a plane along rays over that of one along rings; "auto" is 1/1.4.
             ray_strength: Option<f64> = None, number(Unit::One, 1e-3, 1.0).auto();
+            /// Spiral grain: its angle at the outside of the stem.
+            grain_spiral: f64 = 0.0, number(Unit::Degree, -45.0, 45.0);
+            /// Wavy grain: its largest angle.
+            grain_wave: f64 = 0.0, number(Unit::Degree, -45.0, 45.0);
+            /// Length of a wave of the grain along the stem.
+            grain_wave_length: f64 = 0.03, length(1e-4, 10.0);
+            /// Interlocked grain: its largest angle, left and right in turn from the pith outwards.
+            grain_interlock: f64 = 0.0, number(Unit::Degree, -45.0, 45.0);
+            /// Annual rings from one turn of interlocked grain to the left to the next.
+            grain_interlock_rings: f64 = 8.0, number(Unit::One, 0.1, 1000.0);
         }
     }
 }
@@ -352,6 +363,19 @@ parameters! {
         force: ForceKeys;
         /// Bodies.
         body: BodyKeys;
+    }
+}
+
+impl WoodKeys {
+    /// Returns the angles of the grain.
+    pub(crate) fn grain(&self) -> GrainAngles {
+        GrainAngles {
+            spiral: self.grain_spiral.to_radians(),
+            wave: self.grain_wave.to_radians(),
+            wave_length: self.grain_wave_length,
+            interlock: self.grain_interlock.to_radians(),
+            interlock_rings: self.grain_interlock_rings,
+        }
     }
 }
 

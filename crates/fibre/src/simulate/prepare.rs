@@ -93,7 +93,8 @@ pub fn fill_scene_stem(
         let keys = &scene.wood;
         let boundaries = TissueBoundaries::from(&appearance);
         let structure = WoodStructure::new(species, keys.moisture, rings.clone(), boundaries)
-            .with_planes(keys.ring_strength, keys.ray_strength);
+            .with_planes(keys.ring_strength, keys.ray_strength)
+            .with_grain(keys.grain());
         fill_structured_stem(&found.stem, &wood, &structure, &options, &filling)?
     } else {
         fill_stem(&found.stem, &wood, &options, &filling)?
@@ -167,6 +168,7 @@ fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
         &mut wood.tension,
         &mut wood.compression,
         &mut wood.tension_across,
+        &mut wood.compression_across,
         &mut wood.shear,
         &mut wood.fracture_energy,
     ] {

@@ -2,6 +2,7 @@
 
 use super::bark::BarkTissue;
 use super::density::RingDensity;
+use super::grain::GrainAngles;
 use super::juvenile::JuvenileWood;
 use crate::appearance::WoodAppearance;
 use crate::rings::{RingPart, StemAddress, StemRings};
@@ -133,6 +134,7 @@ pub struct WoodStructure {
     wetness: [f64; 2],
     ring_plane_strength: Option<f64>,
     ray_plane_strength: f64,
+    grain: GrainAngles,
 }
 
 impl WoodStructure {
@@ -152,6 +154,7 @@ impl WoodStructure {
             wetness: wetness(species, moisture, &boundaries),
             ring_plane_strength: None,
             ray_plane_strength: RAY_PLANE_STRENGTH,
+            grain: GrainAngles::default(),
         }
     }
 
@@ -169,6 +172,18 @@ impl WoodStructure {
         self.ring_plane_strength = ring;
         self.ray_plane_strength = ray.unwrap_or(RAY_PLANE_STRENGTH);
         self
+    }
+
+    /// The same with grain that is not along the stem.
+    #[must_use]
+    pub fn with_grain(mut self, grain: GrainAngles) -> Self {
+        self.grain = grain;
+        self
+    }
+
+    /// The angles of its grain.
+    pub fn grain(&self) -> &GrainAngles {
+        &self.grain
     }
 
     /// Its annual rings.

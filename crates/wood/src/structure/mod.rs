@@ -6,6 +6,7 @@
 //! | `density` | [`RingDensity`]: earlywood and latewood, by ring character and ring width |
 //! | `juvenile` | [`JuvenileWood`]: the wood of the first years |
 //! | `bark` | [`BarkTissue`]: phloem and outer bark, which are no wood |
+//! | `grain` | [`GrainAngles`]: spiral, wavy and interlocked grain; [`hankinson`]'s formula |
 //! | `local` | [`WoodStructure`]: all of it at a place |
 //!
 //! Tables have the mean of clear wood, so that everything here is relative. Whoever fills a section scales the wood in it
@@ -13,10 +14,15 @@
 
 mod bark;
 mod density;
+mod grain;
 mod juvenile;
 mod local;
 
 pub use bark::BarkTissue;
 pub use density::RingDensity;
+pub use grain::{
+    BENDING_EXPONENTS, COMPRESSION_EXPONENT, GrainAngles, MODULUS_EXPONENT, TENSION_EXPONENT,
+    hankinson,
+};
 pub use juvenile::JuvenileWood;
 pub use local::{LocalWood, TissueBoundaries, WoodStructure};
