@@ -261,10 +261,9 @@ fn many_stems_make_a_table_and_a_failure_stops_none() {
     let rings = String::from_utf8(folder.read("two/rings.rwl")).unwrap();
     // Seven rings of wood of 1.25 mm each, and one of bark.
     let line = rings.lines().nth(3).unwrap();
-    assert!(
-        line.starts_with("R000    2014") && line.contains("  125"),
-        "{rings}"
-    );
+    assert!(line.starts_with("R000    2014"), "{rings}");
+    let width: i32 = line[12..18].trim().parse().unwrap();
+    assert!((width - 1250).abs() < 15, "{rings}");
     assert!(
         rings
             .lines()

@@ -20,7 +20,7 @@ const AXES: [f64; 2] = [0.15, 0.12];
 
 /// An elliptic frustum along z.
 fn frustum() -> Mesh {
-    let (rows, around) = (64_u32, 256_u32);
+    let (rows, around) = (24_u32, 128_u32);
     let mut mesh = Mesh::default();
     for i in 0..=rows {
         let z = LENGTH * f64::from(i) / f64::from(rows);

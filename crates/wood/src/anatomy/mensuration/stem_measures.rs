@@ -9,9 +9,8 @@ use super::parameters::MensurationParameters;
 use super::profile::{Part, PartEdges, StemProfile};
 use super::report::{BreastHeightReport, MensurationReport};
 use super::section_size::SectionSize;
-use super::table;
 use crate::rings::PITH_OFFSET_RMS;
-use greenstick_geometry::{Cancelled, Context, Table};
+use greenstick_geometry::{Cancelled, Context};
 
 /// Least number of rows where their distance is not given.
 const MIN_ROWS: f64 = 20.0;
@@ -87,11 +86,6 @@ impl StemMeasures {
             errors,
             pith_is_known,
         })
-    }
-
-    /// The sections as a table, a row each. Standard errors are missing where the stem is no scan's.
-    pub fn table(&self) -> Table {
-        table::table(self)
     }
 
     /// Volume from the butt to a length (m) over and under bark, m³.

@@ -31,27 +31,29 @@ impl Columns<'_> {
     }
 }
 
-/// The table of a stem.
-pub(super) fn table(measures: &StemMeasures) -> Table {
-    let mut columns = Columns {
-        measures,
-        columns: Vec::new(),
-    };
-    add_places(&mut columns);
-    add_diameters(&mut columns);
-    add_shape(&mut columns);
-    add_volumes(&mut columns);
-    if measures.years.len() == measures.rows.len() {
-        columns.columns.push(Column::new(
-            "years",
-            "",
-            "annual rings: the butt's, less those for which the section is too thin",
-            Values::U32(measures.years.clone()),
-        ));
-    }
-    Table {
-        columns: columns.columns,
-        ..Table::default()
+impl StemMeasures {
+    /// The sections as a table, a row each. Standard errors are missing where the stem is no scan's.
+    pub fn table(&self) -> Table {
+        let mut columns = Columns {
+            measures: self,
+            columns: Vec::new(),
+        };
+        add_places(&mut columns);
+        add_diameters(&mut columns);
+        add_shape(&mut columns);
+        add_volumes(&mut columns);
+        if self.years.len() == self.rows.len() {
+            columns.columns.push(Column::new(
+                "years",
+                "",
+                "annual rings: the butt's, less those for which the section is too thin",
+                Values::U32(self.years.clone()),
+            ));
+        }
+        Table {
+            columns: columns.columns,
+            ..Table::default()
+        }
     }
 }
 
