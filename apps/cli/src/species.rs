@@ -123,45 +123,7 @@ fn one(s: &Species) -> String {
     };
     let _ = writeln!(text, "{} ({}), {group}", s.name, s.scientific_name);
     let _ = writeln!(text, "from {}\n", s.source);
-    let _ = writeln!(text, "{:50}{:>12}{:>12}", "", "12 %", "green");
-    let mut estimates = false;
-    for property in Property::ALL {
-        let (scale, unit) = shown_in(property);
-        let value = |x: Option<f64>| x.map_or("–".to_owned(), |x| significant(x / scale));
-        let (green, spread) = match s.property_at(property, WETTEST_PERCENT, Fallback::Estimate) {
-            Ok(green) => match green.basis {
-                Basis::Estimate { error_percent } => {
-                    estimates = true;
-                    (Some(green.value), format!("  ± {error_percent} %"))
-                }
-                Basis::TableGreen => (Some(green.value), String::new()),
-                _ => (None, String::new()),
-            },
-            // The dry row lacks what the green row may have.
-            Err(_) => (
-                s.green.as_ref().and_then(|g| g.get(property)),
-                String::new(),
-            ),
-        };
-        let _ = writeln!(
-            text,
-            "{:50}{:>12}{:>12}  {unit}{spread}",
-            property.name(),
-            value(s.dry.get(property)),
-            value(green),
-        );
-    }
-    let gravity = |x: Option<f64>| x.map_or("–".to_owned(), significant);
-    let _ = writeln!(
-        text,
-        "{:50}{:>12}{:>12}\n",
-        "specific gravity",
-        gravity(s.dry.specific_gravity),
-        gravity(green_gravity(s)),
-    );
-    if estimates {
-        let _ = writeln!(text, "{}\n", estimate_note(s.group));
-    }
+    write_properties(&mut text, s);
     let mut fact = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
             let _ = writeln!(text, "{name:50}{:>12}  {unit}", significant(value / scale));
@@ -203,6 +165,49 @@ fn one(s: &Species) -> String {
         rule(s)
     );
     text
+}
+
+/// Writes the table of mechanical properties, dry and green.
+fn write_properties(text: &mut String, s: &Species) {
+    let _ = writeln!(text, "{:50}{:>12}{:>12}", "", "12 %", "green");
+    let mut estimates = false;
+    for property in Property::ALL {
+        let (scale, unit) = shown_in(property);
+        let value = |x: Option<f64>| x.map_or("–".to_owned(), |x| significant(x / scale));
+        let (green, spread) = match s.property_at(property, WETTEST_PERCENT, Fallback::Estimate) {
+            Ok(green) => match green.basis {
+                Basis::Estimate { error_percent } => {
+                    estimates = true;
+                    (Some(green.value), format!("  ± {error_percent} %"))
+                }
+                Basis::TableGreen => (Some(green.value), String::new()),
+                _ => (None, String::new()),
+            },
+            // The dry row lacks what the green row may have.
+            Err(_) => (
+                s.green.as_ref().and_then(|g| g.get(property)),
+                String::new(),
+            ),
+        };
+        let _ = writeln!(
+            text,
+            "{:50}{:>12}{:>12}  {unit}{spread}",
+            property.name(),
+            value(s.dry.get(property)),
+            value(green),
+        );
+    }
+    let gravity = |x: Option<f64>| x.map_or("–".to_owned(), significant);
+    let _ = writeln!(
+        text,
+        "{:50}{:>12}{:>12}\n",
+        "specific gravity",
+        gravity(s.dry.specific_gravity),
+        gravity(green_gravity(s)),
+    );
+    if estimates {
+        let _ = writeln!(text, "{}\n", estimate_note(s.group));
+    }
 }
 
 /// Returns the specific gravity of green wood: the table's, or estimated like the other green values.

@@ -173,7 +173,7 @@ fn green_wood_of_a_species_that_is_known_dry_only_is_called_an_estimate() {
     assert!(!green("white ash").contains("mean ratio"));
     let run = folder.run(&["species", "Fichte"]);
     assert!(
-        run.out.contains("Picea abies") && run.out.contains("± 7 %"),
+        run.out.contains("Picea abies") && run.out.contains("± 8 %"),
         "{}",
         run.out
     );

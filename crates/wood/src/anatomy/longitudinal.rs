@@ -1,6 +1,6 @@
 //! The longitudinal section of Forests 2023, Fig. 9: the stem cut in half along its pith and straightened.
 //!
-//! A stem is much longer than wide. Its picture is therefore divided into strips, one below the other like lines of text, the
+//! Sections that the stem's ends cut are left out, as the shape of rings cannot be told from them. A stem is much longer than wide. Its picture is therefore divided into strips, one below the other like lines of text, the
 //! base at the upper left. Rings that are narrower than two pixels would make patterns with the pixels that look like knots;
 //! each pixel is therefore the mean of several points, weighted by their distance from its middle.
 
@@ -99,13 +99,14 @@ impl Anatomy<'_> {
 
     /// Divides the stem into strips.
     fn longitudinal_layout(&self, context: &Context) -> Result<Layout, Cancelled> {
-        let length = self.sections().length();
+        let (start, end) = self.sections().whole;
+        let length = end - start;
         let count = PROFILES_PER_STRIP * MAX_STRIPS as usize;
         let profile: Vec<Option<(f64, f64)>> = (0..count)
             .into_par_iter()
             .map(|k| {
                 context.check()?;
-                let along = length * (k as f64 + 0.5) / count as f64;
+                let along = start + length * (k as f64 + 0.5) / count as f64;
                 let section = self.sections().section(along);
                 Ok(section.and_then(|section| {
                     let crossings = crossings(&section.outline.loops, self.level(&section));
@@ -138,7 +139,10 @@ impl Anatomy<'_> {
                 (0.0, widest)
             };
             Strip {
-                range: (strip_length * k as f64, strip_length * (k + 1) as f64),
+                range: (
+                    start + strip_length * k as f64,
+                    start + strip_length * (k + 1) as f64,
+                ),
                 width: (strip_length / pixel).round().max(1.0) as usize,
                 height: ((high - low + 2.0 * margin) / pixel).ceil() as usize,
                 low: low - margin,
