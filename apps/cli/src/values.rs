@@ -27,6 +27,15 @@ pub fn resolution(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Parses a length above 0 with its unit, as metres.
+pub fn metres(text: &str) -> Result<f64, String> {
+    match greenstick::schema::parse_length(text) {
+        Ok((length, true)) if length > 0.0 => Ok(length),
+        Ok(_) => Err("expected a length above 0 with its unit, such as 24cm".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 /// Parses an onset of eccentricity.
 pub fn onset(text: &str) -> Result<f64, String> {
     let range = greenstick::wood::rings::ONSET_RANGE;
