@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod bend_test;
+mod cracks;
 mod declared;
 mod fit;
 mod shared;
@@ -11,6 +12,7 @@ mod unit;
 
 pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
+pub use cracks::CracksOptions;
 pub use declared::{Declared, OptionSet};
 pub use fit::FitOptions;
 pub use shared::{MeshOptions, ReportingOptions};
@@ -103,6 +105,8 @@ pub enum Command {
     Species(SpeciesOptions),
     /// Draw the annual rings into the outline of a section
     Rings(RingsOptions),
+    /// Measure the drying cracks on a photograph of a sawn end, and write a recipe that draws them
+    Cracks(CracksOptions),
 }
 
 const RINGS_EXAMPLES: &str = "\

@@ -5,6 +5,7 @@ mod arguments;
 mod bend_test;
 mod break_simulated;
 mod break_wood;
+mod cracks;
 mod failure;
 mod fit;
 mod inspect;
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         Command::Schema(options) => list::schema(options),
         Command::Presets(options) => list::presets(options),
         Command::Rings(options) => rings::run(options),
+        Command::Cracks(options) => cracks::run(options),
         Command::Species(options) => species::run(options),
     };
     result.unwrap_or_else(Failure::report)

@@ -14,6 +14,15 @@ pub fn pith(text: &str, unit: LengthUnit) -> Result<PithPosition, String> {
     PithPosition::parse(text, unit.metres()).map_err(|e| format!("--pith: {e}"))
 }
 
+/// Parses a length above 0 with its unit, as metres.
+pub fn metres(text: &str) -> Result<f64, String> {
+    match greenstick::schema::parse_length(text) {
+        Ok((length, true)) if length > 0.0 => Ok(length),
+        Ok(_) => Err("expected a length above 0 with its unit, such as 24cm".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 /// Parses two whole numbers with `..` between them, the first below the second.
 pub fn range(text: &str) -> Result<(usize, usize), String> {
     let parts = text.split_once("..").and_then(|(from, to)| {

@@ -188,6 +188,37 @@ impl<'a> HeightModel<'a> {
         height
     }
 
+    /// [`HeightModel::noise`] about its mean. Eq. 1 lifts a tissue by half its amplitude on average: with the amplitudes of
+    /// Fig. 18, 1 in the wood and 0.05 in the phloem, the bark would be a smooth collar about a deep disc of spines.
+    pub fn noise_about_mean(
+        &self,
+        walks: &mut NoiseSamplers,
+        unit: DVec2,
+        zone: &ZoneParameters,
+        key: i64,
+    ) -> f64 {
+        let sum = |amplitude: f64, octaves: u32| {
+            (0..octaves).fold(0.0, |sum, k| sum + amplitude / f64::from(1u32 << k))
+        };
+        let most = sum(zone.perlin_amplitude, zone.perlin_octaves)
+            + sum(zone.white_noise_amplitude, zone.white_noise_octaves);
+        self.noise(walks, unit, zone, key) - 0.5 * most
+    }
+
+    /// Whether a thorn can stand anywhere.
+    pub fn has_thorns(&self) -> bool {
+        let p = self.p;
+        let zones = [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark];
+        let zones = zones.map(|z| (z.thorn_length, z.thorn_probability));
+        [
+            (p.ductile.thorn_length, p.ductile.thorn_probability),
+            (p.brittle.thorn_length, p.brittle.thorn_probability),
+        ]
+        .iter()
+        .chain(&zones)
+        .any(|&(length, probability)| length > 0.0 && probability > 0.0)
+    }
+
     /// Length of the thorn at a place, 0 for none: Eq. 8 with P the probability of a thorn. `draw` draws it by its purpose,
     /// the greatest length and the probability.
     pub fn thorn(

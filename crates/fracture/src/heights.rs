@@ -6,10 +6,11 @@ use crate::ends::TornEnds;
 pub use crate::field::{HeightField, HeightFieldError};
 pub use crate::height_model::{BreakSite, Heights, Thorn};
 use crate::height_model::{HeightModel, NoiseSamplers};
-use crate::layout::{FibreBundles, wrap_angle};
+use crate::layout::{FibreBundles, InnerEdge, wrap_angle};
 use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
 use crate::surface::SectionLayout;
+use crate::thorns::add_thorns;
 use crate::torn::{BundleHeight, TornRelief};
 pub use crate::wedge::Wedge;
 use glam::DVec2;
@@ -89,17 +90,21 @@ fn fibrous_of_field(
     place_heights(bundles, heights, at, &torn.ends.corners, site)
 }
 
-/// Heights of the published smooth surface: one per node, shared by all facets there.
+/// Heights of the published smooth surface: one per node, shared by all facets there but those of thorns.
 fn smooth(
     bundles: &FibreBundles,
     p: &BreakParameters,
     site: &BreakSite,
     cache: &mut HeightCache,
 ) -> Heights {
-    let (heights, thorns) = smooth_nodes(bundles, &HeightModel::new(p, site), cache);
-    let at = bundles.layout.nodes.iter().copied();
-    let mut placed = place_heights(bundles, heights, at, &bundles.layout.facets, site);
-    placed.thorns = thorns;
+    let model = HeightModel::new(p, site);
+    let base = smooth_nodes(bundles, &model, cache);
+    let face = add_thorns(bundles, &model, base);
+    let nodes = &bundles.layout.nodes;
+    let on_thorns = face.nodes.iter().map(|&n| nodes[n as usize]);
+    let at = nodes.iter().copied().chain(on_thorns);
+    let mut placed = place_heights(bundles, face.heights, at, &face.corners, site);
+    placed.thorns = face.thorns;
     placed
 }
 
@@ -127,9 +132,10 @@ pub fn relief_range(
 ) -> f64 {
     let maker = HeightModel::new(p, site);
     let mut heights: Vec<f64> = if p.surface == Kind::Smooth {
-        let (heights, _) = smooth_nodes(bundles, &maker, cache);
-        let corners = bundles.layout.facets.iter().flatten();
-        corners.map(|&n| heights[n as usize]).collect()
+        let base = smooth_nodes(bundles, &maker, cache);
+        let face = add_thorns(bundles, &maker, base);
+        let corners = face.corners.iter().flatten();
+        corners.map(|&n| face.heights[n as usize]).collect()
     } else {
         let (heights, ends, _) = fibrous_rims(bundles, &maker, cache);
         let corners = ends.corners.iter().flatten();
@@ -146,72 +152,44 @@ pub fn relief_range(
     (hundredth(0.95) - low) * site.radius
 }
 
-/// The height of every node of the published surface, in radii, and the thorns, each of which stands on a node.
-fn smooth_nodes(
-    bundles: &FibreBundles,
-    maker: &HeightModel,
-    cache: &mut HeightCache,
-) -> (Vec<f64>, Vec<Thorn>) {
-    let (p, site) = (maker.p, maker.site);
+/// The height of every node of the published surface without its thorns, in radii.
+///
+/// Where a node would lie beyond the skin, it has the height of the bark in its direction. A face that is one height in
+/// each direction where it meets the skin leaves no holes in the bark, however high and dense the noise of the wood is.
+fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightCache) -> Vec<f64> {
+    let site = maker.site;
     let pith = bundles.layout.nodes.first().copied().unwrap_or_default();
-    let rings = f64::from(p.rings);
-    let proportions = p.proportions();
-    // Beyond the bark the heights of the outermost ring run on.
-    let key = |n: usize, (rho, phi): (f64, f64)| {
-        if rho >= 1.0 {
-            (1 << 40) + (wrap_angle(phi) * 1e6) as i64
-        } else {
-            n as i64
-        }
-    };
-    let relief = NodeNoise::cached(bundles, maker, cache, |n, (rho, phi), direction, walks| {
-        let rho = rho.min(1.0);
-        let zone = proportions.zone_at(rho, 0.5 / rings);
-        let key = key(n, (rho, phi));
-        let noise = maker.noise(walks, direction * rho, p.zone(zone), key);
-        (noise, zone)
-    });
-    let mut thorns = Vec::new();
+    let noise = NodeNoise::cached(bundles, maker, cache);
+    let half_width = bundles.bundles.first().map_or(0.0, |b| b.half_width);
     let nodes = bundles.layout.nodes.iter();
-    let heights = nodes
-        .zip(bundles.addresses.iter().zip(&relief.nodes))
-        .enumerate()
-        .map(|(n, (&at, (&(rho, phi), &(noise, zone))))| {
-            let rho = rho.min(1.0);
+    nodes
+        .zip(bundles.addresses.iter().zip(&noise.nodes))
+        .map(|(&at, (&(rho, phi), noise))| {
             let across = (at - pith) / site.radius;
-            let thorn = |purpose, length, probability| {
-                if probability <= 0.0 {
-                    0.0
-                } else {
-                    maker.drawn_thorn(key(n, (rho, phi)), purpose, length, probability)
+            let level = maker.stepped(across, rho.min(1.0), phi);
+            let own = level + noise.own * site.relief;
+            match (&bundles.skin, noise.bark) {
+                // Layers that end below the bark stay as they are.
+                (Some(skin), Some(bark)) if level == maker.stepped(across, 1.0, phi) => {
+                    let bark = level + bark * site.relief;
+                    let from = site.place + own.min(bark) * site.radius;
+                    let to = site.place + own.max(bark) * site.radius;
+                    let edge = InnerEdge {
+                        rho,
+                        phi,
+                        half_width,
+                    };
+                    let covered = skin.covered_up_to(&edge, from);
+                    if covered.is_some_and(|end| end > to) {
+                        own
+                    } else {
+                        bark
+                    }
                 }
-            };
-            let thorn = maker.thorn(rho, phi, zone, thorn);
-            // Beyond the bark the surface runs on, but no thorn stands there.
-            if thorn > 0.0 && bundles.addresses[n].0 <= 1.0 {
-                thorns.push((n as u32, thorn * site.radius));
+                _ => own,
             }
-            maker.stepped(across, rho, phi) + noise * site.relief + thorn
         })
-        .collect();
-    (heights, thorns_of_nodes(bundles, &thorns))
-}
-
-/// The thorns on nodes, (node, length in m), ascending: each belongs to a bundle at its node.
-fn thorns_of_nodes(bundles: &FibreBundles, thorns: &[(u32, f64)]) -> Vec<Thorn> {
-    if thorns.is_empty() {
-        return Vec::new();
-    }
-    let layout = &bundles.layout;
-    let mut bundle_of = vec![0; layout.nodes.len()];
-    for (facet, &cell) in layout.facets.iter().zip(&layout.cells) {
-        facet.iter().for_each(|&n| bundle_of[n as usize] = cell);
-    }
-    let thorn = |&(node, length): &(u32, f64)| Thorn {
-        bundle: bundle_of[node as usize],
-        length,
-    };
-    thorns.iter().map(thorn).collect()
+        .collect()
 }
 
 /// What the noise of nodes is made from beside the layout.
@@ -224,21 +202,29 @@ struct NoiseKey {
     zones: [ZoneParameters; 5],
 }
 
-/// Noise at the nodes of a layout and the tissue they lie in; both stay the same while the shape of the face changes.
+/// The noise of a node.
+#[derive(Debug, Clone, Copy)]
+struct NoiseAtNode {
+    /// That of the node's tissue.
+    own: f64,
+    /// That of the bark in its direction, where the skin may lie below the node.
+    bark: Option<f64>,
+}
+
+/// Noise at the nodes of a layout, which stays the same while the shape of the face changes.
 #[derive(Debug)]
 pub(crate) struct NodeNoise {
     layout: Arc<SectionLayout>,
     key: NoiseKey,
-    nodes: Vec<(f64, Zone)>,
+    nodes: Vec<NoiseAtNode>,
 }
 
 impl NodeNoise {
-    /// The cached noise, or that which `make` returns for each node's number, address and direction.
+    /// Returns the noise that is cached, or makes it.
     fn cached(
         bundles: &FibreBundles,
         maker: &HeightModel,
         cache: &mut HeightCache,
-        make: impl Fn(usize, (f64, f64), DVec2, &mut NoiseSamplers) -> (f64, Zone),
     ) -> Arc<NodeNoise> {
         let p = maker.p;
         let key = NoiseKey {
@@ -254,18 +240,39 @@ impl NodeNoise {
         {
             return last.clone();
         }
-        let mut walks = NoiseSamplers::new(maker);
-        let nodes = bundles.addresses.iter().zip(&bundles.directions);
         let made = Arc::new(NodeNoise {
             layout: bundles.layout.clone(),
             key,
-            nodes: nodes
-                .enumerate()
-                .map(|(n, (&address, &direction))| make(n, address, direction, &mut walks))
-                .collect(),
+            nodes: NodeNoise::make(bundles, maker),
         });
         cache.noise = Some(made.clone());
         made
+    }
+
+    fn make(bundles: &FibreBundles, maker: &HeightModel) -> Vec<NoiseAtNode> {
+        let p = maker.p;
+        let (rings, proportions) = (f64::from(p.rings), p.proportions());
+        let mut samplers = NoiseSamplers::new(maker);
+        let mut noise = |zone: Zone, unit: DVec2, key: i64| {
+            maker.noise_about_mean(&mut samplers, unit, p.zone(zone), key)
+        };
+        // From the bark on the heights of the outermost ring run on.
+        let bark_key = |phi: f64| (1 << 40) + (wrap_angle(phi) * 1e6) as i64;
+        let skin = bundles.skin.as_ref().map_or(1.0, |skin| skin.least());
+        let nodes = bundles.addresses.iter().zip(&bundles.directions);
+        nodes
+            .enumerate()
+            .map(|(n, (&(rho, phi), &direction))| NoiseAtNode {
+                own: if rho >= 1.0 {
+                    noise(Zone::Bark, direction, bark_key(phi))
+                } else {
+                    let zone = proportions.zone_at(rho, 0.5 / rings);
+                    noise(zone, direction * rho, n as i64)
+                },
+                bark: (rho < 1.0 && rho > skin - 0.01)
+                    .then(|| noise(Zone::Bark, direction, bark_key(phi))),
+            })
+            .collect()
     }
 }
 

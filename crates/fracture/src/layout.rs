@@ -7,8 +7,10 @@
 mod bundles;
 mod fibrous;
 mod nodes;
+mod skin_depth;
 mod smooth;
 
 pub use bundles::{FibreBundle, FibreBundles, LayoutOptions, wrap_angle};
 pub use fibrous::fibrous;
+pub use skin_depth::{InnerEdge, SkinDepth, SkinPoint};
 pub use smooth::smooth;

@@ -16,5 +16,6 @@ mod slabs;
 pub mod splinters;
 mod strips;
 pub mod surface;
+mod thorns;
 mod torn;
 mod wedge;

@@ -6,7 +6,7 @@ use crate::surface::FractureSurface;
 use crate::wedge::limited_height;
 use glam::DVec2;
 
-/// Height of the edge of a wedge over the location of the break, in radii. At the location itself the skin has a level of the
+/// Height of the edge of a wedge, and of a level face, over the location of the break, in radii. At the location itself the skin has a level of the
 /// grain, and a face in that plane would meet the skin in edges instead of crossing it.
 const OFF_LEVEL: f64 = 2.3e-4;
 
@@ -47,6 +47,8 @@ impl<'a> HeightPlacer<'a> {
         if let Some(w) = &site.wedge {
             let far = (at.dot(w.toward) - w.from).max(0.0);
             h = w.within(h, far, self.greatest, site.radius) + OFF_LEVEL * site.radius;
+        } else if h == 0.0 {
+            h = OFF_LEVEL * site.radius;
         }
         self.wanted = (self.wanted.0.min(h), self.wanted.1.max(h));
         let limited = limited_height(h, self.free.0, self.free.1);

@@ -5,6 +5,7 @@ mod support;
 use greenstick::fracture::cracks::{CrackPlan, plan};
 use greenstick::fracture::parameters::{BreakParameters, CrackParameters};
 use greenstick::fracture::presets::Preset;
+use greenstick::fracture::recipe::{apply_preset, apply_setting};
 use greenstick::geometry::repair::{resolve_self_intersections, snap_to_f32};
 use greenstick::geometry::{Context, Mesh};
 use greenstick::schema::Parameters;
@@ -12,7 +13,7 @@ use greenstick::session::StemStage;
 use greenstick::skin::BreakError;
 use greenstick::skin::cracks::{crack_end, crack_faces};
 use greenstick::wood::{noise, primitive};
-use greenstick::{BreakSession, break_scene};
+use greenstick::{BreakSession, break_scene, built_in_branch};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::{pieces, request, scanned_pole, scene, session, stages};
@@ -309,4 +310,36 @@ fn a_radial_crack_takes_out_the_volume_of_its_formula() {
         "break: {} against twice {expected}: {off}",
         cracked.void
     );
+}
+
+/// The paper's cracked sections on the built-in branch, straight and distorted: nothing crosses in what is written.
+#[test]
+fn sawn_ends_of_the_figures_are_free_of_crossings() {
+    let straight = "crack_groups.distortion=0";
+    let cases = [
+        ("fig20", None),
+        ("fig20b", None),
+        ("fig21", None),
+        ("fig21", Some(straight)),
+    ];
+    cases.into_par_iter().for_each(|(preset, setting)| {
+        let mut request = request(0.5, &Default::default());
+        request.texture_width = 8;
+        let recipe = &mut request.breaks[0].recipe;
+        apply_preset(recipe, preset).unwrap();
+        for setting in ["rings=8", "sectors=16"].into_iter().chain(setting) {
+            apply_setting(recipe, setting).unwrap();
+        }
+        let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+        for node in &broken.scene.nodes[..2] {
+            let what = format!("{preset}, {setting:?}, {}", node.name);
+            assert_closed(&node.mesh, &what);
+            assert_eq!(
+                crossings(&node.mesh),
+                0,
+                "{what}: {:?}",
+                broken.report.notes
+            );
+        }
+    });
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use greenstick_geometry::{Metadata, MetadataEntry};
 
-/// An 8-bit sRGB colour as linear numbers.
-pub(crate) fn linear_from_srgb(colour: [u8; 3]) -> [f64; 3] {
+/// Returns an 8-bit sRGB colour as linear numbers.
+pub fn linear_from_srgb(colour: [u8; 3]) -> [f64; 3] {
     colour.map(|c| {
         let v = f64::from(c) / 255.0;
         if v <= 0.040_45 {

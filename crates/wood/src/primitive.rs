@@ -3,6 +3,7 @@
 //! Only + − × ÷, square roots and the pure-Rust `libm` are used: the same bits on every machine.
 
 use crate::colour::{RgbImage, srgb_from_linear};
+use crate::noise::smoothstep;
 use crate::stem::Axis;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh};
@@ -172,6 +173,10 @@ fn bent_axis(options: &BranchOptions) -> Option<Axis> {
     Axis::new(&points, Some(DVec3::X))
 }
 
+/// Share of the bark's relief that is left at the rim of an end, and the length over which it fades, radii.
+const RIM_RELIEF: f64 = 0.3;
+const RIM_LENGTH: f64 = 0.8;
+
 /// Radius (m) of the branch's bark at fractions of its length and of a turn.
 fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
     let seed = options.seed;
@@ -201,6 +206,9 @@ fn bark_radius(options: &BranchOptions, along: f64, turn: f64) -> f64 {
     let depth = 0.75 + 0.5 * noise(seed, 71, turn * 3.0, z * 0.3, 3);
     let grain = noise(seed, 72, turn * 110.0, z * 3.1, 110);
     let relief = 0.06 * depth * (coarse - 0.7) + 0.02 * (fine - 0.6) + 0.006 * grain;
+    // A saw rubs off the crests of the bark beside it: the rim of an end is rounder than the bark.
+    let from_end = along.min(1.0 - along) * slim;
+    let relief = relief * (RIM_RELIEF + (1.0 - RIM_RELIEF) * smoothstep(0.0, RIM_LENGTH, from_end));
     radius * taper * (1.0 + oval + options.relief * (0.6 * knots + relief))
 }
 

@@ -14,6 +14,7 @@
 mod end_face;
 mod error;
 mod groove;
+pub mod measure;
 mod plan;
 mod profile;
 mod refine;

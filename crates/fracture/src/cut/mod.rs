@@ -243,6 +243,16 @@ fn spread(solid: &Solid, skin: &Skin, sides: &mut Sides) -> Result<(), CutError>
 }
 
 impl Cut {
+    /// Returns the lowest and the highest length along the axis that the broken face reaches, m. `points` are those of the
+    /// mesh in grain coordinates.
+    pub fn face_range(&self, points: &[DVec3]) -> (f64, f64) {
+        let ids = self.cap.iter().flatten();
+        let lengths = ids.map(|&id| self.grain(points, id).z);
+        lengths.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+            (low.min(z), high.max(z))
+        })
+    }
+
     /// Grain coordinates of a vertex; `points` as given to [`cut`].
     pub fn grain(&self, points: &[DVec3], id: u32) -> DVec3 {
         let Some(i) = (id as usize).checked_sub(self.points) else {

@@ -1,5 +1,6 @@
 //! Fibre bundles of a section.
 
+use super::skin_depth::SkinDepth;
 use crate::surface::SectionLayout;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
@@ -57,6 +58,8 @@ pub struct FibreBundles {
     pub directions: Vec<DVec2>,
     /// For each bundle the node within it that carries its tip, or [`crate::surface::NONE`].
     pub tips: Vec<u32>,
+    /// How deep the skin lies that thorns of a smooth face stay below; `None` where it is not known.
+    pub skin: Option<Arc<SkinDepth>>,
 }
 
 /// Returns an angle (rad) brought to −π … π.

@@ -114,6 +114,7 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> F
         directions: directions(&builder.addresses),
         addresses: builder.addresses,
         tips: build.tips,
+        skin: None,
     }
 }
 

@@ -71,5 +71,6 @@ pub fn smooth(field: &RingField, options: &LayoutOptions) -> FibreBundles {
         directions: directions(&maker.addresses),
         addresses: maker.addresses,
         tips,
+        skin: None,
     }
 }

@@ -33,6 +33,14 @@ pub enum FileError {
         /// What is wrong.
         problem: String,
     },
+    /// A file is no photograph that can be read.
+    #[error("{}: {problem}; expected a photograph as PNG", path.display())]
+    Photograph {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// The content is invalid.
     #[error(transparent)]
     Content(FormatError),

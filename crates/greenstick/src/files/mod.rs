@@ -4,6 +4,7 @@
 
 mod error;
 mod images;
+mod photograph;
 mod read;
 mod rings;
 #[cfg(feature = "simulate")]
@@ -15,6 +16,7 @@ mod write;
 
 pub use error::FileError;
 pub use images::carry_images;
+pub use photograph::read_photograph;
 pub use read::{Source, load, load_content, mesh_endings, read};
 pub use rings::{OtherRings, read_rings};
 pub use write::{

@@ -367,7 +367,10 @@ impl BreakSession {
         let wood = BrokenWood {
             material: one.stages.stem.inner_material,
             stem: stem.clone(),
-            appearance,
+            appearance: StemAppearance {
+                ends: prepared.end_sections(),
+                ..appearance
+            },
             width: square.side,
         };
         Ok((wood, baked.value))

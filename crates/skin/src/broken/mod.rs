@@ -75,7 +75,10 @@ impl FaceLayout {
     pub fn new(stem: &PreparedStem, key: &LayoutKey) -> Self {
         let rings = &stem.found.stem.rings;
         let bundles = match key.style {
-            Style::Smooth => layout::smooth(rings, &key.options),
+            Style::Smooth => FibreBundles {
+                skin: Some(Arc::new(stem.skin_depth())),
+                ..layout::smooth(rings, &key.options)
+            },
             Style::Fibrous => layout::fibrous(rings, &key.options),
         };
         FaceLayout {

@@ -9,13 +9,14 @@ use glam::{DVec2, DVec3};
 use greenstick_fracture::cracks::{
     CrackError, CrackPlan, CrackSite, Direction, EndFace, GroovedSurface, end_grooves, grooves,
 };
-use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
-use greenstick_fracture::parameters::BreakParameters;
-use greenstick_fracture::surface::FractureSurface;
+use greenstick_fracture::layout::{FibreBundle, FibreBundles};
+use greenstick_fracture::parameters::{BreakParameters, CrackKind};
+use greenstick_fracture::surface::{FractureSurface, NONE, SectionLayout};
 use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
 use greenstick_wood::stem::{
     CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
 };
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// A stem with cracks in one of its ends.
@@ -42,9 +43,11 @@ pub struct EndOfStem {
     pub radius: f64,
 }
 
-/// Sectors and rings of the layout of a sawn end. It is level, so few are enough.
-const END_SECTORS: usize = 48;
-const END_RINGS: usize = 4;
+/// Distance of the corners of a sawn end's layout from the pith, in greatest distances of the skin from it: the circle in a
+/// triangle of that size holds the skin.
+const CORNER_DISTANCE: f64 = 2.1;
+/// Directions of the first of these corners that are tried.
+const CORNER_ATTEMPTS: usize = 96;
 /// How near the cracks of an end come to the break, as part of the way from there to the end: a break through cracked
 /// wood would cross the walls of the cracks.
 const CRACKS_REACH: f64 = 0.5;
@@ -58,18 +61,56 @@ const BREAK_CLEARANCE: f64 = 0.05;
 /// Step by which the stem is looked for back from the saw, in radii.
 const SEARCH_STEP: f64 = 0.25;
 
-fn end_layout(stem: &PreparedStem, p: &BreakParameters) -> FibreBundles {
-    let options = LayoutOptions {
-        rings: END_RINGS,
-        sectors: END_SECTORS,
-        reach: stem.extent.reach,
-        radius: stem.extent.radius,
-        arc: stem.extent.arc,
-        bark: None,
-        ring_edges: Vec::new(),
-        seed: p.seed,
+/// The layout of a sawn end, which is level: three triangles about the pith that hold the section. Their three sides there
+/// keep as far from the cracks as they can: rays that run along straight cracks at tiny angles would leave slivers.
+fn end_layout(stem: &PreparedStem, plan: &CrackPlan) -> FibreBundles {
+    let pith = stem.found.stem.rings.pith();
+    let third = TAU / 3.0;
+    let radial = plan.cracks.iter().filter(|c| c.kind == CrackKind::Radial);
+    let angles: Vec<f64> = radial.flat_map(|c| c.course.iter().map(|p| p.1)).collect();
+    let clearance = |first: f64| {
+        let off = angles.iter().map(|a| {
+            let turned = (a - first).rem_euclid(third);
+            turned.min(third - turned)
+        });
+        off.fold(third, f64::min)
     };
-    layout::smooth(&stem.found.stem.rings, &options)
+    let attempts = (0..CORNER_ATTEMPTS).map(|k| (k as f64 + 0.4) * third / CORNER_ATTEMPTS as f64);
+    let first = attempts.max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
+    let first = first.unwrap_or(0.0);
+    let corner = |k: usize| {
+        let (sin, cos) = libm::sincos(first + k as f64 * third);
+        DVec2::new(cos, sin)
+    };
+    let [a, b, c] = [0, 1, 2].map(corner);
+    let directions = vec![a, a, b, c];
+    let distance = CORNER_DISTANCE * stem.extent.radius;
+    let nodes = vec![
+        pith,
+        pith + a * distance,
+        pith + b * distance,
+        pith + c * distance,
+    ];
+    let facets = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]];
+    let address = |(k, d): (usize, &DVec2)| {
+        let rho = if k == 0 { 0.0 } else { CORNER_DISTANCE };
+        (rho, libm::atan2(d.y, d.x))
+    };
+    FibreBundles {
+        layout: Arc::new(SectionLayout::new(nodes, facets, vec![0; 3])),
+        bundles: vec![FibreBundle {
+            ring: 0,
+            sector: 0,
+            rho: 0.0,
+            phi: 0.0,
+            half_width: PI,
+            bark: false,
+        }],
+        addresses: directions.iter().enumerate().map(address).collect(),
+        directions,
+        tips: vec![NONE],
+        skin: None,
+    }
 }
 
 /// The wood that is seen in a sawn end.
@@ -108,7 +149,7 @@ pub fn crack_end(
         far,
         found.radius,
     )?;
-    let bundles = end_layout(stem, p);
+    let bundles = end_layout(stem, plan);
     // The wood of the end itself may be cracked, though not broken.
     let beyond = end.at(found.rings.pith());
     let (low, high) = found.usable;
@@ -163,7 +204,7 @@ pub fn saw_and_crack_end(
         }
         .into());
     }
-    let bundles = end_layout(stem, p);
+    let bundles = end_layout(stem, plan);
     let flat = FractureSurface {
         heights: vec![[level; 3]; bundles.layout.facets.len()],
         layout: Arc::clone(&bundles.layout),

@@ -86,6 +86,9 @@ pub fn break_report(
 
 fn face_report(one: &FinishedBreak) -> FaceReport {
     let heights = &one.stages.heights.heights;
+    let stem = one.stages.stem.stem();
+    let (low, high) = one.stages.cut.face.cut.face_range(&stem.grain);
+    let location = stem.found.stem.location;
     FaceReport {
         surface: match one.face.surface {
             SurfaceStyle::Smooth => "smooth".into(),
@@ -93,7 +96,7 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
         },
         bundles: one.stages.layout.bundles.bundles.len(),
         thorns: heights.thorns.len(),
-        range_m: [heights.range.0, heights.range.1],
+        range_m: [low - location, high - location],
         limited: heights.limited,
         wanted_m: [heights.wanted.0, heights.wanted.1],
     }

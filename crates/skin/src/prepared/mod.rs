@@ -1,5 +1,6 @@
 //! A stem in a scene, brought to grain space and ready to be broken any number of times.
 
+mod ends;
 mod extent;
 mod levels;
 mod orientation;
@@ -12,12 +13,16 @@ use crate::source::Source;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
+use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_geometry::{Context, Node, Scene};
 use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
 };
 use levels::LevelSplitter;
 use std::sync::Arc;
+
+/// Length of the slices in which the depth of the skin is measured, radii.
+const DEPTH_STEP: f64 = 0.1;
 
 /// A scene with the stem found in it, and everything about the stem that no parameter of a break changes.
 #[derive(Debug, Clone)]
@@ -201,6 +206,24 @@ impl PreparedStem {
             grain: &self.grain,
             chart: &self.chart,
         }
+    }
+
+    /// Returns how deep the skin lies along the part that can be broken.
+    pub(crate) fn skin_depth(&self) -> SkinDepth {
+        let stem = &self.found.stem;
+        let mut depth = SkinDepth::new(stem.usable, DEPTH_STEP * stem.radius);
+        for &t in &self.found.limb {
+            depth.add(self.corners[t as usize].map(|p| {
+                let point = self.grain[p as usize];
+                let (rho, phi) = stem.rings.address(point.truncate());
+                SkinPoint {
+                    rho,
+                    phi,
+                    length: point.z,
+                }
+            }));
+        }
+        depth
     }
 
     /// Distance of the farthest limb point near the break from the pith, in the direction `toward` (unit, across the

@@ -16,6 +16,6 @@ mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
 pub use shading::{OrientedSurface, SurfacePoint};
-pub use stem::StemAppearance;
+pub use stem::{EndSection, StemAppearance};
 pub use surface::WoodSurface;
 pub use wood::{WoodAppearance, WoodPoint};

@@ -50,7 +50,7 @@ impl OrientedSurface {
 impl StemAppearance {
     /// Returns the wood inside at a point with grain coordinates `grain`, m.
     pub fn wood_at(&self, stem: &Stem, grain: DVec3, point: &SurfacePoint) -> OrientedSurface {
-        let (ring, angle) = stem.rings.address(grain.truncate());
+        let (ring, angle) = self.address(stem, grain);
         let (directions, end_grain) = match point.grain_gradients {
             // A length along the grain that does not change along a face means that the face lies across it.
             Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),

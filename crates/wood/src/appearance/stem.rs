@@ -1,10 +1,12 @@
 //! The appearance of a whole stem: the species gives the wood its structure, the size of the stem its rings and its bark.
 
 use super::{BarkAppearance, WoodAppearance};
-use crate::rings::StemRings;
+use crate::noise::smoothstep;
+use crate::rings::{RingField, StemRings};
 use crate::species::{HeartwoodColour, RingCharacter, Species};
 use crate::stem::{Stem, StemKind};
 use crate::tissue::Proportions;
+use glam::DVec3;
 
 /// The appearance of a stem's wood and bark.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +17,18 @@ pub struct StemAppearance {
     pub rings: StemRings,
     /// The bark.
     pub bark: BarkAppearance,
+    /// Sections at the ends, whose tissues sawn ends show; without one an end shows those of the section at the location.
+    pub ends: Vec<EndSection>,
+}
+
+/// The section at an end of a stem. A stem tapers, and its bark has furrows: the rings and the bark of an end follow the
+/// outline there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EndSection {
+    /// Its length along the axis, m.
+    pub length: f64,
+    /// Ring coordinate and angle in it.
+    pub rings: RingField,
 }
 
 /// Width of an annual ring where nothing else is known, m.
@@ -43,7 +57,36 @@ impl StemAppearance {
             BarkAppearance::young(stem.radius)
         };
         bark.seed = wood.seed;
-        StemAppearance { wood, rings, bark }
+        StemAppearance {
+            wood,
+            rings,
+            bark,
+            ends: Vec::new(),
+        }
+    }
+}
+
+/// Distance from an end over which rings turn from those of the location to those of the end, radii.
+const END_REACH: f64 = 2.0;
+
+impl StemAppearance {
+    /// Returns the ring coordinate and the angle at a point of `stem` with grain coordinates `grain`, m.
+    pub(super) fn address(&self, stem: &Stem, grain: DVec3) -> (f64, f64) {
+        let across = grain.truncate();
+        let (rho, angle) = stem.rings.address(across);
+        let nearness = |end: &EndSection| {
+            let distance = (grain.z - end.length).abs() / stem.radius;
+            1.0 - smoothstep(0.0, END_REACH, distance)
+        };
+        let ends = self.ends.iter().map(|end| (nearness(end), end));
+        let nearest = ends.max_by(|a, b| a.0.total_cmp(&b.0));
+        match nearest.filter(|n| n.0 > 0.0) {
+            Some((share, end)) => {
+                let at_end = end.rings.address(across).0;
+                (rho + (at_end - rho) * share, angle)
+            }
+            None => (rho, angle),
+        }
     }
 }
 

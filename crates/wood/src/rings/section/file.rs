@@ -95,6 +95,11 @@ impl SectionFile {
         })
     }
 
+    /// Returns the outline, with the pith where the file has one.
+    pub fn outline(&self) -> &SectionOutline {
+        &self.outline
+    }
+
     /// The unit of its lengths, px where the file does not say.
     pub fn units(&self) -> &str {
         &self.units
