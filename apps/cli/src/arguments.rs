@@ -138,7 +138,7 @@ pub struct RingsOptions {
     /// Where to write a picture of the rings (.png)
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// Draw outline, rings and pith over this photograph (.png), whose pixels are the file's coordinates, as the picture
+    /// Draw outline, rings and pith over this photograph (.jpg or .png), whose pixels are the file's coordinates, as the picture
     #[arg(
         long,
         value_name = "FILE",

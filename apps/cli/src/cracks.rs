@@ -29,7 +29,7 @@ pub fn run(options: &CracksOptions) -> Result<ExitCode, Failure> {
     };
     recipe.complete().map_err(Failure::request)?;
     let shrinkage = recipe.crack_shrinkage().map_err(Failure::request)?;
-    let photograph = read_photograph(&options.from)?;
+    let photograph = SectionPhotograph::from(&read_photograph(&options.from)?);
     let about = |e| Failure::request(format!("{}: {e}", options.from.display()));
     let section = section(options, &photograph)?;
     let measured = measure_cracks(&photograph, &section).map_err(about)?;

@@ -4,10 +4,9 @@ use crate::arguments::RingsOptions;
 use crate::break_wood::check_png;
 use crate::failure::{Failure, parameter_hint, print};
 use greenstick::SectionRingSettings;
-use greenstick::files::{self, Output};
+use greenstick::files::{self, Output, read_photograph};
 use greenstick::geometry::Context;
 use greenstick::schema::Parameters;
-use greenstick::wood::colour::RgbImage;
 use greenstick::wood::rings::{
     RingComparison, RingsFile, SectionFile, SectionFileError, SectionRingMethod,
 };
@@ -22,7 +21,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     }
     let settings = settings(options)?;
     let (method, pith) = (settings.method(), settings.pith_point());
-    let photo = options.photo.as_deref().map(read_photo).transpose()?;
+    let photo = options.photo.as_deref().map(read_photograph).transpose()?;
     let outputs: Vec<&Path> = options
         .output
         .iter()
@@ -101,14 +100,6 @@ fn settings(options: &RingsOptions) -> Result<SectionRingSettings, Failure> {
         .check()
         .map_err(|error| Failure::request(&error).hint(parameter_hint(&error)))?;
     Ok(settings)
-}
-
-/// Reads a photograph.
-fn read_photo(path: &Path) -> Result<RgbImage, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
-    RgbImage::from_png(&bytes)
-        .map_err(|e| Failure::request(format!("{} is no PNG picture: {e}", path.display())))
 }
 
 /// Summarises the rings in one line.

@@ -43,34 +43,6 @@ pub struct RgbImage {
 }
 
 impl RgbImage {
-    /// Reads a PNG of any colour type. Transparency is ignored.
-    ///
-    /// # Errors
-    /// What is wrong with the bytes, in words.
-    pub fn from_png(bytes: &[u8]) -> Result<Self, String> {
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
-        decoder.set_transformations(png::Transformations::normalize_to_color8());
-        let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
-        let size = reader.output_buffer_size();
-        let mut pixels = vec![0; size.ok_or("the picture is too large")?];
-        let info = reader.next_frame(&mut pixels).map_err(|e| e.to_string())?;
-        pixels.truncate(info.buffer_size());
-        let rgb = match info.color_type.samples() {
-            1 => pixels.iter().flat_map(|&grey| [grey; 3]).collect(),
-            2 => pixels.chunks_exact(2).flat_map(|p| [p[0]; 3]).collect(),
-            4 => pixels
-                .chunks_exact(4)
-                .flat_map(|p| [p[0], p[1], p[2]])
-                .collect(),
-            _ => pixels,
-        };
-        Ok(RgbImage {
-            width: info.width,
-            height: info.height,
-            rgb,
-        })
-    }
-
     /// Encodes the picture as PNG. Returns nothing if `rgb` does not have the size of the picture.
     ///
     /// ```
@@ -78,7 +50,6 @@ impl RgbImage {
     ///
     /// let white = RgbImage { width: 1, height: 1, rgb: vec![255; 3] };
     /// assert!(white.png().starts_with(b"\x89PNG"));
-    /// assert_eq!(RgbImage::from_png(&white.png()), Ok(white));
     /// ```
     pub fn png(&self) -> Vec<u8> {
         self.png_with(&Metadata::default())

@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 const CRACKS_EXAMPLES: &str = "\
-The photograph (.png) shows a sawn end from straight above. A section on a plain background is found; else --outline
+The photograph (.jpg or .png) shows a sawn end from straight above. A section on a plain background is found; else --outline
 names a section file (an `outer_contour` in pixels from the upper left corner, and a `pith`), or --pith and --radius
 give a circle. Cracks narrower than a pixel are not seen, nor is their depth: they are drawn as deep as they are long.
 
@@ -19,7 +19,7 @@ Examples
 #[command(after_help = CRACKS_EXAMPLES)]
 pub struct CracksOptions {
     /// Photograph of a sawn end
-    #[arg(long, value_name = "PHOTO.png")]
+    #[arg(long, value_name = "PHOTO")]
     pub from: PathBuf,
     /// Section file with the outline, in pixels of the photograph
     #[arg(long, value_name = "SECTION.json", conflicts_with = "radius")]

@@ -34,7 +34,7 @@ pub enum FileError {
         problem: String,
     },
     /// A file is no photograph that can be read.
-    #[error("{}: {problem}; expected a photograph as PNG", path.display())]
+    #[error("{}: {problem}; expected a photograph as JPEG or PNG", path.display())]
     Photograph {
         /// The file.
         path: PathBuf,

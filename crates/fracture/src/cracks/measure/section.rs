@@ -2,6 +2,7 @@
 
 use super::MeasureError;
 use glam::DVec2;
+use greenstick_wood::colour::{RgbImage, linear_from_srgb};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -40,6 +41,17 @@ impl PhotographedSection {
         PhotographedSection {
             pith,
             outline: (0..DIRECTIONS).map(at).collect(),
+        }
+    }
+}
+
+impl From<&RgbImage> for SectionPhotograph {
+    fn from(image: &RgbImage) -> Self {
+        let linear = |c: &[u8; 3]| linear_from_srgb(*c).map(|v| v as f32);
+        SectionPhotograph {
+            width: image.width as usize,
+            height: image.height as usize,
+            colours: image.rgb.as_chunks().0.iter().map(linear).collect(),
         }
     }
 }
