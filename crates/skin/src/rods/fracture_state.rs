@@ -86,16 +86,19 @@ impl FractureState {
             let rod = frame.rod_offsets.partition_point(|&f| f <= vertex) - 1;
             part_of[rod]
         };
-        let bonds = &wood.bundle.bonds;
+        let (bonds, rod_of) = (&wood.bundle.bonds, wood.rods_of_vertices());
         let mut bonded_parts = vec![[None; 2]; bonds.len()];
         for &[vertex, edge] in &frame.bonds {
             let (v, e) = (frame.origin[vertex as usize], frame.origin[edge as usize]);
             let own = bonds.incidence.vertex_offsets[v as usize] as usize
                 ..bonds.incidence.vertex_offsets[v as usize + 1] as usize;
-            let Some(bond) = own.clone().find(|&b| bonds.edge[b] == e) else {
+            // A rod that breaks between vertices may take the bond from one of its edges to the next. A vertex has one bond to
+            // each rod.
+            let same_rod = |&b: &usize| rod_of[bonds.edge[b] as usize] == rod_of[e as usize];
+            let Some(bond) = own.clone().find(same_rod) else {
                 return Err(RodSkinError::OtherBundle {
                     what: "a bond",
-                    problem: format!("vertex {v} and edge {e} were never bonded"),
+                    problem: format!("vertex {v} and the rod of edge {e} were never bonded"),
                 });
             };
             let free = bonded_parts[bond].iter_mut().find(|h| h.is_none());
