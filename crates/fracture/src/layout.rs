@@ -4,13 +4,15 @@
 //! areas about equal, and shifts the bundles of neighbouring rings against each other like bricks: no more than three
 //! meet at a corner, so however their heights fall, the steps between them form a manifold.
 
+mod angle;
 mod bundles;
 mod fibrous;
 mod nodes;
 mod skin_depth;
 mod smooth;
 
-pub use bundles::{FibreBundle, FibreBundles, LayoutOptions, wrap_angle};
+pub use angle::wrap_angle;
+pub use bundles::{FibreBundle, FibreBundles, LayoutOptions};
 pub use fibrous::fibrous;
 pub use skin_depth::{InnerEdge, SkinDepth, SkinPoint};
 pub use smooth::smooth;

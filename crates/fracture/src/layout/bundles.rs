@@ -3,7 +3,6 @@
 use super::skin_depth::SkinDepth;
 use crate::surface::SectionLayout;
 use glam::DVec2;
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Options of a layout.
@@ -60,19 +59,4 @@ pub struct FibreBundles {
     pub tips: Vec<u32>,
     /// How deep the skin lies that thorns of a smooth face stay below; `None` where it is not known.
     pub skin: Option<Arc<SkinDepth>>,
-}
-
-/// Returns an angle (rad) brought to −π … π.
-///
-/// ```
-/// use greenstick_fracture::layout::wrap_angle;
-///
-/// assert!((wrap_angle(7.0) - (7.0 - std::f64::consts::TAU)).abs() < 1e-12);
-/// ```
-#[inline]
-pub fn wrap_angle(angle: f64) -> f64 {
-    if (-PI..PI).contains(&angle) {
-        return angle;
-    }
-    angle - TAU * ((angle + PI) / TAU).floor()
 }

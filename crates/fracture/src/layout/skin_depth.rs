@@ -1,6 +1,6 @@
 //! How deep the skin of a stem lies, by direction and length: what stands inside the wood must stay below it.
 
-use super::bundles::wrap_angle;
+use super::angle::wrap_angle;
 use std::f64::consts::{PI, TAU};
 
 /// Sectors about the pith in which the depth is known.

@@ -1,7 +1,7 @@
 //! The paper's figures as presets: the columns of Table 2, the steps of Fig. 2, the grid of Fig. 14, and the cracked
 //! sections.
 
-use super::{Preset, Settings, SingleCrack};
+use super::preset::{Preset, Settings, SingleCrack};
 use crate::parameters::{BreakParameters, CrackKind};
 use greenstick_schema::{ParameterError, Parameters};
 

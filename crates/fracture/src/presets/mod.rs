@@ -5,45 +5,16 @@
 
 mod figures;
 mod modes;
+mod preset;
 
 pub use figures::TABLE_2;
+pub use preset::Preset;
 
-use crate::parameters::{BreakParameters, Crack, CrackKind, CrackParameters};
+use crate::parameters::{BreakParameters, Crack, CrackParameters};
 use figures::{FACES, SECTIONS, rough_face, table_2_column};
 use greenstick_schema::{ParameterError, Parameters, Value, closest_names, did_you_mean};
 use modes::MODES;
-use serde::Serialize;
-
-/// A named set of parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Preset {
-    /// Name by which recipes and users refer to it.
-    pub name: &'static str,
-    /// One line on what it gives.
-    pub summary: &'static str,
-    #[serde(skip)]
-    settings: Settings,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Settings {
-    /// A column of [`TABLE_2`], the rows in `unset` at 0.
-    Column {
-        column: usize,
-        unset: &'static [&'static [&'static str]],
-    },
-    /// A face of Fig. 14: amplitude λ and frequency β of its Perlin noise.
-    Roughness { lambda: f64, beta: f64 },
-    /// Settings of the broken face, over the defaults.
-    Break(&'static [(&'static str, &'static str)]),
-    /// Settings of the crack groups, then single cracks: kind and settings.
-    Cracks(
-        &'static [(&'static str, &'static str)],
-        &'static [SingleCrack],
-    ),
-}
-
-type SingleCrack = (CrackKind, &'static [(&'static str, f64)]);
+use preset::Settings;
 
 /// A name that is no preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

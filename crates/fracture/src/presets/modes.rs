@@ -1,6 +1,6 @@
 //! The ways in which wood breaks, as presets.
 
-use super::{Preset, Settings};
+use super::preset::{Preset, Settings};
 
 /// The presets of fibrous faces.
 pub(super) const MODES: [Preset; 7] = [

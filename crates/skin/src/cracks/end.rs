@@ -10,13 +10,15 @@ use greenstick_fracture::cracks::{
     CrackError, CrackPlan, CrackSite, Direction, EndFace, GroovedSurface, end_grooves, grooves,
 };
 use greenstick_fracture::layout::{FibreBundle, FibreBundles};
-use greenstick_fracture::parameters::{BreakParameters, CrackKind};
+use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::surface::{FractureSurface, NONE, SectionLayout};
 use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
+use greenstick_wood::noise;
 use greenstick_wood::stem::{
     CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
 };
-use std::f64::consts::{PI, TAU};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A stem with cracks in one of its ends.
@@ -43,11 +45,12 @@ pub struct EndOfStem {
     pub radius: f64,
 }
 
-/// Distance of the corners of a sawn end's layout from the pith, in greatest distances of the skin from it: the circle in a
-/// triangle of that size holds the skin.
-const CORNER_DISTANCE: f64 = 2.1;
-/// Directions of the first of these corners that are tried.
-const CORNER_ATTEMPTS: usize = 96;
+/// Rings of triangles about the middle of a sawn end's layout. The end is level, so few are enough.
+const END_RINGS: i32 = 6;
+/// How much farther than the skin the layout reaches.
+const END_MARGIN: f64 = 1.06;
+/// Displacement of the layout's inner nodes, as a share of the distance between them.
+const END_JITTER: f64 = 0.4;
 /// How near the cracks of an end come to the break, as part of the way from there to the end: a break through cracked
 /// wood would cross the walls of the cracks.
 const CRACKS_REACH: f64 = 0.5;
@@ -61,43 +64,44 @@ const BREAK_CLEARANCE: f64 = 0.05;
 /// Step by which the stem is looked for back from the saw, in radii.
 const SEARCH_STEP: f64 = 0.25;
 
-/// The layout of a sawn end, which is level: three triangles about the pith that hold the section. Their three sides there
-/// keep as far from the cracks as they can: rays that run along straight cracks at tiny angles would leave slivers.
-fn end_layout(stem: &PreparedStem, plan: &CrackPlan) -> FibreBundles {
-    let pith = stem.found.stem.rings.pith();
-    let third = TAU / 3.0;
-    let radial = plan.cracks.iter().filter(|c| c.kind == CrackKind::Radial);
-    let angles: Vec<f64> = radial.flat_map(|c| c.course.iter().map(|p| p.1)).collect();
-    let clearance = |first: f64| {
-        let off = angles.iter().map(|a| {
-            let turned = (a - first).rem_euclid(third);
-            turned.min(third - turned)
-        });
-        off.fold(third, f64::min)
-    };
-    let attempts = (0..CORNER_ATTEMPTS).map(|k| (k as f64 + 0.4) * third / CORNER_ATTEMPTS as f64);
-    let first = attempts.max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
-    let first = first.unwrap_or(0.0);
-    let corner = |k: usize| {
-        let (sin, cos) = libm::sincos(first + k as f64 * third);
+/// The layout of a sawn end, which is level: a hexagon of triangles with displaced corners. In the grid of rings and rays,
+/// rays run along straight cracks at tiny angles, and leave slivers beside them.
+fn end_layout(stem: &PreparedStem) -> FibreBundles {
+    let rings = &stem.found.stem.rings;
+    // The hexagon holds the circle about the skin.
+    let across = 2.0 / 3f64.sqrt();
+    let side = END_MARGIN * stem.extent.radius * across / f64::from(END_RINGS);
+    let inside = |q: i32, r: i32| q.abs().max(r.abs()).max((q + r).abs()) <= END_RINGS;
+    let (mut nodes, mut numbers) = (Vec::new(), BTreeMap::new());
+    for q in -END_RINGS..=END_RINGS {
+        for r in (-END_RINGS..=END_RINGS).filter(|&r| inside(q, r)) {
+            let random = |k: u64| noise::unit(k, i64::from(q), i64::from(r), 0) - 0.5;
+            let border = q.abs().max(r.abs()).max((q + r).abs()) == END_RINGS;
+            let jitter = if border { 0.0 } else { END_JITTER };
+            let off = DVec2::new(random(1), random(2)) * jitter;
+            let at = DVec2::new(f64::from(q) + 0.5 * f64::from(r), f64::from(r) / across);
+            numbers.insert((q, r), nodes.len() as u32);
+            nodes.push(rings.pith() + (at + off) * side);
+        }
+    }
+    let triangles = numbers.keys().flat_map(|&(q, r)| {
+        [
+            [(q, r), (q + 1, r), (q, r + 1)],
+            [(q, r), (q, r + 1), (q - 1, r + 1)],
+        ]
+    });
+    let facets: Vec<[u32; 3]> = triangles
+        .filter(|t| t.iter().all(|&(q, r)| inside(q, r)))
+        .map(|t| t.map(|corner| numbers[&corner]))
+        .collect();
+    let addresses: Vec<(f64, f64)> = nodes.iter().map(|&p| rings.address(p)).collect();
+    let direction = |&(_, phi): &(f64, f64)| {
+        let (sin, cos) = libm::sincos(phi);
         DVec2::new(cos, sin)
     };
-    let [a, b, c] = [0, 1, 2].map(corner);
-    let directions = vec![a, a, b, c];
-    let distance = CORNER_DISTANCE * stem.extent.radius;
-    let nodes = vec![
-        pith,
-        pith + a * distance,
-        pith + b * distance,
-        pith + c * distance,
-    ];
-    let facets = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1]];
-    let address = |(k, d): (usize, &DVec2)| {
-        let rho = if k == 0 { 0.0 } else { CORNER_DISTANCE };
-        (rho, libm::atan2(d.y, d.x))
-    };
     FibreBundles {
-        layout: Arc::new(SectionLayout::new(nodes, facets, vec![0; 3])),
+        directions: addresses.iter().map(direction).collect(),
+        addresses,
         bundles: vec![FibreBundle {
             ring: 0,
             sector: 0,
@@ -106,10 +110,12 @@ fn end_layout(stem: &PreparedStem, plan: &CrackPlan) -> FibreBundles {
             half_width: PI,
             bark: false,
         }],
-        addresses: directions.iter().enumerate().map(address).collect(),
-        directions,
         tips: vec![NONE],
         skin: None,
+        layout: {
+            let cells = vec![0; facets.len()];
+            Arc::new(SectionLayout::new(nodes, facets, cells))
+        },
     }
 }
 
@@ -149,7 +155,7 @@ pub fn crack_end(
         far,
         found.radius,
     )?;
-    let bundles = end_layout(stem, plan);
+    let bundles = end_layout(stem);
     // The wood of the end itself may be cracked, though not broken.
     let beyond = end.at(found.rings.pith());
     let (low, high) = found.usable;
@@ -204,7 +210,7 @@ pub fn saw_and_crack_end(
         }
         .into());
     }
-    let bundles = end_layout(stem, plan);
+    let bundles = end_layout(stem);
     let flat = FractureSurface {
         heights: vec![[level; 3]; bundles.layout.facets.len()],
         layout: Arc::clone(&bundles.layout),

@@ -1,9 +1,9 @@
 //! Fitting the model's opening to a trace: where a crack begins and ends, and how wide it is.
 
-use super::MeasuredCrack;
+use super::crack::MeasuredCrack;
 use super::trace::{Trace, TracePoint};
 use super::unrolled::Unrolled;
-use crate::cracks::relative_opening;
+use crate::cracks::profile::relative_opening;
 use crate::parameters::CrackKind;
 
 /// How far beyond the trace an end may lie, as a share of the trace, and the steps in which it is looked for.

@@ -1,6 +1,6 @@
 //! Groups of cracks by size, and their statistics: large, medium and small ones (Yang 2019 §5).
 
-use super::MeasuredCrack;
+use super::crack::MeasuredCrack;
 use crate::parameters::{CrackGroup, CrackKind};
 use serde::Serialize;
 

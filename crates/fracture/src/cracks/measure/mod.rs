@@ -5,12 +5,16 @@
 //! The opening along a crack is fitted with that of the model, which is widest in the middle or at the bark, so that its
 //! ends are found although its tips are thinner than a pixel.
 
+mod crack;
+mod error;
 mod fit;
 mod groups;
 mod section;
 mod trace;
 mod unrolled;
 
+pub use crack::MeasuredCrack;
+pub use error::MeasureError;
 pub use groups::CrackStatistics;
 pub use section::{PhotographedSection, SectionPhotograph};
 
@@ -18,76 +22,6 @@ use crate::parameters::{
     Crack, CrackEnd, CrackKind, CrackParameters, RadialCrack, TangentialCrack,
 };
 use serde::Serialize;
-
-/// Why cracks cannot be measured.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MeasureError {
-    /// The pixels are not as many as the size says.
-    #[error("a photograph of {width} × {height} pixels has {found} values, expected {}", width * height)]
-    Size {
-        /// Width, pixels.
-        width: usize,
-        /// Height, pixels.
-        height: usize,
-        /// Values found.
-        found: usize,
-    },
-    /// The section does not stand out from its background.
-    #[error(
-        "no section was found in the photograph: {problem}; give its outline, or the pith and a radius around it"
-    )]
-    NoSection {
-        /// What was found instead.
-        problem: String,
-    },
-    /// The outline makes no section.
-    #[error(
-        "{problem}; expected an outline around the pith ({x:.1}, {y:.1}), within the photograph"
-    )]
-    Outline {
-        /// What is wrong.
-        problem: String,
-        /// Pith, pixels from the left.
-        x: f64,
-        /// Pith, pixels from the top.
-        y: f64,
-    },
-    /// The section has too few pixels.
-    #[error(
-        "the section is {radius:.0} pixels in radius; at least {} are needed for cracks to be seen",
-        section::MIN_RADIUS
-    )]
-    Small {
-        /// Mean radius, pixels.
-        radius: f64,
-    },
-}
-
-/// A crack as it was measured. Widths are in radii of the section, as everything but angles.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeasuredCrack {
-    /// Its kind.
-    pub kind: CrackKind,
-    /// Direction about the pith, degrees counter-clockwise from the right of the photograph; for a crack along a ring that of
-    /// its beginning.
-    pub angle: f64,
-    /// Ring coordinate at which a radial crack begins; that of a crack along a ring.
-    pub begin: f64,
-    /// Ring coordinate at which a radial crack ends, 1 where it is open at the bark; for a crack along a ring the direction
-    /// of its end, degrees.
-    pub end: f64,
-    /// Whether a radial crack is widest at the bark, instead of in its middle.
-    pub open_at_bark: bool,
-    /// Greatest opening along its course.
-    pub width: f64,
-    /// Opening over the distance from the pith where that is greatest: shrinkage times range of a radial crack (rad); the
-    /// greatest opening of a crack along a ring.
-    pub opening: f64,
-    /// Root mean square distance of a radial crack from a straight line.
-    pub wander: f64,
-    /// Root mean square difference of its opening from the model's, over the greatest.
-    pub residual: f64,
-}
 
 /// The cracks of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -130,18 +64,6 @@ pub fn measure_cracks(
     })
 }
 
-impl MeasuredCrack {
-    /// Returns its length, radii.
-    pub fn length(&self) -> f64 {
-        match self.kind {
-            CrackKind::Radial => self.end - self.begin,
-            CrackKind::Tangential => {
-                (self.end - self.angle).rem_euclid(360.0).to_radians() * self.begin
-            }
-        }
-    }
-}
-
 /// A crack that is open at the bark ends there for the model.
 const AT_BARK: f64 = 1.0;
 
@@ -150,7 +72,10 @@ impl MeasuredCracks {
     /// The depth, which no photograph shows, is that of a crack as deep as it is long.
     pub fn each(&self, shrinkage: (f64, f64)) -> CrackParameters {
         let mut parameters = self.parameters();
-        parameters.cracks = (self.cracks.iter())
+        // Of cracks that would cross, the later one is left out.
+        let mut cracks: Vec<&MeasuredCrack> = self.cracks.iter().collect();
+        cracks.sort_by(|a, b| b.length().total_cmp(&a.length()));
+        parameters.cracks = (cracks.iter())
             .map(|c| match c.kind {
                 CrackKind::Radial => Crack::Radial(RadialCrack {
                     angle: c.angle,

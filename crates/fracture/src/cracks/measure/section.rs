@@ -1,13 +1,11 @@
 //! The photograph of a section, and where the section lies in it.
 
-use super::MeasureError;
+use super::error::MeasureError;
 use glam::DVec2;
 use greenstick_wood::colour::{RgbImage, linear_from_srgb};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Mean radius of the smallest section that is measured, pixels.
-pub(super) const MIN_RADIUS: f64 = 40.0;
 /// Directions of an outline that is found.
 const DIRECTIONS: usize = 360;
 /// Share of the photograph's pixels that a section takes at least.

@@ -1,7 +1,7 @@
 //! A photographed section unrolled about its pith: a row for each ring coordinate, a column for each direction.
 
-use super::section::MIN_RADIUS;
-use super::{MeasureError, PhotographedSection, SectionPhotograph};
+use super::error::{MIN_RADIUS, MeasureError};
+use super::section::{PhotographedSection, SectionPhotograph};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
