@@ -89,7 +89,7 @@ mod tests {
     fn the_bar_is_as_long_as_it_says() {
         for (pixel_size, label, metres) in [
             (1.1e-4, "2 cm", 0.02),
-            (2.6e-3, "1 m", 1.0),
+            (4.3e-3, "1 m", 1.0),
             (3e-6, "1 mm", 1e-3),
             (0.1, "20 m", 20.0),
         ] {
