@@ -109,7 +109,7 @@ fn broken_files_are_refused_with_their_name_and_fault() {
 fn wrong_options_are_refused_with_what_would_be_right() {
     let folder = Folder::new();
     let cases: [(&[&str], &[&str]); 18] = [
-        (&["--preset", "fig2"], &["fig2g", "greenstick presets"]),
+        (&["--preset", "fig2"], &["fig2b", "greenstick presets"]),
         (
             &["--preset", "splintring-tension"],
             &["splintering-tension"],
