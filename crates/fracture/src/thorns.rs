@@ -138,9 +138,9 @@ impl ThornedFace<'_> {
         let first = self.heights.len() as u32;
         for (k, &node) in cell.nodes().iter().enumerate() {
             let share = if k == tip { 1.0 } else { model.p.thorn_shaft };
-            // A thorn on a slope covers its cell.
-            let foot = foot.max(self.heights[node as usize] - share * length);
-            self.heights.push(foot + share * length);
+            // A thorn on a slope covers its cell, to the last bit.
+            let height = (foot + share * length).max(self.heights[node as usize]);
+            self.heights.push(height);
             self.nodes.push(node);
         }
         for corner in self.corners.to_mut()[cell.facets.clone()]

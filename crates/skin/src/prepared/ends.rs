@@ -2,62 +2,59 @@
 
 use super::PreparedStem;
 use glam::DVec2;
+use greenstick_fracture::cracks::EndFace;
 use greenstick_wood::appearance::EndSection;
 use greenstick_wood::rings::RingField;
 use greenstick_wood::stem::StemKind;
 use std::f64::consts::{PI, TAU};
 
-/// Distances from the farthest point of an end at which its outline is looked for, radii: the end may be slanted or chipped.
-const OUTLINE_DEPTHS: [f64; 5] = [0.02, 0.04, 0.08, 0.16, 0.32];
+/// Distances below the face of an end at which its outline is looked for, radii: its rim may be rounded or chipped.
+const OUTLINE_DEPTHS: [f64; 4] = [0.02, 0.04, 0.08, 0.16];
+/// Cosine to the normal of an end's face above which a triangle belongs to it: a plane through that is too near.
+const FACING: f64 = 0.8;
 /// Share of a direction by which a side of the outline is widened, so that none falls between two sides.
 const ROUNDING: f64 = 1e-9;
-/// Cosine to the axis above which a triangle belongs to the face of an end: a level through it is too near to the end.
-const FACING: f64 = 0.8;
 /// Directions of an outline.
 const DIRECTIONS: usize = 256;
 
 impl PreparedStem {
     /// Returns the sections at the ends of a round stem. An end is left out where the stem has none, or where it is so
-    /// slanted or torn that no outline close to it is closed.
+    /// torn that no outline parallel to its face is closed.
     pub fn end_sections(&self) -> Vec<EndSection> {
         let stem = &self.found.stem;
         if stem.kind == StemKind::Board {
             return Vec::new();
         }
-        let sections = [(stem.ends.0, -1.0), (stem.ends.1, 1.0)]
-            .into_iter()
-            .filter(|end| end.0)
-            .filter_map(|(_, sign)| {
-                let points = self.limb_points();
-                let farthest = points.map(|p| sign * p.z).fold(f64::NEG_INFINITY, f64::max);
-                let pith = stem.rings.pith();
-                OUTLINE_DEPTHS.iter().find_map(|depth| {
-                    let length = sign * (farthest - depth * stem.radius);
-                    let outline = self.outline_at(length, pith)?;
-                    let rings = RingField::from_outline(&outline, pith).ok()?;
-                    Some(EndSection { length, rings })
-                })
-            });
+        let ends = [(stem.ends.0, false), (stem.ends.1, true)];
+        let sections = ends.iter().filter(|end| end.0).filter_map(|&(_, far)| {
+            let limb = &self.found.limb;
+            let end = EndFace::fit(&self.corners, limb, &self.grain, far, stem.radius).ok()?;
+            let pith = stem.rings.pith();
+            OUTLINE_DEPTHS.iter().find_map(|depth| {
+                let outline = self.outline_below(&end, depth * stem.radius, pith)?;
+                let rings = RingField::from_outline(&outline, pith).ok()?;
+                let length = end.at(pith);
+                Some(EndSection { length, rings })
+            })
+        });
         sections.collect()
     }
 
-    fn limb_points(&self) -> impl Iterator<Item = glam::DVec3> {
-        let triangles = self.found.limb.iter();
-        triangles
-            .flat_map(|&t| self.corners[t as usize])
-            .map(|p| self.grain[p as usize])
-    }
-
-    /// Returns the outline of the limb at a length along the axis, m, as the farthest points of its skin from `pith` in
-    /// directions around it; `None` where it is not closed, or crosses the face of an end.
-    fn outline_at(&self, length: f64, pith: DVec2) -> Option<Vec<DVec2>> {
+    /// Returns the outline of the limb in the plane that lies `depth` (m) below the face of an end, as the farthest points of
+    /// its skin from `pith` in directions around it; `None` where it is not closed, or crosses the face.
+    fn outline_below(&self, end: &EndFace, depth: f64, pith: DVec2) -> Option<Vec<DVec2>> {
         let mut farthest = [f64::NAN; DIRECTIONS];
+        let sign = if end.far { 1.0 } else { -1.0 };
         for &t in &self.found.limb {
-            let points = self.corners[t as usize].map(|p| self.grain[p as usize]);
+            let points = self.corners[t as usize].map(|p| {
+                let point = self.grain[p as usize];
+                let across = point.truncate();
+                across.extend(sign * (point.z - end.at(across)) + depth)
+            });
             let crossings = (0..3).filter_map(|k| {
                 let (a, b) = (points[k], points[(k + 1) % 3]);
-                let t = (length - a.z) / (b.z - a.z);
-                ((a.z < length) != (b.z < length)).then(|| a.lerp(b, t).truncate() - pith)
+                let t = a.z / (a.z - b.z);
+                ((a.z < 0.0) != (b.z < 0.0)).then(|| a.lerp(b, t).truncate() - pith)
             });
             if let [p, q] = crossings.collect::<Vec<_>>()[..] {
                 let normal = (points[1] - points[0]).cross(points[2] - points[0]);
@@ -125,11 +122,14 @@ mod tests {
         let context = Context::quiet();
         let stem = PreparedStem::find(scene, &middle, &StemOptions::default(), &context).unwrap();
         let ends = stem.end_sections();
-        assert_eq!(ends.len(), 2);
+        assert_eq!(ends.len(), 2, "{:?}", stem.found.stem.ends);
         for end in &ends {
-            let near = stem
-                .limb_points()
-                .filter(|p| (p.z - end.length).abs() < 2e-3);
+            let far = end.length > stem.found.stem.location;
+            let (limb, radius) = (&stem.found.limb, stem.found.stem.radius);
+            let face = EndFace::fit(&stem.corners, limb, &stem.grain, far, radius).unwrap();
+            let points = limb.iter().flat_map(|&t| stem.corners[t as usize]);
+            let points = points.map(|p| stem.grain[p as usize]);
+            let near = points.filter(|p| (p.z - face.at(p.truncate())).abs() < 1e-3);
             let (mut own, mut others) = ([0.0f64; 8], [0.0f64; 8]);
             for p in near {
                 let (rho, angle) = end.rings.address(p.truncate());
