@@ -139,7 +139,10 @@ fn bad_sections_are_refused_with_the_field() {
         ("absent.json", "absent.json"),
         ("good.json --rings 0", "--rings"),
         ("good.json --radii 30,20", "radius 2"),
-        ("good.json --photo good.json --picture p.png", "expected a photograph"),
+        (
+            "good.json --photo good.json --picture p.png",
+            "expected a photograph",
+        ),
         ("good.json --widths 90,90", "ring 2"),
         ("good.json --widths 1,-1", "--widths"),
         ("good.json --pith 900,900", "pith"),
