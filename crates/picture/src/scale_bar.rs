@@ -90,7 +90,7 @@ mod tests {
         for (pixel_size, label, metres) in [
             (1.1e-4, "2 cm", 0.02),
             (4.3e-3, "1 m", 1.0),
-            (3e-6, "1 mm", 1e-3),
+            (5e-6, "1 mm", 1e-3),
             (0.1, "20 m", 20.0),
         ] {
             let (width, height) = (600_u32, 20_u32);
