@@ -501,7 +501,7 @@ mod tests {
         assert_eq!(digest, DIGEST);
     }
 
-    const DIGEST: u64 = 913_962_247_423_457_179;
+    const DIGEST: u64 = 1_178_509_892_513_809_040;
 
     #[test]
     fn the_colour_of_bark_closes_around_the_branch_and_furrows_are_dark() {
