@@ -2,7 +2,7 @@
 
 use crate::value::AUTO;
 use crate::{Kind, ParameterError, ParameterInfo, Parameters, Value, closest_names};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -50,6 +50,40 @@ type Located = (Range<usize>, Problem);
 pub fn read_toml(target: &mut dyn Parameters, text: &str) -> Result<(), DocumentError> {
     let document = DeTable::parse(text).map_err(|e| syntax_error(text, &e))?;
     read_table(target, document.get_ref(), text, &[])
+}
+
+/// Puts a TOML text that may be of an older version over a set of parameters: keys that only `former` has are put over that
+/// set, for the caller to translate.
+///
+/// # Errors
+/// As [`read_toml`].
+pub fn read_toml_with_former_keys(
+    target: &mut dyn Parameters,
+    former: &mut dyn Parameters,
+    text: &str,
+) -> Result<(), DocumentError> {
+    let document = DeTable::parse(text).map_err(|e| syntax_error(text, &e))?;
+    let is_current: BTreeSet<String> = target.list().into_iter().map(|p| p.key).collect();
+    let mut found = Vec::new();
+    for ParameterInfo { key, .. } in former.list() {
+        let mut nested = Some(document.get_ref());
+        let (path, name) = key.rsplit_once('.').unwrap_or(("", &key));
+        for table in path.split('.').filter(|t| !t.is_empty()) {
+            nested = nested.and_then(|t| match t.get(table)?.get_ref() {
+                DeValue::Table(inner) => Some(inner),
+                _ => None,
+            });
+        }
+        let value = nested.and_then(|t| t.get(name));
+        if let (Some(value), false) = (value, is_current.contains(&key)) {
+            Reader::new(former, &[])
+                .put(former, &key, value)
+                .map_err(|located| at(text, located))?;
+            found.push(key);
+        }
+    }
+    let found: Vec<&str> = found.iter().map(String::as_str).collect();
+    read_table(target, document.get_ref(), text, &found)
 }
 
 /// Puts a parsed table of `text` over a set of parameters. `read_before` are keys that the caller has read itself.

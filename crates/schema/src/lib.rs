@@ -51,7 +51,8 @@ pub use declaration::{
     text,
 };
 pub use document::{
-    DocumentError, Problem, line_and_column, read_table, read_toml, syntax_error, write_toml,
+    DocumentError, Problem, line_and_column, read_table, read_toml, read_toml_with_former_keys,
+    syntax_error, write_toml,
 };
 pub use error::ParameterError;
 pub use field::Field;

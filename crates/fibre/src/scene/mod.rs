@@ -22,6 +22,7 @@ mod assemble;
 mod built_in;
 mod choices;
 mod error;
+mod former_keys;
 mod held_axes;
 mod keys;
 mod read;

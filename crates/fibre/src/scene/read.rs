@@ -3,18 +3,21 @@
 use super::arc;
 use super::choices::{MotionChoice, SolverChoice};
 use super::error::SceneError;
+use super::former_keys::FormerKeys;
 use super::held_axes::HeldAxes;
 use super::keys::Scene;
-use greenstick_schema::{Parameters, read_toml, write_toml};
+use greenstick_schema::{Parameters, read_toml_with_former_keys, write_toml};
 
 impl Scene {
-    /// Reads a scene. Keys that it does not have are as in [`Scene::default`].
+    /// Reads a scene. Keys that it does not have are as in [`Scene::default`]; those of version 0.1.0 are translated.
     ///
     /// # Errors
     /// [`SceneError`] with the line and column of what is wrong.
     pub fn read(text: &str) -> Result<Scene, SceneError> {
         let mut scene = Scene::default();
-        read_toml(&mut scene, text)?;
+        let mut former = FormerKeys::default();
+        read_toml_with_former_keys(&mut scene, &mut former, text)?;
+        former.translate(&mut scene);
         scene.check_use()?;
         Ok(scene)
     }
