@@ -50,6 +50,8 @@ fn bundle(side: usize, bonded: bool) -> RodBundle {
                         tension_strength: 1.0,
                         shear_strength: 1.0,
                         fracture_energy: 1.0,
+                        shear_fracture_energy: 1.0,
+                        damage: 0.0,
                     });
                 }
             }

@@ -29,8 +29,12 @@ pub struct Bond {
     pub tension_strength: f64,
     /// Shear strength f_v times the facet's area, N.
     pub shear_strength: f64,
-    /// Fracture energy G_c times the facet's area, J.
+    /// Fracture energy in opening G_I times the facet's area, J.
     pub fracture_energy: f64,
+    /// Fracture energy in shear along the grain G_II times the facet's area, J.
+    pub shear_fracture_energy: f64,
+    /// Share of its stiffness against opening and slip that softening has taken, 0 to 1; never falls.
+    pub damage: f64,
 }
 
 /// All bonds of a bundle. Every array has one entry for each bond.
@@ -56,8 +60,12 @@ pub struct Bonds {
     pub tension_strength: Vec<f64>,
     /// Shear strength times the facet's area, N.
     pub shear_strength: Vec<f64>,
-    /// Fracture energy times the facet's area, J.
+    /// Fracture energy in opening times the facet's area, J.
     pub fracture_energy: Vec<f64>,
+    /// Fracture energy in shear times the facet's area, J.
+    pub shear_fracture_energy: Vec<f64>,
+    /// Share of the stiffness against opening and slip that softening has taken.
+    pub damage: Vec<f64>,
     /// Which bonds act on which vertex and edge.
     pub incidence: Incidence,
 }
@@ -111,6 +119,8 @@ impl Bonds {
             tension_strength: self.tension_strength[i],
             shear_strength: self.shear_strength[i],
             fracture_energy: self.fracture_energy[i],
+            shear_fracture_energy: self.shear_fracture_energy[i],
+            damage: self.damage[i],
         }
     }
 
@@ -149,6 +159,8 @@ impl Bonds {
             sorted.tension_strength.push(b.tension_strength);
             sorted.shear_strength.push(b.shear_strength);
             sorted.fracture_energy.push(b.fracture_energy);
+            sorted.shear_fracture_energy.push(b.shear_fracture_energy);
+            sorted.damage.push(b.damage);
         }
         sorted
     }

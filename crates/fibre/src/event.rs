@@ -29,6 +29,8 @@ pub enum Cause {
     Griffith,
     /// Stress across and along the bond's facet.
     Stress,
+    /// Work across and along the bond's facet, from its strength to its energy of fracture.
+    Cohesive,
     /// Torsion: shear along the grain at the rod's surface, where it exceeds tension.
     Torsion,
 }

@@ -352,6 +352,9 @@ impl RodBundle {
         if !(-1.0..=1.0).contains(&b.rest_cosine) {
             return fail("cosine at rest", b.rest_cosine, "from -1 to 1");
         }
+        if !(0.0..=1.0).contains(&b.damage) {
+            return fail("damage", b.damage, "from 0 to 1");
+        }
         if !(b.distance > 0.0 && b.distance.is_finite()) {
             return fail("distance at rest (m)", b.distance, "above 0 and finite");
         }
@@ -368,6 +371,7 @@ impl RodBundle {
             ("tensile strength (N)", b.tension_strength),
             ("shear strength (N)", b.shear_strength),
             ("fracture energy (J)", b.fracture_energy),
+            ("fracture energy in shear (J)", b.shear_fracture_energy),
         ];
         for (what, value) in strengths {
             if value.is_nan() || value < 0.0 {

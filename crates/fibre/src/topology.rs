@@ -110,6 +110,7 @@ impl Splits {
             tension_strength: bond.tension_strength * copy.share,
             shear_strength: bond.shear_strength * copy.share,
             fracture_energy: bond.fracture_energy * copy.share,
+            shear_fracture_energy: bond.shear_fracture_energy * copy.share,
             ..bond
         })
     }

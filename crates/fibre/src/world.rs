@@ -25,6 +25,9 @@ pub struct World {
     pub fracture_loss: f64,
     /// The stability limit as last computed. It is part of the world so that a resumed run takes the same steps.
     pub limit: Option<StabilityLimit>,
+    /// The step with which a solver that adapts its steps goes on, s; `None` for the whole. It is part of the world for the same
+    /// reason.
+    pub next_step: Option<f64>,
 }
 
 /// A stability limit of explicit steps, and the world for which it was computed.
@@ -50,6 +53,7 @@ impl World {
             events: Vec::new(),
             fracture_loss: 0.0,
             limit: None,
+            next_step: None,
         }
     }
 

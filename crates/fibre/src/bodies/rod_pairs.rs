@@ -410,6 +410,8 @@ mod tests {
             tension_strength: 1.0,
             shear_strength: 1.0,
             fracture_energy: 1.0,
+            shear_fracture_energy: 1.0,
+            damage: 0.0,
         };
         let near = |v: u32, r: u32| v / 9 != r && (v / 9).abs_diff(r) <= 5;
         let all = (0..bundle.vertices() as u32).flat_map(|v| {

@@ -1,5 +1,7 @@
 //! A fast filter for the bonds that may fail.
 
+use crate::energy::bond::BondSpring;
+use crate::failure::cohesion::least_onset;
 use crate::failure::criteria::BondCriterion;
 use crate::rod_bundle::RodBundle;
 use crate::simd::SimdLevel;
@@ -44,8 +46,8 @@ impl BondFilter {
                 continue;
             };
             let i = bond as usize;
-            // Energies are ½ k ε² d₀ and S γ².
-            let energies = [0.5 * b.transverse[i] * b.distance[i], b.shear[i]];
+            let spring = BondSpring::intact(bundle, i);
+            let energies = [0.5 * spring.opening, 0.5 * spring.slip];
             let [opening, shearing] = match criterion {
                 BondCriterion::Never => [0.0; 2],
                 BondCriterion::Potential {
@@ -57,8 +59,14 @@ impl BondFilter {
                 ],
                 BondCriterion::Griffith => energies.map(|e| e / b.fracture_energy[i]),
                 BondCriterion::Stress => {
-                    let across = b.transverse[i] / b.tension_strength[i];
-                    let along = 2.0 * b.shear[i] / b.distance[i] / b.shear_strength[i];
+                    let across = spring.opening / b.tension_strength[i];
+                    let along = spring.slip / b.shear_strength[i];
+                    [across * across, along * along]
+                }
+                BondCriterion::Cohesive => {
+                    let onset = least_onset(bundle, i);
+                    let across = spring.opening / (b.tension_strength[i] * onset);
+                    let along = spring.slip / (b.shear_strength[i] * onset);
                     [across * across, along * along]
                 }
             };

@@ -166,6 +166,8 @@ fn bond_of(vertex: u32, rod: u32) -> Bond {
         tension_strength: 1.0,
         shear_strength: 1.0,
         fracture_energy: 1.0,
+        shear_fracture_energy: 1.0,
+        damage: 0.0,
     }
 }
 
@@ -203,7 +205,7 @@ fn gradients_one_by_one_have_the_product_of_all() {
     evaluator.gather_bond_product(&example.bundle, 0, &mut out);
     let mut sum = vec![0.0; 3 * out.len()];
     evaluator.for_each_gradient(0, 1, |bond| {
-        for gradient in [&bond.length, &bond.cosine] {
+        for gradient in [&bond.opening, &bond.slip] {
             let mut change = 0.0;
             for (g, v) in gradient.iter().zip(bond.vertices) {
                 (0..3).for_each(|a| change += g[a] * x[v as usize].0[a]);
@@ -231,7 +233,7 @@ fn blocks_between_vertices_of_one_rod_are_sums_over_gradients() {
         let mut expected = vec![[0.0; 21]; blocks.len()];
         evaluator.for_each_gradient(0, 1, |bond| {
             let [v, y, _] = bond.vertices.map(|v| v as usize);
-            for g in [&bond.length, &bond.cosine] {
+            for g in [&bond.opening, &bond.slip] {
                 let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
                 for (k, (a, b)) in pairs.into_iter().enumerate() {
                     expected[v][k] += g[0][a] * g[0][b];

@@ -1,6 +1,7 @@
 //! Breaking of overstressed rods and bonds, with its record in the world's events.
 
 use super::break_place::{BreakPlace, corner_energy, move_breaks};
+use super::cohesion::Softening;
 use super::criteria::BondCriterion;
 use super::demand::{Element, FailureDetector, Overstressed, bonds_in, rod_demand, rods_in};
 use super::yielding::yield_rods;
@@ -8,14 +9,20 @@ use crate::contact::Contacts;
 use crate::energy;
 use crate::evaluator::ForceEvaluator;
 use crate::event::{Cause, Event, EventKind};
+use crate::forces::Forces;
 use crate::topology;
 use crate::world::World;
+use glam::DVec3;
 
-/// Finds what fails in the world's state and lets it fail, in a fixed order. Returns whether anything broke, so that the
-/// bundle has changed.
+/// Finds what fails in the world's state after a step of `step` seconds of symplectic Euler, and lets it fail, in a fixed order.
+/// Returns whether anything broke, so that the bundle has changed.
+///
+/// Velocities are half a step behind positions. What breaks, breaks in between: the forces before it act over the first half
+/// of the step around it and those after it over the second, without which a break adds the work of its force over half a step.
 pub(crate) fn check_after_step(
     world: &mut World,
     contacts: &mut dyn Contacts,
+    step: f64,
     evaluator: &mut ForceEvaluator,
     detector: &mut FailureDetector,
 ) -> bool {
@@ -31,8 +38,88 @@ pub(crate) fn check_after_step(
     if detector.queue.is_empty() {
         return false;
     }
+    let softened = soften(world, &mut detector.queue, 0.5 * step);
+    for bond in softened {
+        let damage = world.bundle.bonds.damage[bond as usize];
+        evaluator.set_bond_damage(&world.bundle, bond, damage);
+    }
+    if detector.queue.is_empty() {
+        return false;
+    }
+    kick(world, evaluator, 0.5 * step);
     break_elements(world, contacts, &detector.queue);
+    kick(world, evaluator, -0.5 * step);
     true
+}
+
+/// Lets the present forces act over a time (s), which may be negative, on all that no clamp holds.
+pub(crate) fn kick(world: &mut World, evaluator: &mut ForceEvaluator, time: f64) {
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = world;
+    let mut forces = Forces::zeros(bundle.vertices());
+    evaluator.forces(bundle, state, &mut forces);
+    let (x, v) = (&state.position, &state.velocity);
+    loads.add_forces(bundle, state.time, x, v, &mut forces);
+    for clamp in &loads.clamps {
+        for &v in &clamp.vertices {
+            let free = DVec3::from_array(clamp.axes.map(|held| f64::from(u8::from(!held))));
+            let force = forces.linear.get(v as usize);
+            forces.linear.set(v as usize, force * free);
+        }
+        for &e in &clamp.edges {
+            forces.moment[e as usize] = 0.0;
+        }
+    }
+    for v in 0..bundle.vertices() {
+        let change = forces.linear.get(v) * (time / bundle.mass[v]);
+        state.velocity.add(v, change);
+        if bundle.twisting && bundle.is_edge(v) {
+            state.spin[v] += forces.moment[v] * time / bundle.inertia[v];
+        }
+    }
+}
+
+/// Softens the cohesive bonds of `queue`, and leaves in it what breaks. Returns the bonds that have softened. Velocities are
+/// those of `lag` seconds before, over which the forces from before act.
+fn soften(world: &mut World, queue: &mut Vec<Overstressed>, lag: f64) -> Vec<u32> {
+    let mut softened = Vec::new();
+    if world.failure.bonds != BondCriterion::Cohesive {
+        return softened;
+    }
+    let World { bundle, state, .. } = world;
+    queue.retain(|o| {
+        let Element::Bond(bond) = o.element else {
+            return true;
+        };
+        let softening = Softening::new(bundle, state, bond as usize);
+        if softening.has_failed() {
+            return true;
+        }
+        let number = bond as usize;
+        let growth = softening.damage() - bundle.bonds.damage[number];
+        if growth > 0.0 {
+            let before = energy::bond::forces(bundle, state, number);
+            bundle.bonds.damage[number] += growth;
+            let after = energy::bond::forces(bundle, state, number);
+            let edge = bundle.bonds.edge[number] as usize;
+            let x = bundle.bonds.vertex[number] as usize;
+            for (v, force) in [
+                (x, before.0 - after.0),
+                (edge, before.1 - after.1),
+                (edge + 1, before.2 - after.2),
+            ] {
+                state.velocity.add(v, force * (lag / bundle.mass[v]));
+            }
+            world.fracture_loss += growth * softening.undamaged_energy;
+            softened.push(bond);
+        }
+        false
+    });
+    softened
 }
 
 /// Breaks all elements of `queue`, records it, and renumbers whatever names a vertex. Returns for each vertex of the bundle
@@ -86,7 +173,15 @@ pub(crate) fn record_breaks(world: &mut World, queue: &[Overstressed]) {
             Element::Bond(bond) => bond_event(world, bond as usize, o.demand),
             Element::Rod(vertex) => rod_event(world, vertex as usize, o.demand),
         };
-        world.fracture_loss += event.energy;
+        world.fracture_loss += match (o.element, world.failure.bonds) {
+            // What it took before it broke is booked as it softened.
+            (Element::Bond(bond), BondCriterion::Cohesive) => {
+                let (transverse, shear) =
+                    energy::bond::energy(&world.bundle, &world.state, bond as usize);
+                transverse + shear
+            }
+            _ => event.energy,
+        };
         world.events.push(event);
     }
 }
@@ -110,9 +205,13 @@ fn bond_event(world: &World, bond: usize, demand: f64) -> Event {
             BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
             BondCriterion::Griffith => Cause::Griffith,
             BondCriterion::Stress => Cause::Stress,
+            BondCriterion::Cohesive => Cause::Cohesive,
         },
         demand,
-        energy: transverse + shear,
+        energy: match world.failure.bonds {
+            BondCriterion::Cohesive => Softening::new(bundle, state, bond).fracture_energy,
+            _ => transverse + shear,
+        },
     }
 }
 

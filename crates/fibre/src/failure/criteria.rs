@@ -20,6 +20,8 @@ pub enum BondCriterion {
     Griffith,
     /// (σ/f_t90)² + (τ/f_v)² ≥ 1; compression across the bond does not count.
     Stress,
+    /// Softening from (σ/f_t90)² + (τ/f_v)² = 1 on, until the work done is the fracture energy.
+    Cohesive,
 }
 
 /// When a bundle fails. The default is never.

@@ -1,7 +1,8 @@
 //! How close rods and bonds are to failure: demand over strength (Sutherland 2012 §3.4).
 
+use super::cohesion::Softening;
 use super::criteria::{BondCriterion, FailureCriteria};
-use crate::energy;
+use crate::energy::{self, bond::BondSpring};
 use crate::evaluator::ForceEvaluator;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
@@ -148,9 +149,10 @@ pub(crate) fn bond_demand(
     bond: usize,
 ) -> f64 {
     let b = &bundle.bonds;
-    let opening = || {
-        let (_, d) = energy::bond::vectors(bundle, state, bond);
-        (d.length() / b.distance[bond] - 1.0).max(0.0)
+    let spring = BondSpring::new(bundle, bond);
+    let strain = || {
+        let (e, d) = energy::bond::vectors(bundle, state, bond);
+        spring.strain(e, d)
     };
     match criterion {
         BondCriterion::Never => 0.0,
@@ -164,16 +166,22 @@ pub(crate) fn bond_demand(
         BondCriterion::Griffith => {
             let (transverse, shear) = energy::bond::energy(bundle, state, bond);
             // Compression closes a crack: breaking would release none of its energy.
-            let released = if opening() > 0.0 { transverse } else { 0.0 };
+            let released = if strain().opening > 0.0 {
+                transverse
+            } else {
+                0.0
+            };
             (released + shear) / b.fracture_energy[bond]
         }
         BondCriterion::Stress => {
-            let tension = b.transverse[bond] * opening() / b.tension_strength[bond];
-            let (_, shear) = energy::bond::energy(bundle, state, bond);
-            // The energy S γ² has the force 2 S γ/d₀ along the facet, with γ = (E/S)^½.
-            let force = 2.0 * (b.shear[bond] * shear).sqrt() / b.distance[bond];
-            let along = force / b.shear_strength[bond];
+            let strain = strain();
+            let tension = spring.opening * strain.opening.max(0.0) / b.tension_strength[bond];
+            let along = spring.slip * strain.slip / b.shear_strength[bond];
             (tension * tension + along * along).sqrt()
+        }
+        BondCriterion::Cohesive => {
+            let softening = Softening::new(bundle, state, bond);
+            softening.strain / softening.threshold(b.damage[bond])
         }
     }
 }
@@ -264,27 +272,34 @@ fn find_among(
     queue.truncate(failure.max_breaks as usize);
 }
 
+/// Puts into the queue for each rod the vertex where it is most overstressed: where it breaks there, it is unloaded on both
+/// sides, so that others break only if they still are overstressed then.
 fn find_rods(bundle: &RodBundle, state: &State, queue: &mut Vec<Overstressed>) {
-    let mut push = |vertex: usize, demand: f64| {
+    for rod in 0..bundle.rods() {
+        let (range, diameter) = (bundle.rod(rod), bundle.diameter[rod]);
+        let mut most = (0.0, range.start);
+        let mut compare = |vertex: usize, demand: f64| {
+            if demand > most.0 {
+                most = (demand, vertex);
+            }
+        };
+        if bundle.twisting {
+            range.for_each(|v| compare(v, combined_rod_demand(bundle, state, v, diameter)));
+        } else {
+            let mut before = EdgeStrain::new(bundle, state, range.start);
+            for v in range.start + 1..range.end - 1 {
+                let after = EdgeStrain::new(bundle, state, v);
+                let strain = before.surface_strain(&after, before.curvature(&after), diameter);
+                compare(v, strain / bundle.tension_limit[v]);
+                before = after;
+            }
+        }
+        let (demand, vertex) = most;
         if demand >= 1.0 {
             queue.push(Overstressed {
                 demand,
                 element: Element::Rod(vertex as u32),
             });
-        }
-    };
-    for rod in 0..bundle.rods() {
-        let (range, diameter) = (bundle.rod(rod), bundle.diameter[rod]);
-        if bundle.twisting {
-            range.for_each(|v| push(v, combined_rod_demand(bundle, state, v, diameter)));
-            continue;
-        }
-        let mut before = EdgeStrain::new(bundle, state, range.start);
-        for v in range.start + 1..range.end - 1 {
-            let after = EdgeStrain::new(bundle, state, v);
-            let strain = before.surface_strain(&after, before.curvature(&after), diameter);
-            push(v, strain / bundle.tension_limit[v]);
-            before = after;
         }
     }
 }

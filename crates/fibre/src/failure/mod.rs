@@ -3,6 +3,7 @@
 //! | module | content |
 //! |---|---|
 //! | `criteria` | [`FailureCriteria`], [`BondCriterion`] |
+//! | `cohesion` | softening of bonds with a strength and an energy of fracture |
 //! | `demand` | demand over strength of rods and bonds, and the elements that exceed it |
 //! | `yielding` | yielding of rods in compression |
 //! | `break_place` | where between vertices a rod breaks |
@@ -12,6 +13,7 @@ pub(crate) mod break_place;
 #[cfg(test)]
 mod break_place_tests;
 pub(crate) mod breaking;
+pub(crate) mod cohesion;
 pub(crate) mod criteria;
 pub(crate) mod demand;
 #[cfg(test)]

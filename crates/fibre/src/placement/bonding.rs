@@ -27,8 +27,9 @@ struct FacetMaterial {
     tension_strength: f64,
     /// Shear strength along it, Pa.
     shear_strength: f64,
-    /// Fracture energy, J/m².
+    /// Fracture energy in opening and in shear along the grain, J/m².
     fracture_energy: f64,
+    shear_fracture_energy: f64,
 }
 
 fn facet_material(wood: &WoodMaterial, relative: FacetWood, radial: f64) -> FacetMaterial {
@@ -39,6 +40,7 @@ fn facet_material(wood: &WoodMaterial, relative: FacetWood, radial: f64) -> Face
         tension_strength: wood.tension_across * relative.tension,
         shear_strength: wood.shear * relative.shear,
         fracture_energy: wood.fracture_energy * relative.tension,
+        shear_fracture_energy: wood.shear_fracture_energy() * relative.shear,
     }
 }
 
@@ -125,6 +127,8 @@ pub(super) fn bonds(
                     tension_strength: material.tension_strength * strength,
                     shear_strength: material.shear_strength * strength,
                     fracture_energy: material.fracture_energy * strength,
+                    shear_fracture_energy: material.shear_fracture_energy * strength,
+                    damage: 0.0,
                 });
             }
         }

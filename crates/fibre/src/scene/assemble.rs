@@ -111,6 +111,7 @@ fn failure(scene: &Scene) -> FailureCriteria {
             },
             BondCriterionChoice::Griffith => BondCriterion::Griffith,
             BondCriterionChoice::Stress => BondCriterion::Stress,
+            BondCriterionChoice::Cohesive => BondCriterion::Cohesive,
         },
         ..FailureCriteria::default()
     }

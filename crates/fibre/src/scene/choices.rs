@@ -59,6 +59,8 @@ choices! {
         Griffith = "griffith",
         /// At the strength of their facet.
         Stress = "stress",
+        /// By softening from the strength of their facet on, until its energy of fracture is spent.
+        Cohesive = "cohesive",
     }
     /// The shape of a body.
     pub enum ShapeChoice {

@@ -190,7 +190,7 @@ parameters! {
             /// Whether rods yield in compression.
             yielding: bool = true, flag();
             /// When bonds break.
-            bonds: BondCriterionChoice = BondCriterionChoice::Stress, choice(BondCriterionChoice::CHOICES);
+            bonds: BondCriterionChoice = BondCriterionChoice::Cohesive, choice(BondCriterionChoice::CHOICES);
             /// Energy of a bond at which it breaks, for potential.
             threshold: f64 = 1e-3, number(Unit::Joule, 0.0, 1e6);
             /// Weight of shear against transverse energy, for potential.

@@ -1,17 +1,17 @@
 //! Demand over strength of bonds: a fast pass over all bonds that leaves few to check one by one.
 //!
-//! Every criterion is a sum of the squares of the bond's opening and of its shear, each times a factor of the bond.
+//! Every criterion is a sum of the squares of the bond's opening and of its slip, each times a factor of the bond.
 
 use super::bonds::{BondBatch, BondTable, vectors};
 use super::dispatch::for_each_level;
-use super::lanes::{Lanes, PaddedVec3, WIDTH, dot};
+use super::lanes::{Lanes, PaddedVec3, WIDTH};
 use super::level::SimdLevel;
 use crate::parallel::join;
 
 /// Batches that one task checks.
 const BATCHES_PER_TASK: usize = 512;
 
-/// Factors of eight bonds on the squares of their strain and of the change of their cosine.
+/// Factors of eight bonds on the squares of their opening and of their slip, 1/m².
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct DemandFactors {
@@ -85,19 +85,14 @@ unsafe fn demands_of<L: Lanes>(
     demands: &mut [Demands],
 ) {
     unsafe {
-        let (one, in_compression) = (L::splat(1.0), L::splat(in_compression));
+        let in_compression = L::splat(in_compression);
         for ((batch, factor), out) in batches.iter().zip(factors).zip(demands) {
             let now = vectors::<L>(position.as_ptr(), batch);
-            let strain = now
-                .distance
-                .mul(L::load(batch.inverse_distance.as_ptr()))
-                .sub(one);
-            let off = dot(now.e, now.d)
-                .mul(now.inverse)
-                .sub(L::load(batch.rest_cosine.as_ptr()));
-            let opening = strain.mul(strain).mul(L::load(factor.opening.as_ptr()));
-            let opening = opening.where_positive(strain, opening.mul(in_compression));
-            let shearing = off.mul(off).mul(L::load(factor.shearing.as_ptr()));
+            let open = now.across.sub(L::load(batch.rest_opening.as_ptr()));
+            let slip = now.along.sub(L::load(batch.rest_slip.as_ptr()));
+            let opening = open.mul(open).mul(L::load(factor.opening.as_ptr()));
+            let opening = opening.where_positive(open, opening.mul(in_compression));
+            let shearing = slip.mul(slip).mul(L::load(factor.shearing.as_ptr()));
             opening.add(shearing).store(out.0.as_mut_ptr());
         }
     }

@@ -1,9 +1,9 @@
-//! Bonds linearised about a state, as gradients of length and cosine. A product with them is the change of a bond's length
-//! and angle by a small motion, and the forces that this causes. A matrix with a block for each pair of vertices would take
+//! Bonds linearised about a state, as gradients of opening and slip. A product with them is the change of a bond's opening
+//! and slip by a small motion, and the forces that this causes. A matrix with a block for each pair of vertices would take
 //! ten times as long to read.
 //!
-//! Of the second derivatives only the Gauss–Newton part is used, which is never negative: for each bond k u uᵀ + 2 S w wᵀ
-//! with the gradients u of its length and w of its cosine. Gradients are rounded to single precision; the operator is still
+//! Of the second derivatives only the Gauss–Newton part is used, which is never negative: for each bond k u uᵀ + k′ w wᵀ
+//! with the gradients u of its opening and w of its slip. Gradients are rounded to single precision; the operator is still
 //! symmetric, never negative, and zero for translations.
 
 use super::bonds::{BondBatch, BondTable, vectors};
@@ -19,19 +19,22 @@ const BATCHES_PER_TASK: usize = 256;
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(crate) struct GradientBatch {
-    /// Of the length with respect to d: the unit vector along d.
-    pub(super) length: [[f32; WIDTH]; 3],
-    /// Of the cosine with respect to d.
-    pub(super) cosine_by_d: [[f32; WIDTH]; 3],
-    /// Of the cosine with respect to e.
-    pub(super) cosine_by_e: [[f32; WIDTH]; 3],
+    /// Of the opening with respect to d: the unit vector across the edge.
+    pub(super) opening: [[f32; WIDTH]; 3],
+    /// Of the opening with respect to e, over that with respect to d.
+    pub(super) opening_by_e: [f32; WIDTH],
+    /// Of the slip with respect to d: the unit vector along the edge.
+    pub(super) slip_by_d: [[f32; WIDTH]; 3],
+    /// Of the slip with respect to e.
+    pub(super) slip_by_e: [[f32; WIDTH]; 3],
 }
 
 impl GradientBatch {
     pub(crate) const ZERO: GradientBatch = GradientBatch {
-        length: [[0.0; WIDTH]; 3],
-        cosine_by_d: [[0.0; WIDTH]; 3],
-        cosine_by_e: [[0.0; WIDTH]; 3],
+        opening: [[0.0; WIDTH]; 3],
+        opening_by_e: [0.0; WIDTH],
+        slip_by_d: [[0.0; WIDTH]; 3],
+        slip_by_e: [[0.0; WIDTH]; 3],
     };
 }
 
@@ -41,10 +44,10 @@ impl GradientBatch {
 pub(crate) struct BondGradient {
     /// The vertices x, y₀ and y₁.
     pub vertices: [u32; 3],
-    /// Gradients of its length.
-    pub length: [[f64; 4]; 3],
-    /// Gradients of its cosine.
-    pub cosine: [[f64; 4]; 3],
+    /// Gradients of its opening.
+    pub opening: [[f64; 4]; 3],
+    /// Gradients of its slip.
+    pub slip: [[f64; 4]; 3],
 }
 
 impl BondTable {
@@ -87,19 +90,19 @@ impl BondTable {
     ) {
         for i in range {
             let (l, batch, s) = (i % WIDTH, &self.batches[i / WIDTH], &gradients[i / WIDTH]);
-            if batch.transverse[l] == 0.0 && batch.shear[l] == 0.0 {
+            if batch.closing[l] == 0.0 && batch.slip[l] == 0.0 {
                 continue;
             }
             let lane = |v: &[[f32; WIDTH]; 3]| [v[0][l], v[1][l], v[2][l], 0.0].map(f64::from);
             let times = |v: [f64; 4], by: f64| v.map(|v| v * by);
-            let (u, w, turn) = (lane(&s.length), lane(&s.cosine_by_d), lane(&s.cosine_by_e));
-            let t = batch.t[l];
+            let (u, w, turn) = (lane(&s.opening), lane(&s.slip_by_d), lane(&s.slip_by_e));
+            let (t, by_e) = (batch.t[l], f64::from(s.opening_by_e[l]));
             let (before, behind) = (times(w, t - 1.0), times(w, -t));
             let (x, y) = (batch.vertex[l], batch.edge[l]);
             work(&BondGradient {
                 vertices: [x, y, y + 1],
-                length: [u, times(u, t - 1.0), times(u, -t)],
-                cosine: [
+                opening: [u, times(u, t - 1.0 - by_e), times(u, by_e - t)],
+                slip: [
                     w,
                     [0, 1, 2, 3].map(|a| before[a] - turn[a]),
                     [0, 1, 2, 3].map(|a| behind[a] + turn[a]),
@@ -137,21 +140,22 @@ unsafe fn gradients_of<L: Lanes>(
     unsafe {
         for (batch, out) in batches.iter().zip(gradients) {
             let now = vectors::<L>(position.as_ptr(), batch);
-            // One over the lengths of d and e.
-            let (by_d, by_e) = (now.inverse.mul(now.edge), now.inverse.mul(now.distance));
-            let cosine = dot(now.e, now.d).mul(now.inverse);
-            let stretch = L::load(batch.transverse.as_ptr())
-                .mul(L::load(batch.inverse_distance.as_ptr()))
+            let open = now.across.sub(L::load(batch.rest_opening.as_ptr()));
+            let across = L::load(batch.opening.as_ptr())
+                .where_positive(open, L::load(batch.closing.as_ptr()))
                 .sqrt();
-            let shear = L::load(batch.shear.as_ptr()).sqrt();
-            let (on_d, on_e) = (shear.mul(by_d), shear.mul(by_e));
+            let along = L::load(batch.slip.as_ptr()).sqrt();
+            let by_e = L::splat(0.0).sub(now.along.mul(now.by_edge));
+            by_e.store_single(out.opening_by_e.as_mut_ptr());
+            let turned = along.mul(now.across).mul(now.by_edge);
             for k in 0..3 {
-                let (d, e) = (now.d[k].mul(by_d), now.e[k].mul(by_e));
-                d.mul(stretch).store_single(out.length[k].as_mut_ptr());
-                let w = e.sub(d.mul(cosine)).mul(on_d);
-                w.store_single(out.cosine_by_d[k].as_mut_ptr());
-                let turn = d.sub(e.mul(cosine)).mul(on_e);
-                turn.store_single(out.cosine_by_e[k].as_mut_ptr());
+                let e = now.e[k].mul(now.by_edge);
+                let normal = now.d[k].sub(e.mul(now.along)).mul(now.by_across);
+                normal.mul(across).store_single(out.opening[k].as_mut_ptr());
+                e.mul(along).store_single(out.slip_by_d[k].as_mut_ptr());
+                normal
+                    .mul(turned)
+                    .store_single(out.slip_by_e[k].as_mut_ptr());
             }
         }
     }
@@ -199,16 +203,19 @@ unsafe fn products_of<L: Lanes>(
                 s[2].sub(e[2].mul(t)),
             ];
             let (u, w, turn) = (
-                load_single3::<L>(&gradient.length),
-                load_single3::<L>(&gradient.cosine_by_d),
-                load_single3::<L>(&gradient.cosine_by_e),
+                load_single3::<L>(&gradient.opening),
+                load_single3::<L>(&gradient.slip_by_d),
+                load_single3::<L>(&gradient.slip_by_e),
             );
-            let longer = dot(u, d);
-            let turned = dot(w, d).add(dot(turn, e));
+            let by_e = L::load_single(gradient.opening_by_e.as_ptr());
+            let opened = dot(u, d).add(dot(u, e).mul(by_e));
+            let slipped = dot(w, d).add(dot(turn, e));
+            let tilted = opened.mul(by_e);
             let (mut on_vertex, mut on_end) = ([t; 3], [t; 3]);
             for k in 0..3 {
-                on_vertex[k] = u[k].mul(longer).add(w[k].mul(turned));
-                on_end[k] = turn[k].mul(turned).sub(on_vertex[k].mul(t));
+                on_vertex[k] = u[k].mul(opened).add(w[k].mul(slipped));
+                let turning = turn[k].mul(slipped).add(u[k].mul(tilted));
+                on_end[k] = turning.sub(on_vertex[k].mul(t));
             }
             let pairs = L::pairs(on_vertex, on_end);
             for (k, pair) in pairs.into_iter().enumerate() {

@@ -5,6 +5,7 @@
 use super::dispatch::for_each_level;
 use super::lanes::{Lanes, PaddedPair, PaddedVec3, WIDTH, difference, dot};
 use super::level::SimdLevel;
+use crate::energy::bond::BondSpring;
 use crate::parallel::join;
 use crate::rod_bundle::RodBundle;
 use std::ops::Range;
@@ -28,11 +29,13 @@ struct Task {
 #[repr(align(64))]
 pub(super) struct BondBatch {
     pub(super) t: [f64; WIDTH],
-    pub(super) inverse_distance: [f64; WIDTH],
-    pub(super) rest_cosine: [f64; WIDTH],
-    pub(super) transverse: [f64; WIDTH],
-    /// 2 S.
-    pub(super) shear: [f64; WIDTH],
+    /// The distance across the edge and the place along it at rest, m.
+    pub(super) rest_opening: [f64; WIDTH],
+    pub(super) rest_slip: [f64; WIDTH],
+    /// Stiffness against opening, against closing and against slip, N/m.
+    pub(super) opening: [f64; WIDTH],
+    pub(super) closing: [f64; WIDTH],
+    pub(super) slip: [f64; WIDTH],
     pub(super) vertex: [u32; WIDTH],
     /// Ascending.
     pub(super) edge: [u32; WIDTH],
@@ -44,12 +47,22 @@ pub(super) struct BondBatch {
 }
 
 impl BondBatch {
+    /// Sets the spring of one bond.
+    fn set_spring(&mut self, lane: usize, spring: &BondSpring) {
+        self.rest_opening[lane] = spring.rest_opening;
+        self.rest_slip[lane] = spring.rest_slip;
+        self.opening[lane] = spring.opening;
+        self.closing[lane] = spring.closing;
+        self.slip[lane] = spring.slip;
+    }
+
     const EMPTY: BondBatch = BondBatch {
         t: [0.0; WIDTH],
-        inverse_distance: [0.0; WIDTH],
-        rest_cosine: [0.0; WIDTH],
-        transverse: [0.0; WIDTH],
-        shear: [0.0; WIDTH],
+        rest_opening: [0.0; WIDTH],
+        rest_slip: [0.0; WIDTH],
+        opening: [0.0; WIDTH],
+        closing: [0.0; WIDTH],
+        slip: [0.0; WIDTH],
         vertex: [0; WIDTH],
         edge: [0; WIDTH],
         slot: [0; WIDTH],
@@ -109,10 +122,7 @@ impl BondTable {
             table.count += 1;
             if let Some(batch) = table.batches.last_mut() {
                 batch.t[l] = b.t[i];
-                batch.inverse_distance[l] = 1.0 / b.distance[i];
-                batch.rest_cosine[l] = b.rest_cosine[i];
-                batch.transverse[l] = b.transverse[i];
-                batch.shear[l] = 2.0 * b.shear[i];
+                batch.set_spring(l, &BondSpring::new(bundle, i));
                 (batch.vertex[l], batch.edge[l]) = (vertex, edge);
                 batch.same_edge |= u8::from(before == Some(edge)) << l;
             }
@@ -244,9 +254,17 @@ impl BondTable {
         for &bond in broken {
             let entry = self.entry[bond as usize] as usize;
             let batch = &mut self.batches[entry / WIDTH];
-            batch.transverse[entry % WIDTH] = 0.0;
-            batch.shear[entry % WIDTH] = 0.0;
+            batch.opening[entry % WIDTH] = 0.0;
+            batch.closing[entry % WIDTH] = 0.0;
+            batch.slip[entry % WIDTH] = 0.0;
         }
+    }
+
+    /// Sets the damage of one of the bundle's bonds.
+    pub(crate) fn set_damage(&mut self, bundle: &RodBundle, bond: u32, damage: f64) {
+        let entry = self.entry[bond as usize] as usize;
+        let spring = BondSpring::intact(bundle, bond as usize).damaged(damage);
+        self.batches[entry / WIDTH].set_spring(entry % WIDTH, &spring);
     }
 
     /// Gathers the forces of bonds on the vertices from `first` on into `out`.
@@ -269,15 +287,18 @@ impl BondTable {
     }
 }
 
-/// Eight bonds' vectors e = y₁ − y₀ and d = x − c, their lengths, and one over the product of the lengths.
+/// Eight bonds' vectors e = y₁ − y₀ and d = x − c.
 #[derive(Clone, Copy)]
 pub(super) struct Vectors<L> {
     pub(super) e: [L; 3],
     pub(super) d: [L; 3],
     t: L,
-    pub(super) edge: L,
-    pub(super) distance: L,
-    pub(super) inverse: L,
+    /// Components of d along and across the edge.
+    pub(super) along: L,
+    pub(super) across: L,
+    /// One over the edge's length, and over the component across.
+    pub(super) by_edge: L,
+    pub(super) by_across: L,
 }
 
 #[inline(always)]
@@ -299,14 +320,18 @@ pub(super) unsafe fn vectors<L: Lanes>(
             s[1].sub(e[1].mul(t)),
             s[2].sub(e[2].mul(t)),
         ];
-        let (le, ld) = (dot(e, e).sqrt(), dot(d, d).sqrt());
+        let one = L::splat(1.0);
+        let by_edge = one.div(dot(e, e).sqrt());
+        let along = dot(e, d).mul(by_edge);
+        let across = dot(d, d).sub(along.mul(along)).sqrt();
         Vectors {
             e,
             d,
             t,
-            edge: le,
-            distance: ld,
-            inverse: L::splat(1.0).div(le.mul(ld)),
+            along,
+            across,
+            by_edge,
+            by_across: one.div(across),
         }
     }
 }
@@ -322,7 +347,6 @@ unsafe fn bonds<L: Lanes>(
     sums: &mut [PaddedPair],
 ) {
     unsafe {
-        let one = L::splat(1.0);
         let mut sum = L::splat(0.0);
         let position = position.as_ptr();
         // Roots and divisions of the next batch overlap with the forces of this one.
@@ -331,29 +355,28 @@ unsafe fn bonds<L: Lanes>(
             let now = next;
             let following = (i + 1).min(batches.len() - 1);
             next = vectors::<L>(position, batches.get_unchecked(following));
-            let Vectors {
-                e, d, t, inverse, ..
-            } = now;
-            let (ie, id) = (inverse.mul(now.distance), inverse.mul(now.edge));
-            let cosine = dot(e, d).mul(inverse);
-            let shear = cosine
-                .sub(L::load(batch.rest_cosine.as_ptr()))
-                .mul(L::load(batch.shear.as_ptr()));
-            let pull = now
-                .distance
-                .mul(L::load(batch.inverse_distance.as_ptr()))
-                .sub(one)
-                .mul(L::load(batch.transverse.as_ptr()));
-            // F = B d − A e on x; turn = C e − A d; the force on y₁ is turn − t F.
-            let a = shear.mul(inverse);
-            let tilt = shear.mul(cosine);
-            let b = tilt.mul(id).sub(pull).mul(id);
-            let c = tilt.mul(ie).mul(ie);
-            let (mut on_vertex, mut on_end) = ([one; 3], [one; 3]);
+            let Vectors { e, d, t, .. } = now;
+            let opening = now.across.sub(L::load(batch.rest_opening.as_ptr()));
+            let stiffness = L::load(batch.opening.as_ptr())
+                .where_positive(opening, L::load(batch.closing.as_ptr()));
+            let pull = opening.mul(stiffness).mul(now.by_across);
+            let shear = now
+                .along
+                .sub(L::load(batch.rest_slip.as_ptr()))
+                .mul(L::load(batch.slip.as_ptr()));
+            // With the part of d across the edge, n = d − s e/|e|, the force on x is −(pull n + shear e/|e|), turn = C n, and the
+            // force on y₁ is turn − t F.
+            let on_edge = now.along.mul(now.by_edge);
+            let c = pull
+                .mul(now.along)
+                .sub(shear.mul(now.across).mul(now.by_across))
+                .mul(now.by_edge);
+            let push = shear.mul(now.by_edge);
+            let (mut on_vertex, mut on_end) = ([t; 3], [t; 3]);
             for k in 0..3 {
-                on_vertex[k] = d[k].mul(b).sub(e[k].mul(a));
-                let turn = e[k].mul(c).sub(d[k].mul(a));
-                on_end[k] = turn.sub(on_vertex[k].mul(t));
+                let normal = d[k].sub(e[k].mul(on_edge));
+                on_vertex[k] = L::splat(0.0).sub(normal.mul(pull).add(e[k].mul(push)));
+                on_end[k] = normal.mul(c).sub(on_vertex[k].mul(t));
             }
             let pairs = L::pairs(on_vertex, on_end);
             for (k, pair) in pairs.into_iter().enumerate() {

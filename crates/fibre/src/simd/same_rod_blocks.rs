@@ -80,19 +80,24 @@ unsafe fn blocks_of<L: Lanes>(
             let t = L::load(batch.t.as_ptr());
             let s = L::splat(1.0).sub(t);
             let (u, w, turn) = (
-                load_single3::<L>(&gradient.length),
-                load_single3::<L>(&gradient.cosine_by_d),
-                load_single3::<L>(&gradient.cosine_by_e),
+                load_single3::<L>(&gradient.opening),
+                load_single3::<L>(&gradient.slip_by_d),
+                load_single3::<L>(&gradient.slip_by_e),
             );
-            let (mut by_d, of_w, by_e, mixed) = (
+            let tilt = L::load_single(gradient.opening_by_e.as_ptr());
+            let (mut by_d, of_w, mut by_e, mut mixed) = (
                 square(u),
                 square(w),
                 square(turn),
                 symmetric_product(w, turn),
             );
-            let (mut start, mut end) = ([[zero; 3]; 2], [[zero; 3]; 2]);
+            let (mut start, mut end, mut tilts) = ([[zero; 3]; 2], [[zero; 3]; 2], [[zero; 3]; 2]);
             for h in 0..2 {
                 for k in 0..3 {
+                    let tilted = by_d[h][k].mul(tilt);
+                    by_e[h][k] = by_e[h][k].add(tilted.mul(tilt));
+                    mixed[h][k] = mixed[h][k].add(tilted.add(tilted));
+                    tilts[h][k] = tilted;
                     let a = by_d[h][k].add(of_w[h][k]);
                     by_d[h][k] = a;
                     start[h][k] = s.mul(s.mul(a).add(mixed[h][k])).add(by_e[h][k]);
@@ -114,6 +119,7 @@ unsafe fn blocks_of<L: Lanes>(
                         .mul(by_d[h][k])
                         .sub(s.mul(w[a]).mul(turn[b]))
                         .add(t.mul(w[b]).mul(turn[a]))
+                        .add(t.sub(s).mul(tilts[h][k]))
                         .sub(by_e[h][k]);
                 }
             }

@@ -5,8 +5,10 @@
 
 use super::grip::ResolvedGrip;
 use crate::contact::{ContactSpring, ContactTrial, Contacts};
-use crate::energy::{bend_twist, rod};
+use crate::energy::rod;
 use crate::evaluator::ForceEvaluator;
+use crate::failure::cohesion::Softening;
+use crate::failure::criteria::BondCriterion;
 use crate::forces::Forces;
 use crate::loads::Loads;
 use crate::material_frame;
@@ -20,8 +22,6 @@ use greenstick_geometry::{Cancelled, Context};
 pub(super) const FINEST_TOLERANCE: f64 = 1e-7;
 /// Rounding: no force is balanced better than this fraction of the stiffest rod's k.
 const ROUNDING: f64 = 1e-12;
-/// Forces on a vertex count as balanced up to this fraction of those in its edges.
-const BALANCED_FRACTION: f64 = 0.2;
 /// Lever arm by which moments are compared with forces, m.
 const MOMENT_ARM: f64 = 1e-3;
 
@@ -46,6 +46,8 @@ pub(super) struct EquilibriumProblem<'a> {
     pub loads: &'a Loads,
     /// Whether edges yield.
     pub yielding: bool,
+    /// Whether bonds soften ([`crate::failure::cohesion`]).
+    pub softening: bool,
     /// The state at the start of the step, from which contacts slide.
     pub start: &'a State,
     /// The state whose plastic strain is that before the step.
@@ -71,6 +73,9 @@ pub(super) struct Balance {
     /// The largest force, with which the residual is compared, N.
     pub scale: f64,
     forces: Forces,
+    /// Bonds that are softer than before the step, with their damage.
+    pub softened: Vec<(u32, f64)>,
+    suspects: Vec<u32>,
 }
 
 impl Balance {
@@ -82,6 +87,7 @@ impl Balance {
         self.evaluator = Some(ForceEvaluator::new(bundle));
         self.forces = Forces::zeros(n);
         self.residual = vec![0.0; n * self.block];
+        self.softened.clear();
     }
 
     /// Returns the number of a vertex's degree of freedom.
@@ -156,6 +162,9 @@ impl Balance {
         let bundle = problem.bundle;
         let (mut scale, stiffest) = yield_edges(problem, state);
         let mut forces = std::mem::take(&mut self.forces);
+        if problem.softening {
+            self.soften(bundle, state);
+        }
         if let Some(evaluator) = &mut self.evaluator {
             evaluator.forces(bundle, state, &mut forces);
         }
@@ -199,6 +208,26 @@ impl Balance {
         // Rounding of the stiffest rod is no force.
         self.scale = scale.max(stiffest * ROUNDING / FINEST_TOLERANCE);
         Ok(())
+    }
+
+    /// Lets bonds soften in a trial state, each from its damage before the step.
+    fn soften(&mut self, bundle: &RodBundle, state: &State) {
+        let Some(evaluator) = &mut self.evaluator else {
+            return;
+        };
+        for (bond, _) in self.softened.drain(..) {
+            let before = bundle.bonds.damage[bond as usize];
+            evaluator.set_bond_damage(bundle, bond, before);
+        }
+        evaluator.suspects(bundle, state, BondCriterion::Cohesive, &mut self.suspects);
+        for &bond in &self.suspects {
+            let softening = Softening::new(bundle, state, bond as usize);
+            let damage = softening.damage();
+            if damage > bundle.bonds.damage[bond as usize] {
+                evaluator.set_bond_damage(bundle, bond, damage);
+                self.softened.push((bond, damage));
+            }
+        }
     }
 
     fn set_residual(&mut self, bundle: &RodBundle, forces: &Forces) {
@@ -274,31 +303,6 @@ impl Balance {
                 .collect(),
             moment: (0..bundle.vertices()).map(moment).collect(),
         }
-    }
-
-    /// Whether the forces on a vertex of a rod and its neighbours are balanced but for a small fraction of those in its edges,
-    /// and so the moments on its edges. A torque counts as a couple one diameter of the rod apart.
-    pub fn is_balanced_at(&self, bundle: &RodBundle, state: &State, vertex: usize) -> bool {
-        let edges = [vertex - 1, vertex];
-        let tension = |&j: &usize| (bundle.stretch[j] * rod::strain(bundle, state, j)).abs();
-        let unbalanced = |v: usize, axis: usize| {
-            let f = self.dof(v, axis);
-            if self.held[f] { 0.0 } else { self.residual[f] }
-        };
-        let mut largest = edges.iter().map(tension).fold(0.0, f64::max);
-        if bundle.twisting {
-            let arm = bundle.diameter[bundle.rod_of(vertex)];
-            let torque = bundle.twist[vertex] * bend_twist::twist_rate(bundle, state, vertex);
-            largest = largest.max(torque.abs() / arm);
-            let allowed = BALANCED_FRACTION * largest * arm;
-            if edges.iter().any(|&j| unbalanced(j, 3).abs() > allowed) {
-                return false;
-            }
-        }
-        let allowed = BALANCED_FRACTION * largest;
-        (vertex - 1..=vertex + 1).all(|v| {
-            DVec3::from_array([0, 1, 2].map(|axis| unbalanced(v, axis))).length() <= allowed
-        })
     }
 }
 

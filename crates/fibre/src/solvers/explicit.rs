@@ -10,7 +10,7 @@ use crate::contact::{ContactStep, Contacts};
 use crate::energy::{self, energies};
 use crate::error::SolverError;
 use crate::evaluator::{ExplicitStep, ForceEvaluator};
-use crate::failure::breaking::check_after_step;
+use crate::failure::breaking::{check_after_step, kick};
 use crate::failure::demand::FailureDetector;
 use crate::forces::Forces;
 use crate::loads::Loads;
@@ -52,6 +52,8 @@ struct ClampEffect {
 pub struct Explicit {
     given: Option<f64>,
     evaluator: Option<ForceEvaluator>,
+    /// The generation of the bundle that all below is for.
+    generation: Option<u64>,
     /// Velocities after the step.
     next: Vectors,
     /// The same without contacts.
@@ -75,6 +77,7 @@ impl Explicit {
         Explicit {
             given: step,
             evaluator: None,
+            generation: None,
             next: Vectors::default(),
             free: Vectors::default(),
             position: Vectors::default(),
@@ -112,14 +115,12 @@ impl Explicit {
 
     fn prepare(&mut self, bundle: &RodBundle) {
         let n = bundle.vertices();
-        let changed = match &mut self.evaluator {
-            Some(evaluator) => evaluator.refresh(bundle),
-            None => {
-                self.evaluator = Some(ForceEvaluator::new(bundle));
-                true
-            }
-        };
-        if changed {
+        match &mut self.evaluator {
+            Some(evaluator) => _ = evaluator.refresh(bundle),
+            None => self.evaluator = Some(ForceEvaluator::new(bundle)),
+        }
+        if self.generation != Some(bundle.generation) {
+            self.generation = Some(bundle.generation);
             self.next = Vectors::zeros(n);
             self.free = Vectors::zeros(n);
             self.position = Vectors::zeros(n);
@@ -135,6 +136,15 @@ impl Explicit {
             self.inverse_inertia = (0..n).map(inverse).collect();
             self.sums = vec![0.0; ForceEvaluator::blocks(n)];
             self.rounding_energy = rounding_energy(bundle);
+        }
+    }
+
+    /// Moves velocities by half a step of `dt` seconds against positions, forwards or, with a negative one, back: between
+    /// solvers that have them at the same time and this one, which has them half a step behind.
+    pub(super) fn shift_velocities(&mut self, world: &mut World, dt: f64) {
+        self.prepare(&world.bundle);
+        if let Some(evaluator) = &mut self.evaluator {
+            kick(world, evaluator, 0.5 * dt);
         }
     }
 
@@ -266,7 +276,7 @@ impl Explicit {
         state.time += dt;
         state.step += 1;
         if let Some(evaluator) = &mut self.evaluator {
-            check_after_step(world, contacts, evaluator, &mut self.detector);
+            check_after_step(world, contacts, dt, evaluator, &mut self.detector);
         }
         Ok(())
     }

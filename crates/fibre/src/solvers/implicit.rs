@@ -82,6 +82,7 @@ impl Implicit {
             bundle,
             loads,
             yielding: world.failure.rods_yield,
+            softening: false,
             start: &world.state,
             base,
             inertia: Some(inertia),

@@ -1,4 +1,4 @@
-//! One step per frame, at real stiffness, faster than the time it shows.
+//! One step per frame, at real stiffness, and short ones while wood breaks.
 //!
 //! Each step is an equilibrium with inertia at its end (implicit Euler), found by Newton's method ([`super::newton`]), but
 //! only as accurately as a frame needs, and with linear systems solved anew each time by conjugate gradients that know rods
@@ -6,61 +6,66 @@
 //! breaks, costs as much as many frames. Methods that go from vertex to vertex (vertex block descent, position-based
 //! dynamics) do not carry a bending moment through a slender stem in any number of sweeps for which a frame has time.
 //!
-//! What is overstressed at the end of a step breaks, and the same step is repeated from there; what would still break then
-//! breaks in the next step. A crack that runs in microseconds therefore takes a few frames. Bonds that break lose their
-//! stiffness until the step ends, so that vertices are renumbered only where a rod breaks. Implicit Euler lets vibration
-//! that is fast against the frame die out, which is reported as [`AdvanceReport::dissipated`].
+//! A step at whose end something is stressed far beyond its strength is cut to where it just fails. What fails then breaks,
+//! and steps of [`CRACK_STEP`] follow, each of which breaks what it overstresses, until nothing is and the crack has come
+//! to rest; then steps grow again. A step that does not balance is divided until it does. Implicit Euler lets vibration that
+//! is fast against the step die out, which is reported as [`AdvanceReport::dissipated`] ([`super::step_energy`]).
 
 use super::balance::{EquilibriumProblem, Inertia};
+use super::explicit::Explicit;
 use super::newton::{Equilibrium, Newton, NewtonOptions};
-use super::solver::AdvanceReport;
+use super::solver::{AdvanceReport, Solver};
+use super::step_energy::StepEnergy;
 use super::stepwise::Stepwise;
+use crate::bodies::state::ContactsState;
 use crate::contact::Contacts;
 use crate::energy::energies;
 use crate::error::SolverError;
-use crate::failure::break_place::move_state;
-use crate::failure::breaking::{place_breaks, record_breaks, remove_elements};
-use crate::failure::demand::{Element, Overstressed, bonds_in, rods_in};
-use crate::failure::yielding::record_yielding;
-use crate::forces::Forces;
+use crate::failure::breaking::break_elements;
+use crate::failure::cohesion::FAILED;
+use crate::failure::criteria::BondCriterion;
+use crate::failure::demand::{Element, Overstressed, largest_demand, rods_in};
 use crate::loads::Loads;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
-use crate::topology;
 use crate::vectors::Vectors;
 use crate::world::World;
 use greenstick_geometry::Context;
 
 /// The step where none is given, s.
 pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
-/// Number of times that a step is repeated after breaks.
-const BREAK_ROUNDS: usize = 1;
-/// Elements break together with the most overstressed one from this fraction of its demand.
-const SIMULTANEOUS_BREAK_FRACTION: f64 = 0.7;
-/// From this demand an element breaks in any case: a load that grows faster than steps follow must not outrun it.
-const CERTAIN_BREAK_DEMAND: f64 = 1.3;
-/// The same where forces are not balanced yet. Without it one small bond under great strain would keep everything else whole.
-const CERTAIN_BREAK_DEMAND_UNBALANCED: f64 = 2.0;
-/// Where the breaking elements hold less than this fraction of all stored energy, the step is not repeated; the next one
-/// follows.
-const NEGLIGIBLE_ENERGY_FRACTION: f64 = 1e-2;
+/// Length of the steps in which a crack runs, s: some ten times what a wave of shear, at about 1000 m/s, takes across a section
+/// of 1 cm, so that the stress about a crack is redistributed within a step and the rest of the stem hardly moves.
+const CRACK_STEP: f64 = 1e-4;
+/// A step after which something bears more than this multiple of its strength is cut, unless a crack is running.
+const MAX_ONSET_DEMAND: f64 = 1.15;
+/// The demand at which a cut step shall end.
+const ONSET_DEMAND: f64 = 1.05;
+/// Bounds of a cut, as fractions of the step.
+const CUT_FRACTIONS: (f64, f64) = (0.05, 0.8);
+/// Factor by which steps grow when a crack has come to rest.
+const STEP_GROWTH: f64 = 4.0;
+/// Fraction of a step that is tried where the whole does not balance, and the shortest step that is tried, s.
+const DIVISION: f64 = 0.4;
+const SHORTEST_STEP: f64 = 1e-4;
 /// Largest distance that the prediction moves a vertex, in shortest edges.
 const MAX_PREDICTION: f64 = 0.5;
 /// Accuracy of a step: forces at break differ from those of the other solvers by far less.
 const OPTIONS: NewtonOptions = NewtonOptions {
     stateless: true,
     tolerance: 1e-2,
-    max_iterations: 3,
+    min_iterations: 1,
+    max_iterations: 8,
     linear_tolerance: 0.1,
-    accept_unconverged: true,
     reuse_preconditioner: true,
 };
 
-/// The interactive solver: implicit Euler, one step per frame.
+/// The interactive solver: implicit Euler, one step per frame while nothing breaks.
 #[derive(Debug, Clone)]
 pub struct Interactive {
     given: Option<f64>,
     newton: Newton,
+    explicit: Explicit,
     queue: Vec<Overstressed>,
     newton_iterations: u64,
     equilibria: u64,
@@ -77,11 +82,42 @@ pub struct InteractiveEffort {
     pub conjugate_gradients: u64,
 }
 
-/// What a step began with, for the case that it fails after something has broken.
+/// What a frame's step began with, for the case that it fails.
 struct Saved {
-    bundle: RodBundle,
     state: State,
-    loads: Loads,
+    contacts: ContactsState,
+    events: usize,
+    fracture_loss: f64,
+    /// What breaking changes.
+    unbroken: Option<(RodBundle, Loads)>,
+}
+
+impl Saved {
+    fn new(world: &World, contacts: &dyn Contacts) -> Self {
+        Saved {
+            state: world.state.clone(),
+            contacts: contacts.snapshot(),
+            events: world.events.len(),
+            fracture_loss: world.fracture_loss,
+            unbroken: None,
+        }
+    }
+
+    /// Saves what breaking changes.
+    fn keep_unbroken(&mut self, world: &World) {
+        self.unbroken
+            .get_or_insert_with(|| (world.bundle.clone(), world.loads.clone()));
+    }
+
+    fn restore(self, world: &mut World, contacts: &mut dyn Contacts) {
+        world.state = self.state;
+        world.events.truncate(self.events);
+        world.fracture_loss = self.fracture_loss;
+        if let Some((bundle, loads)) = self.unbroken {
+            (world.bundle, world.loads) = (bundle, loads);
+        }
+        contacts.restore(&self.contacts, &world.bundle, &world.loads);
+    }
 }
 
 impl Interactive {
@@ -90,6 +126,7 @@ impl Interactive {
         Interactive {
             given: step,
             newton: Newton::with_options(OPTIONS),
+            explicit: Explicit::new(None),
             queue: Vec::new(),
             newton_iterations: 0,
             equilibria: 0,
@@ -105,16 +142,17 @@ impl Interactive {
         }
     }
 
-    /// Finds the equilibrium at the end of a step of `dt` from `old`, starting the search from the world's state.
+    /// Finds the equilibrium at the end of a step of `dt` from the world's state.
     fn equilibrium(
         &mut self,
         world: &World,
-        old: &State,
         contacts: &mut dyn Contacts,
         dt: f64,
         context: &Context,
     ) -> Result<Equilibrium, SolverError> {
         self.newton.prepare(&world.bundle, &[]);
+        self.newton.renew_preconditioner();
+        let old = &world.state;
         let plus = |a: &[f64], b: &[f64]| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| a + b * dt).collect()
         };
@@ -134,244 +172,239 @@ impl Interactive {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
+            softening: world.failure.bonds == BondCriterion::Cohesive,
             start: old,
             base: old,
             inertia: Some(&inertia),
             time: old.time + dt,
         };
-        let found = self
-            .newton
-            .solve(&problem, &world.state, contacts, context)?;
+        let first = predict(&world.bundle, old, dt);
+        let found = self.newton.solve(&problem, &first, contacts, context)?;
         self.newton_iterations += found.iterations as u64;
         self.equilibria += 1;
         Ok(found)
     }
 
-    /// Takes a step. Where it fails, `saved` has what of the world must be restored.
-    fn take_step(
+    /// Goes on by `dt`, in one step or in those that breaking needs.
+    fn go_on(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
         dt: f64,
-        saved: &mut Option<Saved>,
+        saved: &mut Saved,
         context: &Context,
     ) -> Result<StepEnergy, SolverError> {
-        let stored = energies(&world.bundle, &world.state).total() + contacts.stored_energy();
-        let fracture_loss = world.fracture_loss;
-        let mut old = world.state.clone();
-        predict(world, dt);
-        self.newton.renew_preconditioner();
-        // Bonds without stiffness, which are removed at the end or with the next rod that breaks.
-        let mut weakened = Vec::new();
-        let mut start = WorkStart {
-            state: old.clone(),
-            work: 0.0,
-        };
-        // Vertices at which rods break when the step has ended.
-        let mut late_splits = Vec::new();
-        let mut round = 0;
-        let found = loop {
-            let mut found = match self.equilibrium(world, &old, contacts, dt, context) {
-                Ok(found) => found,
-                Err(error) => {
-                    if saved.is_none() {
-                        world.state = old;
+        let end = world.state.time + dt;
+        let mut energy = StepEnergy::default();
+        let mut step = world.next_step.unwrap_or(dt).min(dt);
+        let mut hold = 0u32;
+        while end - world.state.time > 1e-9 * dt {
+            let left = end - world.state.time;
+            // What is left after a step is worth a step of its own.
+            let planned = step;
+            step = if step > 0.7 * left { left } else { step };
+            let t0 = std::time::Instant::now();
+            let tot = |w: &World, c: &dyn Contacts| {
+                energies(&w.bundle, &w.state).total()
+                    + c.stored_energy()
+                    + w.fracture_loss
+                    + {
+                        let l = c.snapshot().bodies.ledger;
+                        l.dissipated - l.work
                     }
-                    return Err(error);
-                }
+                    + c.body_energy()
             };
-            if round == BREAK_ROUNDS || !self.find_breaks(world, &found) {
-                break found;
+            let e0 = tot(world, contacts);
+            let found = self.equilibrium(world, contacts, step, context);
+            if std::env::var("CRK").is_ok() {
+                eprintln!(
+                    "t {:.6} step {:.3e} it {} cg {} ev {} ok {} {:.3} s",
+                    world.state.time,
+                    step,
+                    self.newton_iterations,
+                    self.newton.conjugate_gradients(),
+                    world.events.len(),
+                    found.is_ok(),
+                    t0.elapsed().as_secs_f64()
+                );
             }
-            round += 1;
-            std::mem::swap(&mut world.state, &mut found.state);
-            let before = world.fracture_loss;
-            record_breaks(world, &self.queue);
-            let released = world.fracture_loss - before;
-            if found.converged && released < NEGLIGIBLE_ENERGY_FRACTION * stored {
-                std::mem::swap(&mut world.state, &mut found.state);
-                weakened.extend(bonds_in(&self.queue));
-                late_splits = rods_in(&self.queue);
-                break found;
+            let found = match found {
+                Err(SolverError::NotConverged { .. }) => {
+                    hold = 3;
+                    if step > SHORTEST_STEP {
+                        step *= DIVISION;
+                    } else {
+                        saved.keep_unbroken(world);
+                        energy += self.run_crack(world, contacts, end, context)?;
+                        step = dt;
+                    }
+                    continue;
+                }
+                found => found?,
+            };
+            let its = found.iterations;
+            let demand = self.find_breaks(world, &found);
+            if demand > MAX_ONSET_DEMAND && step > 2.0 * CRACK_STEP {
+                step = cut(world, demand, step);
+                continue;
             }
-            saved.get_or_insert_with(|| Saved {
-                bundle: world.bundle.clone(),
-                state: old.clone(),
-                loads: world.loads.clone(),
-            });
-            start.work += work(world, &start.state, &found.reaction, old.time + dt);
-            if let Some(before) = self.break_queue(world, &mut old, contacts, &mut weakened) {
-                topology::split_state(&mut old, &before);
+            saved.keep_unbroken(world);
+            let one = StepEnergy::accept(world, contacts, &mut self.newton, found, step);
+            if std::env::var("CRK").is_ok() {
+                eprintln!(
+                    "BAL step {:+.5}",
+                    tot(world, contacts) - e0 - one.work + one.damped + one.dissipated
+                );
             }
-            start.state.clone_from(&world.state);
-        };
-        world.state = old;
-        let mut energy = accept(world, contacts, found, &start, dt);
-        if !(weakened.is_empty() && late_splits.is_empty()) {
-            let placed = place_breaks(world, weakened, &late_splits);
-            remove_elements(world, contacts, placed.bonds, late_splits);
+            energy += one;
+            step = planned.max(step);
+            if its > 5 {
+                step *= 0.7;
+                hold = 2;
+            } else if hold > 0 {
+                hold -= 1;
+            } else if its <= 3 {
+                step *= 1.7;
+            }
+            if !self.queue.is_empty() {
+                let splits = !rods_in(&self.queue).is_empty();
+                let e0 = tot(world, contacts);
+                break_elements(world, contacts, &self.queue);
+                let e1 = tot(world, contacts);
+                if splits {
+                    let one = self.run_crack(world, contacts, end, context)?;
+                    if std::env::var("CRK").is_ok() {
+                        eprintln!(
+                            "BAL break {:+.5} burst {:+.5}",
+                            e1 - e0,
+                            tot(world, contacts) - e1 - one.work + one.damped
+                        );
+                    }
+                    energy += one;
+                    step = dt;
+                }
+            }
         }
-        let after = energies(&world.bundle, &world.state).total() + contacts.stored_energy();
-        let fractured = world.fracture_loss - fracture_loss;
-        energy.dissipated =
-            stored + energy.work + energy.contact - energy.damped - fractured - after;
+        world.next_step = Some(step).filter(|s| *s < dt);
         Ok(energy)
     }
 
-    /// Breaks the elements of the queue. Bonds lose their stiffness, and are removed with the next rod that breaks. Returns
-    /// for each vertex its number before, where that changes. `old` is the start of the step.
-    fn break_queue(
+    /// Follows a crack by explicit steps until nothing has broken for a while, or until the time `end`.
+    fn run_crack(
         &mut self,
         world: &mut World,
-        old: &mut State,
         contacts: &mut dyn Contacts,
-        weakened: &mut Vec<u32>,
-    ) -> Option<Vec<u32>> {
-        let (bonds, splits) = (bonds_in(&self.queue), rods_in(&self.queue));
-        for &b in &bonds {
-            world.bundle.bonds.transverse[b as usize] = 0.0;
-            world.bundle.bonds.shear[b as usize] = 0.0;
-        }
-        self.newton.remove_bond_stiffness(&world.bundle, &bonds);
-        weakened.extend(bonds);
-        if splits.is_empty() {
-            return None;
-        }
-        let placed = place_breaks(world, std::mem::take(weakened), &splits);
-        move_state(old, &world.bundle, &placed.places);
-        Some(remove_elements(world, contacts, placed.bonds, splits))
-    }
-
-    /// Puts into the queue what breaks at the end of a step. Where forces are not balanced yet, overstress may come from that
-    /// alone: it must be greater, and rods break only where the forces on their own vertices are balanced.
-    fn find_breaks(&mut self, world: &World, found: &Equilibrium) -> bool {
-        let (bundle, state) = (&world.bundle, &found.state);
-        let mut queue = std::mem::take(&mut self.queue);
-        queue.clear();
-        queue.extend_from_slice(self.newton.detect(&world.failure, bundle, state));
-        let newton = &self.newton;
-        queue.retain(|o| match o.element {
-            Element::Bond(_) => true,
-            Element::Rod(vertex) => {
-                found.converged || newton.is_balanced_at(bundle, state, vertex as usize)
-            }
-        });
-        let simultaneous = SIMULTANEOUS_BREAK_FRACTION * queue.first().map_or(0.0, |o| o.demand);
-        let certain = if found.converged {
-            CERTAIN_BREAK_DEMAND
-        } else {
-            CERTAIN_BREAK_DEMAND_UNBALANCED
+        end: f64,
+        context: &Context,
+    ) -> Result<StepEnergy, SolverError> {
+        let var = |n: &str, d: f64| {
+            std::env::var(n)
+                .ok()
+                .and_then(|s| s.parse().ok())
+                .unwrap_or(d)
         };
-        queue.retain(|o| o.demand >= simultaneous.min(certain));
-        self.queue = queue;
-        !self.queue.is_empty()
+        let (chunk, quiet_time) = (var("CHUNK", 5e-5), var("QUIET", 2e-4));
+        let damping = world.loads.damping;
+        let interval =
+            std::mem::replace(&mut world.failure.check_interval, var("EVERY", 4.0) as u32);
+        let loss0 = world.fracture_loss;
+        let between = std::mem::replace(&mut world.failure.between_vertices, false);
+        world.loads.damping = var("DAMP", 1000.0);
+        let mut quiet = 0.0;
+        let mut energy = StepEnergy::default();
+        let start = world.state.time;
+        let explicit_step = self.explicit.step(world, context)?;
+        self.explicit.shift_velocities(world, -explicit_step);
+        let (ev, t0) = (world.events.len(), std::time::Instant::now());
+        while quiet < quiet_time && world.state.time < end {
+            let before = (world.events.len(), world.fracture_loss);
+            let duration = chunk.min(end - world.state.time);
+            let done = self
+                .explicit
+                .advance(world, contacts, duration, &context.silenced())?;
+            energy.work += done.work;
+            energy.damped += done.damped;
+            let stored = energies(&world.bundle, &world.state).potential();
+            let lost = world.fracture_loss - before.1;
+            let busy = lost > 2.0 * done.work.abs() && lost > var("REL", 1e-4) * stored;
+            quiet = if busy { 0.0 } else { quiet + duration };
+        }
+        self.explicit.shift_velocities(world, explicit_step);
+        world.loads.damping = damping;
+        world.failure.check_interval = interval;
+        world.failure.between_vertices = between;
+        world.bundle.generation += 1;
+        if std::env::var("CRK").is_ok() {
+            let e = energies(&world.bundle, &world.state);
+            eprintln!(
+                "burst {:.6} +{:.2e}: {} events, loss {:.4}, kinetic {:.4} potential {:.4} in {:.2} s",
+                start,
+                world.state.time - start,
+                world.events.len() - ev,
+                world.fracture_loss - loss0,
+                e.kinetic,
+                e.potential(),
+                t0.elapsed().as_secs_f64()
+            );
+        }
+        Ok(energy)
+    }
+
+    /// Puts into the queue what breaks in an equilibrium. Returns the greatest demand on rods there, or 0 where none breaks.
+    fn find_breaks(&mut self, world: &World, found: &Equilibrium) -> f64 {
+        let (bundle, state) = (&world.bundle, &found.state);
+        let mut failure = world.failure;
+        if failure.bonds == BondCriterion::Cohesive {
+            failure.bonds = BondCriterion::Never;
+        }
+        let broken = self.newton.detect(&failure, bundle, state);
+        self.queue.clear();
+        self.queue.extend_from_slice(broken);
+        for &(bond, damage) in &found.softened {
+            if damage >= FAILED {
+                // Its traction is the law's at all times.
+                self.queue.push(Overstressed {
+                    demand: 1.0,
+                    element: Element::Bond(bond),
+                });
+            }
+        }
+        broken.first().map_or(0.0, |o| o.demand)
     }
 }
 
-/// From where the work of the rest of a step counts: its start, or the state in which something broke, from which loads and
-/// clamps do the rest of their work on what is left.
-struct WorkStart {
-    state: State,
-    /// The work up to there, J.
-    work: f64,
+/// The part of a step that ends about where the first element fails; after the whole of it the greatest demand is `demand`.
+fn cut(world: &World, demand: f64, step: f64) -> f64 {
+    let mut failure = world.failure;
+    failure.bonds = BondCriterion::Never;
+    let before = largest_demand(&failure, &world.bundle, &world.state);
+    let fraction = (ONSET_DEMAND - before) / (demand - before);
+    let (least, most) = CUT_FRACTIONS;
+    let fraction = if fraction.is_finite() {
+        fraction.clamp(least, most)
+    } else {
+        least
+    };
+    (fraction * step).max(CRACK_STEP)
 }
 
-/// Energy of a step, J.
-#[derive(Debug, Clone, Copy, Default)]
-struct StepEnergy {
-    work: f64,
-    damped: f64,
-    /// Work of bodies less friction.
-    contact: f64,
-    dissipated: f64,
-}
-
-/// Ends a step of `dt` from the world's state with the equilibrium found.
-fn accept(
-    world: &mut World,
-    contacts: &mut dyn Contacts,
-    found: Equilibrium,
-    start: &WorkStart,
-    dt: f64,
-) -> StepEnergy {
-    let old = std::mem::replace(&mut world.state, found.state);
-    for v in 0..world.bundle.vertices() {
-        let way = world.state.position.get(v) - old.position.get(v);
-        world.state.velocity.set(v, way / dt);
-        world.state.spin[v] = (world.state.angle[v] - old.angle[v]) / dt;
-    }
-    world.state.time = old.time + dt;
-    world.state.step = old.step + 1;
-    let yielded = record_yielding(world, &old);
-    world.fracture_loss += yielded;
-    let contact = contacts.accept(&old, old.time + dt, &found.springs);
-    StepEnergy {
-        work: start.work + work(world, &start.state, &found.reaction, world.state.time),
-        damped: damping_power(world) * dt,
-        contact: contact.work - contact.dissipated,
-        ..StepEnergy::default()
-    }
-}
-
-/// Moves everything on with its velocity: where equilibria follow each other smoothly, the next one is near there. It leaves
-/// the state alone where something flies, which would fold.
-fn predict(world: &mut World, dt: f64) {
-    let World { bundle, state, .. } = world;
+/// The state with everything moved on with its velocity: where equilibria follow each other smoothly, the next one is near
+/// there. It is the state itself where something flies, which would fold.
+fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
+    let mut predicted = state.clone();
     let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
     let shortest = edges.fold(f64::INFINITY, |a, j| a.min(bundle.rest_length[j]));
     let fastest = (state.velocity.iter()).fold(0.0, |a: f64, v| a.max(v.length_squared()));
     let limit = MAX_PREDICTION * shortest / dt;
     if fastest.is_nan() || fastest > limit * limit {
-        return;
+        return predicted;
     }
     for v in 0..bundle.vertices() {
-        state.position.add(v, state.velocity.get(v) * dt);
-        state.angle[v] += state.spin[v] * dt;
+        predicted.position.add(v, state.velocity.get(v) * dt);
+        predicted.angle[v] += state.spin[v] * dt;
     }
-    state.transport_frames(bundle);
-}
-
-/// Returns the work of loads and of clamps from a state to that of the world, J. Forces are those at its end, as the method
-/// has them; those of clamps are `reaction`, loads are those at `time` (s).
-fn work(world: &World, from: &State, reaction: &Forces, time: f64) -> f64 {
-    let World {
-        bundle,
-        state,
-        loads,
-        ..
-    } = world;
-    let mut forces = Forces::zeros(bundle.vertices());
-    loads.add_forces(bundle, time, &state.position, &state.velocity, &mut forces);
-    let mut work = 0.0;
-    for v in 0..bundle.vertices() {
-        let way = state.position.get(v) - from.position.get(v);
-        work += (forces.linear.get(v) + reaction.linear.get(v)).dot(way);
-        if bundle.twisting {
-            let turn = state.angle[v] - from.angle[v];
-            work += (forces.moment[v] + reaction.moment[v]) * turn;
-        }
-    }
-    work
-}
-
-/// Returns the power of damping, W.
-fn damping_power(world: &World) -> f64 {
-    let World {
-        bundle,
-        state,
-        loads,
-        ..
-    } = world;
-    let twice_kinetic = (0..bundle.vertices()).fold(0.0, |sum, v| {
-        let linear = bundle.mass[v] * state.velocity.get(v).length_squared();
-        let spin = if bundle.twisting {
-            bundle.inertia[v] * state.spin[v] * state.spin[v]
-        } else {
-            0.0
-        };
-        sum + linear + spin
-    });
-    loads.damping * twice_kinetic
+    predicted.transport_frames(bundle);
+    predicted
 }
 
 impl Stepwise for Interactive {
@@ -390,10 +423,8 @@ impl Stepwise for Interactive {
         report: &mut AdvanceReport,
         context: &Context,
     ) -> Result<(), SolverError> {
-        let (bodies, events) = (contacts.snapshot(), world.events.len());
-        let fracture_loss = world.fracture_loss;
-        let mut saved = None;
-        match self.take_step(world, contacts, dt, &mut saved, context) {
+        let mut saved = Saved::new(world, contacts);
+        match self.go_on(world, contacts, dt, &mut saved, context) {
             Ok(energy) => {
                 report.work += energy.work;
                 report.damped += energy.damped;
@@ -402,16 +433,11 @@ impl Stepwise for Interactive {
                 Ok(())
             }
             Err(error) => {
-                if let Some(saved) = saved {
-                    world.bundle = saved.bundle;
-                    world.state = saved.state;
-                    world.loads = saved.loads;
+                if saved.unbroken.is_some() {
                     // The solver's data are those of the broken bundle.
                     self.newton = Newton::with_options(OPTIONS);
                 }
-                world.events.truncate(events);
-                world.fracture_loss = fracture_loss;
-                contacts.restore(&bodies, &world.bundle, &world.loads);
+                saved.restore(world, contacts);
                 Err(error)
             }
         }

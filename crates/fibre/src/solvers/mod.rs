@@ -5,7 +5,7 @@
 //! | `solver` | [`Solver`], the interface of all; `stepwise`: those that go in equal steps |
 //! | `explicit` | [`Explicit`]: symplectic Euler, the reference; `stability` finds its step |
 //! | `implicit` | [`Implicit`]: time steps of animation at real stiffness |
-//! | `interactive` | [`Interactive`]: one step per frame |
+//! | `interactive` | [`Interactive`]: one step per frame, short ones while wood breaks |
 //! | `quasi_static` | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
 //! | `newton` | Newton's method on all energies, loads and inertia, with yielding and grips; `balance`: its unbalanced forces |
 //! | `limit_step` | limits Newton steps |
@@ -23,6 +23,7 @@ mod newton;
 mod quasi_static;
 mod solver;
 mod stability;
+mod step_energy;
 mod stepwise;
 
 pub use explicit::{BLOW_UP_RATIO, Explicit};

@@ -8,6 +8,7 @@ use super::grip::{Grip, ResolvedGrip};
 use super::limit_step::limit_step;
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
 use crate::contact::{ContactSpring, Contacts};
+use crate::energy::add_forces;
 use crate::error::SolverError;
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{FailureDetector, Overstressed, find_overstressed};
@@ -25,14 +26,9 @@ const LINEAR_TOLERANCE: f64 = 1e-3;
 const LINE_SEARCH_TRIALS: usize = 8;
 /// The line search accepts a step whose end has at most this fraction of the slope at its start.
 const SLOPE_REDUCTION: f64 = 0.5;
-/// Where the largest unbalanced force exceeds the largest force in a rod at the start by this factor, accepting it would add
-/// energy from nowhere, and the iteration continues.
-const WILD_RESIDUAL_RATIO: f64 = 8.0;
 /// A state counts as balanced at the start of a step up to this multiple of the tolerance with which it was found: contacts
 /// that have ended since, and the friction of others, differ by a little.
 const START_TOLERANCE_RATIO: f64 = 10.0;
-/// The iteration then continues for at most this multiple of the usual iterations.
-const WILD_ITERATIONS_FACTOR: usize = 3;
 
 /// An equilibrium.
 pub(super) struct Equilibrium {
@@ -41,9 +37,9 @@ pub(super) struct Equilibrium {
     pub reaction: Forces,
     /// Contacts.
     pub springs: Vec<ContactSpring>,
+    /// Bonds that are softer than before the step, with their damage.
+    pub softened: Vec<(u32, f64)>,
     pub iterations: usize,
-    /// Whether forces are balanced to the tolerance.
-    pub converged: bool,
 }
 
 /// The forces in the state from which a load step starts.
@@ -90,12 +86,13 @@ pub(super) struct NewtonOptions {
     pub stateless: bool,
     /// Unbalanced forces fall to this fraction of the largest force in a rod.
     pub tolerance: f64,
+    /// Least number of Newton iterations: a load on all vertices is small at each of them, and a coarse tolerance would not
+    /// see it.
+    pub min_iterations: usize,
     /// Largest number of Newton iterations.
     pub max_iterations: usize,
     /// Relative accuracy of each linear solution.
     pub linear_tolerance: f64,
-    /// Whether the last iterate is taken where the iterations do not suffice.
-    pub accept_unconverged: bool,
     /// Whether the preconditioner of the first iteration serves all that follow until [`Newton::renew_preconditioner`].
     pub reuse_preconditioner: bool,
 }
@@ -105,9 +102,9 @@ impl NewtonOptions {
     pub const STATELESS: NewtonOptions = NewtonOptions {
         stateless: true,
         tolerance: FINEST_TOLERANCE,
+        min_iterations: 0,
         max_iterations: MAX_ITERATIONS,
         linear_tolerance: LINEAR_TOLERANCE,
-        accept_unconverged: false,
         reuse_preconditioner: false,
     };
 }
@@ -134,8 +131,6 @@ struct Iteration {
     /// The largest unbalanced force, N, and the one that counts as balanced.
     residual: f64,
     tolerance: f64,
-    /// The largest force in a rod at the start, N.
-    initial_scale: f64,
 }
 
 impl Newton {
@@ -175,9 +170,15 @@ impl Newton {
         &detector.queue
     }
 
-    /// Whether the forces about a vertex of a rod were balanced in the last trial.
-    pub fn is_balanced_at(&self, bundle: &RodBundle, state: &State, vertex: usize) -> bool {
-        self.balance.is_balanced_at(bundle, state, vertex)
+    /// Adds the forces of rods and bonds of the prepared bundle in a state.
+    pub fn internal_forces(&mut self, bundle: &RodBundle, state: &State, forces: &mut Forces) {
+        match &mut self.balance.evaluator {
+            Some(evaluator) => evaluator.forces(bundle, state, forces),
+            None => add_forces(bundle, state, forces),
+        }
+        if !bundle.twisting {
+            forces.moment.fill(0.0);
+        }
     }
 
     /// Has the preconditioner made anew in the next iteration.
@@ -291,17 +292,11 @@ impl Newton {
             allowed: self.options.max_iterations,
             residual: self.balance.largest_residual(),
             tolerance: self.options.tolerance * self.balance.scale,
-            initial_scale: self.balance.scale,
         };
         let pending = |prescribed: &[f64]| prescribed.iter().any(|d| *d != 0.0);
-        // A load on all vertices is small at each of them: a coarse tolerance would not see it.
-        let at_least = usize::from(pending(&prescribed) || self.options.accept_unconverged);
+        let at_least = self.options.min_iterations;
         while now.count < at_least || now.residual > now.tolerance || pending(&prescribed) {
-            let limit = self.iteration_limit(&now);
-            if now.count >= limit || !now.residual.is_finite() {
-                if self.options.accept_unconverged && now.residual.is_finite() {
-                    break;
-                }
+            if now.count >= now.allowed || !now.residual.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: problem.time,
                     iterations: now.count,
@@ -311,7 +306,7 @@ impl Newton {
             }
             let mut step = self.newton_step(problem, &iterates.state, &prescribed, context)?;
             let search = !pending(&prescribed);
-            let last = now.count + 1 >= limit;
+            let last = now.count + 1 >= now.allowed;
             let block = self.balance.block;
             let limited = limit_step(bundle, block, last, &mut step, &mut prescribed);
             if limited && now.allowed < 2 * self.options.max_iterations {
@@ -321,23 +316,67 @@ impl Newton {
             now.count += 1;
             now.residual = self.balance.largest_residual();
             now.tolerance = self.options.tolerance * self.balance.scale;
+            if std::env::var("NWT").is_ok() {
+                let b = &self.balance;
+                let (mut f, mut m) = (0, 0.0);
+                for k in 0..b.residual.len() {
+                    if !b.held[k] {
+                        let r = if k % b.block == 3 {
+                            b.residual[k].abs() / 0.01
+                        } else {
+                            b.residual[k].abs()
+                        };
+                        if r > m {
+                            m = r;
+                            f = k;
+                        }
+                    }
+                }
+                let v = (0..bundle.vertices())
+                    .find(|&v| (0..b.block).any(|a| b.dof(v, a) == f))
+                    .unwrap_or(0);
+                let touched = b
+                    .springs
+                    .iter()
+                    .filter(|s| s.shares().any(|(w, _)| w == v))
+                    .count();
+                let r = bundle.rod_of(v);
+                let bonds = bundle
+                    .bonds
+                    .vertex
+                    .iter()
+                    .filter(|&&w| w as usize == v)
+                    .count();
+                let big = step
+                    .iter()
+                    .enumerate()
+                    .filter(|(k, _)| k % b.block != 3)
+                    .map(|(_, d)| d.abs())
+                    .fold(0.0, f64::max);
+                eprintln!(
+                    "   it {} res {:.3e} tol {:.3e} scale {:.2e} v {} axis {} rod len {} touched {} bonds {} springs {} limited {} step {:.2e}",
+                    now.count,
+                    now.residual,
+                    now.tolerance,
+                    b.scale,
+                    v,
+                    f % b.block,
+                    bundle.rod(r).len(),
+                    touched,
+                    bonds,
+                    b.springs.len(),
+                    limited,
+                    big
+                );
+            }
         }
         Ok(Equilibrium {
             state: iterates.state,
             reaction: self.balance.reaction(bundle),
             springs: std::mem::take(&mut self.balance.springs),
+            softened: self.balance.softened.clone(),
             iterations: now.count,
-            converged: now.residual <= now.tolerance,
         })
-    }
-
-    fn iteration_limit(&self, now: &Iteration) -> usize {
-        let wild = now.residual > WILD_RESIDUAL_RATIO * now.initial_scale;
-        if self.options.accept_unconverged && wild {
-            WILD_ITERATIONS_FACTOR * self.options.max_iterations
-        } else {
-            now.allowed
-        }
     }
 
     /// Moves the iterate along a step, with a line search where `search` says so.

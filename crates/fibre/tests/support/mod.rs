@@ -71,6 +71,8 @@ pub fn bond_all(bundle: &mut RodBundle, reach: f64, transverse: f64, shear: f64)
                 tension_strength: 1.0,
                 shear_strength: 1.0,
                 fracture_energy: 1e-3,
+                shear_fracture_energy: 3e-3,
+                damage: 0.0,
             });
         }
     }

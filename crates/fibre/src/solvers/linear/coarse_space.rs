@@ -352,9 +352,9 @@ impl Pairs<'_> {
         }
         let masked =
             |of: &Column, v: usize| -> Column { std::array::from_fn(|a| of[a] * free[v].0[a]) };
-        let (u, w) = (masked(&bond.length[0], x), masked(&bond.cosine[0], x));
+        let (u, w) = (masked(&bond.opening[0], x), masked(&bond.slip[0], x));
         let rows = |n: usize, v: usize| {
-            let (g, h) = (masked(&bond.length[n], v), masked(&bond.cosine[n], v));
+            let (g, h) = (masked(&bond.opening[n], v), masked(&bond.slip[n], v));
             weighted_rows(&weight[v], 1.0, |a, b| u[a] * g[b] + w[a] * h[b])
         };
         let (p, q, r) = (piece[x], piece[y], piece[z]);
