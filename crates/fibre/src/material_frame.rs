@@ -6,6 +6,7 @@
 //! across the vertex, to the second.
 
 use glam::DVec3;
+use std::f64::consts::TAU;
 
 /// Transports `v` from an edge along `from` to one along `to` (unit vectors) without turning it about them.
 ///
@@ -76,6 +77,6 @@ pub(crate) fn reference_twist(
     (t1, d1): (DVec3, DVec3),
     guess: f64,
 ) -> f64 {
-    let transported = rotate_director(parallel_transport(d0, t0, t1), t1, guess);
-    guess + signed_angle(transported, d1, t1)
+    let angle = signed_angle(parallel_transport(d0, t0, t1), d1, t1);
+    angle + TAU * ((guess - angle) / TAU).round()
 }

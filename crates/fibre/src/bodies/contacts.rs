@@ -78,6 +78,7 @@ impl Contacts for Bodies {
 
     fn vertices_renumbered(&mut self, bundle: &RodBundle, before: &[u32]) {
         let held: Vec<bool> = self.inverse_mass.iter().map(|w| *w == 0.0).collect();
+        self.rods.renumber(before);
         self.take_bundle(bundle);
         for (v, &b) in before.iter().enumerate() {
             if held.get(b as usize) == Some(&true) {

@@ -16,6 +16,8 @@ use greenstick_geometry::{Cancelled, Context};
 const REST_DISTANCE_FRACTION: f64 = 0.9;
 /// Margin of the search for pairs, in the thickest rod's radii.
 const SEARCH_MARGIN: f64 = 1.0;
+/// Where something has moved by half the margin, all that has moved by this fraction of it is searched again.
+const MOVED_FRACTION: f64 = 0.25;
 /// Edges whose pairs are searched between two checks for cancellation.
 const EDGES_PER_CHECK: usize = 1 << 12;
 
@@ -99,7 +101,7 @@ impl RodPairs {
         }
         let mut pieces = vec![0u32; bundle.parent.iter().max().map_or(0, |p| *p as usize + 1)];
         (bundle.parent.iter()).for_each(|p| pieces[*p as usize] += 1);
-        self.loose = vec![true; bundle.vertices()];
+        let was_loose = std::mem::replace(&mut self.loose, vec![true; bundle.vertices()]);
         for rod in 0..bundle.rods() {
             let broken = pieces[bundle.parent[rod] as usize] > 1;
             for j in bundle.rod(rod) {
@@ -108,6 +110,34 @@ impl RodPairs {
             }
         }
         self.bond_counts = counts;
+        if self.margin > 0.0 {
+            let edges = was_loose.iter().zip(&self.loose).enumerate();
+            let loosened = edges.filter(|(_, (was, is))| was != is);
+            self.changed.extend(loosened.map(|(j, _)| j as u32));
+        }
+    }
+
+    /// Follows a change of the bundle's numbering, before [`RodPairs::bundle_changed`]: vertex `i` was vertex `before[i]`. Of the
+    /// copies of a vertex the last has the edge.
+    pub fn renumber(&mut self, before: &[u32]) {
+        if self.margin <= 0.0 {
+            return;
+        }
+        let mut after = vec![0; self.bond_counts.len()];
+        for (new, &old) in before.iter().enumerate() {
+            after[old as usize] = new as u32;
+        }
+        let old = |i: &u32| *i as usize;
+        self.position = before.iter().map(|i| self.position.get(old(i))).collect();
+        self.bond_counts = before.iter().map(|i| self.bond_counts[old(i)]).collect();
+        self.loose = before.iter().map(|i| self.loose[old(i)]).collect();
+        let renumber = |edge: &mut u32| *edge = after[*edge as usize];
+        self.changed.iter_mut().for_each(renumber);
+        self.cells.iter_mut().for_each(|(_, edge)| renumber(edge));
+        for pair in &mut self.pairs {
+            renumber(&mut pair.a);
+            renumber(&mut pair.b);
+        }
     }
 
     /// Adds the present contacts; with a `motion` also those that occur within its step.
@@ -121,10 +151,15 @@ impl RodPairs {
         context: &Context,
     ) -> Result<(), Cancelled> {
         let moved = moved_squared(&state.position, &self.position);
-        if self.margin <= 0.0 || moved.is_nan() || 4.0 * moved > self.margin * self.margin {
+        if self.margin <= 0.0 || moved.is_nan() {
             self.search(bundle, state, radius, context)?;
-        } else if !self.changed.is_empty() {
-            self.search_changed(bundle, radius, context)?;
+        } else {
+            if 4.0 * moved > self.margin * self.margin {
+                self.follow(bundle, state, radius);
+            }
+            if !self.changed.is_empty() {
+                self.search_changed(bundle, radius, context)?;
+            }
         }
         let nearer = 2.0 * moved_squared(&state.position, &self.position).sqrt();
         for pair in &self.pairs {
@@ -158,6 +193,35 @@ impl RodPairs {
         Ok(())
     }
 
+    /// Takes the present positions of vertices that have moved far, and marks their edges. A pair remains valid while each of
+    /// its edges is nearer than half the margin to where it was searched: the others need not be searched again.
+    fn follow(&mut self, bundle: &RodBundle, state: &State, radius: &[f64]) {
+        let far = MOVED_FRACTION * self.margin;
+        for v in 0..bundle.vertices() {
+            let position = state.position.get(v);
+            if position.distance_squared(self.position.get(v)) > far * far {
+                self.position.set(v, position);
+                let edges = v.saturating_sub(1)..=v;
+                self.changed
+                    .extend(edges.filter(|&j| radius[j] > 0.0).map(|j| j as u32));
+            }
+        }
+        let corner = self.grid.corner;
+        let low = (self.position.iter()).fold(corner, |low, p| low.min(p));
+        self.grid.corner = low;
+        self.sort_into_cells(radius);
+    }
+
+    /// Sorts all edges by their cells.
+    fn sort_into_cells(&mut self, radius: &[f64]) {
+        let mut cells = std::mem::take(&mut self.cells);
+        cells.clear();
+        let edges = (0..radius.len()).filter(|&j| radius[j] > 0.0);
+        cells.extend(edges.map(|j| (key(self.cell(j)), j as u32)));
+        cells.sort_unstable();
+        self.cells = cells;
+    }
+
     /// Searches all pairs anew.
     fn search(
         &mut self,
@@ -185,11 +249,7 @@ impl RodPairs {
             self.margin = margin;
             return Ok(());
         }
-        let mut cells = std::mem::take(&mut self.cells);
-        cells.clear();
-        cells.extend(edges().map(|j| (key(self.cell(j)), j as u32)));
-        cells.sort_unstable();
-        self.cells = cells;
+        self.sort_into_cells(radius);
         let mut pairs = std::mem::take(&mut self.pairs);
         let search = PairSearch {
             bundle,

@@ -45,9 +45,35 @@ fn frame(state: &State, edge: usize) -> (DVec3, DVec3) {
     )
 }
 
-fn strains(bundle: &RodBundle, state: &State, i: usize) -> Strains {
-    let ((t0, d0), (t1, d1)) = (frame(state, i - 1), frame(state, i));
-    let (l0, l1) = (state.edge(i - 1).length(), state.edge(i).length());
+/// The material frame of an edge, which the vertices at both of its ends need.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct EdgeFrame {
+    /// Unit tangent and first material director.
+    tangent: DVec3,
+    director: DVec3,
+    /// Length, m.
+    length: f64,
+}
+
+impl EdgeFrame {
+    pub fn new(state: &State, edge: usize) -> Self {
+        let (tangent, director) = frame(state, edge);
+        EdgeFrame {
+            tangent,
+            director,
+            length: state.edge(edge).length(),
+        }
+    }
+}
+
+fn strains(
+    bundle: &RodBundle,
+    state: &State,
+    i: usize,
+    (before, after): (&EdgeFrame, &EdgeFrame),
+) -> Strains {
+    let (t0, d0, l0) = (before.tangent, before.director, before.length);
+    let (t1, d1, l1) = (after.tangent, after.director, after.length);
     let chi = 1.0 + t0.dot(t1);
     let kb = t0.cross(t1) * (2.0 / chi);
     let (e0, e1) = (t0.cross(d0), t1.cross(d1));
@@ -115,7 +141,18 @@ pub(crate) fn twist_rate(bundle: &RodBundle, state: &State, vertex: usize) -> f6
 
 /// Returns the gradient of the sum of both energies ([`energy`]).
 pub(crate) fn gradient(bundle: &RodBundle, state: &State, vertex: usize) -> BendTwistGradient {
-    let s = strains(bundle, state, vertex);
+    let frames = [vertex - 1, vertex].map(|j| EdgeFrame::new(state, j));
+    gradient_between(bundle, state, vertex, (&frames[0], &frames[1]))
+}
+
+/// Returns the same from the frames of the edges before and after the vertex.
+pub(crate) fn gradient_between(
+    bundle: &RodBundle,
+    state: &State,
+    vertex: usize,
+    frames: (&EdgeFrame, &EdgeFrame),
+) -> BendTwistGradient {
+    let s = strains(bundle, state, vertex, frames);
     let mut sum = BendTwistGradient::ZERO;
     for k in 0..3 {
         let stress = s.stiffness[k] * (s.value[k] - s.natural[k]);
@@ -129,7 +166,8 @@ pub(crate) fn gradient(bundle: &RodBundle, state: &State, vertex: usize) -> Bend
 
 /// Returns the Gauss–Newton Hessian over vertices i − 1, i, i + 1 and the angles of edges i − 1, i.
 pub(crate) fn hessian(bundle: &RodBundle, state: &State, vertex: usize) -> ElementHessian {
-    let s = strains(bundle, state, vertex);
+    let frames = [vertex - 1, vertex].map(|j| EdgeFrame::new(state, j));
+    let s = strains(bundle, state, vertex, (&frames[0], &frames[1]));
     let mut hessian = ElementHessian {
         count: 11,
         dofs: [0; MAX_ELEMENT_DOFS],

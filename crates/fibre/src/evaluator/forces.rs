@@ -1,7 +1,7 @@
 //! Forces of whole bundles, and the linearised bonds that solvers multiply with.
 
 use super::bond_filter::BondFilter;
-use crate::energy::bend_twist::{self, BendTwistGradient};
+use crate::energy::bend_twist::{self, BendTwistGradient, EdgeFrame};
 use crate::failure::criteria::BondCriterion;
 use crate::forces::Forces;
 use crate::parallel::join;
@@ -139,6 +139,8 @@ pub struct ForceEvaluator {
     /// Per edge: sums over its bonds of the forces on their vertices and on y₁.
     edge_force: Vec<PaddedPair>,
     bend_twist: Vec<BendTwistGradient>,
+    /// Per edge, with twist: its frame.
+    frames: Vec<EdgeFrame>,
     /// The linearised bonds, after [`ForceEvaluator::linearise_bonds`].
     gradients: Vec<GradientBatch>,
     filter: BondFilter,
@@ -166,6 +168,7 @@ impl ForceEvaluator {
             bond_force: Vec::new(),
             edge_force: Vec::new(),
             bend_twist: Vec::new(),
+            frames: Vec::new(),
             gradients: Vec::new(),
             filter: BondFilter::default(),
         };
@@ -285,9 +288,18 @@ impl ForceEvaluator {
 
     /// Adds the forces and moments of bending and twist in material frames.
     pub(crate) fn add_bend_twist(&mut self, bundle: &RodBundle, state: &State, out: &mut Forces) {
+        self.frames.clear();
+        (self.frames).extend((0..bundle.vertices()).map(|j| {
+            if bundle.is_edge(j) {
+                EdgeFrame::new(state, j)
+            } else {
+                EdgeFrame::default()
+            }
+        }));
+        let frames = &self.frames;
         let each = |(i, g): (usize, &mut BendTwistGradient)| {
             *g = if bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0 {
-                bend_twist::gradient(bundle, state, i)
+                bend_twist::gradient_between(bundle, state, i, (&frames[i - 1], &frames[i]))
             } else {
                 BendTwistGradient::ZERO
             };

@@ -6,20 +6,20 @@
 //! breaks, costs as much as many frames. Methods that go from vertex to vertex (vertex block descent, position-based
 //! dynamics) do not carry a bending moment through a slender stem in any number of sweeps for which a frame has time.
 //!
-//! A step at whose end something is stressed far beyond its strength is cut to where it just fails. What fails then breaks,
-//! and steps of [`CRACK_STEP`] follow, each of which breaks what it overstresses, until nothing is and the crack has come
-//! to rest; then steps grow again. A step that does not balance is divided until it does. Implicit Euler lets vibration that
-//! is fast against the step die out, which is reported as [`AdvanceReport::dissipated`] ([`super::step_energy`]).
+//! A step at whose end a rod is stressed far beyond its strength is cut to where it just fails. What then follows takes
+//! microseconds: explicit steps follow the crack until it is at rest ([`super::crack`]). Cohesive bonds soften within the
+//! equilibrium. A step that does not balance is divided until it does. Implicit Euler lets vibration that is fast against the
+//! step die out, which is reported as [`AdvanceReport::dissipated`] ([`super::step_energy`]).
 
 use super::balance::{EquilibriumProblem, Inertia};
+use super::crack::{self, Crack};
 use super::explicit::Explicit;
 use super::newton::{Equilibrium, Newton, NewtonOptions};
-use super::solver::{AdvanceReport, Solver};
+use super::solver::AdvanceReport;
 use super::step_energy::StepEnergy;
 use super::stepwise::Stepwise;
 use crate::bodies::state::ContactsState;
 use crate::contact::Contacts;
-use crate::energy::energies;
 use crate::error::SolverError;
 use crate::failure::breaking::break_elements;
 use crate::failure::cohesion::FAILED;
@@ -34,20 +34,27 @@ use greenstick_geometry::Context;
 
 /// The step where none is given, s.
 pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
-/// Length of the steps in which a crack runs, s: some ten times what a wave of shear, at about 1000 m/s, takes across a section
-/// of 1 cm, so that the stress about a crack is redistributed within a step and the rest of the stem hardly moves.
-const CRACK_STEP: f64 = 1e-4;
-/// A step after which something bears more than this multiple of its strength is cut, unless a crack is running.
+/// A step after which a rod bears more than this multiple of its strength is cut.
 const MAX_ONSET_DEMAND: f64 = 1.15;
 /// The demand at which a cut step shall end.
 const ONSET_DEMAND: f64 = 1.05;
 /// Bounds of a cut, as fractions of the step.
 const CUT_FRACTIONS: (f64, f64) = (0.05, 0.8);
-/// Factor by which steps grow when a crack has come to rest.
-const STEP_GROWTH: f64 = 4.0;
-/// Fraction of a step that is tried where the whole does not balance, and the shortest step that is tried, s.
-const DIVISION: f64 = 0.4;
+/// The shortest step, s. What neither is cut nor balances then is followed as a crack.
 const SHORTEST_STEP: f64 = 1e-4;
+/// The first step after a crack has come to rest, s.
+const STEP_AFTER_CRACK: f64 = 2e-3;
+/// Fraction of a step that is tried where the whole does not balance.
+const DIVISION: f64 = 0.4;
+/// Steps grow and shrink by these factors after so few and so many Newton iterations, and for so many steps after they have
+/// become shorter they do not grow.
+const GROWTH: f64 = 1.7;
+const FEW_ITERATIONS: usize = 3;
+const SHRINKAGE: f64 = 0.7;
+const MANY_ITERATIONS: usize = 6;
+const STEPS_BEFORE_GROWTH: u32 = 2;
+/// Fraction of a frame that is rounding.
+const TIME_ROUNDING: f64 = 1e-9;
 /// Largest distance that the prediction moves a vertex, in shortest edges.
 const MAX_PREDICTION: f64 = 0.5;
 /// Accuracy of a step: forces at break differ from those of the other solvers by far less.
@@ -88,6 +95,7 @@ struct Saved {
     contacts: ContactsState,
     events: usize,
     fracture_loss: f64,
+    next_step: Option<f64>,
     /// What breaking changes.
     unbroken: Option<(RodBundle, Loads)>,
 }
@@ -99,6 +107,7 @@ impl Saved {
             contacts: contacts.snapshot(),
             events: world.events.len(),
             fracture_loss: world.fracture_loss,
+            next_step: world.next_step,
             unbroken: None,
         }
     }
@@ -113,6 +122,7 @@ impl Saved {
         world.state = self.state;
         world.events.truncate(self.events);
         world.fracture_loss = self.fracture_loss;
+        world.next_step = self.next_step;
         if let Some((bundle, loads)) = self.unbroken {
             (world.bundle, world.loads) = (bundle, loads);
         }
@@ -196,157 +206,60 @@ impl Interactive {
     ) -> Result<StepEnergy, SolverError> {
         let end = world.state.time + dt;
         let mut energy = StepEnergy::default();
-        let mut step = world.next_step.unwrap_or(dt).min(dt);
-        let mut hold = 0u32;
-        while end - world.state.time > 1e-9 * dt {
+        let mut step = world.next_step.take().unwrap_or(dt).min(dt);
+        // Steps in which it does not grow.
+        let mut patience = 0;
+        while end - world.state.time > TIME_ROUNDING * dt {
+            if step == 0.0 {
+                saved.keep_unbroken(world);
+                let (crack, taken) = crack::run(&mut self.explicit, world, contacts, end, context)?;
+                energy += taken;
+                step = match crack {
+                    Crack::Running => 0.0,
+                    Crack::AtRest => STEP_AFTER_CRACK.min(dt),
+                };
+                continue;
+            }
             let left = end - world.state.time;
             // What is left after a step is worth a step of its own.
-            let planned = step;
-            step = if step > 0.7 * left { left } else { step };
-            let t0 = std::time::Instant::now();
-            let tot = |w: &World, c: &dyn Contacts| {
-                energies(&w.bundle, &w.state).total()
-                    + c.stored_energy()
-                    + w.fracture_loss
-                    + {
-                        let l = c.snapshot().bodies.ledger;
-                        l.dissipated - l.work
-                    }
-                    + c.body_energy()
-            };
-            let e0 = tot(world, contacts);
-            let found = self.equilibrium(world, contacts, step, context);
-            if std::env::var("CRK").is_ok() {
-                eprintln!(
-                    "t {:.6} step {:.3e} it {} cg {} ev {} ok {} {:.3} s",
-                    world.state.time,
-                    step,
-                    self.newton_iterations,
-                    self.newton.conjugate_gradients(),
-                    world.events.len(),
-                    found.is_ok(),
-                    t0.elapsed().as_secs_f64()
-                );
-            }
-            let found = match found {
+            let length = if step > 0.7 * left { left } else { step };
+            let found = match self.equilibrium(world, contacts, length, context) {
                 Err(SolverError::NotConverged { .. }) => {
-                    hold = 3;
-                    if step > SHORTEST_STEP {
-                        step *= DIVISION;
+                    patience = STEPS_BEFORE_GROWTH;
+                    step = if length > SHORTEST_STEP {
+                        DIVISION * length
                     } else {
-                        saved.keep_unbroken(world);
-                        energy += self.run_crack(world, contacts, end, context)?;
-                        step = dt;
-                    }
+                        0.0
+                    };
                     continue;
                 }
                 found => found?,
             };
-            let its = found.iterations;
             let demand = self.find_breaks(world, &found);
-            if demand > MAX_ONSET_DEMAND && step > 2.0 * CRACK_STEP {
-                step = cut(world, demand, step);
+            if demand > MAX_ONSET_DEMAND && length > SHORTEST_STEP {
+                step = cut(world, demand, length);
                 continue;
             }
             saved.keep_unbroken(world);
-            let one = StepEnergy::accept(world, contacts, &mut self.newton, found, step);
-            if std::env::var("CRK").is_ok() {
-                eprintln!(
-                    "BAL step {:+.5}",
-                    tot(world, contacts) - e0 - one.work + one.damped + one.dissipated
-                );
-            }
-            energy += one;
-            step = planned.max(step);
-            if its > 5 {
-                step *= 0.7;
-                hold = 2;
-            } else if hold > 0 {
-                hold -= 1;
-            } else if its <= 3 {
-                step *= 1.7;
+            let iterations = found.iterations;
+            energy += StepEnergy::accept(world, contacts, &mut self.newton, found, length);
+            if iterations >= MANY_ITERATIONS {
+                step *= SHRINKAGE;
+                patience = STEPS_BEFORE_GROWTH;
+            } else if patience > 0 {
+                patience -= 1;
+            } else if iterations <= FEW_ITERATIONS {
+                step *= GROWTH;
             }
             if !self.queue.is_empty() {
-                let splits = !rods_in(&self.queue).is_empty();
-                let e0 = tot(world, contacts);
-                break_elements(world, contacts, &self.queue);
-                let e1 = tot(world, contacts);
-                if splits {
-                    let one = self.run_crack(world, contacts, end, context)?;
-                    if std::env::var("CRK").is_ok() {
-                        eprintln!(
-                            "BAL break {:+.5} burst {:+.5}",
-                            e1 - e0,
-                            tot(world, contacts) - e1 - one.work + one.damped
-                        );
-                    }
-                    energy += one;
-                    step = dt;
+                // A bond that has softened to its end holds nothing; a fibre lets go at once.
+                if !rods_in(&self.queue).is_empty() {
+                    step = 0.0;
                 }
+                break_elements(world, contacts, &self.queue);
             }
         }
         world.next_step = Some(step).filter(|s| *s < dt);
-        Ok(energy)
-    }
-
-    /// Follows a crack by explicit steps until nothing has broken for a while, or until the time `end`.
-    fn run_crack(
-        &mut self,
-        world: &mut World,
-        contacts: &mut dyn Contacts,
-        end: f64,
-        context: &Context,
-    ) -> Result<StepEnergy, SolverError> {
-        let var = |n: &str, d: f64| {
-            std::env::var(n)
-                .ok()
-                .and_then(|s| s.parse().ok())
-                .unwrap_or(d)
-        };
-        let (chunk, quiet_time) = (var("CHUNK", 5e-5), var("QUIET", 2e-4));
-        let damping = world.loads.damping;
-        let interval =
-            std::mem::replace(&mut world.failure.check_interval, var("EVERY", 4.0) as u32);
-        let loss0 = world.fracture_loss;
-        let between = std::mem::replace(&mut world.failure.between_vertices, false);
-        world.loads.damping = var("DAMP", 1000.0);
-        let mut quiet = 0.0;
-        let mut energy = StepEnergy::default();
-        let start = world.state.time;
-        let explicit_step = self.explicit.step(world, context)?;
-        self.explicit.shift_velocities(world, -explicit_step);
-        let (ev, t0) = (world.events.len(), std::time::Instant::now());
-        while quiet < quiet_time && world.state.time < end {
-            let before = (world.events.len(), world.fracture_loss);
-            let duration = chunk.min(end - world.state.time);
-            let done = self
-                .explicit
-                .advance(world, contacts, duration, &context.silenced())?;
-            energy.work += done.work;
-            energy.damped += done.damped;
-            let stored = energies(&world.bundle, &world.state).potential();
-            let lost = world.fracture_loss - before.1;
-            let busy = lost > 2.0 * done.work.abs() && lost > var("REL", 1e-4) * stored;
-            quiet = if busy { 0.0 } else { quiet + duration };
-        }
-        self.explicit.shift_velocities(world, explicit_step);
-        world.loads.damping = damping;
-        world.failure.check_interval = interval;
-        world.failure.between_vertices = between;
-        world.bundle.generation += 1;
-        if std::env::var("CRK").is_ok() {
-            let e = energies(&world.bundle, &world.state);
-            eprintln!(
-                "burst {:.6} +{:.2e}: {} events, loss {:.4}, kinetic {:.4} potential {:.4} in {:.2} s",
-                start,
-                world.state.time - start,
-                world.events.len() - ev,
-                world.fracture_loss - loss0,
-                e.kinetic,
-                e.potential(),
-                t0.elapsed().as_secs_f64()
-            );
-        }
         Ok(energy)
     }
 
@@ -385,7 +298,7 @@ fn cut(world: &World, demand: f64, step: f64) -> f64 {
     } else {
         least
     };
-    (fraction * step).max(CRACK_STEP)
+    (fraction * step).max(SHORTEST_STEP)
 }
 
 /// The state with everything moved on with its velocity: where equilibria follow each other smoothly, the next one is near

@@ -13,6 +13,7 @@
 //! | `linear` | linear systems of a Newton step |
 
 mod balance;
+mod crack;
 mod explicit;
 mod grip;
 mod implicit;
