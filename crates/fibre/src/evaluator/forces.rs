@@ -509,9 +509,4 @@ impl ForceEvaluator {
     pub(crate) fn set_bond_damage(&mut self, bundle: &RodBundle, bond: u32, damage: f64) {
         self.bonds.set_damage(bundle, bond, damage);
     }
-
-    /// Sets the stiffness of bonds `broken` to zero, until everything is derived anew.
-    pub(crate) fn remove_bond_stiffness(&mut self, broken: &[u32]) {
-        self.bonds.remove_stiffness(broken);
-    }
 }

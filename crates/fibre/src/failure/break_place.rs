@@ -12,6 +12,7 @@
 
 use super::demand::combined_rod_demand;
 use crate::bonds::{Bond, Bonds};
+use crate::energy::bond::{BondSpring, BondStrain};
 use crate::energy::{self, energies};
 use crate::loads::Loads;
 use crate::material_frame;
@@ -20,6 +21,9 @@ use crate::state::State;
 use crate::vectors::Vectors;
 use crate::world::World;
 use glam::{DMat3, DVec3};
+
+/// Least part of a bond's distance across the edge at rest that a break leaves of it.
+const MIN_REST_FRACTION: f64 = 0.1;
 
 /// A vertex that is moved along its rod towards a neighbour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -303,15 +307,14 @@ fn turn_for(inertia: DMat3, angular: DVec3, axis: DVec3) -> DVec3 {
 /// The bonds of a vertex and of the edges beside it, as they were before it moved.
 struct TouchedBonds {
     bonds: Vec<Bond>,
-    /// Number of each bond that is touched, with its distance and cosine.
-    touched: Vec<(usize, f64, f64)>,
+    touched: Vec<TouchedBond>,
 }
 
-fn distance_and_cosine(state: &State, bond: &Bond) -> (f64, f64) {
-    let edge = bond.edge as usize;
-    let e = state.edge(edge);
-    let d = state.position.get(bond.vertex as usize) - (state.position.get(edge) + e * bond.t);
-    (d.length(), e.dot(d) / (e.length() * d.length()))
+/// A bond with its spring and its strain before a break moves.
+struct TouchedBond {
+    number: usize,
+    spring: BondSpring,
+    strain: BondStrain,
 }
 
 impl TouchedBonds {
@@ -324,8 +327,13 @@ impl TouchedBonds {
             if bond.vertex as usize != v && edge != into && edge != out {
                 continue;
             }
-            let (distance, cosine) = distance_and_cosine(state, bond);
-            touched.push((number, distance, cosine));
+            let spring = BondSpring::intact(bundle, number);
+            let (e, d) = energy::bond::vectors(bundle, state, number);
+            touched.push(TouchedBond {
+                number,
+                spring,
+                strain: spring.strain(e, d),
+            });
             if edge == into || edge == out {
                 (bond.edge, bond.t) = place.on_new_edges(bundle, edge, bond.t);
             }
@@ -333,13 +341,28 @@ impl TouchedBonds {
         TouchedBonds { bonds, touched }
     }
 
-    /// Puts the bonds back, each at rest where its strain stays.
+    /// Puts the bonds back, each as stiff, open and slipped as it was.
     fn restore(mut self, bundle: &mut RodBundle, state: &State) {
-        for (number, distance, cosine) in self.touched {
+        for TouchedBond {
+            number,
+            spring,
+            strain,
+        } in self.touched
+        {
             let bond = &mut self.bonds[number];
-            let (new_distance, new_cosine) = distance_and_cosine(state, bond);
-            bond.distance *= new_distance / distance;
-            bond.rest_cosine = (bond.rest_cosine + new_cosine - cosine).clamp(-1.0, 1.0);
+            let edge = bond.edge as usize;
+            let e = state.edge(edge);
+            let d =
+                state.position.get(bond.vertex as usize) - (state.position.get(edge) + e * bond.t);
+            let now = spring.strain(e, d);
+            let across = spring.rest_opening + now.opening - strain.opening;
+            let along = spring.rest_slip + now.slip - strain.slip;
+            // Where wood is pressed together so far that nothing would be left at rest, some of it is.
+            let across = across.max(MIN_REST_FRACTION * spring.rest_opening);
+            bond.distance = across.hypot(along);
+            bond.rest_cosine = (along / bond.distance).clamp(-1.0, 1.0);
+            bond.transverse = spring.opening * bond.distance;
+            bond.shear = 0.5 * spring.slip * bond.distance * bond.distance;
         }
         bundle.bonds = Bonds::sorted(self.bonds, bundle.vertices());
     }

@@ -131,26 +131,15 @@ pub(crate) fn break_elements(
 ) -> Vec<u32> {
     record_breaks(world, queue);
     let splits = rods_in(queue);
-    let placed = place_breaks(world, bonds_in(queue), &splits);
-    remove_elements(world, contacts, placed.bonds, splits)
-}
-
-/// Breaks whose vertices were moved to their places.
-pub(crate) struct PlacedBreaks {
-    /// The vertices that were moved.
-    pub places: Vec<BreakPlace>,
-    /// Bonds that are still to be removed.
-    pub bonds: Vec<u32>,
+    let bonds = place_breaks(world, bonds_in(queue), &splits);
+    remove_elements(world, contacts, bonds, splits)
 }
 
 /// Moves the vertices at which rods are about to break to where the demand along the rods is greatest, where the criteria
-/// say so. As that renumbers bonds, the broken ones are removed before.
-pub(crate) fn place_breaks(world: &mut World, mut bonds: Vec<u32>, splits: &[u32]) -> PlacedBreaks {
+/// say so. As that renumbers bonds, the broken ones are removed before. Returns those that are still to be removed.
+fn place_breaks(world: &mut World, mut bonds: Vec<u32>, splits: &[u32]) -> Vec<u32> {
     if !world.failure.between_vertices || splits.is_empty() {
-        return PlacedBreaks {
-            places: Vec::new(),
-            bonds,
-        };
+        return bonds;
     }
     bonds.sort_unstable();
     topology::break_up(
@@ -160,14 +149,12 @@ pub(crate) fn place_breaks(world: &mut World, mut bonds: Vec<u32>, splits: &[u32
         &bonds,
         &[],
     );
-    PlacedBreaks {
-        places: move_breaks(world, splits),
-        bonds: Vec::new(),
-    }
+    move_breaks(world, splits);
+    Vec::new()
 }
 
 /// Records that all elements of `queue` break: as events, and as energy lost.
-pub(crate) fn record_breaks(world: &mut World, queue: &[Overstressed]) {
+fn record_breaks(world: &mut World, queue: &[Overstressed]) {
     for o in queue {
         let event = match o.element {
             Element::Bond(bond) => bond_event(world, bond as usize, o.demand),
@@ -244,7 +231,7 @@ fn rod_event(world: &World, vertex: usize, demand: f64) -> Event {
 
 /// Removes `bonds`, splits rods at the vertices `splits`, and renumbers whatever names a vertex. Returns for each vertex of
 /// the bundle its number before.
-pub(crate) fn remove_elements(
+fn remove_elements(
     world: &mut World,
     contacts: &mut dyn Contacts,
     mut bonds: Vec<u32>,

@@ -249,17 +249,6 @@ impl BondTable {
         Some(self.bond[entry]).filter(|b| *b != PADDING)
     }
 
-    /// Sets the stiffness of the bundle's bonds `broken` to zero.
-    pub(crate) fn remove_stiffness(&mut self, broken: &[u32]) {
-        for &bond in broken {
-            let entry = self.entry[bond as usize] as usize;
-            let batch = &mut self.batches[entry / WIDTH];
-            batch.opening[entry % WIDTH] = 0.0;
-            batch.closing[entry % WIDTH] = 0.0;
-            batch.slip[entry % WIDTH] = 0.0;
-        }
-    }
-
     /// Sets the damage of one of the bundle's bonds.
     pub(crate) fn set_damage(&mut self, bundle: &RodBundle, bond: u32, damage: f64) {
         let entry = self.entry[bond as usize] as usize;

@@ -252,8 +252,9 @@ impl Interactive {
                 step *= GROWTH;
             }
             if !self.queue.is_empty() {
-                // A bond that has softened to its end holds nothing; a fibre lets go at once.
-                if !rods_in(&self.queue).is_empty() {
+                // A bond that has softened to its end holds nothing; all else lets go at once.
+                let softened = world.failure.bonds == BondCriterion::Cohesive;
+                if !(softened && rods_in(&self.queue).is_empty()) {
                     step = 0.0;
                 }
                 break_elements(world, contacts, &self.queue);

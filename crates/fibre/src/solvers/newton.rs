@@ -142,19 +142,6 @@ impl Newton {
         }
     }
 
-    /// Follows the loss of stiffness of bonds `broken` of the prepared bundle; in `bundle` they have none already.
-    pub fn remove_bond_stiffness(&mut self, bundle: &RodBundle, broken: &[u32]) {
-        if let Some(evaluator) = &mut self.balance.evaluator {
-            evaluator.remove_bond_stiffness(broken);
-        }
-        match &mut self.linear {
-            LinearSolver::Direct(_) => {}
-            LinearSolver::WithoutTwist(solver) => solver.bonds_weakened(bundle),
-            LinearSolver::WithTwist(solver) => solver.bonds_weakened(bundle),
-        }
-        self.stale = true;
-    }
-
     /// Finds what fails in a state of the prepared bundle.
     pub fn detect(
         &mut self,

@@ -124,11 +124,6 @@ impl<const B: usize> IterativeSolver<B> {
         }
     }
 
-    /// Follows the loss of stiffness of bonds.
-    pub fn bonds_weakened(&mut self, bundle: &RodBundle) {
-        self.coarse.prepare(bundle);
-    }
-
     fn ranges(&self) -> Vec<Range<usize>> {
         self.tasks.iter().map(|t| t.vertices.clone()).collect()
     }
