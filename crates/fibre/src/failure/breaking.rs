@@ -1,7 +1,7 @@
 //! Breaking of overstressed rods and bonds, with its record in the world's events.
 
 use super::break_place::{BreakPlace, corner_energy, move_breaks};
-use super::cohesion::Softening;
+use super::cohesion::{FAILED, Softening};
 use super::criteria::BondCriterion;
 use super::demand::{Element, FailureDetector, Overstressed, bonds_in, rod_demand, rods_in};
 use super::yielding::yield_rods;
@@ -81,6 +81,30 @@ pub(crate) fn kick(world: &mut World, evaluator: &mut ForceEvaluator, time: f64)
             state.spin[v] += forces.moment[v] * time / bundle.inertia[v];
         }
     }
+}
+
+/// Takes over the damage of bonds that have softened in an equilibrium, which is the world's state. Returns the energy that this
+/// takes, J.
+pub(crate) fn take_damage(world: &mut World, softened: &[(u32, f64)]) -> f64 {
+    let mut lost = 0.0;
+    for &(bond, damage) in softened {
+        let number = bond as usize;
+        let softening = Softening::new(&world.bundle, &world.state, number);
+        let before = std::mem::replace(&mut world.bundle.bonds.damage[number], damage);
+        lost += softening.dissipated(damage) - softening.dissipated(before);
+    }
+    lost
+}
+
+/// Adds to `queue` the cohesive bonds that have softened to their end.
+pub(crate) fn find_softened_bonds(world: &World, queue: &mut Vec<Overstressed>) {
+    let damage = world.bundle.bonds.damage.iter().enumerate();
+    let failed = damage.filter(|(_, damage)| **damage >= FAILED);
+    queue.extend(failed.map(|(bond, _)| Overstressed {
+        // Their traction is the law's at all times.
+        demand: 1.0,
+        element: Element::Bond(bond as u32),
+    }));
 }
 
 /// Softens the cohesive bonds of `queue`, and leaves in it what breaks. Returns the bonds that have softened. Velocities are

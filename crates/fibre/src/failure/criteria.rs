@@ -56,6 +56,21 @@ impl Default for FailureCriteria {
 }
 
 impl FailureCriteria {
+    /// Whether bonds soften before they break.
+    pub(crate) fn is_cohesive(&self) -> bool {
+        self.bonds == BondCriterion::Cohesive
+    }
+
+    /// Returns the criteria of what lets go at once when it fails: all but cohesive bonds.
+    pub(crate) fn sudden(&self) -> Self {
+        let bonds = if self.is_cohesive() {
+            BondCriterion::Never
+        } else {
+            self.bonds
+        };
+        FailureCriteria { bonds, ..*self }
+    }
+
     /// Checks that the numbers are in range.
     ///
     /// # Errors

@@ -14,6 +14,8 @@ pub(crate) mod break_place;
 mod break_place_tests;
 pub(crate) mod breaking;
 pub(crate) mod cohesion;
+#[cfg(test)]
+mod cohesion_tests;
 pub(crate) mod criteria;
 pub(crate) mod demand;
 #[cfg(test)]

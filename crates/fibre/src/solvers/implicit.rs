@@ -12,7 +12,7 @@ use super::stepwise::Stepwise;
 use crate::contact::{ContactSpring, Contacts};
 use crate::energy::energies;
 use crate::error::SolverError;
-use crate::failure::breaking::break_elements;
+use crate::failure::breaking::{break_elements, find_softened_bonds, take_damage};
 use crate::failure::demand::{Overstressed, find_overstressed};
 use crate::failure::yielding::record_yielding;
 use crate::forces::Forces;
@@ -42,6 +42,8 @@ struct Stage {
     velocity: Vectors,
     spin: Vec<f64>,
     springs: Vec<ContactSpring>,
+    /// Bonds that are softer than before the step, with their damage.
+    softened: Vec<(u32, f64)>,
     /// Power of loads and clamps, W.
     power: f64,
     /// Power of damping, W.
@@ -82,7 +84,7 @@ impl Implicit {
             bundle,
             loads,
             yielding: world.failure.rods_yield,
-            softening: false,
+            softening: world.failure.is_cohesive(),
             start: &world.state,
             base,
             inertia: Some(inertia),
@@ -92,6 +94,7 @@ impl Implicit {
             state,
             reaction,
             springs,
+            softened,
             ..
         } = self.newton.solve(&problem, base, contacts, context)?;
         let mut velocity = add_scaled(&state.position, &inertia.behind, -1.0);
@@ -116,6 +119,7 @@ impl Implicit {
             velocity,
             spin,
             springs,
+            softened,
             power,
             damping: loads.damping * damping,
         })
@@ -206,8 +210,8 @@ impl Implicit {
         world.state.spin = second.spin;
         world.state.time = old.time + dt;
         world.state.step = old.step + 1;
-        let yielded = record_yielding(world, &old);
-        world.fracture_loss += yielded;
+        let lost = record_yielding(world, &old) + take_damage(world, &second.softened);
+        world.fracture_loss += lost;
         let work = dt * ((1.0 - GAMMA) * first.power + GAMMA * second.power);
         let damped = dt * ((1.0 - GAMMA) * first.damping + GAMMA * second.damping);
         let contact = contacts.accept(&old, old.time + dt, &second.springs);
@@ -215,11 +219,13 @@ impl Implicit {
         report.work += work;
         report.damped += damped;
         report.dissipated +=
-            before + work + contact.work - contact.dissipated - damped - yielded - after;
+            before + work + contact.work - contact.dissipated - damped - lost - after;
         report.steps += 1;
         let interval = u64::from(world.failure.check_interval.max(1));
         if world.state.step.is_multiple_of(interval) {
-            find_overstressed(&world.failure, &world.bundle, &world.state, &mut self.queue);
+            let failure = world.failure.sudden();
+            find_overstressed(&failure, &world.bundle, &world.state, &mut self.queue);
+            find_softened_bonds(world, &mut self.queue);
             if !self.queue.is_empty() {
                 break_elements(world, contacts, &self.queue);
             }

@@ -21,10 +21,8 @@ use super::stepwise::Stepwise;
 use crate::bodies::state::ContactsState;
 use crate::contact::Contacts;
 use crate::error::SolverError;
-use crate::failure::breaking::break_elements;
-use crate::failure::cohesion::FAILED;
-use crate::failure::criteria::BondCriterion;
-use crate::failure::demand::{Element, Overstressed, largest_demand, rods_in};
+use crate::failure::breaking::{break_elements, find_softened_bonds};
+use crate::failure::demand::{Overstressed, largest_demand};
 use crate::loads::Loads;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
@@ -182,7 +180,7 @@ impl Interactive {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            softening: world.failure.bonds == BondCriterion::Cohesive,
+            softening: world.failure.is_cohesive(),
             start: old,
             base: old,
             inertia: Some(&inertia),
@@ -252,11 +250,11 @@ impl Interactive {
                 step *= GROWTH;
             }
             if !self.queue.is_empty() {
-                // A bond that has softened to its end holds nothing; all else lets go at once.
-                let softened = world.failure.bonds == BondCriterion::Cohesive;
-                if !(softened && rods_in(&self.queue).is_empty()) {
-                    step = 0.0;
-                }
+                step = 0.0;
+            }
+            // Those hold nothing any more.
+            find_softened_bonds(world, &mut self.queue);
+            if !self.queue.is_empty() {
                 break_elements(world, contacts, &self.queue);
             }
         }
@@ -264,33 +262,19 @@ impl Interactive {
         Ok(energy)
     }
 
-    /// Puts into the queue what breaks in an equilibrium. Returns the greatest demand on rods there, or 0 where none breaks.
+    /// Puts into the queue what lets go at once in an equilibrium. Returns the greatest demand there, or 0 where nothing does.
     fn find_breaks(&mut self, world: &World, found: &Equilibrium) -> f64 {
-        let (bundle, state) = (&world.bundle, &found.state);
-        let mut failure = world.failure;
-        if failure.bonds == BondCriterion::Cohesive {
-            failure.bonds = BondCriterion::Never;
-        }
-        let broken = self.newton.detect(&failure, bundle, state);
+        let failure = world.failure.sudden();
+        let broken = self.newton.detect(&failure, &world.bundle, &found.state);
         self.queue.clear();
         self.queue.extend_from_slice(broken);
-        for &(bond, damage) in &found.softened {
-            if damage >= FAILED {
-                // Its traction is the law's at all times.
-                self.queue.push(Overstressed {
-                    demand: 1.0,
-                    element: Element::Bond(bond),
-                });
-            }
-        }
         broken.first().map_or(0.0, |o| o.demand)
     }
 }
 
 /// The part of a step that ends about where the first element fails; after the whole of it the greatest demand is `demand`.
 fn cut(world: &World, demand: f64, step: f64) -> f64 {
-    let mut failure = world.failure;
-    failure.bonds = BondCriterion::Never;
+    let failure = world.failure.sudden();
     let before = largest_demand(&failure, &world.bundle, &world.state);
     let fraction = (ONSET_DEMAND - before) / (demand - before);
     let (least, most) = CUT_FRACTIONS;

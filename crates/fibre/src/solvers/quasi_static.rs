@@ -16,7 +16,7 @@ use super::stepwise::{check_duration, given_step};
 use crate::contact::Contacts;
 use crate::energy::energies;
 use crate::error::SolverError;
-use crate::failure::breaking::break_elements;
+use crate::failure::breaking::{break_elements, find_softened_bonds, take_damage};
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{Overstressed, find_overstressed, largest_demand};
 use crate::failure::yielding::record_yielding;
@@ -131,7 +131,7 @@ impl QuasiStatic {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            softening: false,
+            softening: world.failure.is_cohesive(),
             start: &world.state,
             base: &world.state,
             inertia: None,
@@ -237,9 +237,10 @@ impl QuasiStatic {
         let bodies = contacts.snapshot();
         let one = FailureCriteria {
             max_breaks: 1,
-            ..world.failure
+            ..world.failure.sudden()
         };
         find_overstressed(&one, &world.bundle, &world.state, &mut self.queue);
+        find_softened_bonds(world, &mut self.queue);
         let result = if self.queue.is_empty() {
             self.advance_loads(world, contacts, time, context)
         } else {
@@ -294,7 +295,8 @@ impl QuasiStatic {
     ) -> Result<LoadStep, SolverError> {
         let balance = self.balance_at_start(world, contacts, context)?;
         let start = world.state.time;
-        let demand = |state: &State| largest_demand(&world.failure, &world.bundle, state);
+        let failure = world.failure.sudden();
+        let demand = |state: &State| largest_demand(&failure, &world.bundle, state);
         let before = demand(&world.state);
         let (mut target, mut trials) = (time, 0);
         loop {
@@ -333,7 +335,7 @@ impl QuasiStatic {
             bundle: &world.bundle,
             loads: &world.loads,
             yielding: world.failure.rods_yield,
-            softening: false,
+            softening: world.failure.is_cohesive(),
             start: &world.state,
             base: &world.state,
             inertia: None,
@@ -356,8 +358,8 @@ impl QuasiStatic {
         world.state.step += 1;
         world.state.velocity.fill_zero();
         world.state.spin.fill(0.0);
-        let yielded = record_yielding(world, &old);
-        world.fracture_loss += yielded;
+        let lost = record_yielding(world, &old) + take_damage(world, &end.softened);
+        world.fracture_loss += lost;
         let mut work = work(world, &old, [&start.reaction, &end.reaction]);
         let grips = [&old, &world.state]
             .map(|state| (self.newton).grip_forces(&world.bundle, state, state.time));
@@ -370,7 +372,7 @@ impl QuasiStatic {
         if !start.balanced {
             // What a break or a load that is suddenly there releases would have become motion and heat.
             let given = work + contact.work - contact.dissipated;
-            report.dissipated += (stored + given - now - yielded).max(0.0);
+            report.dissipated += (stored + given - now - lost).max(0.0);
         }
         report.steps += 1;
     }
@@ -440,7 +442,7 @@ impl Solver for QuasiStatic {
             ..AdvanceReport::default()
         };
         while world.state.time < end
-            || largest_demand(&world.failure, &world.bundle, &world.state) >= 1.0
+            || largest_demand(&world.failure.sudden(), &world.bundle, &world.state) >= 1.0
         {
             if duration > 0.0 {
                 context.report((world.state.time - start) / duration)?;

@@ -9,7 +9,7 @@
 use super::newton::{Equilibrium, Newton};
 use crate::contact::{ContactSpring, Contacts};
 use crate::energy::energies;
-use crate::failure::cohesion::Softening;
+use crate::failure::breaking::take_damage;
 use crate::failure::yielding::record_yielding;
 use crate::forces::Forces;
 use crate::rod_bundle::RodBundle;
@@ -65,7 +65,7 @@ impl StepEnergy {
         given += contact_work(&old, &world.state, &springs);
         let inertia_loss = set_velocities(world, &old, dt);
         let yielded = record_yielding(world, &old);
-        let lost = yielded + soften(world, &softened);
+        let lost = yielded + take_damage(world, &softened);
         world.fracture_loss += lost;
         let contact = contacts.accept(&old, world.state.time, &springs);
         let after = energies(&world.bundle, &world.state).potential() + contact.stored;
@@ -76,18 +76,6 @@ impl StepEnergy {
             dissipated: inertia_loss + gap,
         }
     }
-}
-
-/// Damages bonds that have softened. Returns the energy that this takes, J.
-fn soften(world: &mut World, softened: &[(u32, f64)]) -> f64 {
-    let mut lost = 0.0;
-    for &(bond, damage) in softened {
-        let number = bond as usize;
-        let softening = Softening::new(&world.bundle, &world.state, number);
-        let before = std::mem::replace(&mut world.bundle.bonds.damage[number], damage);
-        lost += softening.dissipated(damage) - softening.dissipated(before);
-    }
-    lost
 }
 
 /// Sets the velocities at the end of a step of `dt` from `old`, and its time. Returns half the mass times the square of their
