@@ -19,7 +19,7 @@ const MODE_EXPONENT: i32 = 2;
 /// Least ratio of the opening at the end of softening to that at its onset.
 const MIN_SOFTENING_RATIO: f64 = 2.0;
 /// A bond with this damage has failed: the rest is rounding.
-pub(crate) const FAILED: f64 = 0.999;
+pub(crate) const FAILED: f64 = 1.0 - 1e-6;
 
 /// How far a cohesive bond is along its softening.
 #[derive(Debug, Clone, Copy, PartialEq)]
