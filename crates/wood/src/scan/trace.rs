@@ -77,8 +77,6 @@ pub(super) struct Limb {
     pub rings: Vec<Ring>,
     /// The ring from which it was followed both ways.
     pub start: usize,
-    /// Why it ends at the first and at the last ring.
-    pub ends: [String; 2],
 }
 
 /// The limb at a location.
@@ -130,11 +128,6 @@ pub(super) fn limb(
     Ok(Some(cloud.follow(best.clearest(), context)?))
 }
 
-/// Why a limb ends.
-fn ending(at: DVec3) -> String {
-    format!("the points thin out near {at:.3}")
-}
-
 impl Limb {
     /// The ring about which its sections are clearest.
     fn clearest(&self) -> Ring {
@@ -172,8 +165,6 @@ impl Limb {
         } else {
             self.rings.truncate(self.start + retained);
         }
-        let end = if side == 0 { 0 } else { self.rings.len() - 1 };
-        self.ends[side] = ending(self.rings[end].centre);
     }
 
     /// The evidence of the rings' occupied cells that the points are those of a tube and not scattered. The clumps of a crown
@@ -428,8 +419,8 @@ impl Searched<'_> {
 
     /// Rings from one end to the other through a first one.
     pub fn follow(&self, start: Ring, context: &Context) -> Result<Limb, Cancelled> {
-        let (mut rings, first) = self.march(start, -1.0, context)?;
-        let (ahead, last) = self.march(start, 1.0, context)?;
+        let mut rings = self.march(start, -1.0, context)?;
+        let ahead = self.march(start, 1.0, context)?;
         rings.reverse();
         let begun = rings.len();
         // The evidence of the first section is that of its neighbours, too.
@@ -442,17 +433,11 @@ impl Searched<'_> {
         Ok(Limb {
             rings,
             start: begun,
-            ends: [first, last],
         })
     }
 
-    /// Rings from a first one on, forwards (`sign` 1) or backwards (−1), and why they end.
-    fn march(
-        &self,
-        start: Ring,
-        sign: f64,
-        context: &Context,
-    ) -> Result<(Vec<Ring>, String), Cancelled> {
+    /// Rings from a first one on, forwards (`sign` 1) or backwards (−1).
+    fn march(&self, start: Ring, sign: f64, context: &Context) -> Result<Vec<Ring>, Cancelled> {
         let mut rings: Vec<Ring> = Vec::new();
         let mut at = start;
         let mut along = start.along * sign;
@@ -499,7 +484,6 @@ impl Searched<'_> {
             }
         }
         rings.truncate(merit.rings);
-        let end = rings.last().map_or(start.centre, |r| r.centre);
-        Ok((rings, ending(end)))
+        Ok(rings)
     }
 }
