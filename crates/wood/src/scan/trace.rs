@@ -45,6 +45,8 @@ const NEIGHBOURHOOD_GROWTH: f64 = 1.6;
 const MAX_FOLLOWED: usize = 24;
 /// Most points of a neighbourhood that are used.
 const MAX_NEIGHBOURHOOD: usize = 240;
+/// The first of so many parts of the cloud is searched for the points of a large neighbourhood.
+const FIRST_PART: usize = 16;
 /// Most points inside a section for each one on it.
 const MAX_INSIDE_FIRST: f64 = 0.15;
 const MAX_INSIDE: f64 = 0.3;
@@ -300,7 +302,7 @@ impl Searched<'_> {
         let mut reach = 6.0 * self.spacing;
         while reach < largest {
             context.check()?;
-            let ball = self.tree.within_unordered(at, reach);
+            let ball = self.first_within(at, reach);
             if ball.len() >= MIN_POINTS {
                 found.extend(self.ring_of(at, ball, reach, seed));
             }
@@ -309,12 +311,22 @@ impl Searched<'_> {
         Ok(found)
     }
 
-    /// The best section of a neighbourhood.
+    /// Numbers of the first points of a neighbourhood, ascending: no more than are used.
+    fn first_within(&self, at: DVec3, reach: f64) -> Vec<u32> {
+        // A large neighbourhood has them among the first points of the cloud, and is slow to collect.
+        let first = &self.points[..self.points.len() / FIRST_PART];
+        let inside = |p: &DVec3| p.distance_squared(at) <= reach * reach;
+        let numbered = first.iter().zip(0..).filter(|(p, _)| inside(p));
+        let few: Vec<u32> = numbered.map(|(_, i)| i).take(MAX_NEIGHBOURHOOD).collect();
+        if few.len() == MAX_NEIGHBOURHOOD {
+            return few;
+        }
+        least(self.tree.within_unordered(at, reach), MAX_NEIGHBOURHOOD)
+    }
+
+    /// The best section of a neighbourhood, given by its first points.
     fn ring_of(&self, at: DVec3, ball: Vec<u32>, reach: f64, seed: u64) -> Option<Ring> {
-        let points: Vec<DVec3> = least(ball, MAX_NEIGHBOURHOOD)
-            .iter()
-            .map(|&i| self.points[i as usize])
-            .collect();
+        let points: Vec<DVec3> = ball.iter().map(|&i| self.points[i as usize]).collect();
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
         let own = KdTree::new(&points);
         let by_normals = symmetric_eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
