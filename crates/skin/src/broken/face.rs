@@ -129,37 +129,25 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
 /// Returns the vertices of a cut: its own on the skin, those within the wood, and the mesh's if its face uses them.
 fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> Vec<Corner> {
     let pith = inner.stem.rings.pith();
-    let from_pith = |grain: DVec3| grain.truncate().distance(pith);
-    let on_skin = |host: Host, grain: DVec3| Corner {
-        place: on_skin(source, host),
+    let corner = |place: DVec3, grain: DVec3, phi: f64| Corner {
+        place,
         grain,
-        phi: f64::NAN,
-        r: from_pith(grain),
+        phi,
+        r: grain.truncate().distance(pith),
     };
     let mut corners = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
-    corners.extend((cut.vertices.iter()).map(|v| on_skin(v.host, v.grain)));
-    // Vertices over one node follow each other.
-    let mut last = NONE;
-    let (mut phi, mut r) = (f64::NAN, 0.0);
+    let on_skin = |host| on_skin(source, host);
+    corners.extend((cut.vertices.iter()).map(|v| corner(on_skin(v.host), v.grain, f64::NAN)));
     corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
-        if node != last || node == NONE {
-            last = node;
-            let address = inner.bundles.addresses.get(node as usize);
-            phi = address.map_or(f64::NAN, |a| a.1);
-            r = from_pith(grain);
-        }
-        Corner {
-            place: source.chart.to_world(grain),
-            grain,
-            phi,
-            r,
-        }
+        let address = inner.bundles.addresses.get(node as usize);
+        let phi = address.map_or(f64::NAN, |a| a.1);
+        corner(source.chart.to_world(grain), grain, phi)
     }));
     // Vertices of the mesh itself are not expected here, but would follow the others.
     let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
     if least < cut.points {
         let points = (0..).zip(&source.grain[..cut.points]);
-        corners.extend(points.map(|(p, &g)| on_skin(Host::Point(p), g)));
+        corners.extend(points.map(|(p, &g)| corner(on_skin(Host::Point(p)), g, f64::NAN)));
     }
     corners
 }
