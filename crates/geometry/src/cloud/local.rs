@@ -2,7 +2,9 @@
 //!
 //! Scanners write coordinates in whole steps, of a millimetre say, so that many distances in a cloud are exactly equal. Which of
 //! two equal ones counts as the smaller is decided by rounding, and far from the origin coordinates round differently. Local
-//! coordinates are therefore whole multiples of a step that is far above the rounding and far below what a scanner resolves.
+//! coordinates are therefore whole multiples of a step that is far above the rounding and far below what a scanner resolves. The
+//! step is decimal, as a scanner's are: its coordinates lie in the middle of what is rounded to one multiple, and never between
+//! two.
 
 use super::PointCloud;
 use glam::DVec3;
@@ -10,19 +12,25 @@ use glam::DVec3;
 /// Steps in the extent of a cloud, at least: about those of single precision.
 const STEPS: f64 = (1u64 << 24) as f64;
 
+/// The largest power of ten that is a whole number in double precision.
+const MOST_STEPS_PER_METRE: f64 = 1e22;
+
 /// Where a cloud's local coordinates begin, and the step of which they are multiples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalFrame {
     /// The least coordinates of the cloud, m.
     pub origin: DVec3,
-    /// A power of two, m.
-    step: f64,
+    /// Steps in a metre: a power of ten; 0 where coordinates are not rounded.
+    steps_per_metre: f64,
 }
 
-/// Returns the largest power of two that is not above a positive number: its exponent alone.
-fn power_of_two_below(value: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
-    f64::from_bits(value.to_bits() & EXPONENT)
+/// Returns the least power of ten, from 1 to [`MOST_STEPS_PER_METRE`], that is not below a number.
+fn power_of_ten_above(value: f64) -> f64 {
+    let mut power = 1.0;
+    while power < value && power < MOST_STEPS_PER_METRE {
+        power *= 10.0;
+    }
+    power
 }
 
 impl LocalFrame {
@@ -35,20 +43,20 @@ impl LocalFrame {
         if !(extent > 0.0 && extent.is_finite()) {
             return LocalFrame {
                 origin: DVec3::ZERO,
-                step: 0.0,
+                steps_per_metre: 0.0,
             };
         }
         LocalFrame {
             origin: low,
-            step: power_of_two_below(extent / STEPS),
+            steps_per_metre: power_of_ten_above(STEPS / extent),
         }
     }
 
     /// Returns the local coordinates of a point.
     pub fn to_local(&self, point: DVec3) -> DVec3 {
         let local = point - self.origin;
-        if self.step > 0.0 {
-            (local / self.step).round() * self.step
+        if self.steps_per_metre > 0.0 {
+            (local * self.steps_per_metre).round() / self.steps_per_metre
         } else {
             local
         }
