@@ -9,8 +9,8 @@
 //!   in tension: no section has both unless its modulus has no trend.)
 //! - crushing strength: its mean is the table's;
 //! - tensile strength: the moment that the wood bears before its first rod breaks, the mean of all directions (of a board, of
-//!   those across its faces), is that of a solid section of even wood that yields in compression. The table's modulus of rupture is such a moment, and a few rods
-//!   of the table's strengths bear another ([`section_moment`](super::section_moment));
+//!   those across its faces), is that of a solid section of even wood that yields in compression. The table's modulus of
+//!   rupture is such a moment, and a few rods of the table's strengths bear another ([`section_moment`](super::section_moment));
 //! - across the grain: the mean of all facets, by their width. The table's values are means of tests along and across rings
 //!   (Wood Handbook, chapter 5, "Annual ring orientation") and contain the weak planes.
 //!
