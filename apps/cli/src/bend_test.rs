@@ -14,7 +14,8 @@ use greenstick::bending::{
 use greenstick::fibre::BendTest;
 use greenstick::files;
 use greenstick::formats::Encoded;
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Provenance};
+use greenstick::provenance;
 use serde::Serialize;
 use std::fmt::{Display, Write};
 use std::process::ExitCode;
@@ -23,6 +24,7 @@ use std::process::ExitCode;
 struct FullReport<'a, T> {
     #[serde(flatten)]
     report: &'a T,
+    provenance: &'a Provenance,
     outputs: &'a [Written],
     stages: &'a [StageTime],
 }
@@ -42,6 +44,7 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [work, write] = progress.split([("bend", 20.0), ("write", 1.0)]);
+    let made = provenance("bend-test", options.species.as_deref(), &settings);
     match &options.species {
         Some(species) => {
             let request = BendRequest {
@@ -50,14 +53,14 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
                 test,
             };
             let bent = bend(&request, &work).map_err(failure)?;
-            write_report(options, &bent.report, (&progress, &write), || {
-                bend_test_files(&bent)
+            write_report(options, (&bent.report, &made), (&progress, &write), || {
+                bend_test_files(&bent, &made)
             })
         }
         None => {
             let table = bend_all(settings.moisture, &test, &work).map_err(failure)?;
-            write_report(options, &table, (&progress, &write), || {
-                bend_table_files(&table)
+            write_report(options, (&table, &made), (&progress, &write), || {
+                bend_table_files(&table, &made)
             })
         }
     }
@@ -75,7 +78,7 @@ fn test(settings: &BendSettings, all_species: bool) -> BendTest {
 /// Writes the files, where a folder was named, and prints the report.
 fn write_report<T: Serialize + Display>(
     options: &BendTestOptions,
-    report: &T,
+    (report, provenance): (&T, &Provenance),
     (progress, write): (&Progress, &Context),
     make: impl FnOnce() -> Result<Vec<Encoded>, Error>,
 ) -> Result<ExitCode, Failure> {
@@ -89,6 +92,7 @@ fn write_report<T: Serialize + Display>(
     let text = if options.reporting.json {
         let full = FullReport {
             report,
+            provenance,
             outputs: &listed,
             stages: &stages,
         };

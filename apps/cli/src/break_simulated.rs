@@ -1,7 +1,9 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{ResolvedRequest, Targets, resolve_request, size, targets, use_threads};
+use crate::break_wood::{
+    ResolvedRequest, Targets, file_name, resolve_request, size, targets, use_threads,
+};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
@@ -10,7 +12,7 @@ use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{open_run, picture_of_run};
-use greenstick::geometry::{Context, Scene};
+use greenstick::geometry::{Context, Provenance, Scene};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
@@ -32,6 +34,7 @@ struct FullReport<'a> {
     pieces: &'a SkinReport,
     hangs_together: bool,
     outputs: &'a [Written],
+    provenance: &'a Provenance,
     stages: &'a [StageTime],
 }
 
@@ -70,6 +73,17 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
     part(&mut still, &run, request.file.common.separation);
+    let input = file_name(request.input.as_deref());
+    let mut provenance = request.file.provenance(input.as_deref(), scan.as_ref());
+    let simulated = greenstick::provenance("break --simulate", None, &run.scene);
+    provenance.command = simulated.command;
+    provenance.seed = simulated.seed;
+    let settings = simulated
+        .parameters
+        .into_iter()
+        .map(|p| format!("scene.{p}"));
+    provenance.parameters.extend(settings);
+    still.scene.metadata = provenance.metadata();
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
@@ -78,7 +92,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     if let Some(path) = &targets.picture {
         let shot = request.file.picture.options();
         let picture = picture_of_run(&run, &still.scene, still.inner, &shot, &picture)?;
-        let (path, bytes) = (path.clone(), picture.png());
+        let (path, bytes) = (path.clone(), picture.png_with(&still.scene.metadata));
         outputs.push(Output { path, bytes });
     }
     write.report(0.0)?;
@@ -93,6 +107,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
             pieces: &still.report,
             hangs_together: still.scene.nodes.iter().any(|n| n.name == "whole"),
             outputs: &written(&outputs),
+            provenance: &provenance,
             stages: &stages,
         };
         print(&format_report(&full, options.reporting.json)?)?;

@@ -8,7 +8,7 @@ use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::files::{self, Output};
 use greenstick::formats::{Format, InputFormat, LengthUnit};
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Provenance};
 use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::wood::stem::StemLocation;
 use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
@@ -36,6 +36,7 @@ struct FullReport<'a> {
     report: &'a BreakReport,
     /// Stable hash of the request.
     request_hash: String,
+    provenance: &'a Provenance,
     outputs: &'a [Written],
     stages: &'a [StageTime],
 }
@@ -66,6 +67,8 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
+    let provenance = file.provenance(file_name(input.as_deref()).as_deref(), source.scan.as_ref());
+    broken.scene.metadata = provenance.metadata();
     broken.report.scan = source.scan;
     let warning = unit_warning(input.as_deref(), unit, broken.report.place.stem_length_m);
     warning.into_iter().for_each(|note| broken.note(note));
@@ -83,7 +86,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
         outputs.push(Output {
             path: path.clone(),
-            bytes: picture.png(),
+            bytes: picture.png_with(&broken.scene.metadata),
         });
     }
     if let (Some(path), Some(text)) = (&targets.recipe, recipe) {
@@ -101,6 +104,7 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
         let full = FullReport {
             report: &broken.report,
             request_hash: hash(&file, input.as_deref()),
+            provenance: &provenance,
             outputs: &written(&outputs),
             stages: &stages,
         };
@@ -111,10 +115,15 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
 
 /// The hash of a request, whatever folder its input lies in.
 fn hash(file: &RequestFile, input: Option<&Path>) -> String {
-    let name = input.and_then(Path::file_name);
     let mut file = file.clone();
-    file.input = name.map(|name| name.to_string_lossy().into_owned());
+    file.input = file_name(input);
     file.hash()
+}
+
+/// The name of a file without its folder.
+pub fn file_name(path: Option<&Path>) -> Option<String> {
+    let name = path.and_then(Path::file_name)?;
+    Some(name.to_string_lossy().into_owned())
 }
 
 /// Sets the locations of the breaks on the stem that was reconstructed from a scan; that of the first was found with it.

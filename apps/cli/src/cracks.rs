@@ -1,13 +1,17 @@
 //! `greenstick cracks`: from a photograph of a sawn end to a recipe of its cracks.
 
 use crate::arguments::CracksOptions;
+use crate::break_wood::file_name;
 use crate::failure::{Failure, print};
+use crate::outcome::{check_recipe, comment_lines, one_line};
 use greenstick::files::{self, Output, read_photograph};
 use greenstick::fracture::cracks::measure::{
     MeasuredCracks, PhotographedSection, SectionPhotograph, measure_cracks,
 };
 use greenstick::fracture::parameters::CrackKind;
 use greenstick::fracture::recipe::Recipe;
+use greenstick::geometry::Provenance;
+use greenstick::provenance;
 use greenstick::wood::polygon::area_and_centroid;
 use greenstick::wood::rings::SectionFile;
 use std::fmt::Write;
@@ -15,13 +19,7 @@ use std::process::ExitCode;
 
 pub fn run(options: &CracksOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.output {
-        if path.extension().is_none_or(|e| e != "toml") {
-            return Err(Failure::request(format!(
-                "{}: recipes are TOML files; expected a name that ends in .toml",
-                path.display()
-            )));
-        }
-        files::check_writable(path)?;
+        check_recipe(path)?;
     }
     let mut recipe = Recipe {
         species: options.species.clone(),
@@ -41,9 +39,15 @@ pub fn run(options: &CracksOptions) -> Result<ExitCode, Failure> {
     };
     recipe.complete().map_err(Failure::work)?;
     if let Some(path) = &options.output {
+        let made = Provenance {
+            parameters: Vec::new(),
+            seed: None,
+            ..provenance("cracks", file_name(Some(&options.from)).as_deref(), &recipe)
+        };
         let text = format!(
-            "# cracks measured in {}\n{}",
+            "# cracks measured in {}\n{}{}",
             one_line(&options.from.display().to_string()),
+            comment_lines(&made),
             recipe.to_toml()
         );
         files::write_all(&[Output {
@@ -63,11 +67,6 @@ pub fn run(options: &CracksOptions) -> Result<ExitCode, Failure> {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// A name that cannot leave its comment.
-fn one_line(name: &str) -> String {
-    name.replace(|c: char| c.is_control(), " ")
 }
 
 /// The section: as given, or as found in the photograph.

@@ -2,11 +2,12 @@
 
 use crate::arguments::FitOptions;
 use crate::failure::{Failure, print};
-use crate::outcome::Written;
+use crate::outcome::{Written, check_recipe, comment_lines, one_line};
 use crate::progress::Progress;
 use crate::skin;
 use greenstick::files::{self, Output};
 use greenstick::fit::{Fit, FitError, FitReport, fit};
+use greenstick::provenance;
 use serde::Serialize;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -20,13 +21,7 @@ struct FullReport<'a> {
 
 pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.output {
-        if path.extension().is_none_or(|e| e != "toml") {
-            return Err(Failure::request(format!(
-                "{}: recipes are TOML files; expected a name that ends in .toml",
-                path.display()
-            )));
-        }
-        files::check_writable(path)?;
+        check_recipe(path)?;
     }
     let progress = Progress::start(options.quiet);
     let [read, work] = progress.split([("read", 1.0), ("fit", 3.0)]);
@@ -45,10 +40,11 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
     let mut written = Vec::new();
     if let Some(path) = &options.output {
         let text = format!(
-            "# from the break that was simulated in {}\n# greenstick break ... --at {} --recipe {}\n{}",
+            "# from the break that was simulated in {}\n# greenstick break ... --at {} --recipe {}\n{}{}",
             one_line(&options.run.display().to_string()),
             report.at,
             one_line(&path.display().to_string()),
+            comment_lines(&provenance("fit", None, &run.scene)),
             recipe.to_toml()
         );
         written.push(Written {
@@ -85,11 +81,6 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
         print(&text)?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// A name that cannot leave its comment.
-fn one_line(name: &str) -> String {
-    name.replace(|c: char| c.is_control(), " ")
 }
 
 fn failure(error: FitError) -> Failure {

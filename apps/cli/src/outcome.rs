@@ -1,8 +1,12 @@
-//! Parts of the reports of several commands: the files that were written and the time that was spent.
+//! What several commands have in common: the files that were written and the time that was spent, and the recipes that
+//! are made of measurements.
 
+use crate::failure::Failure;
 use crate::progress::StageTime;
-use greenstick::files::Output;
+use greenstick::files::{self, Output};
+use greenstick::geometry::Provenance;
 use serde::Serialize;
+use std::path::Path;
 
 /// A file that was written.
 #[derive(Serialize)]
@@ -29,4 +33,26 @@ pub fn spent(stages: &[StageTime]) -> String {
         .filter_map(entry)
         .collect::<Vec<_>>()
         .join(", ")
+}
+
+/// Checks that a recipe can be written, before any work is done.
+pub fn check_recipe(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_none_or(|e| e != "toml") {
+        return Err(Failure::request(format!(
+            "{}: recipes are TOML files; expected a name that ends in .toml",
+            path.display()
+        )));
+    }
+    Ok(files::check_writable(path)?)
+}
+
+/// Where a recipe comes from, as comments.
+pub fn comment_lines(provenance: &Provenance) -> String {
+    let metadata = provenance.metadata();
+    metadata.lines().map(|line| format!("# {line}\n")).collect()
+}
+
+/// A name that cannot leave its comment.
+pub fn one_line(name: &str) -> String {
+    name.replace(|c: char| c.is_control(), " ")
 }

@@ -1,11 +1,12 @@
 //! `greenstick rings`: the annual rings of a section from its outline.
 
 use crate::arguments::RingsOptions;
-use crate::break_wood::check_png;
+use crate::break_wood::{check_png, file_name};
 use crate::failure::{Failure, parameter_hint, print};
 use greenstick::SectionRingSettings;
 use greenstick::files::{self, Output, read_photograph};
 use greenstick::geometry::Context;
+use greenstick::provenance;
 use greenstick::schema::Parameters;
 use greenstick::wood::rings::{
     RingComparison, RingsFile, SectionFile, SectionFileError, SectionRingMethod,
@@ -68,11 +69,12 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
         };
         report += &table(&rings, model, &units);
     }
+    let made = provenance("rings", file_name(Some(path)).as_deref(), &settings);
     let mut files = Vec::new();
     if let Some(path) = &options.output {
         files.push(Output {
             path: path.clone(),
-            bytes: section.json(&context)?.into_bytes(),
+            bytes: section.json(&made, &context)?.into_bytes(),
         });
     }
     if let Some(path) = &options.picture {
@@ -82,7 +84,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
         };
         files.push(Output {
             path: path.clone(),
-            bytes: picture.png(),
+            bytes: picture.png_with(&made.metadata()),
         });
     }
     files::write_all(&files)?;

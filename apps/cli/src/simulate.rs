@@ -1,7 +1,7 @@
 //! `greenstick simulate`: from options to a scene, and from a run to pictures and a report.
 
 use crate::arguments::{ReportingOptions, SimulateOptions};
-use crate::break_wood::use_threads;
+use crate::break_wood::{file_name, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
@@ -11,8 +11,9 @@ use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Output};
 use greenstick::film::open_run;
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::{Context, Stage};
+use greenstick::geometry::{Context, Provenance, Stage};
 use greenstick::picture::PictureOptions;
+use greenstick::provenance;
 use greenstick::simulate::{
     RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, body_shapes,
     energy_chart, load_chart, simulate,
@@ -28,6 +29,7 @@ struct FullReport<'a> {
     #[serde(flatten)]
     report: &'a SimulateReport,
     pictures: &'a [String],
+    provenance: &'a Provenance,
     stages: &'a [StageTime],
 }
 
@@ -95,6 +97,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         resume: options.resume,
     };
     let report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
+    let made = run_provenance(name, options, &request.scene);
     let pictures = pictures(&run, &request.meshes, options, &shots).map_err(|e| {
         e.or_cancelled(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
@@ -104,6 +107,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let full = FullReport {
         report: &report,
         pictures: &pictures,
+        provenance: &made,
         stages: &progress.finish(),
     };
     print_report(&full, &options.reporting)?;
@@ -114,6 +118,13 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         make_film(run, &request.meshes, options, output, (&progress, &filming))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Where a run comes from: the scene by its name, the mesh, and what is not at its default.
+fn run_provenance(name: &str, options: &SimulateOptions, scene: &Scene) -> Provenance {
+    let name = file_name(Some(Path::new(name))).unwrap_or_default();
+    let input = file_name(options.mesh.input.as_deref());
+    provenance(&format!("simulate {name}"), input.as_deref(), scene)
 }
 
 fn print_report(full: &FullReport, reporting: &ReportingOptions) -> Result<(), Failure> {

@@ -17,7 +17,8 @@ use greenstick::film::{FilmError, open_run, picture_of_run, write_series};
 use greenstick::formats::film::{FilmReport, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
-use greenstick::geometry::{Context, Scene, Stage};
+use greenstick::geometry::{Context, Provenance, Scene, Stage};
+use greenstick::provenance;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use greenstick::skin::film::{Run, SkinReport, SkinnedFilm};
 use outputs::{ending, in_folder};
@@ -182,15 +183,16 @@ fn still(
             "there are {count} frames, counted from 0 or from −1 backwards"
         ))
     })?;
-    let still = run
+    let mut still = run
         .still(number, &plan.film, &skin)
         .map_err(Failure::from)?;
+    still.scene.metadata = run_provenance(&run).metadata();
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
         let picture = picture_of_run(&run, &still.scene, still.inner, &plan.shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),
-            bytes: picture.png(),
+            bytes: picture.png_with(&still.scene.metadata),
         });
     }
     write.report(0.0)?;
@@ -255,6 +257,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     let mut made = run
         .film(from..to, &plan.film, &skin)
         .map_err(Failure::from)?;
+    made.film.metadata = run_provenance(&run).metadata();
     let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
@@ -362,6 +365,11 @@ fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Outpu
     Ok(files.into_iter().map(|f| in_folder(folder, f)).collect())
 }
 
+/// Where what is made of a run comes from: the scene that was simulated.
+fn run_provenance(run: &Run) -> Provenance {
+    provenance("skin", None, &run.scene)
+}
+
 /// Rods and bonds as a series of VTK files beside `path`.
 fn series(run: Run, range: Range<usize>, path: &Path, context: &Context) -> Result<Made, Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -373,7 +381,8 @@ fn series(run: Run, range: Range<usize>, path: &Path, context: &Context) -> Resu
         bytes += file.bytes.len();
         Ok(files::write_all(&[in_folder(folder, file)])?)
     };
-    let count = write_series(&run, range, &name, put, context).map_err(Failure::from)?;
+    let count = write_series(&run, range, (&name, &run_provenance(&run)), put, context)
+        .map_err(Failure::from)?;
     let written = format!(
         "{} with the {} files that it lists",
         path.display(),

@@ -232,7 +232,8 @@ fn estimate_note(group: Group) -> String {
     };
     format!(
         "Green values with ± are estimates: the 12 % value times the mean ratio of green to dry wood in the {count}\n\
-         {group_name} that are known both ways; ± is the error when each of those is left out in turn."
+         {group_name} that are known both ways, modulus of rupture from compression along the grain; ± is the error when each\n\
+         of those is left out in turn."
     )
 }
 

@@ -179,8 +179,7 @@ fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightC
                         phi,
                         half_width,
                     };
-                    let covered = skin.covered_up_to(&edge, from);
-                    if covered.is_some_and(|end| end > to) {
+                    if skin.covers_between(&edge, from, to) {
                         own
                     } else {
                         bark

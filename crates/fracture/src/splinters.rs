@@ -71,12 +71,14 @@ pub fn loosen(
 ) -> Loosened {
     let layout = surface.layout.as_ref();
     let facets = facets_by_cell(layout, bundles.bundles.len());
+    let range = surface.range();
     let mut candidates: Vec<Candidate> = Vec::new();
     for (cell, facets) in facets.iter().enumerate() {
         let inside = bundles.tips[cell] != NONE && !bundles.bundles[cell].bark;
         if inside && free(cell as u32) {
             for upper in [false, true] {
-                candidates.extend(candidate(surface, cell as u32, facets, upper, options));
+                let cell = cell as u32;
+                candidates.extend(candidate((surface, range), cell, facets, upper, options));
             }
         }
     }
@@ -145,8 +147,10 @@ fn borders(layout: &SectionLayout, facets: &[u32]) -> Vec<Border> {
     list
 }
 
+/// The bundle of a cell, if it stands out of its neighbours far enough to break off. The surface comes with the range of
+/// its heights.
 fn candidate(
-    surface: &FractureSurface,
+    (surface, (low, high)): (&FractureSurface, (f64, f64)),
     cell: u32,
     facets: &[u32],
     upper: bool,
@@ -176,7 +180,6 @@ fn candidate(
         passed >= STANDS_OUT * around
     })?;
     let length = own / around - base.0;
-    let (low, high) = surface.range();
     let deepest = base.0 - RAGGED * length;
     let within = if upper {
         -deepest < high

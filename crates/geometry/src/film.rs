@@ -1,7 +1,7 @@
 //! Films: meshes that follow joints, and the poses of the joints over time. Vertices move by linear blend skinning,
 //! `v = Σ w_j T_j T̄_j⁻¹ v̄`, with the rest poses `T̄`, so that a writer need not know where the motion comes from.
 
-use crate::{Image, Material, Mesh, Node, Texture};
+use crate::{Image, Material, Mesh, Metadata, Node, Texture};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::BTreeMap;
 
@@ -277,6 +277,8 @@ pub struct Film {
     pub images: Vec<Image>,
     /// Frame rate, 1/s.
     pub frames_per_second: f64,
+    /// Where it comes from and how it was made.
+    pub metadata: Metadata,
 }
 
 /// The poses over time, requested frame by frame so that no writer holds them all. A writer may request frames repeatedly

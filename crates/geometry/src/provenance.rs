@@ -63,6 +63,9 @@ pub struct Provenance {
     pub input: Option<String>,
     /// Parameters that were not left at their defaults, `key=value`.
     pub parameters: Vec<String>,
+    /// What random numbers were drawn from; `None` where nothing is random.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// `local`, less `origin_m`, or `input`, those of the input.
     pub coordinates: String,
     /// What was subtracted from the input's coordinates before the work, m.
@@ -78,14 +81,16 @@ impl Provenance {
     pub fn metadata(&self) -> Metadata {
         let mut metadata = Metadata::default();
         let [x, y, z] = self.origin_m;
+        let has_place = !self.coordinates.is_empty() || self.origin_m != [0.0; 3];
         let texts = [
             ("program", Some(self.program.clone())),
             ("version", Some(self.version.clone())),
             ("command", Some(self.command.clone())),
             ("input", self.input.clone()),
             ("parameters", Some(self.parameters.join(", "))),
+            ("seed", self.seed.map(|seed| seed.to_string())),
             ("coordinates", Some(self.coordinates.clone())),
-            ("origin_m", Some(format!("{x} {y} {z}"))),
+            ("origin_m", has_place.then(|| format!("{x} {y} {z}"))),
             ("coverage", self.coverage.map(|share| share.to_string())),
             (
                 "residual_m",

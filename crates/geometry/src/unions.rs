@@ -44,6 +44,13 @@ impl Unions {
         a != b
     }
 
+    /// Joins a number that is alone in its set to the smallest of another, which is smaller; both may be the same.
+    pub fn attach(&mut self, alone: u32, smallest: u32) {
+        debug_assert!(self.parents[alone as usize] == alone && smallest <= alone);
+        debug_assert!(self.parents[smallest as usize] == smallest);
+        self.parents[alone as usize] = smallest;
+    }
+
     /// Joins the sets that contain the corners of a triangle.
     pub fn join_triangle(&mut self, [a, b, c]: [u32; 3]) {
         let parent = |i: u32| self.parents[i as usize];

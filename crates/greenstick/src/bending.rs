@@ -10,6 +10,7 @@ pub use greenstick_fibre::bend_test::{
 
 use crate::Error;
 use greenstick_formats::Encoded;
+use greenstick_geometry::Provenance;
 use serde::Serialize;
 
 /// The name of a test's report.
@@ -17,31 +18,44 @@ pub const BEND_REPORT_FILE: &str = "bend-test.json";
 /// The name of the table of all species.
 pub const BEND_TABLE_FILE: &str = "species.csv";
 
-/// Returns a test as `bend-test.json`, `load-deflection.csv`, `load-deflection.png` and `events.csv`.
+/// Returns a test, and in its report where it comes from, as `bend-test.json`, `load-deflection.csv`, `load-deflection.png` and `events.csv`.
 ///
 /// # Errors
 /// [`Error::Report`] where the report cannot be converted to JSON.
-pub fn bend_test_files(bent: &Bent) -> Result<Vec<Encoded>, Error> {
+pub fn bend_test_files(bent: &Bent, provenance: &Provenance) -> Result<Vec<Encoded>, Error> {
     Ok(vec![
-        json_file(BEND_REPORT_FILE, &bent.report)?,
+        json_file(BEND_REPORT_FILE, &bent.report, provenance)?,
         Encoded::new("load-deflection.csv", bent.load_table()),
         Encoded::new("load-deflection.png", bend_chart(bent).png()),
         Encoded::new("events.csv", bent.event_table()),
     ])
 }
 
-/// Returns the tests of all species as `species.csv` and `species.json`, with the summary.
+/// Returns the tests of all species, and where they come from, as `species.csv` and `species.json`, with the summary.
 ///
 /// # Errors
 /// [`Error::Report`] where the table cannot be converted to JSON.
-pub fn bend_table_files(table: &BendTable) -> Result<Vec<Encoded>, Error> {
+pub fn bend_table_files(table: &BendTable, provenance: &Provenance) -> Result<Vec<Encoded>, Error> {
     Ok(vec![
         Encoded::new(BEND_TABLE_FILE, table.csv()),
-        json_file("species.json", table)?,
+        json_file("species.json", table, provenance)?,
     ])
 }
 
-fn json_file(name: &str, value: &impl Serialize) -> Result<Encoded, Error> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| Error::Report(e.to_string()))?;
+/// A report that says where it comes from.
+#[derive(Serialize)]
+struct WithProvenance<'a, T> {
+    #[serde(flatten)]
+    report: &'a T,
+    provenance: &'a Provenance,
+}
+
+fn json_file(
+    name: &str,
+    report: &impl Serialize,
+    provenance: &Provenance,
+) -> Result<Encoded, Error> {
+    let value = WithProvenance { report, provenance };
+    let text = serde_json::to_string_pretty(&value).map_err(|e| Error::Report(e.to_string()))?;
     Ok(Encoded::new(name, text + "\n"))
 }

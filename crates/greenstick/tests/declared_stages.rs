@@ -2,8 +2,9 @@
 
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::Context;
-use greenstick::schema::{Parameters, Value};
+use greenstick::schema::{ParameterInfo, Parameters, Value};
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, built_in_branch};
+use rayon::prelude::*;
 
 /// Breaks that between them use every parameter: with straight grain, which spiral grain follows the broken face of, and
 /// with cracks in the broken face, as those at a sawn end belong to the stem.
@@ -52,56 +53,54 @@ fn request(settings: &[&str]) -> BreakRequest {
     }
 }
 
-/// The stage that a change starts at; `None` where nothing up to the pieces has changed.
-fn started(
-    session: &BreakSession,
-    before: &BreakRequest,
-    after: &BreakRequest,
-) -> Option<BreakStage> {
-    let context = Context::quiet();
-    let mut session = session.fork();
-    session.stages(before, &context).unwrap();
-    session.stages(after, &context).unwrap();
-    if session.started_at().is_none() {
-        session.pieces(before, &context).unwrap();
-        session.pieces(after, &context).unwrap();
+/// A request, and a session that has cached all of its stages.
+struct Prepared {
+    request: BreakRequest,
+    session: BreakSession,
+}
+
+impl Prepared {
+    fn new(found: &BreakSession, settings: &[&str]) -> Self {
+        let (request, context) = (request(settings), Context::quiet());
+        let mut session = found.fork();
+        session.stages(&request, &context).unwrap();
+        session.pieces(&request, &context).unwrap();
+        Prepared { request, session }
     }
-    session.started_at()
+
+    /// The stage that a change of a parameter starts at; `None` where nothing up to the pieces changes.
+    fn started(&self, info: &ParameterInfo) -> Option<BreakStage> {
+        let mut after = self.request.clone();
+        let one = &mut after.breaks[0];
+        let own = one.list().into_iter().find(|p| p.key == info.key).unwrap();
+        let word = if info.key == "at" {
+            "0.51"
+        } else {
+            "Ash, white"
+        };
+        let value = own.neighbour().unwrap_or_else(|| Value::Text(word.into()));
+        one.set(&info.key, &value).unwrap();
+        // Two parameters that must be in order are.
+        if one.check().is_err() {
+            return None;
+        }
+        let (mut session, context) = (self.session.fork(), Context::quiet());
+        session.stages(&after, &context).unwrap();
+        if session.started_at().is_none() {
+            session.pieces(&after, &context).unwrap();
+        }
+        session.started_at()
+    }
 }
 
 #[test]
 fn every_parameter_starts_at_its_declared_stage() {
     let mut session = BreakSession::new(built_in_branch());
     session.stem(&request(&[]), &Context::quiet()).unwrap();
-    for info in Break::table() {
-        let mut earliest = None;
-        for settings in BREAKS {
-            let before = request(settings);
-            let mut after = before.clone();
-            let one = &mut after.breaks[0];
-            let own = one.list().into_iter().find(|p| p.key == info.key).unwrap();
-            let value = own.neighbour().unwrap_or_else(|| {
-                Value::Text(
-                    if info.key == "at" {
-                        "0.51"
-                    } else {
-                        "Ash, white"
-                    }
-                    .into(),
-                )
-            });
-            one.set(&info.key, &value).unwrap();
-            // Two parameters that must be in order are.
-            if one.check().is_err() {
-                continue;
-            }
-            let found = started(&session, &before, &after);
-            earliest = match (earliest, found) {
-                (Some(a), Some(b)) => Some(BreakStage::min(a, b)),
-                (a, b) => a.or(b),
-            };
-        }
-        let earliest = earliest.map(BreakStage::name);
+    let prepared = BREAKS.map(|settings| Prepared::new(&session, settings));
+    Break::table().par_iter().for_each(|info| {
+        let started = prepared.iter().filter_map(|p| p.started(info));
+        let earliest = started.min().map(BreakStage::name);
         assert_eq!(earliest, Some(info.stage), "{}", info.key);
-    }
+    });
 }

@@ -126,6 +126,23 @@ fn rod_distance(film: &SkinnedFilm, position: impl Fn(usize) -> DVec3, p: DVec3)
 }
 
 #[test]
+fn lines_of_rods_and_bonds_are_all_there_beside_breaks_between_vertices_too() {
+    let run = run();
+    let mut broke = false;
+    for number in 0..run.frames() {
+        let frame = run.frame(number).unwrap();
+        let (rods, bonds) = (run.rod_lines(&frame), run.bond_lines(&frame));
+        broke |= rods.parts.iter().any(|&part| part > 0);
+        assert_eq!(rods.parts.len(), frame.parent.len());
+        assert_eq!(bonds.stretch.len(), frame.bonds.len(), "frame {number}");
+        assert_eq!(bonds.points.len(), 2 * frame.bonds.len());
+        let longest = bonds.stretch.iter().copied().fold(0.0, f64::max);
+        assert!(longest < 2.0, "frame {number}: {longest}");
+    }
+    assert!(broke);
+}
+
+#[test]
 fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let mut run = run();
     let context = Context::quiet();

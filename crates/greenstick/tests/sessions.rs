@@ -6,6 +6,8 @@ use greenstick::fracture::heights::{HeightField, HeightSource};
 use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Scene};
+use greenstick::skin::broken::BrokenFace;
+use greenstick::wood::noise::unit;
 use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, Broken, built_in_branch};
 use std::sync::Arc;
@@ -150,6 +152,48 @@ fn a_session_after_changes_equals_a_new_one() {
         assert_eq!(session.started_at(), expected, "{what}");
         let fresh = BreakSession::new(built_in_branch()).broken(&now, &context);
         assert_same(&cached, &fresh.unwrap(), what);
+    }
+}
+
+#[test]
+fn a_walk_through_the_heights_equals_new_breaks() {
+    const STEPS: i64 = 10;
+    let keys: [(&str, f64, f64); 8] = [
+        ("inclination", 0.0, 40.0),
+        ("inclination_direction", 0.0, 360.0),
+        ("high.height", 0.0, 1.0),
+        ("sapwood.perlin_amplitude", 0.0, 0.5),
+        ("bark.perlin_amplitude", 0.0, 0.3),
+        ("slab_height", 0.0, 2.0),
+        ("sliver_height", 0.0, 2.0),
+        ("fibre_height", 0.0, 0.4),
+    ];
+    let context = Context::quiet();
+    for style in ["surface=smooth", "surface=fibrous"] {
+        let mut asked = request(&["rings=10", "sectors=20", style]);
+        let mut sound = BreakSession::new(built_in_branch());
+        sound.stem(&asked, &context).unwrap();
+        let mut session = sound.fork();
+        session.stages(&asked, &context).unwrap();
+        for step in 0..STEPS {
+            let random = |what: i64| unit(1, step, what, 0);
+            let (key, low, high) = keys[(random(0) * keys.len() as f64) as usize];
+            // Small changes, after which most stays, and jumps.
+            let reach = [0.001, 0.03, 1.0][(random(1) * 3.0) as usize];
+            let value = low + (high - low) * (0.3 + 0.7 * reach * random(2));
+            change(&mut asked, &[&format!("{key}={value}")]);
+            let walked = session.stages(&asked, &context).unwrap();
+            let new = sound.fork().stages(&asked, &context).unwrap();
+            let (walked, new) = (&walked.cut.face, &new.cut.face);
+            let face = |f: &BrokenFace| {
+                let face = f.face.clone();
+                (face.positions, face.normals, face.coordinates, face.ids)
+            };
+            assert_eq!(face(walked), face(new), "{style} {key}={value}");
+            assert_eq!(walked.face.triangles, new.face.triangles);
+            assert_eq!(walked.patch.parts, new.patch.parts);
+            assert_eq!(walked.patch.whole, new.patch.whole);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Finished pictures: tone mapping and PNG.
 
 use glam::DVec3;
+use greenstick_geometry::{Metadata, MetadataEntry};
 
 /// A picture in 8-bit sRGB, with three bytes per pixel and rows from top to bottom.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,11 +38,20 @@ impl Picture {
 
     /// Encodes the picture as PNG. Returns nothing if `rgb` does not have the size of the picture.
     pub fn png(&self) -> Vec<u8> {
+        self.png_with(&Metadata::default())
+    }
+
+    /// The same with metadata as international text chunks, whose keywords are their names.
+    pub fn png_with(&self, metadata: &Metadata) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        for MetadataEntry { name, text } in &metadata.entries {
+            // Names and texts are short, and their characters are allowed.
+            let _ = encoder.add_itxt_chunk(name.clone(), text.clone());
+        }
         let written = encoder.write_header().and_then(|mut writer| {
             writer
                 .write_image_data(&self.rgb)

@@ -3,7 +3,7 @@
 //!
 //! Moisture contents are percent of the oven-dry mass, as the field writes them.
 
-use crate::species::{GreenRatio, Property, Shrinkage, Species};
+use crate::species::{GreenEstimate, Property, Shrinkage, Species};
 use serde::{Deserialize, Serialize};
 
 /// Moisture content at which the tables give dry wood, percent.
@@ -76,7 +76,7 @@ pub enum MoistureError {
 pub enum Fallback {
     /// Fail, saying which value is missing.
     Refuse,
-    /// Estimate the green value by its group's mean ratio ([`GreenRatio`]) and say so in [`Adjusted::basis`]; take the 12 %
+    /// Estimate the green value by its group's mean ratio ([`Species::estimate_green`]) and say so in [`Adjusted::basis`]; take the 12 %
     /// value unchanged between 12 % and green where Eq. 5-3 does not hold.
     Estimate,
 }
@@ -233,9 +233,9 @@ impl Species {
         let known = self.green.as_ref().and_then(|g| g.get(property));
         let intersection = self.intersection_percent();
         let is_green = moisture >= intersection;
-        let ratio = GreenRatio::of_property(self.group, property)
+        let estimate = (self.estimate_green(property))
             .filter(|_| known.is_none() && (is_green || property.follows_equation_5_3()));
-        let Some(GreenRatio { ratio, error, .. }) = ratio else {
+        let Some(GreenEstimate { value, error }) = estimate else {
             return Adjusted {
                 value: dry,
                 basis: Basis::Unadjusted,
@@ -245,7 +245,7 @@ impl Species {
         let part = (moisture - AIR_DRY_PERCENT) / (intersection - AIR_DRY_PERCENT);
         let error = 100.0 * error * part.abs().min(1.0);
         Adjusted {
-            value: equation_5_3(dry, ratio * dry, moisture, intersection),
+            value: equation_5_3(dry, value, moisture, intersection),
             basis: Basis::Estimate {
                 error_percent: error.round() as u8,
             },
@@ -313,10 +313,14 @@ mod tests {
             message.contains("Alder, red") && message.contains("60 %"),
             "{message}"
         );
-        // The mean of six hardwoods is 0.597, and each misses that of the other five by 7 % (root mean square).
+        // The mean of six hardwoods is 1.169 times their crushing strength at 12 %, and each misses that of the other five by
+        // 8 % (root mean square).
         let estimate = ask(Fallback::Estimate).unwrap();
-        assert!((estimate.value / 68e6 - 0.597).abs() < 5e-4, "{estimate:?}");
-        assert_eq!(estimate.basis, Basis::Estimate { error_percent: 7 });
+        assert!(
+            (estimate.value / 40.1e6 - 1.1685).abs() < 5e-4,
+            "{estimate:?}"
+        );
+        assert_eq!(estimate.basis, Basis::Estimate { error_percent: 8 });
         // Half way between 12 % and Mp, in the exponent of Eq. 5-3, the error is half as large.
         let middle = 0.5 * (12.0 + alder.intersection_percent());
         let half = alder
@@ -329,6 +333,44 @@ mod tests {
                 .property_at(Property::ModulusOfRupture, 12.0, Fallback::Refuse)
                 .is_ok()
         );
+    }
+
+    #[test]
+    fn estimated_green_wood_has_a_ratio_of_strengths_that_was_measured() {
+        // The two hardwoods and the softwood with the highest ratio of rupture to crushing strength at 12 %, and the lowest.
+        for (name, range) in [
+            ("hickory, nutmeg", 2.24..2.41),
+            ("oak, water", 2.24..2.41),
+            ("Fraxinus excelsior", 2.24..2.41),
+            ("cedar, Atlantic white", 1.97..2.29),
+        ] {
+            let species = Species::find(name).unwrap();
+            let green = |p| {
+                species
+                    .property_at(p, 60.0, Fallback::Estimate)
+                    .unwrap()
+                    .value
+            };
+            let ratio = green(Property::ModulusOfRupture) / green(Property::CompressionParallel);
+            assert!(range.contains(&ratio), "{name}: {ratio}");
+        }
+        // And in no species is green wood stronger than dry wood.
+        for species in Species::all() {
+            let at = |moisture| {
+                let value =
+                    species.property_at(Property::ModulusOfRupture, moisture, Fallback::Estimate);
+                value.map(|v| v.value)
+            };
+            if let (Ok(dry), Ok(green)) = (at(12.0), at(60.0)) {
+                let ratio = green / dry;
+                let unknown = (ratio - 1.0).abs() < 1e-12;
+                assert!(
+                    unknown || (0.40..0.85).contains(&ratio),
+                    "{}: {ratio}",
+                    species.name
+                );
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,8 @@
 mod support;
 
 use glam::DVec3;
-use greenstick_geometry::{Context, Mesh};
+use greenstick_geometry::{Context, Mesh, Values};
+use greenstick_wood::anatomy::{LimbReport, limb_table};
 use greenstick_wood::primitive::{BranchOptions, board, branch, cylinder};
 use greenstick_wood::stem::{
     FoundStem, StemError, StemKind, StemLocation, StemOptions, find_left_out, find_stem,
@@ -162,18 +163,24 @@ fn an_open_tube_and_five_sides_have_smooth_axes() {
     }
 }
 
-/// A welded fork: two tubes' worth of surface from an implicit union, by marching tetrahedra over a grid.
+/// The distance of a point from a tube with round ends, negative inside.
+fn capsule(p: DVec3, a: DVec3, b: DVec3, r: f64) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+    p.distance(a + (b - a) * t) - r
+}
+
+/// A welded fork: two tubes' worth of surface.
 fn welded_fork() -> Mesh {
-    let capsule = |p: DVec3, a: DVec3, b: DVec3, r: f64| {
-        let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        p.distance(a + (b - a) * t) - r
-    };
     let crotch = DVec3::new(0.0, 1.0, 0.0);
-    let solid = |p: DVec3| {
+    surface_of(|p| {
         capsule(p, DVec3::ZERO, crotch, 0.12)
             .min(capsule(p, crotch, DVec3::new(0.6, 1.9, 0.0), 0.09))
             .min(capsule(p, crotch, DVec3::new(-0.5, 2.0, 0.0), 0.08))
-    };
+    })
+}
+
+/// The surface of a solid, given by its distance, by marching tetrahedra over a grid.
+fn surface_of(solid: impl Fn(DVec3) -> f64) -> Mesh {
     let h = 0.031;
     let place = |i: [i32; 3]| DVec3::new(i[0] as f64, i[1] as f64, i[2] as f64) * h + 0.0071;
     let mut mesh = Mesh::default();
@@ -238,6 +245,75 @@ fn welded_fork() -> Mesh {
         }
     }
     mesh
+}
+
+#[test]
+fn a_limb_has_its_place_direction_and_size() {
+    // A trunk of 2 m with a limb of 0.07 m radius, 1 m above its middle line's base.
+    let (top, tip) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.65, 1.45, 0.0));
+    let socket = DVec3::new(0.0, 0.9, 0.0);
+    let mesh =
+        surface_of(|p| capsule(p, DVec3::ZERO, top, 0.12).min(capsule(p, socket, tip, 0.07)));
+    let trunk = at(std::slice::from_ref(&mesh), "0.25").unwrap();
+    let left_out = find_left_out(&mesh, &trunk, &Context::quiet()).unwrap();
+    let left_out = left_out.unwrap();
+    let [limb] = &left_out.limbs[..] else {
+        panic!("{:?}", left_out.limbs)
+    };
+    let arm = (tip - socket).normalize();
+    assert!(
+        limb.direction.dot(arm) > 5f64.to_radians().cos(),
+        "{limb:?}"
+    );
+    let angle = arm.angle_between(DVec3::Y);
+    let turn = limb.angle.min(std::f64::consts::PI - limb.angle);
+    assert!(
+        (turn - angle).abs() < 5f64.to_radians(),
+        "{limb:?}: {angle}"
+    );
+    assert!((limb.diameter_m / 0.14 - 1.0).abs() < 0.1, "{limb:?}");
+    let end = tip + 0.07 * arm;
+    let reach = (end - limb.mouth).dot(limb.direction);
+    assert!(
+        (limb.length_m / reach - 1.0).abs() < 0.02,
+        "{limb:?}: {reach}"
+    );
+    // What is beyond the mouth, of the cylinder and the half ball at its end.
+    let beyond = (tip - limb.mouth).dot(arm);
+    let volume = std::f64::consts::PI * 0.0049 * (beyond + 2.0 / 3.0 * 0.07);
+    assert!(
+        (limb.volume_m3 / volume - 1.0).abs() < 0.05,
+        "{limb:?}: {volume}"
+    );
+
+    let table = limb_table(&[LimbReport::from(limb)]);
+    let columns: Vec<(&str, f64)> = (table.columns.iter())
+        .map(|c| match &c.values {
+            Values::F64(values) => (c.name.as_str(), values[0]),
+            other => panic!("{}: {other:?}", c.name),
+        })
+        .collect();
+    let [x, y, z] = limb.mouth.to_array();
+    let [u, v, w] = limb.direction.to_array();
+    assert_eq!(
+        columns[..4],
+        [
+            ("at", limb.at_m),
+            ("mouth_x", x),
+            ("mouth_y", y),
+            ("mouth_z", z)
+        ]
+    );
+    assert_eq!(
+        columns[4..7],
+        [("direction_x", u), ("direction_y", v), ("direction_z", w)]
+    );
+    let size = [("angle", limb.angle), ("diameter", limb.diameter_m)];
+    assert_eq!(columns[7..9], size);
+    assert_eq!(
+        columns[9..],
+        [("length", limb.length_m), ("volume", limb.volume_m3)]
+    );
 }
 
 #[test]

@@ -124,7 +124,8 @@ fn fill(
         None => SectionWood::even(wood, section.cells.len()),
         Some(structure) => {
             let middle = 0.5 * (from + to);
-            SectionWood::structured(stem, wood, structure, &section.cells, middle)
+            let shape = (&section.outline[..], &section.cells[..]);
+            SectionWood::structured(stem, wood, structure, shape, middle)
         }
     };
     build(

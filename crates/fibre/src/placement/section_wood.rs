@@ -7,15 +7,19 @@
 //! - modulus along the grain: the bending stiffness of the wood, the mean of all directions, is E I. (The table's modulus is
 //!   that of bending tests. A section that is stiffer outside than inside, as juvenile wood makes it, then has less than E A
 //!   in tension: no section has both unless its modulus has no trend.)
-//! - strength along the grain: the moment that the wood bears before its first rod breaks, the mean of all directions, is that
-//!   of even wood, with rods that yield in compression;
+//! - crushing strength: its mean is the table's;
+//! - tensile strength: the moment that the wood bears before its first rod breaks, the mean of all directions (of a board, of
+//!   those across its faces), is that of a solid section of even wood that yields in compression. The table's modulus of
+//!   rupture is such a moment, and a few rods of the table's strengths bear another ([`section_moment`](super::section_moment));
 //! - across the grain: the mean of all facets, by their width. The table's values are means of tests along and across rings
 //!   (Wood Handbook, chapter 5, "Annual ring orientation") and contain the weak planes.
 //!
 //! Bark is not scaled.
 
 use super::material::WoodMaterial;
-use super::section_moment::{Element, moment_capacity};
+use super::section_moment::{
+    Element, EvenWood, bending_directions, solid_moment_capacity, tension_factor,
+};
 use super::voronoi::VoronoiCell;
 use glam::DVec2;
 use greenstick_wood::rings::StemAddress;
@@ -111,7 +115,12 @@ impl CellMean {
     fn new(stem: &Stem, structure: &WoodStructure, cell: &VoronoiCell, along: f64) -> Self {
         let pith = stem.rings.pith();
         let mut mean = CellMean::default();
-        for (point, weight) in samples(cell, ring_width(stem, structure)) {
+        let ring_width = ring_width(stem, structure);
+        let divisions = |reach: f64| {
+            let wanted = (SAMPLES_PER_RING * reach / ring_width).ceil();
+            wanted.clamp(SAMPLE_RANGE.0, SAMPLE_RANGE.1) as u32
+        };
+        for (point, weight) in cell.samples(divisions) {
             let (rho, angle) = stem.rings.address(point);
             let address = StemAddress {
                 // Relief may lie beyond the outermost ring.
@@ -155,27 +164,6 @@ fn ring_width(stem: &Stem, structure: &WoodStructure) -> f64 {
     stem.rings.outer_radius(0.0) * structure.mean_ring_width()
 }
 
-/// Points of a cell and the part of its area that each stands for: the triangles about its centroid, each divided into
-/// equal ones.
-fn samples(cell: &VoronoiCell, ring_width: f64) -> impl Iterator<Item = (DVec2, f64)> + '_ {
-    let count = cell.corners.len();
-    (0..count).flat_map(move |i| {
-        let (a, b) = (cell.corners[i], cell.corners[(i + 1) % count]);
-        let [p, q] = [a - cell.centroid, b - cell.centroid];
-        let reach = p.length().max(q.length());
-        let divisions = (SAMPLES_PER_RING * reach / ring_width).ceil();
-        let n = divisions.clamp(SAMPLE_RANGE.0, SAMPLE_RANGE.1) as u32;
-        let weight = 0.5 * p.perp_dot(q) / (cell.area * f64::from(n * n));
-        let at = move |u: f64, v: f64| cell.centroid + (p * u + q * v) / f64::from(n);
-        let upright = (0..n).flat_map(move |j| (0..n - j).map(move |k| (j, k, 1.0 / 3.0)));
-        let inverted =
-            (0..n.max(1) - 1).flat_map(move |j| (0..n - 1 - j).map(move |k| (j, k, 2.0 / 3.0)));
-        upright
-            .chain(inverted)
-            .map(move |(j, k, shift)| (at(f64::from(j) + shift, f64::from(k) + shift), weight))
-    })
-}
-
 impl<'a> SectionWood<'a> {
     /// The wood of rods that are all alike.
     pub fn even(wood: &WoodMaterial, rods: usize) -> Self {
@@ -189,19 +177,20 @@ impl<'a> SectionWood<'a> {
         }
     }
 
-    /// The wood of rods by their cells in the section at the length `along` (m) of the stem.
+    /// The wood of rods by their cells in the section, whose outline is given, at the length `along` (m) of the stem.
     pub fn structured(
         stem: &Stem,
         wood: &WoodMaterial,
         structure: &'a WoodStructure,
-        cells: &[VoronoiCell],
+        (outline, cells): (&[DVec2], &[VoronoiCell]),
         along: f64,
     ) -> Self {
         let means: Vec<CellMean> = cells
             .iter()
             .map(|cell| CellMean::new(stem, structure, cell, along))
             .collect();
-        let scale = SectionScale::new(wood, &means, cells);
+        let directions = bending_directions(stem.kind, outline);
+        let scale = SectionScale::new(wood, &means, cells, &directions);
         let rods = means.iter().map(|mean| scale.rod(wood, mean)).collect();
         let ring = |cell: &VoronoiCell| {
             let (rho, angle) = stem.rings.address(cell.centroid);
@@ -314,12 +303,18 @@ impl Structured<'_> {
 struct SectionScale {
     density: f64,
     modulus: f64,
-    strength: f64,
+    tension: f64,
+    compression: f64,
     across: f64,
 }
 
 impl SectionScale {
-    fn new(wood: &WoodMaterial, means: &[CellMean], cells: &[VoronoiCell]) -> Self {
+    fn new(
+        wood: &WoodMaterial,
+        means: &[CellMean],
+        cells: &[VoronoiCell],
+        directions: &[DVec2],
+    ) -> Self {
         let total = |f: &dyn Fn(&Sums) -> f64| {
             let pairs = means.iter().zip(cells);
             pairs.fold(0.0, |sum, (mean, cell)| sum + cell.area * f(&mean.wood))
@@ -329,7 +324,8 @@ impl SectionScale {
             return SectionScale {
                 density: 1.0,
                 modulus: 1.0,
-                strength: 1.0,
+                tension: 1.0,
+                compression: 1.0,
                 across: 1.0,
             };
         }
@@ -344,29 +340,29 @@ impl SectionScale {
             })
         };
         let modulus = second(&|s| s.part) / second(&|s| s.modulus);
-        let elements = |structured: bool| -> Vec<Element> {
-            let element = |(mean, cell): (&CellMean, &VoronoiCell)| {
-                let own = mean.wood;
-                let (stiff, strong) = if structured {
-                    (own.modulus * modulus, own.strength)
-                } else {
-                    (own.part, own.part)
-                };
-                Element {
-                    position: cell.centroid,
-                    area: cell.area,
-                    modulus: wood.longitudinal * stiff,
-                    tension: wood.tension * strong,
-                    compression: wood.compression * strong,
-                }
-            };
-            let wooden = means.iter().zip(cells).filter(|(m, _)| m.is_wood());
-            wooden.map(element).collect()
+        let compression = area / total(&|s| s.strength);
+        let wooden = || means.iter().zip(cells).filter(|(mean, _)| mean.is_wood());
+        let rod = |(mean, cell): (&CellMean, &VoronoiCell)| Element {
+            position: cell.centroid,
+            area: cell.area,
+            radius: Element::rod_radius(cell.area),
+            modulus: wood.longitudinal * mean.wood.modulus * modulus,
+            tension: wood.tension * mean.wood.strength,
+            compression: wood.compression * mean.wood.strength * compression,
         };
+        let rods: Vec<Element> = wooden().map(rod).collect();
+        let solid: Vec<(&VoronoiCell, f64)> = wooden().map(|(m, c)| (c, m.wood.part)).collect();
+        let even = EvenWood {
+            modulus: wood.longitudinal,
+            tension: wood.tension,
+            compression: wood.compression,
+        };
+        let solid_moment = solid_moment_capacity(&solid, directions, even);
         SectionScale {
             density: area / total(&|s| s.density),
             modulus,
-            strength: moment_capacity(&elements(false)) / moment_capacity(&elements(true)),
+            tension: tension_factor(&rods, directions, solid_moment),
+            compression,
             across: area / total(&|s| s.modulus_across),
         }
     }
@@ -377,7 +373,8 @@ impl SectionScale {
             wood: own, bark, ..
         } = mean;
         let modulus = own.modulus * self.modulus + bark.modulus;
-        let strength = own.strength * self.strength + bark.strength;
+        let tension = own.strength * self.tension + bark.strength;
+        let compression = own.strength * self.compression + bark.strength;
         let across = own.modulus_across * self.across + bark.modulus_across;
         RodWood {
             tissue: mean.tissue(),
@@ -388,8 +385,8 @@ impl SectionScale {
                 tangential: wood.tangential * across,
                 shear_radial: wood.shear_radial * across,
                 shear_tangential: wood.shear_tangential * across,
-                tension: wood.tension * strength,
-                compression: wood.compression * strength,
+                tension: wood.tension * tension,
+                compression: wood.compression * compression,
                 compression_across: wood.compression_across
                     * (own.tension_across + bark.tension_across),
                 tension_across: wood.tension_across * (own.tension_across + bark.tension_across),

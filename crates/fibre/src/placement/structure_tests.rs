@@ -3,14 +3,18 @@
 use super::fill::{PlacedRods, fill_structured_stem};
 use super::material::WoodMaterial;
 use super::options::{PlacementOptions, RodCount};
-use super::section_moment::{Element, moment_capacity};
+use super::section_moment::{
+    Element, EvenWood, bending_directions, moment_capacity, solid_moment_capacity,
+};
+use super::section_wood::RodWood;
+use super::voronoi::VoronoiCell;
 use glam::DVec2;
 use greenstick_geometry::Context;
 use greenstick_wood::moisture::Fallback;
 use greenstick_wood::primitive::{board, cylinder};
 use greenstick_wood::rings::{ConcentricRings, StemRings};
 use greenstick_wood::species::Species;
-use greenstick_wood::stem::{Stem, StemOptions, find_stem};
+use greenstick_wood::stem::{Stem, StemKind, StemOptions, find_stem};
 use greenstick_wood::structure::{TissueBoundaries, WoodStructure};
 use greenstick_wood::tissue::{Proportions, Zone};
 use std::f64::consts::TAU;
@@ -135,21 +139,31 @@ fn stiffness_in_tension_of_a_juvenile_core_is_as_integrated() {
 }
 
 #[test]
-fn a_section_bears_the_moment_of_even_wood() {
+fn a_section_bears_the_moment_of_a_solid_one_and_is_crushed_like_it() {
     for name in ["Douglas-fir, coast", "white ash"] {
-        let Filled { placed, wood } = filled(name, true, TissueBoundaries::SAPWOOD, 12, 60);
-        let element = |material: &WoodMaterial, k: usize| Element {
-            position: placed.cells[k].centroid,
-            area: placed.cells[k].area,
-            modulus: material.longitudinal,
-            tension: material.tension,
-            compression: material.compression,
+        let sapwood = TissueBoundaries::SAPWOOD;
+        let Filled { placed, wood } = filled(name, true, sapwood, 12, 60);
+        let element = |(own, cell): (&RodWood, &VoronoiCell)| Element {
+            position: cell.centroid,
+            area: cell.area,
+            radius: Element::rod_radius(cell.area),
+            modulus: own.material.longitudinal,
+            tension: own.material.tension,
+            compression: own.material.compression,
         };
-        let rods = 0..placed.cells.len();
-        let even: Vec<Element> = rods.clone().map(|k| element(&wood, k)).collect();
-        let own: Vec<Element> = rods.map(|k| element(&placed.wood[k].material, k)).collect();
-        let ratio = moment_capacity(&own) / moment_capacity(&even);
+        let rods: Vec<Element> = placed.wood.iter().zip(&placed.cells).map(element).collect();
+        let solid: Vec<(&VoronoiCell, f64)> = placed.cells.iter().map(|c| (c, 1.0)).collect();
+        let even = EvenWood {
+            modulus: wood.longitudinal,
+            tension: wood.tension,
+            compression: wood.compression,
+        };
+        let around = bending_directions(StemKind::Round, &placed.outline);
+        let ratio = moment_capacity(&rods, &around) / solid_moment_capacity(&solid, &around, even);
         assert!((ratio - 1.0).abs() < 1e-6, "{name}: {ratio}");
+        let [area, _] = moments(&placed, |_| 1.0);
+        let [crushing, _] = moments(&placed, |w| w.compression / wood.compression);
+        assert!((crushing / area - 1.0).abs() < 1e-9, "{name}: {crushing}");
     }
 }
 

@@ -26,6 +26,31 @@ pub struct VoronoiCell {
     pub facets: Vec<Facet>,
 }
 
+impl VoronoiCell {
+    /// Returns points of the cell, and the part of its area that each stands for: the triangles about its centroid, each
+    /// divided into equal ones. `divisions` gives the number along an edge of a triangle that reaches so far (m) from the
+    /// centroid.
+    pub(super) fn samples(
+        &self,
+        divisions: impl Fn(f64) -> u32,
+    ) -> impl Iterator<Item = (DVec2, f64)> {
+        let count = self.corners.len();
+        (0..count).flat_map(move |i| {
+            let (a, b) = (self.corners[i], self.corners[(i + 1) % count]);
+            let [p, q] = [a - self.centroid, b - self.centroid];
+            let n = divisions(p.length().max(q.length()));
+            let weight = 0.5 * p.perp_dot(q) / (self.area * f64::from(n * n));
+            let at = move |u: f64, v: f64| self.centroid + (p * u + q * v) / f64::from(n);
+            let upright = (0..n).flat_map(move |j| (0..n - j).map(move |k| (j, k, 1.0 / 3.0)));
+            let inverted =
+                (0..n.max(1) - 1).flat_map(move |j| (0..n - 1 - j).map(move |k| (j, k, 2.0 / 3.0)));
+            upright
+                .chain(inverted)
+                .map(move |(j, k, shift)| (at(f64::from(j) + shift, f64::from(k) + shift), weight))
+        })
+    }
+}
+
 /// Whether a point is inside a closed outline.
 pub(super) fn is_inside(outline: &[DVec2], p: DVec2) -> bool {
     let mut odd = false;

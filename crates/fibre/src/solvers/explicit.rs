@@ -25,7 +25,7 @@ use greenstick_geometry::{Cancelled, Context};
 /// Fraction of the stability limit that is the step where none is given. The limit is that of the state in which it was
 /// computed; strains of a few percent change it by as much.
 const STEP_SAFETY_FACTOR: f64 = 0.8;
-/// After a break the limit is computed anew, but not more often than every so many steps.
+/// After a break the limit is computed anew, but not more often than every so many steps unless edges have become shorter.
 const LIMIT_UPDATE_INTERVAL: u64 = 400;
 /// The motion has blown up where its kinetic energy is above this multiple of all energy that there can be. Near the limit a
 /// stable motion shows 1/(1 − (ω Δt/2)²) times its energy: three times at the fraction of the limit that is used.
@@ -522,14 +522,22 @@ impl Solver for Explicit {
             let dt = left / count;
             account.report.step = dt;
             let steps = (count as u64).min(LIMIT_UPDATE_INTERVAL);
-            for _ in 0..steps {
+            let vertices = world.bundle.vertices();
+            let mut taken = 0;
+            while taken < steps {
                 self.one_step(world, contacts, dt, &mut account, context)?;
                 account.report.steps += 1;
+                taken += 1;
+                // Where a rod breaks between vertices, an edge is as short as half of what it was.
+                if world.failure.between_vertices && world.bundle.vertices() != vertices {
+                    world.limit = None;
+                    break;
+                }
             }
-            left = if steps as f64 == count {
+            left = if taken as f64 == count {
                 0.0
             } else {
-                left - dt * steps as f64
+                left - dt * taken as f64
             };
         }
         world.state.time = end;

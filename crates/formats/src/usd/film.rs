@@ -212,12 +212,13 @@ impl Recording<'_> {
             stage.root.children.push(prim);
         }
         let (first, last) = (codes.first().copied(), codes.last().copied());
-        let (layer, _): (Layer, _) = stage.finish(vec![
+        let about_time = vec![
             Metadatum::new("framesPerSecond", Value::Double(rate)),
             Metadatum::new("timeCodesPerSecond", Value::Double(rate)),
             Metadatum::new("startTimeCode", Value::Double(first.unwrap_or(0.0))),
             Metadatum::new("endTimeCode", Value::Double(last.unwrap_or(0.0))),
-        ]);
+        ];
+        let (layer, _): (Layer, _) = stage.finish(about_time, &film.metadata);
         file.finish(&layer).map_err(|e| frames.write_error(e))
     }
 

@@ -185,6 +185,9 @@ impl Property {
     }
 }
 
+/// The field of what is said about a layer, which text calls `doc`.
+pub(super) const DOCUMENTATION: &str = "documentation";
+
 /// A prim that is defined in the layer.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prim {

@@ -70,7 +70,7 @@ pub fn write(format: UsdFormat, scene: &Scene, name: &str) -> Result<Vec<Encoded
             stage.root.children.push(prim);
         }
     }
-    let (layer, files) = stage.finish(Vec::new());
+    let (layer, files) = stage.finish(Vec::new(), &scene.metadata);
     let failed = |e: std::io::Error| file.unwritable(e, "a scene that fits the format");
     let bytes = match format {
         UsdFormat::Usda => text::write(&layer).into_bytes(),

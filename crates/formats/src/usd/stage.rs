@@ -1,6 +1,6 @@
 //! A stage under construction: the root prim with its materials and meshes.
 
-use super::layer::{Layer, Metadatum, Prim, TransformOp, Value};
+use super::layer::{DOCUMENTATION, Layer, Metadatum, Prim, TransformOp, Value};
 use super::material::{self, Materials};
 use super::mesh::{self, MeshPrim};
 use super::names::{Names, set_display_name};
@@ -8,7 +8,7 @@ use crate::check::Surfaces;
 use crate::companions::{Encoded, stem};
 use crate::error::{FormatError, InFile};
 use glam::DAffine3;
-use greenstick_geometry::{Mesh, Node};
+use greenstick_geometry::{Mesh, Metadata, Node};
 
 /// A stage under construction.
 pub(super) struct Stage<'a> {
@@ -74,8 +74,12 @@ impl<'a> Stage<'a> {
         Ok(Some(prim))
     }
 
-    /// Finishes the stage. Returns the layer and the texture files.
-    pub fn finish(mut self, further: Vec<Metadatum>) -> (Layer, Vec<Encoded>) {
+    /// Finishes the stage, which comes from where `provenance` says. Returns the layer and the texture files.
+    pub fn finish(
+        mut self,
+        further: Vec<Metadatum>,
+        provenance: &Metadata,
+    ) -> (Layer, Vec<Encoded>) {
         if !self.materials.paths.is_empty() {
             self.root.children.push(self.materials.prim);
         }
@@ -85,6 +89,11 @@ impl<'a> Stage<'a> {
             Metadatum::new("upAxis", Value::Token("Y".to_owned())),
         ];
         metadata.extend(further);
+        if !provenance.is_empty() {
+            let lines: Vec<String> = provenance.lines().collect();
+            let text = Value::Text(lines.join("; "));
+            metadata.push(Metadatum::new(DOCUMENTATION, text));
+        }
         let layer = Layer {
             metadata,
             root: self.root,

@@ -1,6 +1,6 @@
 //! Writer of text layers (`.usda`) for static scenes. Values that are stored in a binary file have no text form.
 
-use super::layer::{Content, Layer, Metadatum, Prim, Property, Value};
+use super::layer::{Content, DOCUMENTATION, Layer, Metadatum, Prim, Property, Value};
 use std::fmt::{Display, Write};
 
 /// Formats a layer as text.
@@ -28,7 +28,7 @@ fn metadata(out: &mut String, entries: &[Metadatum], depth: usize) {
         if let Value::Prepended(_) = value {
             out.push_str("prepend ");
         }
-        out.push_str(key);
+        out.push_str(if *key == DOCUMENTATION { "doc" } else { key });
         out.push_str(" = ");
         put(out, value);
         out.push('\n');

@@ -9,6 +9,7 @@ mod collection;
 mod fields;
 mod image;
 mod lines;
+mod piece;
 mod points;
 mod unstructured;
 

@@ -1,11 +1,11 @@
 //! Hexahedra with data of their own: an unstructured grid.
 
-use super::appended::{Appended, CompressedArray, add_array, bytes_of, field_data, file_start};
-use super::fields::{Field, check_fields, compress_fields};
+use super::fields::Field;
+use super::piece::{CellArray, Piece};
 use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};
 use glam::DVec3;
-use greenstick_geometry::{Metadata, Values};
+use greenstick_geometry::Metadata;
 
 /// The VTK type of a hexahedron.
 const HEXAHEDRON: u8 = 12;
@@ -32,70 +32,34 @@ pub struct Hexahedra<'a> {
 /// number is not finite.
 pub fn write_hexahedra(grid: &Hexahedra, name: &str) -> Result<Encoded, FormatError> {
     let file = InFile(name);
-    check(grid, file)?;
-    let (points, cells) = (grid.points.len(), grid.cells.len());
-    let integers = |list: &mut dyn Iterator<Item = usize>| -> CompressedArray {
-        let bytes: Vec<u8> = list.flat_map(|i| (i as i64).to_le_bytes()).collect();
-        CompressedArray::new(&bytes)
-    };
-    let coordinates = Values::F64(grid.points.iter().flat_map(|p| p.to_array()).collect());
-    let coordinates = CompressedArray::new(&bytes_of(&coordinates).1);
-    let corners = integers(&mut grid.cells.as_flattened().iter().map(|&i| i as usize));
-    let ends = integers(&mut (1..=cells).map(|k| 8 * k));
-    let types = CompressedArray::new(&vec![HEXAHEDRON; cells]);
-    let point_data = compress_fields(grid.point_data);
-    let cell_data = compress_fields(grid.cell_data);
-    let mut appended = Appended::default();
-    let mut text = file_start("UnstructuredGrid", "1.0");
-    text += &format!(
-        "  <UnstructuredGrid>\n{}    <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n",
-        field_data(grid.metadata)
-    );
-    for (kind, fields) in [("PointData", &point_data), ("CellData", &cell_data)] {
-        text += &format!("      <{kind}>\n");
-        for field in fields {
-            add_array(&mut text, &mut appended, &field.attributes, &field.array);
-        }
-        text += &format!("      </{kind}>\n");
-    }
-    text += "      <Points>\n";
-    let attributes = "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"";
-    add_array(&mut text, &mut appended, attributes, &coordinates);
-    text += "      </Points>\n      <Cells>\n";
-    for (kind, name, array) in [
-        ("Int64", "connectivity", &corners),
-        ("Int64", "offsets", &ends),
-        ("UInt8", "types", &types),
-    ] {
-        let attributes = format!("type=\"{kind}\" Name=\"{name}\"");
-        add_array(&mut text, &mut appended, &attributes, array);
-    }
-    text += "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n";
-    Ok(Encoded {
-        name: name.to_owned(),
-        bytes: appended.finish(text),
-    })
-}
-
-/// Refuses invalid hexahedra and fields.
-fn check(grid: &Hexahedra, file: InFile) -> Result<(), FormatError> {
-    let points = grid.points.len();
-    let corners = grid.cells.as_flattened().iter();
-    if let Some(i) = corners.copied().find(|&i| i as usize >= points) {
+    let (points, count) = (grid.points.len(), grid.cells.len());
+    let corners = || grid.cells.as_flattened().iter().copied();
+    if let Some(i) = corners().find(|&i| i as usize >= points) {
         let right = format!("a number below {points}");
         return Err(file.unwritable(format!("a hexahedron has the point {i}"), right));
     }
-    if let Some(i) = grid.points.iter().position(|p| !p.is_finite()) {
-        let found = format!("point {i} lies at {}", grid.points[i]);
-        return Err(file.unwritable(found, "finite coordinates"));
-    }
-    check_fields(grid.point_data, points, file)?;
-    check_fields(grid.cell_data, grid.cells.len(), file)
+    let arrays = vec![
+        CellArray::integers("connectivity", corners()),
+        CellArray::integers("offsets", (1..=count as u32).map(|k| 8 * k)),
+        CellArray::bytes("types", &vec![HEXAHEDRON; count]),
+    ];
+    let piece = Piece {
+        kind: "UnstructuredGrid",
+        counts: format!("NumberOfCells=\"{count}\""),
+        points: grid.points,
+        point_data: grid.point_data,
+        cell_data: grid.cell_data,
+        cells: ("Cells", arrays),
+        metadata: Some(grid.metadata),
+    };
+    piece.check(count, file)?;
+    Ok(piece.write(name))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick_geometry::Values;
 
     #[test]
     fn a_cube_is_written_and_what_is_wrong_refused() {

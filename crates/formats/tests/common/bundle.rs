@@ -78,6 +78,7 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
             source: ImageSource::Bytes(super::png_pixel()),
         }],
         frames_per_second: 30.0,
+        ..Film::default()
     }
 }
 

@@ -51,6 +51,8 @@ pub(super) struct Builder<'a, 'b> {
     /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
     knots: Vec<(f64, u32)>,
     knot_of: Vec<u32>,
+    /// Whether a facet has a knot on one of its sides.
+    knotted: Vec<bool>,
     /// Edges that walls stand over, with the vertices of their rims.
     stepped_edges: Vec<(u32, Rims)>,
     /// Whether the outline touches the wall over an edge or its rims.
@@ -128,6 +130,7 @@ pub(super) fn build<'a>(
         walls,
         knots: Vec::new(),
         knot_of: Vec::new(),
+        knotted: Vec::new(),
         stepped_edges: Vec::new(),
         touched,
         crossed_border,
@@ -292,6 +295,7 @@ impl<'a> Builder<'a, '_> {
     fn place_knots(&mut self) {
         let layout = self.layout();
         self.knot_of = vec![NONE; layout.edges.len()];
+        self.knotted = vec![false; layout.facets.len()];
         for (e, edge) in layout.edges.iter().enumerate() {
             let Some(rims) = self.rims(edge) else {
                 continue;
@@ -310,6 +314,9 @@ impl<'a> Builder<'a, '_> {
                 let id = self.add(p.lerp(q, t).extend(a[0] + (a[1] - a[0]) * t), NONE);
                 self.knot_of[e] = self.knots.len() as u32;
                 self.knots.push((t, id));
+                for (facet, _) in edge.facets {
+                    self.knotted[facet as usize] = true;
+                }
             }
         }
     }
@@ -538,7 +545,7 @@ impl<'a> Builder<'a, '_> {
     /// Fills a facet that lies wholly inside: split at knots on its sides, else as it is.
     fn fill_whole_top(&mut self, facet: u32, face: CapFace) {
         let c = self.corners(facet);
-        if self.knots.is_empty() {
+        if self.knotted.get(facet as usize) != Some(&true) {
             return self.push(c, face);
         }
         let m = self.layout().sides[facet as usize].map(|e| self.knot(e).map(|k| k.1));

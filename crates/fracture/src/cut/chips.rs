@@ -116,10 +116,8 @@ impl Cut {
         for (vertex, &node) in (first..).zip(&self.nodes) {
             let region = ground.node_regions.get(node as usize);
             if let Some(known) = region.and_then(|&r| first_of.get_mut(r as usize)) {
-                if *known == NONE {
-                    *known = vertex;
-                }
-                joined.join(vertex, *known);
+                *known = vertex.min(*known);
+                joined.attach(vertex, *known);
             }
         }
         for &corners in &self.cap {

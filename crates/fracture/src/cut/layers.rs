@@ -11,11 +11,20 @@ const NEAR: f64 = 1e-10;
 /// How many levels lie at or below a vertex, and how many below it; they differ where it lies on one.
 type Rank = (u32, u32);
 
-/// The first level that a triangle with corners of such ranks crosses.
-fn crossed(ranks: [Rank; 3]) -> Option<usize> {
-    let [a, b, c] = ranks;
+/// The levels that a triangle crosses: the number of the first, and whether it is the only one.
+struct Crossed {
+    first: usize,
+    only: bool,
+}
+
+/// The levels that a triangle with corners of such ranks crosses.
+#[inline]
+fn crossed([a, b, c]: [Rank; 3]) -> Option<Crossed> {
     let (least, most) = (a.0.min(b.0).min(c.0), a.1.max(b.1).max(c.1));
-    (least < most).then_some(least as usize)
+    (least < most).then(|| Crossed {
+        first: least as usize,
+        only: least + 1 == most,
+    })
 }
 
 impl Cut {
@@ -50,11 +59,7 @@ impl Cut {
             made: Vec::new(),
             cut: self,
         };
-        let triangles = (0..).zip(&splitter.cut.cap);
-        let crossing: Vec<u32> = triangles
-            .filter(|(_, t)| crossed(splitter.ranks(t)).is_some())
-            .map(|(number, _)| number)
-            .collect();
+        let crossing = splitter.crossing();
         if !crossing.is_empty() {
             splitter.run(&crossing);
         }
@@ -88,12 +93,26 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         t.map(|id| self.rank_of(id))
     }
 
+    #[inline]
     fn rank_of(&self, id: u32) -> Rank {
-        match (id as usize).checked_sub(self.cut.points) {
-            Some(i) => self.ranks[i],
+        match self.ranks.get((id as usize).wrapping_sub(self.cut.points)) {
+            Some(rank) => *rank,
             // Vertices of the mesh itself are not expected in the broken face.
             None => (self.rank)(self.points[id as usize].z),
         }
+    }
+
+    /// Numbers of the triangles that cross a level.
+    fn crossing(&self) -> Vec<u32> {
+        // Which do is not to be predicted, so nothing branches on it.
+        let mut list = vec![0; self.cut.cap.len()];
+        let mut count = 0;
+        for (number, t) in (0..).zip(&self.cut.cap) {
+            list[count] = number;
+            count += usize::from(crossed(self.ranks(t)).is_some());
+        }
+        list.truncate(count);
+        list
     }
 
     /// Grain coordinates of a vertex; its length is that of the level where it lies on one.
@@ -124,7 +143,6 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         self.cut.faces.reserve(capacity);
         let mut walls = std::mem::take(&mut self.cut.walls);
         let mut later = walls.iter_mut().peekable();
-        let mut stack = Vec::new();
         let mut from = 0;
         for &number in crossing {
             let at = number as usize;
@@ -136,16 +154,8 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
             while let Some(wall) = later.next_if(|w| **w <= number) {
                 *wall += moved;
             }
-            stack.push(triangles[at]);
-            while let Some(t) = stack.pop() {
-                match crossed(self.ranks(&t)) {
-                    Some(n) => self.split_triangle(t, n, &mut stack),
-                    None => {
-                        self.cut.cap.push(t);
-                        self.cut.faces.push(faces[at]);
-                    }
-                }
-            }
+            self.split(triangles[at]);
+            self.cut.faces.resize(self.cut.cap.len(), faces[at]);
         }
         let moved = (self.cut.cap.len() - from) as u32;
         later.for_each(|wall| *wall += moved);
@@ -154,8 +164,23 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         self.cut.walls = walls;
     }
 
-    /// Splits a triangle at level number `n`.
-    fn split_triangle(&mut self, t: [u32; 3], n: usize, stack: &mut Vec<[u32; 3]>) {
+    /// Adds a triangle to the face, split at the levels that it crosses.
+    fn split(&mut self, t: [u32; 3]) {
+        let Some(levels) = crossed(self.ranks(&t)) else {
+            return self.cut.cap.push(t);
+        };
+        let (parts, count) = self.parts(t, levels.first);
+        for part in &parts[..count] {
+            if levels.only {
+                self.cut.cap.push(*part);
+            } else {
+                self.split(*part);
+            }
+        }
+    }
+
+    /// The parts of a triangle above and below level number `n`, two or three.
+    fn parts(&mut self, t: [u32; 3], n: usize) -> ([[u32; 3]; 3], usize) {
         let level = self.levels[n];
         let ranks = self.ranks(&t);
         let above = ranks.map(|r| r.1 as usize > n);
@@ -163,15 +188,14 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         if let Some(i) = (0..3).find(|&i| on[i]) {
             let (b, c) = (t[(i + 1) % 3], t[(i + 2) % 3]);
             let m = self.vertex(b, c, n, level);
-            stack.extend([[t[i], m, c], [t[i], b, m]]);
-            return;
+            return ([[t[i], b, m], [t[i], m, c], [0; 3]], 2);
         }
         // One corner is alone on its side of the level.
         let i = (0..3).find(|&i| above[i] != above[(i + 1) % 3] && above[i] != above[(i + 2) % 3]);
         let i = i.unwrap_or(0);
         let (a, b, c) = (t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
         let (m, k) = (self.vertex(a, b, n, level), self.vertex(a, c, n, level));
-        stack.extend([[b, c, k], [m, b, k], [a, m, k]]);
+        ([[a, m, k], [m, b, k], [b, c, k]], 3)
     }
 
     fn vertex(&mut self, a: u32, b: u32, number: usize, level: f64) -> u32 {

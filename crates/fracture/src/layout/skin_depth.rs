@@ -97,19 +97,45 @@ impl SkinDepth {
     /// Returns the length (m) up to which an edge lies below the skin from the length `from` (m) on; `None` where it does
     /// not there.
     pub fn covered_up_to(&self, edge: &InnerEdge, from: f64) -> Option<f64> {
-        let first = (from - self.low) / self.step;
-        if !(first >= 0.0 && first < self.least.len() as f64) {
-            return None;
+        let first = self.slice(from)?;
+        let slices = self.least[first..].iter();
+        let covered = slices.take_while(self.covers(edge)).count();
+        (covered > 0).then(|| self.low + (first + covered) as f64 * self.step)
+    }
+
+    /// Returns whether an edge lies below the skin from the length `from` (m) to beyond the length `to` (m): whether
+    /// [`SkinDepth::covered_up_to`] is greater than `to`.
+    pub fn covers_between(&self, edge: &InnerEdge, from: f64, to: f64) -> bool {
+        let Some(first) = self.slice(from) else {
+            return false;
+        };
+        let covers = self.covers(edge);
+        for (i, slice) in self.least.iter().enumerate().skip(first) {
+            if !covers(&slice) {
+                return false;
+            }
+            if self.low + (i + 1) as f64 * self.step > to {
+                return true;
+            }
         }
+        false
+    }
+
+    /// The slice of a length.
+    fn slice(&self, length: f64) -> Option<usize> {
+        let slice = (length - self.low) / self.step;
+        (slice >= 0.0 && slice < self.least.len() as f64).then_some(slice as usize)
+    }
+
+    /// Whether an edge lies below the skin of a slice.
+    fn covers(&self, edge: &InnerEdge) -> impl Fn(&&[f32; SECTORS]) -> bool {
         let start = sector(edge.phi - edge.half_width);
         let count = (2.0 * edge.half_width / TAU * SECTORS as f64).ceil() as usize + 1;
-        let covers = |slice: &[f32; SECTORS]| {
+        let least = (edge.rho + MARGIN) as f32;
+        move |slice| {
             let sectors = (0..count.min(SECTORS)).map(|k| slice[(start + k) % SECTORS]);
-            sectors.fold(f32::INFINITY, f32::min) >= (edge.rho + MARGIN) as f32
-        };
-        let first = first as usize;
-        let covered = self.least[first..].iter().take_while(|s| covers(s)).count();
-        (covered > 0).then(|| self.low + (first + covered) as f64 * self.step)
+            sectors.fold(f32::INFINITY, f32::min) >= least
+        }
     }
 }
 
@@ -156,6 +182,10 @@ mod tests {
             let top = skin.covered_up_to(&edge(phi), 0.1).unwrap();
             // The cone is as thin as the edge at 0.5; margin, chords and slices take some of it.
             assert!(top < 0.5 && top > 0.45, "{phi}: {top}");
+            for (to, covered) in [(0.1, true), (0.44, true), (top, false), (0.9, false)] {
+                assert_eq!(skin.covers_between(&edge(phi), 0.1, to), covered, "{to}");
+            }
+            assert!(!skin.covers_between(&edge(phi), 0.6, 0.6));
             assert_eq!(skin.covered_up_to(&edge(phi), 0.6), None);
             assert_eq!(skin.covered_up_to(&edge(phi), -0.1), None);
         }

@@ -1,6 +1,7 @@
 //! Cleaning a cloud step by step, with a count for each step.
 
 use super::distances::{NEIGHBOURS, NeighbourDistances, spacing};
+use super::local::LocalFrame;
 use super::{CleanError, CleanOptions, CleanReport, CleanStep, PointCloud};
 use crate::components::number_keys;
 use crate::{Cancelled, Context};
@@ -55,7 +56,8 @@ pub fn clean(
         cleaning.keep(kept, "duplicates", why);
     }
     context.report(0.1)?;
-    let mut distances = NeighbourDistances::new(&cleaning.cloud.points, &context.part(0.2, 0.7))?;
+    let local = LocalFrame::new(&cleaning.cloud.points).cloud(&cleaning.cloud);
+    let mut distances = NeighbourDistances::new(&local.points, &context.part(0.2, 0.7))?;
     if let Some(deviations) = options.outliers {
         let (kept, limit) = inliers(&distances.means, deviations);
         distances.retain(&kept);
@@ -73,7 +75,8 @@ pub fn clean(
         cleaning.keep(kept, "isolated", why);
     }
     if let Some(side) = options.spacing {
-        let kept = thinned(&cleaning.cloud.points, side, context)?;
+        let local = LocalFrame::new(&cleaning.cloud.points).cloud(&cleaning.cloud);
+        let kept = thinned(&local.points, side, context)?;
         let why = format!("one point is kept for each cube of {side} m");
         cleaning.keep(kept, "thinning", why);
     }

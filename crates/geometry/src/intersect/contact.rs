@@ -43,24 +43,47 @@ fn shared_first(mut a: [DVec3; 3], mut b: [DVec3; 3]) -> ([DVec3; 3], [DVec3; 3]
     (a, b, shared)
 }
 
-/// Whether all corners of `of` (but the first, if it is shared) lie so far on one side of the plane of `plane` that
-/// rounding cannot matter. Decides most pairs at a fraction of the cost of the exact predicate.
-fn clearly_on_one_side(plane: &[DVec3; 3], of: &[DVec3; 3], share_vertex: bool) -> bool {
-    let (u, v) = (plane[1] - plane[0], plane[2] - plane[0]);
-    let normal = u.cross(v);
-    // 45 times the rounding error of one operation; the determinant takes 14 operations.
-    let size = 1e-14 * u.abs().element_sum() * v.abs().element_sum();
-    let (mut above, mut below) = (true, true);
-    for &p in &of[usize::from(share_vertex)..] {
-        let w = p - plane[0];
-        let (value, bound) = (
-            normal.dot(w),
-            size * w.abs().element_sum() + f64::MIN_POSITIVE,
-        );
-        above &= value > bound;
-        below &= value < -bound;
+/// The plane of a triangle, on one side of which others mostly lie.
+pub(crate) struct Plane {
+    origin: DVec3,
+    normal: DVec3,
+    /// Bound of the rounding error of a point's height, per distance of the point from `origin`.
+    error: f64,
+}
+
+impl Plane {
+    pub(crate) fn new([a, b, c]: [DVec3; 3]) -> Self {
+        let (u, v) = (b - a, c - a);
+        Plane {
+            origin: a,
+            normal: u.cross(v),
+            // 45 times the rounding error of one operation; the determinant takes 14 operations.
+            error: 1e-14 * u.abs().element_sum() * v.abs().element_sum(),
+        }
     }
-    above || below
+
+    /// Whether there are points, and all lie so far on one side that rounding cannot matter. Decides most pairs of triangles
+    /// at a fraction of the cost of the exact predicate.
+    #[inline]
+    pub(crate) fn is_clearly_beside(&self, points: impl IntoIterator<Item = DVec3>) -> bool {
+        let (mut above, mut below, mut any) = (true, true, false);
+        for p in points {
+            let w = p - self.origin;
+            let (value, bound) = (
+                self.normal.dot(w),
+                self.error * w.abs().element_sum() + f64::MIN_POSITIVE,
+            );
+            above &= value > bound;
+            below &= value < -bound;
+            any = true;
+        }
+        any && (above || below)
+    }
+}
+
+/// Whether all corners of `of` (but the first, if it is shared) lie clearly on one side of the plane of `plane`.
+fn clearly_on_one_side(plane: &[DVec3; 3], of: &[DVec3; 3], share_vertex: bool) -> bool {
+    Plane::new(*plane).is_clearly_beside(of[usize::from(share_vertex)..].iter().copied())
 }
 
 /// The contact of triangles that share the edge from their first to their second vertex.

@@ -1,7 +1,7 @@
 //! Contacts among the triangles of a mesh, or between those of two meshes.
 
 use super::Contact;
-use super::contact::contact;
+use super::contact::{Plane, contact};
 use crate::{Aabb, Bvh, Mesh};
 use glam::DVec3;
 
@@ -58,6 +58,40 @@ fn frame(mesh: &Mesh) -> [DVec3; 3] {
     let x = x.normalize();
     let (y, z) = x.any_orthonormal_pair();
     [x, y, z]
+}
+
+/// Finds the contacts of many pairs among some triangles, whose planes it holds: faster than [`contact`] where most pairs
+/// are apart and share no corner.
+pub(crate) struct TriangleContacts<'a> {
+    positions: &'a [DVec3],
+    triangles: &'a [[u32; 3]],
+    planes: Vec<Plane>,
+}
+
+impl<'a> TriangleContacts<'a> {
+    pub(crate) fn new(positions: &'a [DVec3], triangles: &'a [[u32; 3]]) -> Self {
+        let plane = |t: &[u32; 3]| Plane::new(t.map(|v| positions[v as usize]));
+        TriangleContacts {
+            positions,
+            triangles,
+            planes: triangles.iter().map(plane).collect(),
+        }
+    }
+
+    /// Returns the contact of two triangles.
+    pub(crate) fn between(&self, s: usize, t: usize) -> Contact {
+        if self.is_clearly_beside(s, t) || self.is_clearly_beside(t, s) {
+            return Contact::Apart;
+        }
+        let corners = |t: usize| self.triangles[t].map(|v| self.positions[v as usize]);
+        contact(corners(s), corners(t))
+    }
+
+    /// Whether triangle `t` lies clearly on one side of triangle `s` but for the corners that they share.
+    fn is_clearly_beside(&self, s: usize, t: usize) -> bool {
+        let others = (self.triangles[t].iter()).filter(|v| !self.triangles[s].contains(v));
+        self.planes[s].is_clearly_beside(others.map(|&v| self.positions[v as usize]))
+    }
 }
 
 /// Visits every pair of triangles of `mesh` that touch or cross (see [`contact`]), the smaller index first. `tree` must

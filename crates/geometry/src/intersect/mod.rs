@@ -11,6 +11,7 @@ mod predicates;
 mod projection;
 
 pub use contact::contact;
+pub(crate) use mesh::TriangleContacts;
 pub use mesh::{contact_tree, self_contacts};
 pub use predicates::{orient2d, orient3d};
 pub use projection::collinear;

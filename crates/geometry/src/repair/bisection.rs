@@ -5,7 +5,7 @@
 //! so the longest edges of crossing triangles are bisected, in both triangles beside each (M.-C. Rivara, *Algorithms for
 //! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
 
-use crate::intersect::{Contact, contact, contact_tree, self_contacts};
+use crate::intersect::{Contact, TriangleContacts, contact, contact_tree, self_contacts};
 use crate::{Aabb, Bvh, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -181,5 +181,25 @@ pub fn crossing_pairs(
     }
     pairs.sort_unstable();
     pairs.dedup();
+    pairs
+}
+
+/// Returns the pairs of triangles that cross and at least one of which is among the first `count`, ascending. `boxes` has
+/// a box for each triangle, in any coordinates in which the boxes of triangles that cross overlap: the tighter they
+/// are, the fewer pairs have to be looked at.
+pub fn crossing_pairs_within(
+    positions: &[DVec3],
+    triangles: &[[u32; 3]],
+    count: usize,
+    boxes: &[Aabb],
+) -> Vec<[u32; 2]> {
+    let contacts = TriangleContacts::new(positions, triangles);
+    let mut pairs = Vec::new();
+    Bvh::new(boxes).self_pairs(|s, t| {
+        if s < count && contacts.between(s, t) == Contact::Crossing {
+            pairs.push([s as u32, t as u32]);
+        }
+    });
+    pairs.sort_unstable();
     pairs
 }

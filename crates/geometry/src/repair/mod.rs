@@ -6,7 +6,7 @@ mod collapse;
 mod self_intersections;
 mod snap;
 
-pub use bisection::{EdgeBisector, crossing_pairs};
+pub use bisection::{EdgeBisector, crossing_pairs, crossing_pairs_within};
 pub use collapse::{Collapsed, EdgeCollapser};
 pub use self_intersections::{KnownPositions, resolve_self_intersections};
 pub use snap::snap_to_f32;

@@ -4,7 +4,6 @@
 mod cores;
 mod outputs;
 mod pictures;
-mod provenance;
 mod solid;
 mod springs;
 mod stems;

@@ -4,12 +4,12 @@ use super::error::FilmError;
 use greenstick_fibre::store::Frame;
 use greenstick_formats::Encoded;
 use greenstick_formats::vtk::{Field, Polylines, TimedFile, collection, write_lines};
-use greenstick_geometry::{Context, Values};
+use greenstick_geometry::{Context, Metadata, Provenance, Values};
 use greenstick_skin::film::{BondLines, Run};
 use std::ops::Range;
 
-/// Writes frames of a range as a series: hands every file to `put`, the collection `NAME.pvd` last. Returns the number of
-/// files.
+/// Writes frames of a range as a series of a name, all of which say where they come from: hands every file to `put`, the
+/// collection `NAME.pvd` last. Returns the number of files.
 ///
 /// Rods have the fields `rod`, `part` and `diameter_m` for each line, and `vertex` and `strain` for each point (mean
 /// of its edges); bonds `stretch` (length over that at rest) for each line.
@@ -19,18 +19,29 @@ use std::ops::Range;
 pub fn write_series(
     run: &Run,
     range: Range<usize>,
-    name: &str,
+    (name, provenance): (&str, &Provenance),
     mut put: impl FnMut(Encoded) -> Result<(), FilmError>,
     context: &Context,
 ) -> Result<usize, FilmError> {
     let mut files = Vec::new();
     let count = range.len();
+    let metadata = provenance.metadata();
     for (done, number) in range.enumerate() {
         context.report(done as f64 / count as f64)?;
         let frame = run.frame(number)?;
         for file in [
-            rods(run, &frame, &format!("{name}_{number:05}_rods.vtp"))?,
-            bonds(run, &frame, &format!("{name}_{number:05}_bonds.vtp"))?,
+            rods(
+                run,
+                &frame,
+                &format!("{name}_{number:05}_rods.vtp"),
+                &metadata,
+            )?,
+            bonds(
+                run,
+                &frame,
+                &format!("{name}_{number:05}_bonds.vtp"),
+                &metadata,
+            )?,
         ] {
             files.push(TimedFile {
                 time: frame.time,
@@ -46,7 +57,7 @@ pub fn write_series(
     Ok(files.len() + 1)
 }
 
-fn rods(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
+fn rods(run: &Run, frame: &Frame, name: &str, metadata: &Metadata) -> Result<Encoded, FilmError> {
     let lines = run.rod_lines(frame);
     let corners: Vec<u32> = (0..lines.points.len() as u32).collect();
     let point_data = [
@@ -65,12 +76,12 @@ fn rods(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
         ends: &frame.rod_offsets[1..],
         point_data: &point_data,
         line_data: &line_data,
-        metadata: None,
+        metadata: Some(metadata),
     };
     Ok(write_lines(&rods, name).map_err(crate::Error::from)?)
 }
 
-fn bonds(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
+fn bonds(run: &Run, frame: &Frame, name: &str, metadata: &Metadata) -> Result<Encoded, FilmError> {
     let BondLines { points, stretch } = run.bond_lines(frame);
     let corners: Vec<u32> = (0..points.len() as u32).collect();
     let ends: Vec<u32> = (1..=stretch.len() as u32).map(|k| 2 * k).collect();
@@ -81,7 +92,7 @@ fn bonds(run: &Run, frame: &Frame, name: &str) -> Result<Encoded, FilmError> {
         ends: &ends,
         point_data: &[],
         line_data: &line_data,
-        metadata: None,
+        metadata: Some(metadata),
     };
     Ok(write_lines(&bonds, name).map_err(crate::Error::from)?)
 }

@@ -181,10 +181,9 @@ impl Cutter<'_> {
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {
         let (mut cut, chips) = self.cut(surface, workspace)?;
+        let (source, layers) = (self.stem.source(), &self.stem.layers);
         let transform = self.stem.transform();
-        let to_grain = |p| self.stem.layers.to_grain(transform.transform_point3(p));
-        let repair =
-            spiral::repair_spiral_face(&self.stem.source(), &mut cut, self.skin, &to_grain);
+        let repair = spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform);
         Ok(self.face_of(cut, chips, Some(repair), inner))
     }
 

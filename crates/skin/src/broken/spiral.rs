@@ -6,10 +6,14 @@
 //! short edges of the face are collapsed. The face is changed before the pieces are made of it, so both have the same.
 
 use crate::source::Source;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::NONE;
-use greenstick_geometry::repair::{Collapsed, EdgeBisector, EdgeCollapser, crossing_pairs};
+use greenstick_geometry::Aabb;
+use greenstick_geometry::repair::{
+    Collapsed, EdgeBisector, EdgeCollapser, crossing_pairs, crossing_pairs_within,
+};
+use greenstick_wood::stem::LayeredGrain;
 
 /// Rounds of bisection: from one to the next, triangles are half as long.
 const BISECTIONS: u32 = 3;
@@ -42,18 +46,19 @@ struct Face<'a> {
     skin: Vec<[u32; 3]>,
 }
 
-/// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `to_grain` leads from
-/// the node's coordinates to grain space.
+/// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `layers` are those of the
+/// stem, to whose world `transform` leads.
 pub fn repair_spiral_face(
     source: &Source,
     cut: &mut Cut,
     skin: &Skin,
-    to_grain: &dyn Fn(DVec3) -> DVec3,
+    layers: &LayeredGrain,
+    transform: &DAffine3,
 ) -> SpiralRepair {
-    let mut face = Face::new(source, cut, skin, to_grain);
+    let to_grain = |p| layers.to_grain(transform.transform_point3(p));
+    let mut face = Face::new(source, cut, skin, &to_grain);
     let mut done = SpiralRepair::default();
-    let pairs = crossing_pairs(&face.positions, &face.with_skin(&face.cut.cap), None);
-    let mut pairs = face.of_face(pairs, face.cut.cap.len());
+    let mut pairs = face.crossing(layers);
     done.crossed = pairs.len();
     if !pairs.is_empty() {
         pairs = face.bisect(source, pairs, &mut done);
@@ -87,7 +92,7 @@ impl<'a> Face<'a> {
             Host::Inside => source.chart.to_world(v.grain),
         }));
         // The skin is straight in the world, so that the grain coordinates it was cut with are not quite its own.
-        let mut grain = vec![DVec3::ZERO; cut.points];
+        let mut grain = source.grain[..cut.points].to_vec();
         grain.extend(positions[cut.points..].iter().map(|&p| to_grain(p)));
         positions.extend(cut.inside.iter().map(|&g| source.chart.to_world(g)));
         grain.extend(cut.inside.iter().copied());
@@ -108,6 +113,34 @@ impl<'a> Face<'a> {
 
     fn with_skin(&self, face: &[[u32; 3]]) -> Vec<[u32; 3]> {
         face.iter().chain(&self.skin).copied().collect()
+    }
+
+    /// The pairs of triangles that cross, at least one of which is of the face.
+    ///
+    /// In the world the long triangles along the grain lean in all directions, and so many of their boxes overlap; in
+    /// grain space they stand upright.
+    fn crossing(&self, layers: &LayeredGrain) -> Vec<[u32; 2]> {
+        let (all, count) = (self.with_skin(&self.cut.cap), self.cut.cap.len());
+        let grain = |t: &[u32; 3]| t.map(|v| self.grain[v as usize]);
+        // Skin off the limb has no grain.
+        let has_grain = |&n: &u32| grain(&all[n as usize]).iter().all(|g| !g.is_nan());
+        let (limb, off_limb): (Vec<u32>, Vec<u32>) = (0..all.len() as u32).partition(has_grain);
+        let triangles: Vec<[u32; 3]> = limb.iter().map(|&n| all[n as usize]).collect();
+        let bounds = |t: &[u32; 3]| {
+            let (low, high) = layers.triangle_bounds(grain(t));
+            Aabb { low, high }
+        };
+        let boxes: Vec<Aabb> = triangles.iter().map(bounds).collect();
+        let mut pairs = crossing_pairs_within(&self.positions, &triangles, count, &boxes);
+        if !off_limb.is_empty() {
+            for n in pairs.iter_mut().flatten() {
+                *n = limb[*n as usize];
+            }
+            let others = crossing_pairs(&self.positions, &all, Some(&off_limb));
+            pairs.extend(self.of_face(others, count));
+            pairs.sort_unstable();
+        }
+        pairs
     }
 
     /// Those pairs one of which at least is among the first `count` triangles, the face.

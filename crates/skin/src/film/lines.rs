@@ -3,6 +3,7 @@
 use super::run::Run;
 use glam::DVec3;
 use greenstick_fibre::store::Frame;
+use std::cmp::Ordering;
 
 /// The rods of a frame as polylines, whose points are those of the frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,16 +67,33 @@ impl Run {
         let (mut points, mut stretch) = (Vec::new(), Vec::new());
         for &[v, e] in &frame.bonds {
             let (x, y, z) = (v as usize, e as usize, e as usize + 1);
-            let vertex = frame.origin[x] as usize;
-            let mut own = offsets[vertex] as usize..offsets[vertex + 1] as usize;
-            let Some(bond) = own.find(|&b| bonds.edge[b] == frame.origin[y]) else {
+            let (vertex, edge) = (frame.origin[x] as usize, frame.origin[y]);
+            let own = offsets[vertex] as usize..offsets[vertex + 1] as usize;
+            // A rod that breaks between vertices moves one along itself, and bonds beside it come to lie on the next edge.
+            let near = own.filter(|&b| bonds.edge[b].abs_diff(edge) <= 1);
+            let Some(bond) = near.min_by_key(|&b| bonds.edge[b].abs_diff(edge)) else {
                 continue;
             };
-            let end = positions[y].lerp(positions[z], bonds.t[bond]);
+            let part = self.part_along(bond, edge, positions[y].distance(positions[z]));
+            let end = positions[y].lerp(positions[z], part);
             stretch.push(positions[x].distance(end) / bonds.distance[bond]);
             points.extend([positions[x], end]);
         }
         BondLines { points, stretch }
+    }
+
+    /// Returns how far along an edge of the unbroken bundle a bond ends, 0 to 1. The edge is `length` long now: by as much more
+    /// than at rest as its first vertex was moved backwards, where the bond was on the edge before.
+    fn part_along(&self, bond: usize, edge: u32, length: f64) -> f64 {
+        let bundle = &self.wood.bundle;
+        let (own, t) = (bundle.bonds.edge[bond], bundle.bonds.t[bond]);
+        let rest = |e: u32| bundle.rest_length[e as usize];
+        let along = match own.cmp(&edge) {
+            Ordering::Equal => return t,
+            Ordering::Less => (length - rest(edge)) - (1.0 - t) * rest(own),
+            Ordering::Greater => rest(edge) + t * rest(own),
+        };
+        (along / length.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
     }
 }
 

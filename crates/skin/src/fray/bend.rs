@@ -10,7 +10,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::repair::{EdgeBisector, crossing_pairs};
 use greenstick_geometry::{Aabb, Mesh};
-use greenstick_wood::noise::{self, smoothstep};
+use greenstick_wood::noise::{GradientNoise2d, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
 
 /// Width of the random field's features, radii.
@@ -107,13 +107,10 @@ impl<'a> Bend<'a> {
     }
 
     /// The field at a place, radii per unit of way: the curl of noise, which moves areas without changing them.
-    fn field(&self, at: DVec2) -> DVec2 {
+    fn field(&self, noise: &mut GradientNoise2d, at: DVec2) -> DVec2 {
         const H: f64 = 1e-4;
         let p = (at - self.middle) / (FEATURE_WIDTH * self.radius);
-        let slope = |e: DVec2| {
-            let noise = |p| noise::gradient_2d(self.seed << 1, p);
-            (noise(p + e * H) - noise(p - e * H)) / (2.0 * H)
-        };
+        let mut slope = |e: DVec2| (noise.at(p + e * H) - noise.at(p - e * H)) / (2.0 * H);
         DVec2::new(slope(DVec2::Y), -slope(DVec2::X)) * (DISPLACEMENT * FEATURE_WIDTH)
     }
 
@@ -133,9 +130,10 @@ impl<'a> Bend<'a> {
         let mut to = at + (at - self.middle) * (SPLAY * way);
         // By midpoints, so that areas stay to third order.
         let step = way * self.radius / f64::from(STEPS);
+        let mut noise = GradientNoise2d::new(self.seed << 1);
         for _ in 0..STEPS {
-            let half = to + self.field(to) * (0.5 * step);
-            to += self.field(half) * step;
+            let half = to + self.field(&mut noise, to) * (0.5 * step);
+            to += self.field(&mut noise, half) * step;
         }
         to.extend(down)
     }
@@ -152,23 +150,32 @@ impl<'a> Bend<'a> {
         let mut done = BendReport::default();
         for attempt in 0..=MAX_WEAKENINGS {
             let last = attempt == MAX_WEAKENINGS;
-            let straight = self.straight(mesh, &mut done);
+            let (straight, positions) = self.straight(mesh, &mut done);
             if done.remaining == 0 || last {
                 done.amount = self.amount;
-                return (self.bent(&straight), done);
+                return (self.bent(straight, positions), done);
             }
             self.amount *= WEAKENING;
         }
         (mesh.clone(), done)
     }
 
-    /// The mesh before it is bent, in triangles so small that it can be: bisected where they would cross when bent.
-    fn straight(&self, mesh: &Mesh, done: &mut BendReport) -> Mesh {
+    /// The mesh before it is bent, in triangles so small that it can be: bisected where they would cross when bent. Also
+    /// the positions of its vertices when bent.
+    fn straight(&self, mesh: &Mesh, done: &mut BendReport) -> (Mesh, Vec<DVec3>) {
         // Long triangles along the grain are split, so that they bend instead of leaning.
         let over = |place: DVec3| self.over(self.grain(place));
         let mut mesh = split_at_levels(mesh, &over, LEVEL_SPACING);
         let map = |p: DVec3| self.map(p).unwrap_or(p);
-        let mut bent: Vec<DVec3> = mesh.positions.iter().map(|&p| map(p)).collect();
+        // Vertices at one position go to one.
+        let (points, count) = mesh.points();
+        let mut bent_points = vec![None; count];
+        let places = points.iter().zip(&mesh.positions);
+        let bend = |(&point, &place): (&u32, &DVec3)| {
+            let to = bent_points[point as usize].get_or_insert_with(|| self.map(place));
+            to.unwrap_or(place)
+        };
+        let mut bent: Vec<DVec3> = places.map(bend).collect();
         let moved: Vec<bool> = (mesh.triangles.iter())
             .map(|t| {
                 t.iter()
@@ -192,9 +199,8 @@ impl<'a> Bend<'a> {
         let pairs_at_first = pairs.len();
         (done.bisected, done.remaining) = (0, pairs_at_first);
         if pairs.is_empty() {
-            return mesh;
+            return (mesh, bent);
         }
-        let (points, count) = mesh.points();
         let mut bisector =
             EdgeBisector::new(std::mem::take(&mut mesh.triangles), points, count as u32);
         for _ in 0..BISECTIONS {
@@ -232,23 +238,23 @@ impl<'a> Bend<'a> {
             mesh.materials = of.collect();
         }
         mesh.triangles = bisector.triangles;
-        mesh
+        (mesh, bent)
     }
 
-    /// The mesh with its vertices moved and their normals turned.
-    fn bent(&self, mesh: &Mesh) -> Mesh {
-        let mut bent = mesh.clone();
+    /// The mesh with its vertices moved to `positions` and their normals turned.
+    fn bent(&self, mesh: Mesh, positions: Vec<DVec3>) -> Mesh {
+        let mut bent = Mesh { positions, ..mesh };
+        let straight = mesh.positions;
         let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
         let derivative = |place: DVec3, to: DVec3, direction: DVec3| {
             let beside = place + direction * step;
             self.map(beside).unwrap_or(beside) - to
         };
-        for i in 0..mesh.positions.len() {
-            let place = mesh.positions[i];
-            let Some(to) = self.map(place) else {
+        for (i, place) in straight.into_iter().enumerate() {
+            let to = bent.positions[i];
+            if to == place {
                 continue;
-            };
-            bent.positions[i] = to;
+            }
             let mut turn = |name: &str, how: &dyn Fn(DVec3) -> DVec3| {
                 if let Some(attribute) = bent.attributes.get_mut(name)
                     && attribute.width >= 3

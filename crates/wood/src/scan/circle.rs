@@ -50,6 +50,8 @@ pub(super) struct Prior {
 const SAMPLES: i64 = 150;
 /// Most points that score a sample.
 const MAX_SCORED: usize = 240;
+/// Points after which a sample with too great a loss is given up.
+const SCORED_AT_ONCE: usize = 16;
 /// Most points that a circle is fitted to.
 const MAX_FITTED: usize = 600;
 /// Most rounds of least squares, and the step, in radii, below which they have converged.
@@ -71,17 +73,32 @@ pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Ci
         return None;
     }
     let scored = &points[..count.min(MAX_SCORED)];
-    let loss = |centre: DVec2, radius: f64| -> f64 {
+    // `None` as soon as the loss exceeds what is allowed.
+    let loss = |centre: DVec2, radius: f64, most: f64| -> Option<f64> {
         let tolerance = ON_CIRCLE_RADII * expected.prior.map_or(radius, |p| p.radius);
-        scored
-            .iter()
-            .map(|p| ((p.distance(centre) - radius) / tolerance).powi(2).min(1.0))
-            .sum()
+        let mut sum = 0.0;
+        for few in scored.chunks(SCORED_AT_ONCE) {
+            for p in few {
+                let off = (p.distance(centre) - radius) / tolerance;
+                sum += (off * off).min(1.0);
+            }
+            if sum > most {
+                return None;
+            }
+        }
+        Some(sum)
     };
-    let mut tried: Vec<(f64, DVec2, f64)> = Vec::new();
+    // Ascending by loss, no more than are refined.
+    let mut tried: Vec<(f64, DVec2, f64)> = Vec::with_capacity(REFINED + 1);
     let mut consider = |centre: DVec2, radius: f64| {
-        if expected.allows(centre, radius) {
-            tried.push((loss(centre, radius), centre, radius));
+        if !expected.allows(centre, radius) {
+            return;
+        }
+        let most = tried.get(REFINED - 1).map_or(f64::INFINITY, |t| t.0);
+        if let Some(loss) = loss(centre, radius, most) {
+            let place = tried.partition_point(|t| t.0 <= loss);
+            tried.insert(place, (loss, centre, radius));
+            tried.truncate(REFINED);
         }
     };
     match expected.prior {
@@ -97,14 +114,12 @@ pub(super) fn fit(points: &[DVec2], expected: &Expected, seed: u64) -> Option<Ci
         }),
     }
     let fitted = &points[..count.min(MAX_FITTED)];
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    tried.truncate(REFINED);
     let refined = tried
         .into_iter()
         .filter_map(|(_, centre, radius)| refined(fitted, centre, radius, expected))
         .filter(|(centre, radius)| expected.allows(*centre, *radius));
     let (_, centre, radius) = refined
-        .map(|(centre, radius)| (loss(centre, radius), centre, radius))
+        .filter_map(|(centre, radius)| Some((loss(centre, radius, f64::INFINITY)?, centre, radius)))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(judge(points, centre, radius, expected.prior.is_none()))
 }

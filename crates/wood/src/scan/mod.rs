@@ -33,7 +33,7 @@ use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
 use crate::stem::{Axis, StemLocation};
 use ends::LimbErrors;
 use glam::DVec3;
-use greenstick_geometry::cloud::{KdTree, spacing};
+use greenstick_geometry::cloud::{KdTree, LocalFrame, spacing};
 use greenstick_geometry::{Context, PointCloud};
 use points::StemPoints;
 use shape::SectionShape;
@@ -65,16 +65,45 @@ pub fn reconstruct_bark(
     if !(0.0..=1.0).contains(&options.min_coverage) {
         return Err(ScanError::MinCoverage(options.min_coverage));
     }
+    let frame = LocalFrame::new(&cloud.points);
+    let local = match location {
+        StemLocation::Point(point) => StemLocation::Point(frame.to_local(*point)),
+        other => *other,
+    };
+    let found = local_bark(&frame.cloud(cloud), &local, options, context);
+    let (mut bark, limb_ends) = found.map_err(|error| error.with_location(location))?;
+    bark.shift(frame.origin);
+    if let Some(ends) = limb_ends {
+        let notes = ["base", "end"].iter().zip(ends).map(|(which, end)| {
+            let at = end + frame.origin;
+            format!("the stem was followed to its {which}, where the points thin out near {at:.3}")
+        });
+        bark.report.notes.extend(notes);
+    }
+    Ok(bark)
+}
+
+/// The bark in the coordinates of a cloud about its own corner, and where a limb that was followed ends.
+fn local_bark(
+    cloud: &PointCloud,
+    location: &StemLocation,
+    options: &ScanOptions,
+    context: &Context,
+) -> Result<(ScannedBark, Option<[DVec3; 2]>), ScanError> {
     let no_stem = || ScanError::NoStem {
         points: cloud.points.len(),
     };
     context.report(0.0)?;
-    let (stem, notes) = match timber::find_timber(cloud) {
+    let (stem, note, limb_ends) = match timber::find_timber(cloud) {
         Some(timber) => {
             let note = timber_note(&timber);
-            (timber.stem, vec![note])
+            (timber.stem, Some(note), None)
         }
-        None => round_stem(cloud, location, &context.part(0.0, TRACED))?.ok_or_else(no_stem)?,
+        None => {
+            let found = round_stem(cloud, location, &context.part(0.0, TRACED))?;
+            let (stem, ends) = found.ok_or_else(no_stem)?;
+            (stem, None, Some(ends))
+        }
     };
     let at = length_at(&stem, location)?;
     context.report(TRACED)?;
@@ -104,8 +133,8 @@ pub fn reconstruct_bark(
     bark.report.place = girth::measure(&points, &stem, at);
     bark.report.along = girth::measure_along(&points, &stem, bark.report.span_m, context)?;
     context.report(1.0)?;
-    bark.report.notes.extend(notes);
-    Ok(bark)
+    bark.report.notes.extend(note);
+    Ok((bark, limb_ends))
 }
 
 fn timber_note(timber: &Timber) -> String {
@@ -115,12 +144,12 @@ fn timber_note(timber: &Timber) -> String {
     )
 }
 
-/// The largest round stem or limb at a location, and notes on why it ends where it does.
+/// The largest round stem or limb at a location, and where its points thin out.
 fn round_stem(
     cloud: &PointCloud,
     location: &StemLocation,
     context: &Context,
-) -> Result<Option<(TracedStem, Vec<String>)>, ScanError> {
+) -> Result<Option<(TracedStem, [DVec3; 2])>, ScanError> {
     let mut numbers: Vec<u32> = (0..cloud.points.len() as u32).collect();
     numbers.sort_by_cached_key(|&i| (noise::hash(13, i64::from(i), 0, 0), i));
     numbers.truncate(MAX_SEARCHED);
@@ -142,13 +171,8 @@ fn round_stem(
     // A tube that is wider than long has its axis somewhere else.
     let stem = traced_stem(&limb.rings, errors)
         .filter(|stem| stem.axis.length() > 2.0 * stem.mean_radius());
-    Ok(stem.map(|stem| {
-        let notes = ["base", "end"]
-            .iter()
-            .zip(limb.ends)
-            .map(|(which, why)| format!("the stem was followed to its {which}, where {why}"));
-        (stem, notes.collect())
-    }))
+    let ends = [0, limb.rings.len() - 1].map(|k| limb.rings[k].centre);
+    Ok(stem.map(|stem| (stem, ends)))
 }
 
 /// Turns a limb so that its thicker end, or the lower one where both are alike, comes first.
@@ -165,7 +189,6 @@ fn turn_base_first(limb: &mut Limb) {
     let last_is_base = if alike { last_is_lower } else { last > first };
     if last_is_base {
         limb.rings.reverse();
-        limb.ends.reverse();
     }
 }
 

@@ -130,6 +130,21 @@ pub struct ScannedBark {
     pub report: ScanReport,
 }
 
+impl ScannedBark {
+    /// Shifts all that has a position.
+    pub(super) fn shift(&mut self, by: glam::DVec3) {
+        self.mesh.positions.iter_mut().for_each(|p| *p += by);
+        self.centreline.iter_mut().for_each(|p| *p += by);
+        if let StemLocation::Point(point) = &mut self.location {
+            *point += by;
+        }
+        let places = self.report.place.iter_mut().chain(&mut self.report.along);
+        for place in places {
+            place.centre_m = (glam::DVec3::from_array(place.centre_m) + by).to_array();
+        }
+    }
+}
+
 /// Why bark cannot be reconstructed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScanError {
@@ -204,6 +219,16 @@ pub enum ScanError {
 }
 
 impl ScanError {
+    /// Returns the error with the location as it was requested.
+    pub(super) fn with_location(mut self, location: &StemLocation) -> Self {
+        if let ScanError::OffStem { requested, .. } | ScanError::FarFromWood { requested, .. } =
+            &mut self
+        {
+            *requested = *location;
+        }
+        self
+    }
+
     /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         match self {

@@ -45,6 +45,8 @@ const NEIGHBOURHOOD_GROWTH: f64 = 1.6;
 const MAX_FOLLOWED: usize = 24;
 /// Most points of a neighbourhood that are used.
 const MAX_NEIGHBOURHOOD: usize = 240;
+/// The first of so many parts of the cloud is searched for the points of a large neighbourhood.
+const FIRST_PART: usize = 16;
 /// Most points inside a section for each one on it.
 const MAX_INSIDE_FIRST: f64 = 0.15;
 const MAX_INSIDE: f64 = 0.3;
@@ -77,8 +79,6 @@ pub(super) struct Limb {
     pub rings: Vec<Ring>,
     /// The ring from which it was followed both ways.
     pub start: usize,
-    /// Why it ends at the first and at the last ring.
-    pub ends: [String; 2],
 }
 
 /// The limb at a location.
@@ -130,11 +130,6 @@ pub(super) fn limb(
     Ok(Some(cloud.follow(best.clearest(), context)?))
 }
 
-/// Why a limb ends.
-fn ending(at: DVec3) -> String {
-    format!("the points thin out near {at:.3}")
-}
-
 impl Limb {
     /// The ring about which its sections are clearest.
     fn clearest(&self) -> Ring {
@@ -172,8 +167,6 @@ impl Limb {
         } else {
             self.rings.truncate(self.start + retained);
         }
-        let end = if side == 0 { 0 } else { self.rings.len() - 1 };
-        self.ends[side] = ending(self.rings[end].centre);
     }
 
     /// The evidence of the rings' occupied cells that the points are those of a tube and not scattered. The clumps of a crown
@@ -309,7 +302,7 @@ impl Searched<'_> {
         let mut reach = 6.0 * self.spacing;
         while reach < largest {
             context.check()?;
-            let ball = self.tree.within_unordered(at, reach);
+            let ball = self.first_within(at, reach);
             if ball.len() >= MIN_POINTS {
                 found.extend(self.ring_of(at, ball, reach, seed));
             }
@@ -318,12 +311,22 @@ impl Searched<'_> {
         Ok(found)
     }
 
-    /// The best section of a neighbourhood.
+    /// Numbers of the first points of a neighbourhood, ascending: no more than are used.
+    fn first_within(&self, at: DVec3, reach: f64) -> Vec<u32> {
+        // A large neighbourhood has them among the first points of the cloud, and is slow to collect.
+        let first = &self.points[..self.points.len() / FIRST_PART];
+        let inside = |p: &DVec3| p.distance_squared(at) <= reach * reach;
+        let numbered = first.iter().zip(0..).filter(|(p, _)| inside(p));
+        let few: Vec<u32> = numbered.map(|(_, i)| i).take(MAX_NEIGHBOURHOOD).collect();
+        if few.len() == MAX_NEIGHBOURHOOD {
+            return few;
+        }
+        least(self.tree.within_unordered(at, reach), MAX_NEIGHBOURHOOD)
+    }
+
+    /// The best section of a neighbourhood, given by its first points.
     fn ring_of(&self, at: DVec3, ball: Vec<u32>, reach: f64, seed: u64) -> Option<Ring> {
-        let points: Vec<DVec3> = least(ball, MAX_NEIGHBOURHOOD)
-            .iter()
-            .map(|&i| self.points[i as usize])
-            .collect();
+        let points: Vec<DVec3> = ball.iter().map(|&i| self.points[i as usize]).collect();
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
         let own = KdTree::new(&points);
         let by_normals = symmetric_eigen(spread(normals(&points, &own, 10).into_iter()))[0].1;
@@ -428,8 +431,8 @@ impl Searched<'_> {
 
     /// Rings from one end to the other through a first one.
     pub fn follow(&self, start: Ring, context: &Context) -> Result<Limb, Cancelled> {
-        let (mut rings, first) = self.march(start, -1.0, context)?;
-        let (ahead, last) = self.march(start, 1.0, context)?;
+        let mut rings = self.march(start, -1.0, context)?;
+        let ahead = self.march(start, 1.0, context)?;
         rings.reverse();
         let begun = rings.len();
         // The evidence of the first section is that of its neighbours, too.
@@ -442,17 +445,11 @@ impl Searched<'_> {
         Ok(Limb {
             rings,
             start: begun,
-            ends: [first, last],
         })
     }
 
-    /// Rings from a first one on, forwards (`sign` 1) or backwards (−1), and why they end.
-    fn march(
-        &self,
-        start: Ring,
-        sign: f64,
-        context: &Context,
-    ) -> Result<(Vec<Ring>, String), Cancelled> {
+    /// Rings from a first one on, forwards (`sign` 1) or backwards (−1).
+    fn march(&self, start: Ring, sign: f64, context: &Context) -> Result<Vec<Ring>, Cancelled> {
         let mut rings: Vec<Ring> = Vec::new();
         let mut at = start;
         let mut along = start.along * sign;
@@ -499,7 +496,6 @@ impl Searched<'_> {
             }
         }
         rings.truncate(merit.rings);
-        let end = rings.last().map_or(start.centre, |r| r.centre);
-        Ok((rings, ending(end)))
+        Ok(rings)
     }
 }

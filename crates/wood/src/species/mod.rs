@@ -28,7 +28,7 @@ mod table;
 pub use catalogue::SPECIES_NAME;
 pub use elastic::EngineeringConstants;
 pub use genus::{HeartwoodColour, RingCharacter};
-pub use green::GreenRatio;
+pub use green::{GreenEstimate, GreenRatio};
 pub use names::UnknownSpecies;
 pub use record::{Group, MechanicalProperties, Property, Shrinkage, Species};
 pub use strength::{

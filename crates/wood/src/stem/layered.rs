@@ -42,6 +42,8 @@ const MIN_DIRECTION_COSINE: f64 = 0.64;
 const AXIS_TOLERANCE_RADII: f64 = 4e-3;
 /// Greatest turn of spiral grain from level to level, rad.
 const MAX_TURN_PER_LEVEL: f64 = 0.07;
+/// Bound of the rounding error of a grain coordinate, relative to the sum of coordinates.
+const COORDINATE_ROUNDING: f64 = 1e-13;
 
 impl LayeredGrain {
     /// The layers of a stem, and the lengths between which it is free for a break.
@@ -203,6 +205,30 @@ impl LayeredGrain {
         DVec2::new(turn.x, -turn.y).rotate(q).extend(s)
     }
 
+    /// Returns the least and the greatest grain coordinates (m) in a triangle that is straight in the world, whose corners
+    /// have the grain coordinates `corners` in one layer.
+    ///
+    /// A point with the weights λ, where the grain has turned by θ = Σ λᵢ θᵢ, lies at Σ λᵢ R(θᵢ − θ) gᵢ across the grain,
+    /// with the corners gᵢ and rotations R. It is off the plane through the corners, Σ λᵢ gᵢ, by the covariance of θ and g
+    /// at most, (t / 2) (d / √3), and by Σ λᵢ (θᵢ − θ)² w / 2 ≤ t² w / 8, where the triangle turns by t, its corners
+    /// lie within d of each other and within w of the axis.
+    pub fn triangle_bounds(&self, corners: [DVec3; 3]) -> (DVec3, DVec3) {
+        let [a, b, c] = corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let rounding = DVec3::splat(COORDINATE_ROUNDING * low.abs().max(high.abs()).element_sum());
+        let (low, high) = (low - rounding, high + rounding);
+        if self.spiral == 0.0 {
+            return (low, high);
+        }
+        let turn = self.spiral.abs() * (high.z - low.z);
+        let from_axis = |p: DVec3| p.truncate().length();
+        let far = from_axis(a).max(from_axis(b)).max(from_axis(c));
+        let across = (high - low).truncate().length();
+        let margin = turn * turn * far / 8.0 + turn * across / (2.0 * 3f64.sqrt());
+        let margin = DVec2::splat(margin).extend(0.0);
+        (low - margin, high + margin)
+    }
+
     /// The same map into the coordinates that `map` leads to. Only [`LayeredGrain::to_world`] may be used of it.
     pub fn transformed(&self, map: &DAffine3) -> Self {
         LayeredGrain {
@@ -251,6 +277,49 @@ fn simplify(samples: &[Level], tolerance: f64) -> Vec<Level> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Layers of a straight stem along z whose grain turns by `spiral` rad per m.
+    fn spiral_layers(spiral: f64) -> LayeredGrain {
+        LayeredGrain {
+            x: DVec3::X,
+            y: DVec3::Y,
+            along: DVec3::Z,
+            spiral,
+            spiral_range: (-1.0, 1.0),
+            ..LayeredGrain::default()
+        }
+    }
+
+    #[test]
+    fn bounds_hold_straight_triangles_and_little_more() {
+        let layers = spiral_layers(7.0);
+        let random = |i: i64, k: i64| crate::noise::unit(5, i, k, 0);
+        for i in 0..300 {
+            // From walls along the grain to flat tops, turning by up to 0.1 rad.
+            let (wide, high) = (0.01 * random(i, 9).powi(3), 0.015 * random(i, 10));
+            let at = DVec3::new(random(i, 11), random(i, 12), 0.0) * 0.1;
+            let corner = |k: i64| {
+                let [x, y, z] = [0, 1, 2].map(|c| random(i, 3 * k + c) - 0.5);
+                at + DVec3::new(wide * x, wide * y, high * z)
+            };
+            let corners = [0, 1, 2].map(corner);
+            let (low, high) = layers.triangle_bounds(corners);
+            let world = corners.map(|p| layers.to_world(p));
+            let (mut least, mut most) = (corners[0], corners[0]);
+            for (u, v) in (0..=20).flat_map(|u| (0..=20 - u).map(move |v| (u, v))) {
+                let [u, v] = [u, v].map(|w| f64::from(w) / 20.0);
+                let inside = world[0] + (world[1] - world[0]) * u + (world[2] - world[0]) * v;
+                let grain = layers.to_grain(inside);
+                (least, most) = (least.min(grain), most.max(grain));
+            }
+            assert!(low.cmple(least).all(), "{i}: {low} {least}");
+            assert!(high.cmpge(most).all(), "{i}: {high} {most}");
+            let turn = 7.0 * (high.z - low.z);
+            let spare = (least - low).max(high - most).max_element();
+            let expected = turn * turn * 0.15 / 8.0 + turn * 0.015 / 3.0;
+            assert!(spare <= expected + 1e-12, "{i}: {spare} {turn}");
+        }
+    }
 
     #[test]
     fn layers_invert_and_are_affine_between_levels() {

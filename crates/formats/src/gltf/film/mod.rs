@@ -35,7 +35,7 @@ pub(crate) fn write_film(
     let mut bound = bind(film, frames, limits)?;
     let mut channels = find_motion(film, frames, &mut bound, &context.part(0.0, 0.5))?;
     let constant = channels.remove_constant(&joints_of_skins(film, &bound));
-    let mut builder = Builder::default();
+    let mut builder = Builder::with_metadata(film.metadata.clone());
     let mut nodes = Nodes::write(film, &bound, &constant, frames, &mut builder)?;
     builder.push("scenes", json!({ "nodes": nodes.roots }));
     write_material::write(Surfaces::from_film(film), &mut builder, None);

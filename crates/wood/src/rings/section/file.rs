@@ -9,7 +9,7 @@ use super::outline::SectionOutline;
 use super::rings::{SectionRingMethod, SectionRings};
 use crate::colour::RgbImage;
 use glam::DVec2;
-use greenstick_geometry::{Cancelled, Context};
+use greenstick_geometry::{Cancelled, Context, Provenance};
 use serde_json::{Map, Value, json};
 /// The file of a section.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,11 +174,11 @@ impl SectionFile {
 }
 
 impl RingsFile {
-    /// The section's file with these rings in place of its own.
+    /// The section's file with these rings in place of its own, and where they come from.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn json(&self, context: &Context) -> Result<String, Cancelled> {
+    pub fn json(&self, provenance: &Provenance, context: &Context) -> Result<String, Cancelled> {
         let round = |p: DVec2| [p.x, p.y].map(|v| (v * 1e4).round() / 1e4);
         let list = |curve: &[DVec2]| curve.iter().map(|&p| round(p)).collect::<Vec<_>>();
         let rings: Vec<Value> = self
@@ -202,6 +202,7 @@ impl RingsFile {
         // Statistics of the annotated rings are not those of these.
         file.remove("stats");
         file.insert("kind".into(), json!(kind));
+        file.insert("provenance".into(), json!(provenance));
         file.insert("units".into(), json!(self.file.units));
         let outline = self.rings.outline();
         if let Some(onset) = outline.eccentricity_onset {

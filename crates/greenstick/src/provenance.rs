@@ -1,0 +1,94 @@
+//! Where the files of a request come from.
+
+use crate::anatomy::AnatomyFile;
+use crate::request::RequestFile;
+use crate::scanning::ScannedReport;
+use greenstick_geometry::Provenance;
+use greenstick_schema::{Parameters, Value};
+
+/// The key of the input, which has a place of its own.
+const INPUT_KEY: &str = "input";
+
+/// Whether a key is that of what random numbers are drawn from, at the top or in a table.
+fn is_seed(key: &str) -> bool {
+    key.rsplit('.').next() == Some("seed")
+}
+
+/// Returns where a result of a command comes from: an input, by its name, and parameters, of which those that are not at
+/// their defaults are named. `None` as input is what is built in.
+///
+/// ```
+/// use greenstick::{RequestFile, provenance};
+///
+/// let request = RequestFile::resolve(&[], None, &["seed=7", "rings=12"])?;
+/// let made = provenance("break", Some("tree.glb"), &request);
+/// assert_eq!((made.seed, made.parameters), (Some(7), vec!["break.rings=12".to_owned()]));
+/// # Ok::<(), greenstick::RequestFileError>(())
+/// ```
+pub fn provenance(command: &str, input: Option<&str>, parameters: &dyn Parameters) -> Provenance {
+    let list = parameters.list();
+    let seed = list.iter().find_map(|p| match p.value {
+        Value::Integer(seed) if is_seed(&p.key) => u64::try_from(seed).ok(),
+        _ => None,
+    });
+    Provenance {
+        program: "greenstick".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        command: command.to_owned(),
+        input: input.map(str::to_owned),
+        parameters: changed_parameters(parameters),
+        seed,
+        ..Provenance::default()
+    }
+}
+
+/// The parameters that are not at their defaults, as `key=value` in SI units; those of the entries of a list after its name
+/// and their number, from 0.
+fn changed_parameters(parameters: &dyn Parameters) -> Vec<String> {
+    let changed = |parameters: &dyn Parameters, prefix: &str| -> Vec<String> {
+        let list = parameters.list().into_iter();
+        let changed = list.filter(|p| p.value != p.default && p.key != INPUT_KEY);
+        let own = changed.filter(|p| !prefix.is_empty() || !is_seed(&p.key));
+        own.map(|p| format!("{prefix}{}={}", p.key, p.value))
+            .collect()
+    };
+    let mut all = changed(parameters, "");
+    for list in parameters.lists() {
+        for (number, entry) in parameters.entries(list.key).into_iter().enumerate() {
+            all.extend(changed(entry, &format!("{}[{number}].", list.key)));
+        }
+    }
+    all
+}
+
+/// What is known of a scan.
+fn with_scan(mut provenance: Provenance, scan: Option<&ScannedReport>) -> Provenance {
+    let bark = scan.and_then(|s| s.bark.as_ref());
+    provenance.origin_m = scan.map_or([0.0; 3], |s| s.origin_m);
+    provenance.coverage = bark.map(|b| b.mean_coverage);
+    provenance.residual_m = bark.map(|b| b.noise_m);
+    provenance
+}
+
+impl AnatomyFile {
+    /// Returns where the files of this request come from; `scan` is the report of the scan that the input is.
+    pub fn provenance(&self, scan: Option<&ScannedReport>) -> Provenance {
+        let own = provenance("anatomy", self.input.as_deref(), self);
+        Provenance {
+            coordinates: self.request.coordinates.word().to_owned(),
+            ..with_scan(own, scan)
+        }
+    }
+}
+
+impl RequestFile {
+    /// Returns where the pieces of this request come from, whose input has a name; `scan` is the report of the scan that the
+    /// input is.
+    pub fn provenance(&self, input: Option<&str>, scan: Option<&ScannedReport>) -> Provenance {
+        let own = provenance("break", input, self);
+        Provenance {
+            coordinates: if scan.is_some() { "local" } else { "input" }.to_owned(),
+            ..with_scan(own, scan)
+        }
+    }
+}
