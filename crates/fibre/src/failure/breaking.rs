@@ -52,7 +52,7 @@ pub(crate) fn check_after_step(
     true
 }
 
-/// Lets the present forces act over a time (s), which may be negative, on all that no clamp holds.
+/// Lets the present forces, that of damping among them, act over a time (s), which may be negative, on all that no clamp holds.
 pub(crate) fn kick(world: &mut World, evaluator: &mut ForceEvaluator, time: f64) {
     let World {
         bundle,
@@ -64,6 +64,14 @@ pub(crate) fn kick(world: &mut World, evaluator: &mut ForceEvaluator, time: f64)
     evaluator.forces(bundle, state, &mut forces);
     let (x, v) = (&state.position, &state.velocity);
     loads.add_forces(bundle, state.time, x, v, &mut forces);
+    let damping = loads.damping;
+    let damping_factor = 1.0 / (1.0 + damping * time);
+    for v in 0..bundle.vertices() {
+        let force = forces.linear.get(v) - state.velocity.get(v) * (damping * bundle.mass[v]);
+        forces.linear.set(v, force * damping_factor);
+        let moment = forces.moment[v] - state.spin[v] * (damping * bundle.inertia[v]);
+        forces.moment[v] = moment * damping_factor;
+    }
     for clamp in &loads.clamps {
         for &v in &clamp.vertices {
             let free = DVec3::from_array(clamp.axes.map(|held| f64::from(u8::from(!held))));
