@@ -36,7 +36,6 @@ impl Bodies {
         step: f64,
         context: &Context,
     ) -> Result<f64, Cancelled> {
-        self.drop_springs();
         self.impulses.clear();
         self.impulses.resize(self.contacts.len(), DVec3::ZERO);
         self.target_velocity.clear();
@@ -55,13 +54,6 @@ impl Bodies {
             }
         }
         Ok(self.account_impulses(state, velocity))
-    }
-
-    /// Ends the time in which contacts were springs, of a solver that takes turns: impulses do not give back what is stored in
-    /// overlaps.
-    fn drop_springs(&mut self) {
-        self.ledger.dissipated += std::mem::take(&mut self.ledger.stored);
-        self.ledger.power = 0.0;
     }
 
     /// Enters the energy of all impulses of the step into the ledger.
