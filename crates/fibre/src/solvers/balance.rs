@@ -55,6 +55,8 @@ pub(super) struct EquilibriumProblem<'a> {
     pub inertia: Option<&'a Inertia>,
     /// Time at the end, s.
     pub time: f64,
+    /// Energy that breaking has taken so far, J.
+    pub lost: f64,
 }
 
 /// The unbalanced forces of a trial state.

@@ -85,6 +85,7 @@ impl Implicit {
             loads,
             yielding: world.failure.rods_yield,
             softening: world.failure.is_cohesive(),
+            lost: world.fracture_loss,
             start: &world.state,
             base,
             inertia: Some(inertia),

@@ -47,9 +47,9 @@ const DIVISION: f64 = 0.4;
 /// Steps grow and shrink by these factors after so few and so many Newton iterations, and for so many steps after they have
 /// become shorter they do not grow.
 const GROWTH: f64 = 1.7;
-const FEW_ITERATIONS: usize = 3;
+const FEW_ITERATIONS: usize = 12;
 const SHRINKAGE: f64 = 0.7;
-const MANY_ITERATIONS: usize = 6;
+const MANY_ITERATIONS: usize = 30;
 const STEPS_BEFORE_GROWTH: u32 = 2;
 /// Fraction of a frame that is rounding.
 const TIME_ROUNDING: f64 = 1e-9;
@@ -60,9 +60,10 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     stateless: true,
     tolerance: 1e-2,
     min_iterations: 1,
-    max_iterations: 8,
+    max_iterations: 50,
     linear_tolerance: 0.1,
-    reuse_preconditioner: true,
+    preconditioner_iterations: 4,
+    work_tolerance: 1e-4,
 };
 
 /// The interactive solver: implicit Euler, one step per frame while nothing breaks.
@@ -181,6 +182,7 @@ impl Interactive {
             loads: &world.loads,
             yielding: world.failure.rods_yield,
             softening: world.failure.is_cohesive(),
+            lost: world.fracture_loss,
             start: old,
             base: old,
             inertia: Some(&inertia),

@@ -10,14 +10,15 @@ use greenstick_geometry::Unions;
 const MAX_EDGE_CHANGE: f64 = 0.5;
 
 /// Shortens `step`, of `block` degrees of freedom at a vertex, where it changes an edge too much. Leaves in `prescribed` the
-/// displacement of clamps that remains. Clamps move all the way in the last step. Returns whether anything was shortened.
+/// displacement of clamps that remains. Clamps move all the way in the last step. Returns the multiple of the step that could be
+/// taken within the limit: 1 where anything was shortened.
 pub(super) fn limit_step(
     bundle: &RodBundle,
     block: usize,
     last: bool,
     step: &mut [f64],
     prescribed: &mut [f64],
-) -> bool {
+) -> f64 {
     let n = bundle.vertices();
     let displacement = |v: usize| DVec3::from_slice(&step[v * block..]);
     let change = |v: usize| {
@@ -29,7 +30,8 @@ pub(super) fn limit_step(
     let changes: Vec<f64> = (0..n).map(change).collect();
     if changes.iter().all(|s| *s <= MAX_EDGE_CHANGE) {
         prescribed.fill(0.0);
-        return false;
+        let largest = changes.iter().copied().fold(0.0, f64::max);
+        return MAX_EDGE_CHANGE / largest;
     }
     let part = connected_parts(bundle);
     let (mut largest, mut clamped) = (vec![0.0f64; n], vec![false; n]);
@@ -49,7 +51,7 @@ pub(super) fn limit_step(
             prescribed[f] *= 1.0 - factor;
         }
     }
-    true
+    1.0
 }
 
 /// Returns for each vertex the smallest vertex that edges and bonds connect with it.

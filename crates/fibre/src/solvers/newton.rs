@@ -8,7 +8,7 @@ use super::grip::{Grip, ResolvedGrip};
 use super::limit_step::limit_step;
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
 use crate::contact::{ContactSpring, Contacts};
-use crate::energy::add_forces;
+use crate::energy::{add_forces, energies};
 use crate::error::SolverError;
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{FailureDetector, Overstressed, find_overstressed};
@@ -26,6 +26,12 @@ const LINEAR_TOLERANCE: f64 = 1e-3;
 const LINE_SEARCH_TRIALS: usize = 8;
 /// The line search accepts a step whose end has at most this fraction of the slope at its start.
 const SLOPE_REDUCTION: f64 = 0.5;
+/// The line search makes a step longer by at most this factor at a time.
+const MAX_EXTENSION: f64 = 4.0;
+/// Work ahead that does not count, as a fraction of what counts as no work.
+const AHEAD_RATIO: f64 = 0.1;
+/// Iterations before the work of unbalanced forces counts: the first steps do not see how stiff rods become as they turn.
+const MIN_WORK_ITERATIONS: usize = 2;
 /// A state counts as balanced at the start of a step up to this multiple of the tolerance with which it was found: contacts
 /// that have ended since, and the friction of others, differ by a little.
 const START_TOLERANCE_RATIO: f64 = 10.0;
@@ -93,8 +99,12 @@ pub(super) struct NewtonOptions {
     pub max_iterations: usize,
     /// Relative accuracy of each linear solution.
     pub linear_tolerance: f64,
-    /// Whether the preconditioner of the first iteration serves all that follow until [`Newton::renew_preconditioner`].
-    pub reuse_preconditioner: bool,
+    /// Iterations that a preconditioner serves, unless [`Newton::renew_preconditioner`] ends its time.
+    pub preconditioner_iterations: usize,
+    /// Unbalanced forces do less work in the step than this fraction of all energy there has been. A state is balanced too where
+    /// they would do less than a tenth of that on the way to where Newton's method expects the balance: slack fibres, which are
+    /// stiff along and soft across, have large unbalanced forces that hardly move anything. Infinite to leave out both.
+    pub work_tolerance: f64,
 }
 
 impl NewtonOptions {
@@ -105,7 +115,8 @@ impl NewtonOptions {
         min_iterations: 0,
         max_iterations: MAX_ITERATIONS,
         linear_tolerance: LINEAR_TOLERANCE,
-        reuse_preconditioner: false,
+        preconditioner_iterations: 1,
+        work_tolerance: f64::INFINITY,
     };
 }
 
@@ -121,6 +132,13 @@ impl Default for NewtonOptions {
 struct Iterates {
     state: State,
     previous: State,
+}
+
+/// Work of unbalanced forces in a step, J.
+#[derive(Clone, Copy)]
+struct UnbalancedWork {
+    done: f64,
+    tolerance: f64,
 }
 
 /// The progress of an iteration.
@@ -282,7 +300,12 @@ impl Newton {
         };
         let pending = |prescribed: &[f64]| prescribed.iter().any(|d| *d != 0.0);
         let at_least = self.options.min_iterations;
-        while now.count < at_least || now.residual > now.tolerance || pending(&prescribed) {
+        let mut work = self.unbalanced_work(problem, &iterates.state);
+        while now.count < at_least
+            || now.residual > now.tolerance
+            || work.is_some_and(|w| w.done > w.tolerance)
+            || pending(&prescribed)
+        {
             if now.count >= now.allowed || !now.residual.is_finite() {
                 return Err(SolverError::NotConverged {
                     time: problem.time,
@@ -291,71 +314,32 @@ impl Newton {
                     tolerance: now.tolerance,
                 });
             }
+            if now
+                .count
+                .is_multiple_of(self.options.preconditioner_iterations.max(1))
+            {
+                self.stale = true;
+            }
             let mut step = self.newton_step(problem, &iterates.state, &prescribed, context)?;
             let search = !pending(&prescribed);
+            let ahead = self.balance.slope(&step).abs();
+            let small =
+                |w: UnbalancedWork| w.done <= w.tolerance && ahead <= AHEAD_RATIO * w.tolerance;
+            if search && now.count >= MIN_WORK_ITERATIONS && work.is_some_and(small) {
+                break;
+            }
             let last = now.count + 1 >= now.allowed;
             let block = self.balance.block;
-            let limited = limit_step(bundle, block, last, &mut step, &mut prescribed);
-            if limited && now.allowed < 2 * self.options.max_iterations {
+            let longest = limit_step(bundle, block, last, &mut step, &mut prescribed);
+            if longest <= 1.0 && now.allowed < 2 * self.options.max_iterations {
                 now.allowed += 1;
             }
-            self.take_step(problem, contacts, &mut iterates, &step, search, context)?;
+            let longest = search.then_some(longest);
+            self.take_step(problem, contacts, &mut iterates, &step, longest, context)?;
             now.count += 1;
             now.residual = self.balance.largest_residual();
             now.tolerance = self.options.tolerance * self.balance.scale;
-            if std::env::var("NWT").is_ok() {
-                let b = &self.balance;
-                let (mut f, mut m) = (0, 0.0);
-                for k in 0..b.residual.len() {
-                    if !b.held[k] {
-                        let r = if k % b.block == 3 {
-                            b.residual[k].abs() / 0.01
-                        } else {
-                            b.residual[k].abs()
-                        };
-                        if r > m {
-                            m = r;
-                            f = k;
-                        }
-                    }
-                }
-                let v = (0..bundle.vertices())
-                    .find(|&v| (0..b.block).any(|a| b.dof(v, a) == f))
-                    .unwrap_or(0);
-                let touched = b
-                    .springs
-                    .iter()
-                    .filter(|s| s.shares().any(|(w, _)| w == v))
-                    .count();
-                let r = bundle.rod_of(v);
-                let bonds = bundle
-                    .bonds
-                    .vertex
-                    .iter()
-                    .filter(|&&w| w as usize == v)
-                    .count();
-                let big = step
-                    .iter()
-                    .enumerate()
-                    .filter(|(k, _)| k % b.block != 3)
-                    .map(|(_, d)| d.abs())
-                    .fold(0.0, f64::max);
-                eprintln!(
-                    "   it {} res {:.3e} tol {:.3e} scale {:.2e} v {} axis {} rod len {} touched {} bonds {} springs {} limited {} step {:.2e}",
-                    now.count,
-                    now.residual,
-                    now.tolerance,
-                    b.scale,
-                    v,
-                    f % b.block,
-                    bundle.rod(r).len(),
-                    touched,
-                    bonds,
-                    b.springs.len(),
-                    limited,
-                    big
-                );
-            }
+            work = self.unbalanced_work(problem, &iterates.state);
         }
         Ok(Equilibrium {
             state: iterates.state,
@@ -366,14 +350,44 @@ impl Newton {
         })
     }
 
-    /// Moves the iterate along a step, with a line search where `search` says so.
+    /// Returns the work of unbalanced forces in the step so far, where it counts.
+    fn unbalanced_work(
+        &self,
+        problem: &EquilibriumProblem,
+        state: &State,
+    ) -> Option<UnbalancedWork> {
+        let (bundle, start, balance) = (problem.bundle, problem.start, &self.balance);
+        if self.options.work_tolerance.is_infinite()
+            || balance.largest_residual() <= FINEST_TOLERANCE * balance.scale
+        {
+            return None;
+        }
+        let mut way = vec![0.0; balance.residual.len()];
+        for v in 0..bundle.vertices() {
+            let change = state.position.get(v) - start.position.get(v);
+            for axis in 0..3 {
+                way[balance.dof(v, axis)] = change[axis];
+            }
+            if balance.block == 4 {
+                way[balance.dof(v, 3)] = state.angle[v] - start.angle[v];
+            }
+        }
+        let energy = energies(bundle, start).total() + energies(bundle, state).potential();
+        Some(UnbalancedWork {
+            done: balance.slope(&way).abs(),
+            tolerance: self.options.work_tolerance * (energy + problem.lost),
+        })
+    }
+
+    /// Moves the iterate along a step, with a line search up to `longest` times the step where there is one. Linear systems leave
+    /// out what makes rods under pressure softer. Where they buckle, the way is therefore longer than the step.
     fn take_step(
         &mut self,
         problem: &EquilibriumProblem,
         contacts: &mut dyn Contacts,
         iterates: &mut Iterates,
         step: &[f64],
-        search: bool,
+        longest: Option<f64>,
         context: &Context,
     ) -> Result<(), Cancelled> {
         let slope = self.balance.slope(step);
@@ -384,19 +398,30 @@ impl Newton {
             self.displace(problem.bundle, previous, step, length, state);
             self.balance.evaluate(problem, contacts, state, context)?;
             let now = self.balance.slope(step);
-            // The force along the step must not have reversed by much.
+            // The force along the step must have fallen, and not have reversed by much.
             let accepted = now.abs() <= SLOPE_REDUCTION * slope.abs()
                 || self.balance.largest_residual() <= self.options.tolerance * self.balance.scale;
-            let done = !search || accepted || trial == LINE_SEARCH_TRIALS;
-            if done || slope.is_nan() || slope <= 0.0 || now > 0.0 {
+            if accepted || trial == LINE_SEARCH_TRIALS || slope.is_nan() || slope <= 0.0 {
                 break;
             }
-            let factor = if now.is_finite() {
-                slope / (slope - now)
+            let Some(longest) = longest else {
+                break;
+            };
+            if now > 0.0 && length >= longest {
+                break;
+            }
+            length *= if now > 0.0 {
+                let factor = if now < slope {
+                    slope / (slope - now)
+                } else {
+                    MAX_EXTENSION
+                };
+                factor.min(MAX_EXTENSION).min(longest / length)
+            } else if now.is_finite() {
+                (slope / (slope - now)).clamp(0.1, 0.9)
             } else {
                 0.25
             };
-            length *= factor.clamp(0.1, 0.9);
         }
         Ok(())
     }
@@ -429,7 +454,7 @@ impl Newton {
         prescribed: &[f64],
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
-        let update_preconditioner = !self.options.reuse_preconditioner || self.stale;
+        let update_preconditioner = self.stale;
         let inertia = problem
             .inertia
             .map_or(0.0, |i| 1.0 / (i.h * i.h) + problem.loads.damping / i.h);
