@@ -68,7 +68,7 @@ fn stick(rods: u32, seed: u64) -> World {
     world.failure = FailureCriteria {
         rods_break: true,
         rods_yield: true,
-        bonds: BondCriterion::Stress,
+        bonds: BondCriterion::Cohesive,
         ..FailureCriteria::default()
     };
     world

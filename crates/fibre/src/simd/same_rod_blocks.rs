@@ -66,6 +66,39 @@ unsafe fn square<L: Lanes>(u: [L; 3]) -> [[L; 3]; 2] {
     }
 }
 
+/// Returns the columns of the block between an edge's two vertices, of which the share `t` is the second's: from the derivatives
+/// `w` and `turn` of slip and the symmetric parts by d, by both and by e.
+#[inline(always)]
+unsafe fn across<L: Lanes>(
+    t: L,
+    [w, turn]: [[L; 3]; 2],
+    [by_d, tilts, by_e]: [[[L; 3]; 2]; 3],
+) -> [[L; 3]; 3] {
+    unsafe {
+        let s = L::splat(1.0).sub(t);
+        // Rows belong to the first vertex, columns to the second.
+        let entries = [
+            [(0, 0), (1, 0), (1, 1)],
+            [(1, 0), (0, 1), (1, 2)],
+            [(1, 1), (1, 2), (0, 2)],
+        ];
+        let st = s.mul(t);
+        let mut across = [[L::splat(0.0); 3]; 3];
+        for b in 0..3 {
+            for a in 0..3 {
+                let (h, k) = entries[a][b];
+                across[b][a] = st
+                    .mul(by_d[h][k])
+                    .sub(s.mul(w[a]).mul(turn[b]))
+                    .add(t.mul(w[b]).mul(turn[a]))
+                    .add(t.sub(s).mul(tilts[h][k]))
+                    .sub(by_e[h][k]);
+            }
+        }
+        across
+    }
+}
+
 #[inline(always)]
 unsafe fn blocks_of<L: Lanes>(
     batches: &[BondBatch],
@@ -104,25 +137,7 @@ unsafe fn blocks_of<L: Lanes>(
                     end[h][k] = t.mul(t.mul(a).sub(mixed[h][k])).add(by_e[h][k]);
                 }
             }
-            // Rows belong to the first vertex, columns to the second.
-            let entries = [
-                [(0, 0), (1, 0), (1, 1)],
-                [(1, 0), (0, 1), (1, 2)],
-                [(1, 1), (1, 2), (0, 2)],
-            ];
-            let st = s.mul(t);
-            let mut across = [[zero; 3]; 3];
-            for b in 0..3 {
-                for a in 0..3 {
-                    let (h, k) = entries[a][b];
-                    across[b][a] = st
-                        .mul(by_d[h][k])
-                        .sub(s.mul(w[a]).mul(turn[b]))
-                        .add(t.mul(w[b]).mul(turn[a]))
-                        .add(t.sub(s).mul(tilts[h][k]))
-                        .sub(by_e[h][k]);
-                }
-            }
+            let across = across(t, [w, turn], [by_d, tilts, by_e]);
             let vertex = L::pairs(by_d[0], by_d[1]);
             for (k, pair) in vertex.into_iter().enumerate() {
                 let to = (&raw mut (*out.add(batch.vertex[k] as usize)).vertex).cast::<f64>();

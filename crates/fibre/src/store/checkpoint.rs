@@ -9,7 +9,7 @@ use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HEAD: usize = 24;
 
 /// Lengths of a run's records, in the unit of what holds them: bytes in files, rows in memory.

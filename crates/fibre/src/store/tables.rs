@@ -211,12 +211,13 @@ pub(super) const KINDS: [(EventKind, &str); 3] = [
 ];
 
 /// What the column `cause` holds.
-pub(super) const CAUSES: [(Cause, &str); 6] = [
+pub(super) const CAUSES: [(Cause, &str); 7] = [
     (Cause::Tension, "tension"),
     (Cause::Compression, "compression"),
     (Cause::Potential, "potential"),
     (Cause::Griffith, "griffith"),
     (Cause::Stress, "stress"),
+    (Cause::Cohesive, "cohesive"),
     (Cause::Torsion, "torsion"),
 ];
 
