@@ -40,7 +40,16 @@ pub(super) enum Crack {
     AtRest,
 }
 
-/// Follows a crack with the solver `explicit` until it is at rest, or until the time `end` (s).
+/// Times between which a crack is followed, s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    /// The time to which it is followed even where it is at rest.
+    pub least: f64,
+    /// The time beyond which it is not.
+    pub end: f64,
+}
+
+/// Follows a crack with the solver `explicit` until it is at rest, within a span of time.
 ///
 /// # Errors
 /// Those of [`Solver::advance`].
@@ -48,7 +57,7 @@ pub(super) fn run(
     explicit: &mut Explicit,
     world: &mut World,
     contacts: &mut dyn Contacts,
-    end: f64,
+    span: Span,
     context: &Context,
 ) -> Result<(Crack, StepEnergy), SolverError> {
     let (loads, failure) = (&mut world.loads, &mut world.failure);
@@ -57,7 +66,7 @@ pub(super) fn run(
     let interval = std::mem::replace(&mut failure.check_interval, CHECK_INTERVAL);
     // Edges that are cut short would need shorter steps.
     let between_vertices = std::mem::replace(&mut failure.between_vertices, false);
-    let result = follow(explicit, world, contacts, end, context);
+    let result = follow(explicit, world, contacts, span, context);
     world.loads.damping = damping;
     world.failure.check_interval = interval;
     world.failure.between_vertices = between_vertices;
@@ -70,14 +79,14 @@ fn follow(
     explicit: &mut Explicit,
     world: &mut World,
     contacts: &mut dyn Contacts,
-    end: f64,
+    Span { least, end }: Span,
     context: &Context,
 ) -> Result<(Crack, StepEnergy), SolverError> {
     let mut energy = StepEnergy::default();
     let step = explicit.step(world, context)?;
     explicit.shift_velocities(world, -step);
     let mut crack = Crack::Running;
-    while crack == Crack::Running && world.state.time < end {
+    while (crack == Crack::Running || world.state.time < least) && world.state.time < end {
         let duration = INTERVAL.min(end - world.state.time);
         let loss = world.fracture_loss;
         let done = explicit.advance(world, contacts, duration, &context.silenced())?;
@@ -87,9 +96,11 @@ fn follow(
         let stored = energies(&world.bundle, &world.state).potential();
         let running =
             lost > RUNNING_LOSS * stored && lost > RUNNING_LOSS_OVER_WORK * done.work.abs();
-        if !running {
-            crack = Crack::AtRest;
-        }
+        crack = if running {
+            Crack::Running
+        } else {
+            Crack::AtRest
+        };
     }
     explicit.shift_velocities(world, step);
     Ok((crack, energy))

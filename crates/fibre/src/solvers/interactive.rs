@@ -12,9 +12,10 @@
 //! step die out, which is reported as [`AdvanceReport::dissipated`] ([`super::step_energy`]).
 
 use super::balance::{EquilibriumProblem, Inertia};
-use super::crack::{self, Crack};
+use super::crack::{self, Crack, Span};
 use super::explicit::Explicit;
 use super::newton::{Equilibrium, Newton, NewtonOptions};
+use super::prediction::predict;
 use super::solver::AdvanceReport;
 use super::step_energy::StepEnergy;
 use super::stepwise::Stepwise;
@@ -39,28 +40,28 @@ const ONSET_DEMAND: f64 = 1.05;
 /// Bounds of a cut, as fractions of the step.
 const CUT_FRACTIONS: (f64, f64) = (0.05, 0.8);
 /// The shortest step, s. What neither is cut nor balances then is followed as a crack.
-const SHORTEST_STEP: f64 = 1e-4;
+const SHORTEST_STEP: f64 = 2e-4;
 /// The first step after a crack has come to rest, s.
 const STEP_AFTER_CRACK: f64 = 2e-3;
+/// Time that explicit steps follow what does not balance, s.
+const TIME_UNBALANCED: f64 = 5e-4;
 /// Fraction of a step that is tried where the whole does not balance.
-const DIVISION: f64 = 0.4;
+const DIVISION: f64 = 0.3;
 /// Steps grow and shrink by these factors after so few and so many Newton iterations, and for so many steps after they have
 /// become shorter they do not grow.
 const GROWTH: f64 = 1.7;
-const FEW_ITERATIONS: usize = 12;
+const FEW_ITERATIONS: usize = 8;
 const SHRINKAGE: f64 = 0.7;
-const MANY_ITERATIONS: usize = 30;
+const MANY_ITERATIONS: usize = 20;
 const STEPS_BEFORE_GROWTH: u32 = 2;
 /// Fraction of a frame that is rounding.
 const TIME_ROUNDING: f64 = 1e-9;
-/// Largest distance that the prediction moves a vertex, in shortest edges.
-const MAX_PREDICTION: f64 = 0.5;
 /// Accuracy of a step: forces at break differ from those of the other solvers by far less.
 const OPTIONS: NewtonOptions = NewtonOptions {
     stateless: true,
     tolerance: 1e-2,
     min_iterations: 1,
-    max_iterations: 50,
+    max_iterations: 30,
     linear_tolerance: 0.1,
     preconditioner_iterations: 4,
     work_tolerance: 1e-4,
@@ -207,12 +208,17 @@ impl Interactive {
         let end = world.state.time + dt;
         let mut energy = StepEnergy::default();
         let mut step = world.next_step.take().unwrap_or(dt).min(dt);
+        // Time in which explicit steps go on where equilibria were not found.
+        let mut unbalanced = 0.0;
         // Steps in which it does not grow.
         let mut patience = 0;
         while end - world.state.time > TIME_ROUNDING * dt {
             if step == 0.0 {
                 saved.keep_unbroken(world);
-                let (crack, taken) = crack::run(&mut self.explicit, world, contacts, end, context)?;
+                let least = world.state.time + std::mem::take(&mut unbalanced);
+                let span = Span { least, end };
+                let (crack, taken) =
+                    crack::run(&mut self.explicit, world, contacts, span, context)?;
                 energy += taken;
                 step = match crack {
                     Crack::Running => 0.0,
@@ -229,6 +235,7 @@ impl Interactive {
                     step = if length > SHORTEST_STEP {
                         DIVISION * length
                     } else {
+                        unbalanced = TIME_UNBALANCED;
                         0.0
                     };
                     continue;
@@ -286,25 +293,6 @@ fn cut(world: &World, demand: f64, step: f64) -> f64 {
         least
     };
     (fraction * step).max(SHORTEST_STEP)
-}
-
-/// The state with everything moved on with its velocity: where equilibria follow each other smoothly, the next one is near
-/// there. It is the state itself where something flies, which would fold.
-fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
-    let mut predicted = state.clone();
-    let edges = (0..bundle.vertices()).filter(|&j| bundle.is_edge(j));
-    let shortest = edges.fold(f64::INFINITY, |a, j| a.min(bundle.rest_length[j]));
-    let fastest = (state.velocity.iter()).fold(0.0, |a: f64, v| a.max(v.length_squared()));
-    let limit = MAX_PREDICTION * shortest / dt;
-    if fastest.is_nan() || fastest > limit * limit {
-        return predicted;
-    }
-    for v in 0..bundle.vertices() {
-        predicted.position.add(v, state.velocity.get(v) * dt);
-        predicted.angle[v] += state.spin[v] * dt;
-    }
-    predicted.transport_frames(bundle);
-    predicted
 }
 
 impl Stepwise for Interactive {

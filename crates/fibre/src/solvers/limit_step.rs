@@ -55,7 +55,7 @@ pub(super) fn limit_step(
 }
 
 /// Returns for each vertex the smallest vertex that edges and bonds connect with it.
-fn connected_parts(bundle: &RodBundle) -> Vec<usize> {
+pub(super) fn connected_parts(bundle: &RodBundle) -> Vec<usize> {
     let n = bundle.vertices();
     let mut parts = Unions::new(n);
     for v in (0..n).filter(|&v| bundle.is_edge(v)) {

@@ -21,6 +21,7 @@ mod interactive;
 mod limit_step;
 mod linear;
 mod newton;
+mod prediction;
 mod quasi_static;
 mod solver;
 mod stability;

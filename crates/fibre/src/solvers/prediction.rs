@@ -1,0 +1,150 @@
+//! The state in which the search for an equilibrium with inertia starts: where all that moves would be without forces.
+//!
+//! Each connected part moves on as a rigid body, which it may do far in a step, and within it what bends goes on bending, but not
+//! so far that rods would fold.
+
+use super::limit_step::connected_parts;
+use crate::rod_bundle::RodBundle;
+use crate::state::State;
+use glam::{DMat3, DQuat, DVec3};
+
+/// Largest displacement of a vertex within its part, in the part's shortest edge.
+const MAX_DISPLACEMENT: f64 = 0.5;
+/// Largest turn of a material frame, rad.
+const MAX_TURN: f64 = 0.5;
+/// What is added to the moments of inertia of a part, as a fraction of their sum: a straight rod has none about itself.
+const INERTIA_FLOOR: f64 = 1e-6;
+
+/// The motion of a connected part.
+#[derive(Debug, Clone, Copy, Default)]
+struct Part {
+    mass: f64,
+    /// Sums of mass times position and velocity, then the centre of mass (m) and its velocity (m/s).
+    centre: DVec3,
+    velocity: DVec3,
+    angular_momentum: DVec3,
+    inertia: DMat3,
+    /// Angular velocity, rad/s.
+    angular_velocity: DVec3,
+    shortest: f64,
+    /// Largest velocity beside that of the rigid body, m/s.
+    fastest: f64,
+}
+
+impl Part {
+    /// Returns the velocity beside that of the rigid body, m/s.
+    fn own_velocity(&self, position: DVec3, velocity: DVec3) -> DVec3 {
+        velocity - self.velocity - self.angular_velocity.cross(position - self.centre)
+    }
+}
+
+/// Returns the state `dt` seconds after `state`.
+pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
+    let part = connected_parts(bundle);
+    let parts = motion_of_parts(bundle, state, &part);
+    let mut predicted = state.clone();
+    for v in 0..bundle.vertices() {
+        let p = &parts[part[v]];
+        let (position, velocity) = (state.position.get(v), state.velocity.get(v));
+        let speed = p.angular_velocity.length();
+        // Implicit Euler turns a body by this angle.
+        let rotation = match p.angular_velocity.try_normalize() {
+            Some(axis) => DQuat::from_axis_angle(axis, libm::atan(speed * dt)),
+            None => DQuat::IDENTITY,
+        };
+        let limit = MAX_DISPLACEMENT * p.shortest / dt;
+        let share = if p.fastest > limit {
+            limit / p.fastest
+        } else {
+            1.0
+        };
+        let own = p.own_velocity(position, velocity) * (share * dt);
+        let to = p.centre + p.velocity * dt + rotation * (position - p.centre) + own;
+        if to.is_finite() {
+            predicted.position.set(v, to);
+        }
+        let turn = state.spin[v] * dt;
+        if turn.abs() <= MAX_TURN {
+            predicted.angle[v] += turn;
+        }
+    }
+    predicted.transport_frames(bundle);
+    predicted
+}
+
+/// Returns the motion of each part, by the number of its first vertex.
+fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize]) -> Vec<Part> {
+    let n = bundle.vertices();
+    let mut parts = vec![Part::default(); n];
+    for v in 0..n {
+        let p = &mut parts[part[v]];
+        p.mass += bundle.mass[v];
+        p.centre += state.position.get(v) * bundle.mass[v];
+        p.velocity += state.velocity.get(v) * bundle.mass[v];
+    }
+    for p in parts.iter_mut().filter(|p| p.mass > 0.0) {
+        p.centre /= p.mass;
+        p.velocity /= p.mass;
+        p.shortest = f64::INFINITY;
+    }
+    for v in 0..n {
+        let p = &mut parts[part[v]];
+        let arm = state.position.get(v) - p.centre;
+        let momentum = (state.velocity.get(v) - p.velocity) * bundle.mass[v];
+        p.angular_momentum += arm.cross(momentum);
+        let along = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+        p.inertia +=
+            (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - along) * bundle.mass[v];
+        if bundle.is_edge(v) {
+            p.shortest = p.shortest.min(bundle.rest_length[v]);
+        }
+    }
+    for p in &mut parts {
+        let trace = p.inertia.x_axis.x + p.inertia.y_axis.y + p.inertia.z_axis.z;
+        if trace > 0.0 {
+            let inertia = p.inertia + DMat3::from_diagonal(DVec3::splat(INERTIA_FLOOR * trace));
+            p.angular_velocity = inertia.inverse() * p.angular_momentum;
+        }
+    }
+    for v in 0..n {
+        let p = &mut parts[part[v]];
+        let own = p.own_velocity(state.position.get(v), state.velocity.get(v));
+        p.fastest = p.fastest.max(own.length());
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rod_bundle::{Rod, RodMaterial};
+
+    #[test]
+    fn a_body_that_turns_freely_is_predicted_without_strain() {
+        let material = RodMaterial::solid(1e-6, 1e10, 1e9, 600.0);
+        let vertices =
+            (0..6).map(|i| DVec3::new(1e-3 * f64::from(i * i), 0.0, 4e-3 * f64::from(i)));
+        let bundle = RodBundle::new(&[Rod::new(vertices.collect(), material)], false).unwrap();
+        let mut state = State::at_rest(&bundle);
+        let (along, turn) = (DVec3::new(1.0, -2.0, 3.0), DVec3::new(40.0, 300.0, -100.0));
+        for v in 0..6 {
+            let velocity = along + turn.cross(state.position.get(v));
+            state.velocity.set(v, velocity);
+        }
+        let predicted = predict(&bundle, &state, 2e-3);
+        for j in 0..5 {
+            let ratio = predicted.edge(j).length() / state.edge(j).length();
+            assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
+            let cosine = predicted.edge(j).normalize().dot(state.edge(j).normalize());
+            assert!(cosine < 0.95, "{cosine}");
+        }
+        let mean =
+            |s: &State| (0..6).fold(DVec3::ZERO, |c, v| c + s.position.get(v) * bundle.mass[v]);
+        let mass: f64 = bundle.mass.iter().sum();
+        let moved = (mean(&predicted) - mean(&state)) / mass;
+        let start = (0..6).fold(DVec3::ZERO, |c, v| {
+            c + state.velocity.get(v) * bundle.mass[v]
+        }) / mass;
+        assert!((moved - start * 2e-3).length() < 1e-12);
+    }
+}
