@@ -30,7 +30,7 @@ fn specimens(count: u32, side: f64, edges: f64) -> SpecimensReport {
 fn specimens_four_times_as_large_are_weaker_by_the_weakest_link() {
     // Both samples are of the same wood. Their flaws differ: another number of edges shifts all of them.
     let [small, large] = [(0.025, 8.0), (0.1, 10.0)].map(|(side, edges)| {
-        let report = specimens(40, side, edges);
+        let report = specimens(24, side, edges);
         assert!(report.rows.iter().all(|row| row.result.is_some()));
         let rupture = report.summary.modulus_of_rupture_pa.unwrap();
         println!(
@@ -41,14 +41,14 @@ fn specimens_four_times_as_large_are_weaker_by_the_weakest_link() {
     });
     let (found, expected) = (large.0 / small.0, large.1 / small.1);
     assert!((expected - 16f64.powf(-1.0 / 18.0)).abs() < 1e-12);
-    // Flaws scatter both means by 6.9 % over √40.
+    // Flaws scatter both means by 6.9 % over √24.
     println!("found {found}, expected {expected}");
     assert!((found - expected).abs() < 0.035, "{found} {expected}");
 }
 
 #[test]
 fn what_comes_out_scatters_as_the_tables_say() {
-    let report = specimens(40, 0.05, 8.0);
+    let report = specimens(24, 0.05, 8.0);
     let (summary, expected) = (&report.summary, report.expected.coefficients_of_variation);
     let within = |interval: Option<[f64; 2]>, value: f64| {
         let [low, high] = interval.unwrap();
