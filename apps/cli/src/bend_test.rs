@@ -8,11 +8,12 @@ use crate::progress::{Progress, StageTime};
 use greenstick::Error;
 use greenstick::ErrorKind;
 use greenstick::bending::{
-    BEND_REPORT_FILE, BEND_TABLE_FILE, BendRequest, BendSettings, BendingError, END_OF_TABLE, bend,
-    bend_all, bend_table_files, bend_test_files,
+    BEND_REPORT_FILE, BEND_TABLE_FILE, BendRequest, BendSettings, BendingError, END_AT_MAXIMUM,
+    MeasuredColumns, MeasuredError, MeasuredSpecimens, SPECIMENS_FILE, SpecimensRequest, bend,
+    bend_all, bend_specimens, bend_table_files, bend_test_files, specimens_files,
 };
 use greenstick::fibre::BendTest;
-use greenstick::files;
+use greenstick::files::{self, FileError};
 use greenstick::formats::Encoded;
 use greenstick::geometry::{Context, Provenance};
 use greenstick::provenance;
@@ -34,82 +35,142 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     let test = test(&settings, options.all_species);
     test.check().map_err(|e| failure(e.into()))?;
     if let Some(folder) = &options.output {
-        let main = if options.all_species {
-            BEND_TABLE_FILE
-        } else {
-            BEND_REPORT_FILE
-        };
-        files::check_folder(folder, main)?;
+        files::check_folder(folder, main_file(options, &settings))?;
     }
+    let measured = measured(options)?;
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [work, write] = progress.split([("bend", 20.0), ("write", 1.0)]);
     let made = provenance("bend-test", options.species.as_deref(), &settings);
-    match &options.species {
-        Some(species) => {
+    let moisture = settings.moisture;
+    let output = Output {
+        options,
+        provenance: &made,
+        progress: &progress,
+        write: &write,
+    };
+    match (options.species.clone(), settings.specimens) {
+        (Some(species), None) => {
             let request = BendRequest {
-                species: species.clone(),
-                moisture: settings.moisture,
+                species,
+                moisture,
                 test,
             };
             let bent = bend(&request, &work).map_err(failure)?;
-            write_report(options, (&bent.report, &made), (&progress, &write), || {
-                bend_test_files(&bent, &made)
+            output.write(&bent.report, || bend_test_files(&bent, &made))
+        }
+        (Some(species), Some(specimens)) => {
+            let request = SpecimensRequest {
+                species,
+                moisture,
+                specimens,
+                flaws: settings.flaws,
+                test,
+            };
+            let mut report = bend_specimens(&request, &work).map_err(failure)?;
+            if let Some(measured) = &measured {
+                report = report.beside(measured);
+            }
+            output.write(&report, || {
+                specimens_files(&report, measured.as_ref(), &made)
             })
         }
-        None => {
-            let table = bend_all(settings.moisture, &test, &work).map_err(failure)?;
-            write_report(options, (&table, &made), (&progress, &write), || {
-                bend_table_files(&table, &made)
-            })
+        (None, _) => {
+            let table = bend_all(moisture, &test, &work).map_err(failure)?;
+            output.write(&table, || bend_table_files(&table, &made))
         }
+    }
+}
+
+/// Returns the name of the file that stands for all files.
+fn main_file(options: &BendTestOptions, settings: &BendSettings) -> &'static str {
+    match settings.specimens {
+        _ if options.all_species => BEND_TABLE_FILE,
+        Some(_) => SPECIMENS_FILE,
+        None => BEND_REPORT_FILE,
     }
 }
 
 /// Returns the test. That of a table ends earlier where nothing else is asked for.
 fn test(settings: &BendSettings, all_species: bool) -> BendTest {
-    let mut test = settings.specimen.test();
+    let mut test = settings.test();
     if all_species && settings.specimen.end.is_none() {
-        test.end = END_OF_TABLE;
+        test.end = END_AT_MAXIMUM;
     }
     test
 }
 
-/// Writes the files, where a folder was named, and prints the report.
-fn write_report<T: Serialize + Display>(
-    options: &BendTestOptions,
-    (report, provenance): (&T, &Provenance),
-    (progress, write): (&Progress, &Context),
-    make: impl FnOnce() -> Result<Vec<Encoded>, Error>,
-) -> Result<ExitCode, Failure> {
-    let mut listed = Vec::new();
-    if let Some(folder) = &options.output {
-        write.report(0.0)?;
-        let outputs = files::write_folder(folder, make()?)?;
-        listed = written(&outputs);
-    }
-    let stages = progress.finish();
-    let text = if options.reporting.json {
-        let full = FullReport {
-            report,
-            provenance,
-            outputs: &listed,
-            stages: &stages,
-        };
-        serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
-    } else {
-        let mut text = report.to_string();
-        for file in &listed {
-            let _ = writeln!(text, "wrote     {}", file.path);
-        }
-        let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
-        let _ = writeln!(text, "took      {seconds:.2} s");
-        text
+/// Reads the measured specimens, where a file was named.
+fn measured(options: &BendTestOptions) -> Result<Option<MeasuredSpecimens>, Failure> {
+    let Some(path) = &options.measured else {
+        return Ok(None);
     };
-    if options.reporting.prints_report() {
-        print(&text)?;
+    let mut columns = MeasuredColumns::default();
+    if let Some(column) = &options.density_column {
+        columns.density = column.clone();
     }
-    Ok(ExitCode::SUCCESS)
+    if let Some(column) = &options.rupture_column {
+        columns.modulus_of_rupture = column.clone();
+    }
+    let missing_column = |error: FileError| match &error {
+        FileError::Measured(MeasuredError::NoColumn { .. }) => Failure::from(error)
+            .hint("--density-column and --rupture-column name the columns, such as Density:g/cm3"),
+        _ => error.into(),
+    };
+    files::read_measured(path, &columns)
+        .map(Some)
+        .map_err(missing_column)
+}
+
+/// Where a report goes.
+struct Output<'a> {
+    options: &'a BendTestOptions,
+    provenance: &'a Provenance,
+    progress: &'a Progress,
+    write: &'a Context,
+}
+
+impl Output<'_> {
+    /// Writes the files, where a folder was named, and prints the report.
+    fn write<T: Serialize + Display>(
+        &self,
+        report: &T,
+        make: impl FnOnce() -> Result<Vec<Encoded>, Error>,
+    ) -> Result<ExitCode, Failure> {
+        let Output {
+            options,
+            provenance,
+            ..
+        } = *self;
+        let mut listed = Vec::new();
+        if let Some(folder) = &options.output {
+            self.write.report(0.0)?;
+            let outputs = files::write_folder(folder, make()?)?;
+            listed = written(&outputs);
+        }
+        let stages = self.progress.finish();
+        let text = if options.reporting.json {
+            let full = FullReport {
+                report,
+                provenance,
+                outputs: &listed,
+                stages: &stages,
+            };
+            serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
+        } else {
+            let mut text = report.to_string();
+            for file in &listed {
+                let _ = writeln!(text, "wrote     {}", file.path);
+            }
+            let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
+            let _ = writeln!(text, "took      {seconds:.2} s");
+            text
+        };
+        if options.reporting.prints_report() {
+            print(&text)?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
 }
 
 fn failure(error: BendingError) -> Failure {

@@ -179,6 +179,23 @@ fn green_wood_of_a_species_that_is_known_dry_only_is_called_an_estimate() {
     );
 }
 
+/// Requests are refused with messages that have certain parts, and leave nothing.
+fn check_refused(folder: &Folder, cases: &[(&[&str], &[&str])]) {
+    for (arguments, parts) in cases {
+        let run = folder.run(&[&["bend-test", "-o", "out"], *arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.err);
+        assert_eq!(run.out, "");
+        for part in *parts {
+            assert!(
+                run.err.contains(part),
+                "{part:?} is missing in: {}",
+                run.err
+            );
+        }
+        assert!(folder.names().is_empty(), "{arguments:?}");
+    }
+}
+
 #[test]
 fn wrong_requests_are_refused_and_leave_nothing() {
     let folder = Folder::new();
@@ -237,24 +254,161 @@ fn wrong_requests_are_refused_and_leave_nothing() {
         ),
         (&["--all-species", "--end", "1"], &["below 1"]),
     ];
-    for (arguments, parts) in cases {
-        let run = folder.run(&[&["bend-test", "-o", "out"], arguments].concat());
-        assert_eq!(run.code, 2, "{arguments:?}: {}", run.err);
-        assert_eq!(run.out, "");
-        for part in parts {
-            assert!(
-                run.err.contains(part),
-                "{part:?} is missing in: {}",
-                run.err
-            );
-        }
-        assert!(folder.names().is_empty(), "{arguments:?}");
-    }
+    check_refused(&folder, &cases);
     folder.write("file", "x");
     let run = folder.run(&["bend-test", oak[0], oak[1], "-o", "file/out"]);
     assert_eq!(run.code, 1, "{}", run.err);
     assert!(run.err.contains("no folder file"), "{}", run.err);
     assert_eq!(folder.names(), ["file"]);
+}
+
+#[test]
+fn wrong_requests_for_specimens_are_refused_and_leave_nothing() {
+    let oak = ["--species", "white oak"];
+    let cases: [(&[&str], &[&str]); 10] = [
+        (
+            &[oak[0], oak[1], "--specimens", "0"],
+            &["--specimens", "from 1 to 10000"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "1000000000"],
+            &["--specimens", "from 1 to 10000"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "NaN"],
+            &["--specimens", "whole number"],
+        ),
+        (
+            &["--all-species", "--specimens", "5"],
+            &["--all-species", "--specimens"],
+        ),
+        (
+            &["--species", "tree of heaven", "--specimens", "5"],
+            &["branches", "Table 5-6"],
+        ),
+        (
+            &["--species", "brich, yellow", "--specimens", "5"],
+            &["brich", "greenstick species"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "5", "--flaws", "NaN"],
+            &["--flaws"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "5", "--flaws", "5"],
+            &["22.9 %", "11.3 %", "greater"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "5", "--scatter", "8"],
+            &["--specimens", "--scatter"],
+        ),
+        (
+            &[oak[0], oak[1], "--specimens", "5", "--measured", "none.csv"],
+            &["none.csv", "cannot be read"],
+        ),
+    ];
+    check_refused(&Folder::new(), &cases);
+}
+
+#[test]
+fn specimens_are_the_same_on_one_thread_and_on_two_and_stand_beside_measured_ones() {
+    let folder = Folder::new();
+    let specimens = ["bend-test", "--species", "yellow birch", "--specimens", "6"];
+    let bend = |more: &[&str]| {
+        let run = folder.run(&[&specimens[..], &COARSE[..], more].concat());
+        assert_eq!(run.code, 0, "{}", run.err);
+        run.out
+    };
+    for threads in ["1", "2"] {
+        bend(&["--threads", threads, "-o", threads]);
+    }
+    let files = ["scatter.png", "specimens.csv", "specimens.json"];
+    let part = Folder(folder.0.join("1"));
+    assert_eq!(part.names(), files);
+    for name in files {
+        let [one, two] = ["1", "2"].map(|t| folder.read(&format!("{t}/{name}")));
+        assert!(one == two, "{name}");
+    }
+    let csv = String::from_utf8(part.read("specimens.csv")).unwrap();
+    let report: Value = serde_json::from_slice(&part.read("specimens.json")).unwrap();
+    for (name, key) in [
+        ("density_kg_per_m3", "density_kg_per_m3"),
+        ("modulus_of_rupture_Pa", "modulus_of_rupture_pa"),
+        ("modulus_of_elasticity_Pa", "modulus_of_elasticity_pa"),
+        (
+            "work_to_maximum_load_J_per_m3",
+            "work_to_maximum_load_j_per_m3",
+        ),
+    ] {
+        let values = column(&csv.replace(",\n", "\n"), name);
+        assert_eq!(values.len(), 6);
+        let mean = values.iter().sum::<f64>() / 6.0;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        let summary = &report["summary"][key];
+        let variation = summary["coefficient_of_variation"].as_f64().unwrap();
+        assert!((summary["mean"].as_f64().unwrap() / mean - 1.0).abs() < 1e-12);
+        assert!((variation - (squares / 5.0).sqrt() / mean).abs() < 1e-12);
+    }
+    // The table that was written is one of measured specimens without more options.
+    let out = bend(&[
+        "--measured",
+        "1/specimens.csv",
+        "--seed",
+        "2",
+        "-o",
+        "beside",
+    ]);
+    assert!(
+        out.contains("measured  6 specimens of 1/specimens.csv"),
+        "{out}"
+    );
+    let beside: Value = serde_json::from_slice(&folder.read("beside/specimens.json")).unwrap();
+    let rupture = "modulus_of_rupture_pa";
+    assert_eq!(beside["measured"][rupture], report["summary"][rupture]);
+    assert_ne!(beside["summary"][rupture], report["summary"][rupture]);
+}
+
+#[test]
+#[ignore = "needs GREENSTICK_DATA"]
+fn scatter_and_correlation_are_those_of_measured_birch() {
+    let folder = Folder::new();
+    let birch = support::data::outside_data("properties/birch_bending_lmfor.csv");
+    let measured = [
+        "--measured",
+        birch.to_str().unwrap(),
+        "--density-column",
+        "Density:g/cm3",
+        "--rupture-column",
+        "Resistance:MPa",
+    ];
+    let specimens = [
+        "bend-test",
+        "--species",
+        "yellow birch",
+        "--specimens",
+        "200",
+        "--json",
+    ];
+    let run = folder.run(&[&specimens[..], &COARSE[..], &measured[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.err);
+    let report: Value = serde_json::from_str(&run.out).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let measured = &report["measured"];
+    // numpy: 0.19158 and 0.72542 of 274 samples.
+    let rupture = &measured["modulus_of_rupture_pa"];
+    assert_eq!(rupture["count"], 274);
+    assert!((number(&rupture["coefficient_of_variation"]) - 0.191_58).abs() < 1e-5);
+    let correlation = number(&measured["rupture_with_density"]["coefficient"]);
+    assert!((correlation - 0.725_42).abs() < 1e-5);
+    let simulated = number(&report["summary"]["rupture_with_density"]["coefficient"]);
+    // Two samples of one population differ by more in 5 of 100 cases (Fisher's transformation).
+    let distance = simulated.atanh() - correlation.atanh();
+    let error = (1.0 / (200.0 - 3.0) + 1.0 / (274.0 - 3.0f64)).sqrt();
+    println!("correlation {simulated}, measured {correlation}");
+    assert!(distance.abs() < 1.96 * error, "{simulated} {correlation}");
+    // Yellow birch scatters as the mean species does: by 16 %, less than these downy birches.
+    let scatter = &report["summary"]["modulus_of_rupture_pa"]["coefficient_of_variation"];
+    assert!((number(scatter) - 0.16).abs() < 0.025, "{scatter}");
 }
 
 #[cfg(unix)]

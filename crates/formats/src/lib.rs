@@ -42,6 +42,9 @@ pub use companions::{Encoded, Resolve, embeddable_image_type};
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat};
 pub use mesh::{read, write};
-pub use table::{CSVW_FILE, DescribedTable, TableFormat, write_csv_metadata, write_table};
+pub use table::{
+    CSVW_FILE, DescribedTable, TableFormat, TextRow, TextTable, read_csv, write_csv_metadata,
+    write_table,
+};
 pub use unit::{LengthUnit, UnknownUnit};
 pub use uri::percent_decoded;

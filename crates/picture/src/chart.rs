@@ -1,25 +1,37 @@
-//! Line charts with two axes and a legend, drawn into a [`Picture`].
+//! Charts of lines and points with two axes and a legend, drawn into a [`Picture`].
 
 use crate::drawing::{CHARACTER_SIZE, Pen, draw_text};
 use crate::picture::Picture;
 
-/// A line of a chart.
+/// How the points of a series are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SeriesStyle {
+    /// Joined by a line, in their order.
+    Line,
+    /// Each as a mark.
+    Points,
+}
+
+/// A series of a chart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct Series {
     /// Name in the legend.
     pub name: String,
     /// Points in the units of the axes. Points that are not finite are left out.
     pub points: Vec<[f64; 2]>,
+    /// How they are drawn.
+    pub style: SeriesStyle,
 }
 
-/// A line chart.
+/// A chart of lines and points.
 ///
 /// ```
-/// use greenstick_picture::{Chart, Line};
+/// use greenstick_picture::{Chart, Series, SeriesStyle};
 ///
-/// let line = Line { name: "load".into(), points: vec![[0.0, 0.0], [1.0, 20.0], [2.0, 15.0]] };
+/// let points = vec![[0.0, 0.0], [1.0, 20.0], [2.0, 15.0]];
+/// let load = Series { name: "load".into(), points, style: SeriesStyle::Line };
 /// let axes = ["deflection (mm)".into(), "load (N)".into()];
-/// let picture = Chart { title: "bending".into(), axes, lines: vec![line] }.draw(400, 300);
+/// let picture = Chart { title: "bending".into(), axes, series: vec![load] }.draw(400, 300);
 /// assert_eq!((picture.width, picture.height), (400, 300));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -28,12 +40,13 @@ pub struct Chart {
     pub title: String,
     /// Names of the axes with units, ASCII.
     pub axes: [String; 2],
-    /// The lines. Up to eight lines have distinct colours.
-    pub lines: Vec<Line>,
+    /// The series, later ones above earlier ones. Up to eight have distinct colours. The vertical axis of lines begins at 0,
+    /// that of points where they do.
+    pub series: Vec<Series>,
 }
 
-/// Line colours that are distinguishable with colour blindness (Okabe and Ito 2008), dark ones first.
-const LINE_COLOURS: [[u8; 3]; 8] = [
+/// Colours that are distinguishable with colour blindness (Okabe and Ito 2008), dark ones first.
+const SERIES_COLOURS: [[u8; 3]; 8] = [
     [0, 114, 178],
     [213, 94, 0],
     [0, 158, 115],
@@ -43,6 +56,9 @@ const LINE_COLOURS: [[u8; 3]; 8] = [
     [86, 180, 233],
     [150, 140, 20],
 ];
+/// Width of lines, and width and height of marks, pixels.
+const LINE_WIDTH: i64 = 3;
+const MARK_SIZE: i64 = 7;
 /// Colour of grid lines.
 const GRID_COLOUR: [u8; 3] = [225, 225, 225];
 /// Margins around the plot, pixels.
@@ -70,19 +86,26 @@ impl Chart {
             ranges: [self.range(0), self.range(1)],
         };
         plot.draw_grid(&mut to);
-        for (k, line) in self.lines.iter().enumerate() {
-            let points: Vec<[f64; 2]> = line
+        for (k, series) in self.series.iter().enumerate() {
+            let points: Vec<[f64; 2]> = series
                 .points
                 .iter()
                 .filter(|p| p[0].is_finite() && p[1].is_finite())
                 .map(|&p| plot.pixel(p))
                 .collect();
-            let pen = Pen {
-                width: 3,
-                colour: LINE_COLOURS[k % LINE_COLOURS.len()],
+            let width = match series.style {
+                SeriesStyle::Line => LINE_WIDTH,
+                SeriesStyle::Points => MARK_SIZE,
             };
-            for pair in points.windows(2) {
-                pen.draw(&mut to, pair[0], pair[1]);
+            let pen = Pen {
+                width,
+                colour: SERIES_COLOURS[k % SERIES_COLOURS.len()],
+            };
+            match series.style {
+                SeriesStyle::Line => points
+                    .windows(2)
+                    .for_each(|pair| pen.draw(&mut to, pair[0], pair[1])),
+                SeriesStyle::Points => points.iter().for_each(|&p| pen.draw(&mut to, p, p)),
             }
         }
         self.draw_legend(&plot, &mut to);
@@ -90,18 +113,20 @@ impl Chart {
         to
     }
 
-    /// Draws the names of the lines above the plot.
+    /// Draws the names of the series above the plot.
     fn draw_legend(&self, plot: &Plot, to: &mut Picture) {
         let mut x = plot.left;
         let y = 12 + CHARACTER_SIZE + CHARACTER_SIZE / 2;
-        for (k, line) in self.lines.iter().enumerate() {
-            let pen = Pen {
-                width: 5,
-                colour: LINE_COLOURS[k % LINE_COLOURS.len()],
+        for (k, series) in self.series.iter().enumerate() {
+            let colour = SERIES_COLOURS[k % SERIES_COLOURS.len()];
+            let (width, from, to_x) = match series.style {
+                SeriesStyle::Line => (5, x, x + 24),
+                SeriesStyle::Points => (MARK_SIZE, x + 12, x + 12),
             };
-            pen.draw(to, [x as f64, y as f64], [(x + 24) as f64, y as f64]);
-            draw_text(to, x + 30, y - CHARACTER_SIZE / 2, &line.name);
-            x += 30 + (line.name.len() as i64 + 1) * CHARACTER_SIZE;
+            let pen = Pen { width, colour };
+            pen.draw(to, [from as f64, y as f64], [to_x as f64, y as f64]);
+            draw_text(to, x + 30, y - CHARACTER_SIZE / 2, &series.name);
+            x += 30 + (series.name.len() as i64 + 1) * CHARACTER_SIZE;
         }
     }
 
@@ -121,9 +146,9 @@ impl Chart {
     /// The smallest and the largest value on an axis, which always differ.
     fn range(&self, axis: usize) -> [f64; 2] {
         let values = self
-            .lines
+            .series
             .iter()
-            .flat_map(|l| &l.points)
+            .flat_map(|s| &s.points)
             .filter(|p| p.iter().all(|v| v.is_finite()))
             .map(|p| p[axis]);
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| {
@@ -131,6 +156,11 @@ impl Chart {
         });
         if !(low.is_finite() && high.is_finite() && (high - low).is_finite()) {
             return [0.0, 1.0];
+        }
+        let has_points = (self.series.iter()).any(|s| s.style == SeriesStyle::Points);
+        if has_points && high > low {
+            let margin = 0.05 * (high - low);
+            return [low - margin, high + margin];
         }
         // Energies and loads are measured from 0.
         let low = if axis == 1 { low.min(0.0) } else { low };
@@ -232,15 +262,16 @@ mod tests {
         let chart = Chart {
             title: "t".into(),
             axes: ["x (s)".into(), "y (J)".into()],
-            lines: vec![Line {
+            series: vec![Series {
                 name: "a".into(),
                 points: vec![[0.0, 0.0], [10.0, 1.0], [f64::NAN, 3.0]],
+                style: SeriesStyle::Line,
             }],
         };
         let picture = chart.draw(800, 600);
         let is_line = |x: i64, y: i64| {
             let at = 3 * (y as usize * 800 + x as usize);
-            picture.rgb[at..at + 3] == LINE_COLOURS[0]
+            picture.rgb[at..at + 3] == SERIES_COLOURS[0]
         };
         // The axes range from 0 to 10 and from 0 to 1.05.
         for part in [0.1f64, 0.5, 0.9] {
@@ -254,15 +285,42 @@ mod tests {
         assert_eq!(label(2e-5), "2e-5");
         // No points, and no finite points.
         for points in [vec![], vec![[f64::INFINITY, f64::NAN]]] {
-            let lines = vec![Line {
+            let series = vec![Series {
                 name: String::new(),
                 points,
+                style: SeriesStyle::Points,
             }];
             Chart {
-                lines,
+                series,
                 ..chart.clone()
             }
             .draw(0, 0);
         }
+    }
+
+    #[test]
+    fn points_are_marks_within_their_own_range() {
+        let chart = Chart {
+            title: "t".into(),
+            axes: ["x".into(), "y".into()],
+            series: vec![Series {
+                name: "a".into(),
+                points: vec![[400.0, 50.0], [600.0, 150.0]],
+                style: SeriesStyle::Points,
+            }],
+        };
+        let picture = chart.draw(800, 600);
+        let is_mark = |x: f64, y: f64| {
+            let at = 3 * (y.round() as usize * 800 + x.round() as usize);
+            picture.rgb[at..at + 3] == SERIES_COLOURS[0]
+        };
+        // The axes range from 390 to 610 and from 45 to 155.
+        for part in [1.0 / 22.0, 21.0 / 22.0] {
+            assert!(
+                is_mark(130.0 + part * 640.0, 530.0 - part * 474.0),
+                "{part}"
+            );
+        }
+        assert!(!is_mark(450.0, 293.0));
     }
 }

@@ -23,7 +23,7 @@ mod smooth;
 mod surface;
 
 pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
-pub use chart::{Chart, Line};
+pub use chart::{Chart, Series, SeriesStyle};
 pub use error::{MAX_SAMPLES, MAX_SIDE, MAX_TRIANGLES, PictureError};
 pub use item::Item;
 pub use parameters::{PictureParameters, PictureSize, ViewDirection};

@@ -4,15 +4,13 @@ use super::error::BendingError;
 use super::report::{BendReport, Compared};
 use super::species::bend_species;
 use super::specimen::BendTest;
+use super::statistics::correlation;
 use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::species::Species;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// A good [`BendTest::end`] for tables, which end at the largest load: what comes after takes most of the time.
-pub const END_OF_TABLE: f64 = 0.95;
 
 /// A species' row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,16 +87,6 @@ fn ranks(values: &[f64]) -> Vec<f64> {
         from = to;
     }
     ranks
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let (ma, mb) = (mean(a), mean(b));
-    let sum = a.iter().zip(b).fold([0.0; 3], |[ab, aa, bb], (x, y)| {
-        let (x, y) = (x - ma, y - mb);
-        [ab + x * y, aa + x * x, bb + y * y]
-    });
-    sum[0] / (sum[1] * sum[2]).sqrt()
 }
 
 /// Bending tests of all species.

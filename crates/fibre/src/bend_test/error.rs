@@ -4,7 +4,7 @@ use crate::error::SolverError;
 use crate::placement::PlacementError;
 use greenstick_geometry::{Cancelled, ErrorKind};
 use greenstick_wood::moisture::MoistureError;
-use greenstick_wood::species::{StrengthError, UnknownSpecies};
+use greenstick_wood::species::{StrengthError, UnknownSpecies, UnknownVariation};
 use greenstick_wood::stem::StemError;
 
 /// Why a bending test has no outcome.
@@ -79,6 +79,38 @@ pub enum BendingError {
     /// Strength along the grain is unknown.
     #[error(transparent)]
     Strength(#[from] StrengthError),
+    /// The scatter of the species' wood is unknown.
+    #[error(transparent)]
+    Variation(#[from] UnknownVariation),
+    /// No specimens, or too many.
+    #[error("the number of specimens is {found}, but it must be 1 to {most}")]
+    Specimens {
+        /// The number found.
+        found: u32,
+        /// The most that are tested.
+        most: u32,
+    },
+    /// A Weibull modulus of flaws that is no such number.
+    #[error("the Weibull modulus of flaws is {0}, but it must be 1 or more, infinite for none")]
+    Weibull(f64),
+    /// Flaws scatter more than all of the wood.
+    #[error(
+        "flaws with a Weibull modulus of {modulus} scatter the modulus of rupture by {scatter:.1} %, but Wood Handbook Table \
+         5-6 leaves at most {most:.1} % of its scatter besides that of density; give a greater modulus"
+    )]
+    Flaws {
+        /// Weibull modulus.
+        modulus: f64,
+        /// Coefficient of variation by flaws, percent.
+        scatter: f64,
+        /// The most that is left, percent.
+        most: f64,
+    },
+    /// A test with scatter of its own.
+    #[error(
+        "the strength of rods and bonds has a scatter of its own, but specimens differ already by flaws; give one of both"
+    )]
+    TwoScatters,
     /// Specimen or solver.
     #[error(transparent)]
     Test(BendError),
@@ -92,9 +124,14 @@ impl BendingError {
     pub fn kind(&self) -> ErrorKind {
         match self {
             BendingError::Cancelled(_) => ErrorKind::Cancelled,
-            BendingError::Species(_) | BendingError::Moisture(_) | BendingError::Strength(_) => {
-                ErrorKind::Request
-            }
+            BendingError::Species(_)
+            | BendingError::Moisture(_)
+            | BendingError::Strength(_)
+            | BendingError::Variation(_)
+            | BendingError::Specimens { .. }
+            | BendingError::Weibull(_)
+            | BendingError::Flaws { .. }
+            | BendingError::TwoScatters => ErrorKind::Request,
             BendingError::Test(
                 BendError::Value { .. }
                 | BendError::TooFine { .. }

@@ -15,11 +15,19 @@
 //! | `species` | [`bend`]: the test of a species |
 //! | `report` | [`BendReport`]: what it returned, beside the tables of species |
 //! | `all_species` | [`bend_all`]: the test of every species |
+//! | `specimens` | [`bend_specimens`]: the test of many specimens of a species |
+//! | `variation` | the wood of single specimens |
+//! | `flaws` | the weakest link of a specimen, and the effect of its size |
+//! | `specimens_report` | [`SpecimensReport`]: what they returned, beside tables and measurements |
+//! | `measured` | [`MeasuredSpecimens`]: specimens that somebody measured |
+//! | `statistics` | mean, scatter and correlation with their confidence intervals |
 //! | `tables` | points, events and species as text, and the curve |
 
 mod all_species;
 mod error;
+mod flaws;
 mod grain;
+mod measured;
 mod outcome;
 mod parameters;
 mod report;
@@ -27,13 +35,23 @@ mod rig;
 mod run;
 mod species;
 mod specimen;
+mod specimens;
+mod specimens_report;
+mod statistics;
 mod tables;
+mod variation;
 
-pub use all_species::{BendRow, BendTable, END_OF_TABLE, Summary, bend_all};
+pub use all_species::{BendRow, BendTable, Summary, bend_all};
 pub use error::{BendError, BendingError};
 pub use grain::SlopedGrain;
+pub use measured::{MeasuredSpecimens, MeasuredSummary};
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
 pub use parameters::{BendParameters, BendSettings};
 pub use report::{BendReport, Compared, Failing, Phase};
 pub use species::{BendRequest, Bent, bend};
-pub use specimen::{BendSection, BendTest};
+pub use specimen::{BendSection, BendTest, END_AT_MAXIMUM};
+pub use specimens::{CLEAR_WOOD_WEIBULL_MODULUS, SpecimensRequest, bend_specimens};
+pub use specimens_report::{
+    ExpectedScatter, SpecimenResult, SpecimenRow, SpecimensReport, SpecimensSummary,
+};
+pub use statistics::{Correlation, Statistics};

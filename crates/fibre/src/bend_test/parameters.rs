@@ -1,6 +1,7 @@
 //! The parameters of a bending test: a specimen in the proportions of ASTM D143, and the model of it.
 
-use super::specimen::{BendSection, BendTest};
+use super::specimen::{BendSection, BendTest, END_AT_MAXIMUM};
+use super::specimens::{CLEAR_WOOD_WEIBULL_MODULUS, MAX_SPECIMENS};
 use crate::placement::RodCount;
 use greenstick_schema::{Declaration, ParameterError, Unit, count, length, number, parameters};
 use greenstick_wood::moisture::{AIR_DRY_PERCENT, MOISTURE_WORDS, WETTEST_PERCENT};
@@ -11,6 +12,8 @@ const STANDARD_SIDE: f64 = 0.05;
 const SPAN_PER_HEIGHT: f64 = 14.2;
 /// Edges in a span where no length is given.
 const EDGES_PER_SPAN: f64 = 36.0;
+/// The same of tests of many specimens, which must be quick.
+const EDGES_PER_SPAN_OF_MANY: f64 = 24.0;
 /// The fraction of the largest load at which ASTM D143 allows a test to end.
 const END: f64 = 0.5;
 
@@ -55,14 +58,14 @@ parameters! {
             rods: u32 = 25, count(1, u32::MAX as i128).logarithmic();
             /// Distance between rods, in place of their number.
             spacing: Option<f64> = None, dimension();
-            /// Longest edge of rods; "auto" is a 36th of the span.
+            /// Longest edge of rods; "auto" is a 36th of the span, or a 24th for many specimens of a species.
             edge: Option<f64> = None, dimension();
             /// Seed of the placement of rods and of the scatter of their strength.
             seed: u64 = 1, count(0, u64::MAX as i128);
             /// Weibull modulus of the scatter of strength; the smaller, the wider the scatter, and "auto" is no scatter.
             scatter: Option<f64> = None, number(Unit::One, 1.0, f64::INFINITY).logarithmic().auto();
             /// Fraction of the maximum load at which the test ends after the load has fallen, from 0 to below 1; "auto" is
-            /// 0.5, or 0.95 for a table of species, whose tests end at the maximum load.
+            /// 0.5, or 0.95 for many specimens or species, whose tests end at the maximum load.
             end: Option<f64> = None, number(Unit::Fraction, 0.0, 1.0).auto();
         }
     }
@@ -76,12 +79,20 @@ parameters! {
 }
 
 parameters! {
-    /// The parameters of a bending test: the moisture of its wood, the specimen and its model.
+    /// The parameters of bending tests: the moisture of the wood, its scatter, the specimen and its model.
     pub struct BendSettings {
         "Wood", "bend" {
             /// Moisture content, percent of the oven-dry mass: 12 is air-dry, 30 and more is green.
             moisture: f64 = AIR_DRY_PERCENT,
                 number(Unit::Percent, 0.0, WETTEST_PERCENT).above().words(MOISTURE_WORDS);
+        }
+        "Scatter", "bend" {
+            /// Number of specimens of one species, each of wood of its own: density, stiffness and strength vary as clear wood
+            /// does (Wood Handbook, Table 5-6); "auto" is one specimen of mean wood.
+            specimens: Option<u32> = None, count(1, MAX_SPECIMENS as i128).auto();
+            /// Weibull modulus of the modulus of rupture by the flaws of such specimens: the smaller, the more scatter and the
+            /// greater the effect of size.
+            flaws: f64 = CLEAR_WOOD_WEIBULL_MODULUS, number(Unit::One, 1.0, f64::INFINITY).logarithmic();
         }
     }
     include {
@@ -126,6 +137,19 @@ impl BendParameters {
             weibull: self.scatter.unwrap_or(f64::INFINITY),
             end: self.end.unwrap_or(END),
         }
+    }
+}
+
+impl BendSettings {
+    /// Returns the test that they describe; that of many specimens has longer edges and ends earlier where nothing else is
+    /// given.
+    pub fn test(&self) -> BendTest {
+        let mut test = self.specimen.test();
+        if self.specimens.is_some() {
+            test.edge = (self.specimen.edge).unwrap_or(test.span / EDGES_PER_SPAN_OF_MANY);
+            test.end = self.specimen.end.unwrap_or(END_AT_MAXIMUM);
+        }
+        test
     }
 }
 

@@ -1,6 +1,7 @@
 //! The specimen on its supports.
 
 use super::error::BendError;
+use super::flaws::{Flaws, SpecimenPositions};
 use super::outcome::{BendEvent, BendPoint};
 use super::specimen::{BendSection, BendTest};
 use crate::contact::NoContacts;
@@ -114,10 +115,11 @@ fn clear_wood(stem: &Stem, species: &Species, seed: u64) -> WoodStructure {
 }
 
 impl Rig {
-    /// Fills the specimen of a test with rods, and puts it on its supports.
+    /// Fills the specimen of a test with rods, weakens them by flaws, and puts it on its supports.
     pub fn new(
         test: &BendTest,
         (wood, species): (&WoodMaterial, Option<&Species>),
+        flaws: Option<&Flaws>,
         context: &Context,
     ) -> Result<Self, BendError> {
         let (mesh, axes, kind) = specimen_mesh(test);
@@ -145,9 +147,20 @@ impl Rig {
                 fill_structured_stem(&stem, wood, &structure, &placement, context)?
             }
         };
-        let bundle = placed.bundle;
+        let mut bundle = placed.bundle;
         let held = division.sections(&bundle);
         let middle = centroid(&bundle, &held.centre);
+        if let Some(flaws) = flaws {
+            let offset = |v: usize| bundle.rest.get(v) - middle;
+            let height = |&v: &u32| -offset(v as usize)[axes.load];
+            let positions = SpecimenPositions {
+                heights: held.centre.iter().map(height).collect(),
+                along: (0..bundle.vertices())
+                    .map(|v| offset(v)[axes.along])
+                    .collect(),
+            };
+            flaws.weaken(&mut bundle, &positions, test);
+        }
         let grips = grips(test, wood, &bundle, &held, axes);
         let mut held_axes = [false; 3];
         held_axes[axes.across] = true;

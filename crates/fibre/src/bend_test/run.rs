@@ -1,6 +1,7 @@
 //! The bending test itself.
 
 use super::error::BendError;
+use super::flaws::Flaws;
 use super::outcome::{BendOutcome, BendPoint, Evaluation};
 use super::rig::Rig;
 use super::specimen::BendTest;
@@ -22,19 +23,19 @@ impl BendTest {
     /// # Errors
     /// [`BendError`].
     pub fn run(&self, wood: &WoodMaterial, context: &Context) -> Result<BendOutcome, BendError> {
-        self.run_on(wood, None, context)
+        self.run_on((wood, None), None, context)
     }
 
-    /// Runs the test on `wood`, which has the annual rings of a species where one is given.
-    pub(crate) fn run_on(
+    /// Runs the test on `wood`, which has the annual rings of a species where one is given, and flaws where there are such.
+    pub(super) fn run_on(
         &self,
-        wood: &WoodMaterial,
-        species: Option<&Species>,
+        (wood, species): (&WoodMaterial, Option<&Species>),
+        flaws: Option<&Flaws>,
         context: &Context,
     ) -> Result<BendOutcome, BendError> {
         self.check()?;
         let wood = &wood.at_grain_angle(self.grain_angle);
-        let mut rig = Rig::new(self, (wood, species), &context.silenced())?;
+        let mut rig = Rig::new(self, (wood, species), flaws, &context.silenced())?;
         let strength = nominal_bending_strength(wood.tension, wood.compression);
         let height = self.section.height();
         let linear = strength * self.span * self.span / (6.0 * wood.longitudinal * height);

@@ -83,7 +83,7 @@ pub(super) fn bend_species(
     context: &Context,
 ) -> Result<Bent, BendingError> {
     let wood = WoodMaterial::from_species(species, moisture, Fallback::Estimate)?;
-    let outcome = test.run_on(&wood, Some(species), context)?;
+    let outcome = test.run_on((&wood, Some(species)), None, context)?;
     let mut report = BendReport::of(species, moisture, test, &outcome);
     let moduli = [
         report.modulus_of_elasticity_pa.table,

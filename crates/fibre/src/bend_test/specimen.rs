@@ -72,6 +72,9 @@ pub struct BendTest {
     pub end: f64,
 }
 
+/// A good [`BendTest::end`] for many tests, which end at the largest load: what comes after takes most of the time.
+pub const END_AT_MAXIMUM: f64 = 0.95;
+
 /// Largest matrix, GB.
 const MAX_GIGABYTES: f64 = 4.0;
 

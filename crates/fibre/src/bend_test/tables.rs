@@ -2,6 +2,7 @@
 
 use super::all_species::BendTable;
 use super::species::Bent;
+use super::specimens_report::SpecimensReport;
 use crate::curve::Curve;
 use crate::event::EventKind;
 use crate::store::{cause_name, kind_name};
@@ -16,6 +17,9 @@ modulus_of_elasticity_Pa,table_modulus_of_elasticity_Pa,modulus_of_elasticity_ra
 modulus_of_rupture_Pa,table_modulus_of_rupture_Pa,modulus_of_rupture_ratio,\
 work_to_maximum_load_J_per_m3,table_work_to_maximum_load_J_per_m3,work_to_maximum_load_ratio,\
 stress_at_first_break_Pa,maximum_load_N,deflection_at_maximum_load_m,notes,not_tested_because\n";
+
+const SPECIMENS_HEADER: &str = "specimen,density_kg_per_m3,modulus_of_elasticity_Pa,modulus_of_rupture_Pa,\
+work_to_maximum_load_J_per_m3,stress_at_first_break_Pa,maximum_load_N,deflection_at_maximum_load_m,not_tested_because\n";
 
 /// A cell of words, quoted.
 fn quoted(text: &str) -> String {
@@ -132,6 +136,33 @@ impl BendTable {
                     cells.push(quoted(row.not_tested_because.as_deref().unwrap_or("")));
                 }
             }
+            text += &(cells.join(",") + "\n");
+        }
+        text
+    }
+}
+
+impl SpecimensReport {
+    /// Returns the specimens, as CSV.
+    pub fn csv(&self) -> String {
+        let mut text = SPECIMENS_HEADER.to_owned();
+        for row in &self.rows {
+            let mut cells = vec![row.specimen.to_string(), row.density_kg_per_m3.to_string()];
+            match &row.result {
+                Some(r) => {
+                    let first_break = r.stress_at_first_break_pa;
+                    cells.extend([
+                        r.modulus_of_elasticity_pa.to_string(),
+                        r.modulus_of_rupture_pa.to_string(),
+                        r.work_to_maximum_load_j_per_m3.to_string(),
+                        first_break.map_or(String::new(), |stress| stress.to_string()),
+                        r.maximum_load_n.to_string(),
+                        r.deflection_at_maximum_load_m.to_string(),
+                    ]);
+                }
+                None => cells.extend(vec![String::new(); 6]),
+            }
+            cells.push((row.not_tested_because.as_deref()).map_or(String::new(), quoted));
             text += &(cells.join(",") + "\n");
         }
         text

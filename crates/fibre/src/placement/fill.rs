@@ -246,6 +246,9 @@ fn thinned(points: Vec<DVec2>, count: usize, seed: u64) -> Vec<DVec2> {
 
 /// Returns the lengths along the axis of one rod's vertices.
 fn vertices_along(options: &PlacementOptions, rod: usize, range: AxisRange) -> Vec<f64> {
+    if options.edges.least == options.edges.greatest && !options.clamp_ends.is_empty() {
+        return even_vertices(&options.clamp_ends, options.edges.least, range);
+    }
     let (least, greatest) = (options.edges.least, options.edges.greatest);
     let length = range.to - range.from;
     let mut lengths = Vec::new();
@@ -266,6 +269,48 @@ fn vertices_along(options: &PlacementOptions, rod: usize, range: AxisRange) -> V
     for edge in lengths {
         done += edge;
         along.push(range.from + length * (done / sum));
+    }
+    along
+}
+
+/// Returns lengths along the axis whose distances are nearly `edge`, two of them at the same distance from each clamp's end. The
+/// edge between these is as long as those of the longer part beside it, which is the free one.
+fn even_vertices(clamp_ends: &[f64], edge: f64, range: AxisRange) -> Vec<f64> {
+    let margin = 1e-6 * edge;
+    let mut points: Vec<f64> = (clamp_ends.iter().copied())
+        .filter(|end| (range.from + margin..range.to - margin).contains(end))
+        .chain([range.from, range.to])
+        .collect();
+    points.sort_by(f64::total_cmp);
+    points.dedup_by(|a, b| *a - *b < margin);
+    let last = points.len() - 2;
+    let halves = |part: usize| 0.5 * f64::from(u8::from(part > 0) + u8::from(part < last));
+    let length = |part: usize| points[part + 1] - points[part];
+    let own_edge = |part: usize| {
+        let least = if last == 0 { 1.0 } else { 0.5 };
+        let count = (length(part) / edge - halves(part)).round() + halves(part);
+        length(part) / count.max(least)
+    };
+    // Half of the edge at each point but the first and the last.
+    let half_edge = |point: usize| {
+        let longer = |a: &usize, b: &usize| length(*a).total_cmp(&length(*b));
+        let beside = (point > 0 && point <= last).then(|| [point - 1, point].into_iter());
+        let longest = beside.and_then(|parts| parts.max_by(longer));
+        longest.map_or(0.0, |part| 0.5 * own_edge(part))
+    };
+    let mut along = Vec::new();
+    for part in 0..=last {
+        let (first, end) = (
+            points[part] + half_edge(part),
+            points[part + 1] - half_edge(part + 1),
+        );
+        if end - first < margin {
+            // A clamp that is shorter than these edges.
+            along.push(points[part] + if part > 0 { 0.5 * length(part) } else { 0.0 });
+            continue;
+        }
+        let count = ((end - first) / edge).round().max(1.0);
+        along.extend((0..=count as usize).map(|k| first + (end - first) * (k as f64 / count)));
     }
     along
 }

@@ -133,7 +133,47 @@ pub fn strength_at(
     }
 }
 
+/// Properties of a piece of wood over those of the mean of its species.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RelativeWood {
+    /// Of density.
+    pub density: f64,
+    /// Of all moduli of elasticity and of shear.
+    pub modulus: f64,
+    /// Of tensile and crushing strength along the grain, and crushing strength across it.
+    pub strength: f64,
+    /// Of tensile strength and fracture energy across the grain.
+    pub tension_across: f64,
+    /// Of shear strength.
+    pub shear: f64,
+}
+
 impl WoodMaterial {
+    /// Returns a piece of this wood that differs from its mean.
+    pub(crate) fn scaled(&self, relative: &RelativeWood) -> Self {
+        let RelativeWood {
+            density,
+            modulus,
+            strength,
+            tension_across,
+            shear,
+        } = *relative;
+        WoodMaterial {
+            density: self.density * density,
+            longitudinal: self.longitudinal * modulus,
+            radial: self.radial * modulus,
+            tangential: self.tangential * modulus,
+            shear_radial: self.shear_radial * modulus,
+            shear_tangential: self.shear_tangential * modulus,
+            tension: self.tension * strength,
+            compression: self.compression * strength,
+            tension_across: self.tension_across * tension_across,
+            compression_across: self.compression_across * strength,
+            shear: self.shear * shear,
+            fracture_energy: self.fracture_energy * tension_across,
+        }
+    }
+
     /// Returns the same wood with properties along a rod whose grain has an angle (rad) to it, by Hankinson's formula.
     pub fn at_grain_angle(&self, angle: f64) -> Self {
         let across = 0.5 * (self.radial + self.tangential);

@@ -32,9 +32,12 @@ mod tests;
 mod voronoi;
 
 pub use fill::{PlacedRods, fill_stem, fill_structured_stem};
+pub(crate) use material::RelativeWood;
 pub use material::{WoodMaterial, strength_at};
 pub use options::{
     Arrangement, EdgeLengths, Neighbours, PlacementError, PlacementOptions, RodCount,
 };
+pub(crate) use scatter::weibull;
+pub(crate) use section_moment::{Element, relative_capacities, relative_demands};
 pub use section_wood::RodWood;
 pub use voronoi::{Facet, VoronoiCell, voronoi_cells};

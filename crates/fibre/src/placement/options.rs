@@ -47,6 +47,9 @@ pub struct PlacementOptions {
     pub edges: EdgeLengths,
     /// Range along the stem's axis, m; its usable part where `None`.
     pub range: Option<(f64, f64)>,
+    /// Lengths along the stem's axis (m) at which clamps end. Where edges are equal one is centred on each, since the bending at
+    /// a vertex is that of half of both edges beside it.
+    pub clamp_ends: Vec<f64>,
     /// Reach of bonds, in mean distances of rods.
     pub reach: f64,
     /// Which rods within reach are bonded.
@@ -91,6 +94,7 @@ impl Default for PlacementOptions {
                 greatest: 6e-3,
             },
             range: None,
+            clamp_ends: Vec::new(),
             reach: 2.5,
             neighbours: Neighbours::Facets,
             lloyd: 3,

@@ -2,7 +2,7 @@
 
 /// Returns a strength relative to the mean, Weibull distributed, for a uniform number from 0 to 1; 1 for an infinite
 /// modulus.
-pub(super) fn weibull(modulus: f64, uniform: f64) -> f64 {
+pub(crate) fn weibull(modulus: f64, uniform: f64) -> f64 {
     if modulus.is_infinite() {
         return 1.0;
     }

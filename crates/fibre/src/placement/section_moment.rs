@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Fibres that share their strain, in a section that is bent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Element {
+pub(crate) struct Element {
     /// Where they are, m.
     pub position: DVec2,
     /// Area, m².
@@ -36,6 +36,11 @@ impl Element {
     /// Returns the stress (Pa) under a strain.
     fn stress(&self, strain: f64) -> f64 {
         (self.modulus * strain).max(-self.compression)
+    }
+
+    /// Returns the strain on the element's surface over that at which it breaks, at a height (m) above the neutral axis.
+    fn demand(&self, curvature: f64, height: f64) -> f64 {
+        curvature * (height + self.radius) * self.modulus / self.tension
     }
 
     /// Returns the second moment of area about the element's own axis, m⁴.
@@ -93,6 +98,29 @@ pub(super) fn tension_factor(elements: &[Element], directions: &[DVec2], moment:
         high *= 2.0;
     }
     root(excess, low, high)
+}
+
+/// Returns how near each rod of a section that is bent towards `direction` is to breaking when the first one breaks: its
+/// demand over the largest, 0 in compression.
+pub(crate) fn relative_demands(elements: &[Element], direction: DVec2) -> Vec<f64> {
+    let bent = Bent::new(elements, direction);
+    let curvature = bent.curvature_at_break(1.0);
+    let axis = bent.neutral_axis(curvature);
+    let largest = bent.demand(curvature, axis);
+    let relative = |(e, y): (&Element, f64)| e.demand(curvature, y - axis).max(0.0) / largest;
+    bent.pairs().map(relative).collect()
+}
+
+/// Returns the moments that a section bears when it is bent towards `direction`, with all tensile strengths multiplied by a
+/// factor, over the one that it bears without.
+pub(crate) fn relative_capacities(
+    elements: &[Element],
+    direction: DVec2,
+    factors: impl Iterator<Item = f64>,
+) -> Vec<f64> {
+    let bent = Bent::new(elements, direction);
+    let own = bent.capacity(1.0);
+    factors.map(|factor| bent.capacity(factor) / own).collect()
 }
 
 /// Wood that is the same everywhere.
@@ -218,14 +246,12 @@ impl<'a> Bent<'a> {
 
     /// Returns the largest demand: strain on an element's surface over that at which it breaks.
     fn demand(&self, curvature: f64, axis: f64) -> f64 {
-        self.pairs().fold(0.0, |most, (e, y)| {
-            let strain = curvature * (y - axis + e.radius);
-            most.max(strain * e.modulus / e.tension)
-        })
+        self.pairs()
+            .fold(0.0, |most, (e, y)| most.max(e.demand(curvature, y - axis)))
     }
 
-    /// Returns the moment at the first break, N m, with tensile strengths multiplied by a factor.
-    fn capacity(&self, tension_factor: f64) -> f64 {
+    /// Returns the curvature at the first break, 1/m, with tensile strengths multiplied by a factor.
+    fn curvature_at_break(&self, tension_factor: f64) -> f64 {
         let excess =
             |curvature: f64| self.demand(curvature, self.neutral_axis(curvature)) - tension_factor;
         // At this curvature nothing breaks: no fibre is farther from the axis than the section is high.
@@ -238,7 +264,12 @@ impl<'a> Bent<'a> {
         while excess(high) < 0.0 && high.is_finite() {
             (low, high) = (high, 2.0 * high);
         }
-        let curvature = root(excess, low, high);
+        root(excess, low, high)
+    }
+
+    /// Returns the moment at the first break, N m, with tensile strengths multiplied by a factor.
+    fn capacity(&self, tension_factor: f64) -> f64 {
+        let curvature = self.curvature_at_break(tension_factor);
         let axis = self.neutral_axis(curvature);
         self.pairs()
             .map(|(e, y)| {

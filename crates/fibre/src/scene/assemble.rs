@@ -3,7 +3,7 @@
 use super::arc;
 use super::choices::{BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice};
 use super::error::SceneError;
-use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, Scene};
+use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, RodKeys, Scene};
 use super::start::{align_with_axes, bend, rotation};
 use crate::bodies::{Bodies, Body, BodyError, BodyMotion, ContactOptions, Shape, clearance};
 use crate::failure::{BondCriterion, FailureCriteria};
@@ -165,7 +165,7 @@ fn loads(
         });
     }
     for (number, clamp) in scene.clamp.iter().enumerate() {
-        let clamp = self::clamp(number, clamp, bundle, state, fraction)?;
+        let clamp = self::clamp((number, clamp), &scene.rods, (bundle, state), fraction)?;
         world.loads.clamps.push(clamp);
     }
     let (clamps, position) = (&mut world.loads.clamps, &world.state.position);
@@ -211,18 +211,40 @@ fn motion(
     )
 }
 
-fn clamp(
-    number: usize,
+/// Returns the vertices that a clamp holds: those in its range, and where edges are equal those with which it ends where it
+/// should ([`PlacementOptions::clamp_ends`](crate::placement::PlacementOptions)).
+///
+/// Bending at a vertex is that of half of both edges beside it, so that a rod that is held up to a vertex is free from the middle
+/// of the edge before it: this vertex must lie beyond the clamp's end. It is the same at a clamp's beginning, mirrored, for rods
+/// without bonds. Rods with bonds turn by these, and where their vertices lie in common cross-sections bonds turn with the edge
+/// before.
+fn held_vertices(
     keys: &ClampKeys,
+    rods: &RodKeys,
     bundle: &RodBundle,
-    state: &State,
+    fraction: &[f64],
+) -> Vec<u32> {
+    let inside = |i: usize| (keys.from - 1e-9..=keys.to + 1e-9).contains(&fraction[i]);
+    let even = rods.edge[0] == rods.edge[1];
+    let (starts, ends) = (even && keys.from > 0.0, even && keys.to < 1.0);
+    let starts = starts && bundle.bonds.is_empty();
+    (0..bundle.vertices())
+        .filter(|&i| {
+            let after = ends && i > 0 && bundle.is_edge(i - 1) && inside(i - 1);
+            let before = starts && bundle.is_edge(i) && inside(i + 1);
+            inside(i) || after || before
+        })
+        .map(|i| i as u32)
+        .collect()
+}
+
+fn clamp(
+    (number, keys): (usize, &ClampKeys),
+    rods: &RodKeys,
+    (bundle, state): (&RodBundle, &State),
     fraction: &[f64],
 ) -> Result<Clamp, SceneError> {
-    let inside = |f: f64| (keys.from - 1e-9..=keys.to + 1e-9).contains(&f);
-    let vertices: Vec<u32> = (0..bundle.vertices())
-        .filter(|&i| inside(fraction[i]))
-        .map(|i| i as u32)
-        .collect();
+    let vertices = held_vertices(keys, rods, bundle, fraction);
     if vertices.is_empty() {
         let apart = (0..bundle.vertices())
             .filter(|&j| bundle.is_edge(j))

@@ -123,7 +123,8 @@ parameters! {
             spacing: Option<f64> = None, length(1e-6, 1.0).auto();
             /// How rods are arranged in the cross-section.
             arrangement: ArrangementChoice = ArrangementChoice::PoissonDisk, choice(ArrangementChoice::CHOICES);
-            /// Least and greatest length of edges.
+            /// Least and greatest length of edges. Where both are equal, vertices are placed so that wood is free exactly from the
+            /// ends of clamps.
             edge: [f64; 2] = [4e-3, 6e-3], range(&EDGE);
             /// Whether rods resist twist.
             twist: TwistChoice = TwistChoice::Auto, choice(TwistChoice::CHOICES);

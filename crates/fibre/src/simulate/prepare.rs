@@ -194,6 +194,12 @@ fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOption
             greatest: keys.edge[1],
         },
         range: Some(range),
+        clamp_ends: (scene.clamp.iter())
+            .filter(|clamp| clamp.to > clamp.from)
+            .flat_map(|clamp| [clamp.from, clamp.to])
+            .filter(|fraction| *fraction > 0.0 && *fraction < 1.0)
+            .map(|fraction| range.0 + fraction * (range.1 - range.0))
+            .collect(),
         reach: keys.reach,
         neighbours: match keys.neighbours {
             NeighbourChoice::Facets => Neighbours::Facets,

@@ -1,4 +1,5 @@
-//! Writers of tables: comma-separated values, Parquet, and, for tables with positions, points in PLY and VTK.
+//! Tables: writers of comma-separated values, of Parquet and, for tables with positions, of points in PLY and VTK; a reader of
+//! comma-separated values.
 
 mod csv;
 mod csvw;
@@ -6,9 +7,11 @@ mod csvw;
 mod parquet;
 mod points;
 mod positions;
+mod read_csv;
 
 pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
 pub(crate) use positions::positions;
+pub use read_csv::{TextRow, TextTable, read_csv};
 
 use crate::companions::Encoded;
 use crate::error::{FormatError, InFile};

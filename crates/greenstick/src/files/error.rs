@@ -41,6 +41,10 @@ pub enum FileError {
         /// What is wrong.
         problem: String,
     },
+    /// A table has no measured specimens.
+    #[cfg(feature = "simulate")]
+    #[error(transparent)]
+    Measured(#[from] crate::bending::MeasuredError),
     /// The content is invalid.
     #[error(transparent)]
     Content(FormatError),

@@ -4,6 +4,8 @@
 
 mod error;
 mod images;
+#[cfg(feature = "simulate")]
+mod measured;
 mod photograph;
 mod read;
 mod rings;
@@ -16,6 +18,8 @@ mod write;
 
 pub use error::FileError;
 pub use images::carry_images;
+#[cfg(feature = "simulate")]
+pub use measured::read_measured;
 pub use photograph::read_photograph;
 pub use read::{Source, load, load_content, mesh_endings, read};
 pub use rings::{OtherRings, read_rings};

@@ -24,6 +24,7 @@ mod names;
 mod record;
 mod strength;
 mod table;
+mod variation;
 
 pub use catalogue::SPECIES_NAME;
 pub use elastic::EngineeringConstants;
@@ -35,3 +36,4 @@ pub use strength::{
     DEFAULT_BUNDLE_DIAMETER, FractureHeight, HeightRule, StrengthError, nominal_bending_strength,
     tensile_strength_from_bending,
 };
+pub use variation::{ClearWoodVariation, CoefficientsOfVariation, DensitySlopes, UnknownVariation};

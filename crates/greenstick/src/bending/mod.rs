@@ -2,11 +2,16 @@
 //!
 //! The tests are those of [`greenstick_fibre::bend_test`].
 
-pub use crate::charts::bend_chart;
+mod measured;
+
+pub use crate::charts::{bend_chart, scatter_chart};
 pub use greenstick_fibre::bend_test::{
-    BendReport, BendRequest, BendRow, BendSettings, BendTable, BendingError, Bent, Compared,
-    END_OF_TABLE, Failing, Phase, Summary, bend, bend_all,
+    BendReport, BendRequest, BendRow, BendSettings, BendTable, BendingError, Bent,
+    CLEAR_WOOD_WEIBULL_MODULUS, Compared, Correlation, END_AT_MAXIMUM, ExpectedScatter, Failing,
+    MeasuredSpecimens, MeasuredSummary, Phase, SpecimenResult, SpecimenRow, SpecimensReport,
+    SpecimensRequest, SpecimensSummary, Statistics, Summary, bend, bend_all, bend_specimens,
 };
+pub use measured::{MeasuredColumns, MeasuredError, UnitColumn, parse_measured};
 
 use crate::Error;
 use greenstick_formats::Encoded;
@@ -39,6 +44,26 @@ pub fn bend_table_files(table: &BendTable, provenance: &Provenance) -> Result<Ve
     Ok(vec![
         Encoded::new(BEND_TABLE_FILE, table.csv()),
         json_file("species.json", table, provenance)?,
+    ])
+}
+
+/// The name of the table of specimens.
+pub const SPECIMENS_FILE: &str = "specimens.csv";
+
+/// Returns the tests of many specimens, and where they come from, as `specimens.csv`, `specimens.json`, with the summary, and
+/// `scatter.png`, beside measured specimens where there are such.
+///
+/// # Errors
+/// [`Error::Report`] where the report cannot be converted to JSON.
+pub fn specimens_files(
+    report: &SpecimensReport,
+    measured: Option<&MeasuredSpecimens>,
+    provenance: &Provenance,
+) -> Result<Vec<Encoded>, Error> {
+    Ok(vec![
+        Encoded::new(SPECIMENS_FILE, report.csv()),
+        json_file("specimens.json", report, provenance)?,
+        Encoded::new("scatter.png", scatter_chart(report, measured).png()),
     ])
 }
 
