@@ -16,7 +16,7 @@ const MAX_TURN: f64 = 0.5;
 const INERTIA_FLOOR: f64 = 1e-6;
 
 /// The motion of a connected part.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Part {
     mass: f64,
     /// Sums of mass times position and velocity, then the centre of mass (m) and its velocity (m/s).
@@ -32,6 +32,17 @@ struct Part {
 }
 
 impl Part {
+    const ZERO: Part = Part {
+        mass: 0.0,
+        centre: DVec3::ZERO,
+        velocity: DVec3::ZERO,
+        angular_momentum: DVec3::ZERO,
+        inertia: DMat3::ZERO,
+        angular_velocity: DVec3::ZERO,
+        shortest: 0.0,
+        fastest: 0.0,
+    };
+
     /// Returns the velocity beside that of the rigid body, m/s.
     fn own_velocity(&self, position: DVec3, velocity: DVec3) -> DVec3 {
         velocity - self.velocity - self.angular_velocity.cross(position - self.centre)
@@ -75,7 +86,7 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
 /// Returns the motion of each part, by the number of its first vertex.
 fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize]) -> Vec<Part> {
     let n = bundle.vertices();
-    let mut parts = vec![Part::default(); n];
+    let mut parts = vec![Part::ZERO; n];
     for v in 0..n {
         let p = &mut parts[part[v]];
         p.mass += bundle.mass[v];
@@ -124,7 +135,7 @@ mod tests {
         let material = RodMaterial::solid(1e-6, 1e10, 1e9, 600.0);
         let vertices =
             (0..6).map(|i| DVec3::new(1e-3 * f64::from(i * i), 0.0, 4e-3 * f64::from(i)));
-        let bundle = RodBundle::new(&[Rod::new(vertices.collect(), material)], false).unwrap();
+        let bundle = RodBundle::new(&[Rod::new(vertices.collect(), material)], true).unwrap();
         let mut state = State::at_rest(&bundle);
         let (along, turn) = (DVec3::new(1.0, -2.0, 3.0), DVec3::new(40.0, 300.0, -100.0));
         for v in 0..6 {
