@@ -14,7 +14,7 @@ use greenstick_wood::species::Species;
 use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
 
 /// A stick of ash whose ends turn by 40° within a second.
-fn stick(rods: u32, seed: u64) -> World {
+fn stick(rods: u32, seed: u64, bonds: BondCriterion) -> World {
     let ash = Species::find("white ash").unwrap();
     let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).unwrap();
     let mesh = cylinder(5e-3, 0.15, 48);
@@ -68,20 +68,20 @@ fn stick(rods: u32, seed: u64) -> World {
     world.failure = FailureCriteria {
         rods_break: true,
         rods_yield: true,
-        bonds: BondCriterion::Cohesive,
+        bonds,
         ..FailureCriteria::default()
     };
     world
 }
 
-#[test]
-fn a_breaking_stick_has_no_more_energy_than_was_put_into_it() {
+/// Bends sticks until `end` (s), and returns how many rods broke.
+fn bend(rods: u32, seeds: u64, bonds: BondCriterion, end: f64) -> usize {
     let mut broken = 0;
-    for seed in 1..=3 {
-        let mut world = stick(40, seed);
+    for seed in 1..=seeds {
+        let mut world = stick(rods, seed, bonds);
         let mut solver = Interactive::new(None);
         let mut work = 0.0;
-        while world.state.time < 0.8 {
+        while world.state.time < end {
             let report =
                 (solver.advance(&mut world, &mut NoContacts, 1.0 / 30.0, &Context::quiet()))
                     .unwrap();
@@ -99,5 +99,17 @@ fn a_breaking_stick_has_no_more_energy_than_was_put_into_it() {
             .filter(|e| e.kind == EventKind::RodBroke)
             .count();
     }
+    broken
+}
+
+#[test]
+fn a_breaking_stick_has_no_more_energy_than_was_put_into_it() {
+    let broken = bend(40, 3, BondCriterion::Cohesive, 0.8);
     assert!(broken > 30, "{broken} rods broke");
+}
+
+#[test]
+fn nor_has_one_whose_bonds_break_at_their_strength_at_once() {
+    let broken = bend(20, 1, BondCriterion::Stress, 0.5);
+    assert!(broken > 10, "{broken} rods broke");
 }

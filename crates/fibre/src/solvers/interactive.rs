@@ -65,6 +65,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     linear_tolerance: 0.1,
     preconditioner_iterations: 4,
     work_tolerance: 1e-4,
+    lengthen_steps: true,
 };
 
 /// The interactive solver: implicit Euler, one step per frame while nothing breaks.
@@ -161,7 +162,6 @@ impl Interactive {
         context: &Context,
     ) -> Result<Equilibrium, SolverError> {
         self.newton.prepare(&world.bundle, &[]);
-        self.newton.renew_preconditioner();
         let old = &world.state;
         let plus = |a: &[f64], b: &[f64]| -> Vec<f64> {
             a.iter().zip(b).map(|(a, b)| a + b * dt).collect()

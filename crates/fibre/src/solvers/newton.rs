@@ -63,8 +63,6 @@ pub(super) struct Newton {
     balance: Balance,
     linear: LinearSolver,
     options: NewtonOptions,
-    /// Whether the preconditioner must be made anew.
-    stale: bool,
     detector: FailureDetector,
 }
 
@@ -99,12 +97,15 @@ pub(super) struct NewtonOptions {
     pub max_iterations: usize,
     /// Relative accuracy of each linear solution.
     pub linear_tolerance: f64,
-    /// Iterations that a preconditioner serves, unless [`Newton::renew_preconditioner`] ends its time.
+    /// Iterations that a preconditioner serves.
     pub preconditioner_iterations: usize,
     /// Unbalanced forces do less work in the step than this fraction of all energy there has been. A state is balanced too where
     /// they would do less than a tenth of that on the way to where Newton's method expects the balance: slack fibres, which are
     /// stiff along and soft across, have large unbalanced forces that hardly move anything. Infinite to leave out both.
     pub work_tolerance: f64,
+    /// Whether the line search lengthens steps too. Linear systems leave out what makes rods under pressure softer: where they
+    /// buckle, the way is longer than the step. Without inertia that could lead to another equilibrium than the nearest.
+    pub lengthen_steps: bool,
 }
 
 impl NewtonOptions {
@@ -117,6 +118,7 @@ impl NewtonOptions {
         linear_tolerance: LINEAR_TOLERANCE,
         preconditioner_iterations: 1,
         work_tolerance: f64::INFINITY,
+        lengthen_steps: false,
     };
 }
 
@@ -186,17 +188,11 @@ impl Newton {
         }
     }
 
-    /// Has the preconditioner made anew in the next iteration.
-    pub fn renew_preconditioner(&mut self) {
-        self.stale = true;
-    }
-
     /// Derives everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &RodBundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
             return;
         }
-        self.stale = true;
         self.generation = Some(bundle.generation);
         let grips = grips.iter().map(|g| ResolvedGrip::new(g, bundle)).collect();
         self.balance.prepare(bundle, grips);
@@ -314,13 +310,10 @@ impl Newton {
                     tolerance: now.tolerance,
                 });
             }
-            if now
-                .count
-                .is_multiple_of(self.options.preconditioner_iterations.max(1))
-            {
-                self.stale = true;
-            }
-            let mut step = self.newton_step(problem, &iterates.state, &prescribed, context)?;
+            let renewal = self.options.preconditioner_iterations.max(1);
+            let update = now.count.is_multiple_of(renewal);
+            let mut step =
+                self.newton_step(problem, &iterates.state, &prescribed, update, context)?;
             let search = !pending(&prescribed);
             let ahead = self.balance.slope(&step).abs();
             let small =
@@ -334,7 +327,8 @@ impl Newton {
             if longest <= 1.0 && now.allowed < 2 * self.options.max_iterations {
                 now.allowed += 1;
             }
-            let longest = search.then_some(longest);
+            let lengthen = self.options.lengthen_steps;
+            let longest = search.then_some(if lengthen { longest } else { 1.0 });
             self.take_step(problem, contacts, &mut iterates, &step, longest, context)?;
             now.count += 1;
             now.residual = self.balance.largest_residual();
@@ -379,8 +373,7 @@ impl Newton {
         })
     }
 
-    /// Moves the iterate along a step, with a line search up to `longest` times the step where there is one. Linear systems leave
-    /// out what makes rods under pressure softer. Where they buckle, the way is therefore longer than the step.
+    /// Moves the iterate along a step, with a line search up to `longest` times the step where there is one.
     fn take_step(
         &mut self,
         problem: &EquilibriumProblem,
@@ -452,9 +445,9 @@ impl Newton {
         problem: &EquilibriumProblem,
         state: &State,
         prescribed: &[f64],
+        update_preconditioner: bool,
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
-        let update_preconditioner = self.stale;
         let inertia = problem
             .inertia
             .map_or(0.0, |i| 1.0 / (i.h * i.h) + problem.loads.damping / i.h);
@@ -482,7 +475,6 @@ impl Newton {
             (LinearSolver::Direct(solver), _) => solver.solve(&system, context),
             _ => Ok(vec![0.0; balance.residual.len()]),
         }?;
-        self.stale = false;
         Ok(step)
     }
 }

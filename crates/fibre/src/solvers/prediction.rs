@@ -5,6 +5,7 @@
 
 use super::limit_step::connected_parts;
 use crate::rod_bundle::RodBundle;
+use crate::rotation::from_rotation_vector;
 use crate::state::State;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -53,16 +54,16 @@ impl Part {
 pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
     let part = connected_parts(bundle);
     let parts = motion_of_parts(bundle, state, &part);
+    // Implicit Euler turns a rigid body by the angle whose tangent is ω dt.
+    let turn = |p: &Part| {
+        let axis = p.angular_velocity.normalize_or_zero();
+        from_rotation_vector(axis * libm::atan(p.angular_velocity.length() * dt))
+    };
+    let rotations: Vec<DQuat> = parts.iter().map(turn).collect();
     let mut predicted = state.clone();
     for v in 0..bundle.vertices() {
         let p = &parts[part[v]];
         let (position, velocity) = (state.position.get(v), state.velocity.get(v));
-        let speed = p.angular_velocity.length();
-        // Implicit Euler turns a body by this angle.
-        let rotation = match p.angular_velocity.try_normalize() {
-            Some(axis) => DQuat::from_axis_angle(axis, libm::atan(speed * dt)),
-            None => DQuat::IDENTITY,
-        };
         let limit = MAX_DISPLACEMENT * p.shortest / dt;
         let share = if p.fastest > limit {
             limit / p.fastest
@@ -70,7 +71,7 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
             1.0
         };
         let own = p.own_velocity(position, velocity) * (share * dt);
-        let to = p.centre + p.velocity * dt + rotation * (position - p.centre) + own;
+        let to = p.centre + p.velocity * dt + rotations[part[v]] * (position - p.centre) + own;
         if to.is_finite() {
             predicted.position.set(v, to);
         }
