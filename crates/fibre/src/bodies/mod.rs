@@ -16,7 +16,7 @@
 //! | `system` | [`Bodies`]: all bodies of a world, and which edges are near them |
 //! | `state` | what checkpoints hold of bodies |
 //! | `contact_point` | a contact between edges or bodies |
-//! | `gather` | contacts with bodies; `rod_pairs`: contacts between rods |
+//! | `gather` | contacts with bodies; `rod_pairs`: contacts between rods; `segments`: their closest points |
 //! | `impulses` | contacts resolved by impulses |
 //! | `springs` | contacts as springs |
 //! | `contacts` | [`crate::Contacts`] for [`Bodies`] |
@@ -29,6 +29,7 @@ mod error;
 mod gather;
 mod impulses;
 mod rod_pairs;
+mod segments;
 mod shape;
 mod springs;
 pub(crate) mod state;

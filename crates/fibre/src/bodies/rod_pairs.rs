@@ -6,6 +6,7 @@
 
 use super::contact_point::{ContactPoint, SLOP, Side, StepMotion};
 use super::displacement::moved_squared;
+use super::segments::{Bounds, Segment, are_far_apart, closest_parameters, distance};
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
@@ -27,9 +28,13 @@ pub(super) struct RodPairs {
     pairs: Vec<Pair>,
     /// Key of the cell and edge, sorted.
     cells: Vec<(u64, u32)>,
+    /// Per edge: the box about all that it may touch before the next search.
+    boxes: Vec<Bounds>,
     /// Positions at the last search, and the grid then.
     position: Vectors,
     grid: Grid,
+    /// Per edge: the way of its vertices since the last search, and in a step, m.
+    approach: Vec<f64>,
     /// How far things may move until a new search, m; 0 for at once.
     margin: f64,
     /// Per edge: present number of bonds on it and on its vertices; and the edges that have lost some since the last search.
@@ -134,6 +139,7 @@ impl RodPairs {
         let renumber = |edge: &mut u32| *edge = after[*edge as usize];
         self.changed.iter_mut().for_each(renumber);
         self.cells.iter_mut().for_each(|(_, edge)| renumber(edge));
+        self.boxes = before.iter().map(|i| self.boxes[old(i)]).collect();
         for pair in &mut self.pairs {
             renumber(&mut pair.a);
             renumber(&mut pair.b);
@@ -161,10 +167,10 @@ impl RodPairs {
                 self.search_changed(bundle, radius, context)?;
             }
         }
-        let nearer = 2.0 * moved_squared(&state.position, &self.position).sqrt();
+        self.update_approach(state, motion);
         for pair in &self.pairs {
             let (a, b) = (pair.a as usize, pair.b as usize);
-            if motion.is_none() && pair.distance - nearer > pair.reach {
+            if pair.distance - (self.approach[a] + self.approach[b]) > pair.reach {
                 continue;
             }
             let one = (state.position.get(a), state.edge(a));
@@ -193,6 +199,30 @@ impl RodPairs {
         Ok(())
     }
 
+    /// Finds for each edge how far it has moved since the last search, and moves in a step.
+    fn update_approach(&mut self, state: &State, motion: Option<StepMotion>) {
+        let n = state.position.len();
+        self.approach.resize(n, 0.0);
+        let (now, then) = (&state.position, &self.position);
+        for v in 0..n {
+            let (x, y, z) = (
+                now.x[v] - then.x[v],
+                now.y[v] - then.y[v],
+                now.z[v] - then.z[v],
+            );
+            self.approach[v] = (x * x + y * y + z * z).sqrt();
+        }
+        if let Some(StepMotion { velocity, step }) = motion {
+            for v in 0..n {
+                let (x, y, z) = (velocity.x[v], velocity.y[v], velocity.z[v]);
+                self.approach[v] += step * (x * x + y * y + z * z).sqrt();
+            }
+        }
+        for v in 1..n {
+            self.approach[v - 1] = self.approach[v - 1].max(self.approach[v]);
+        }
+    }
+
     /// Takes the present positions of vertices that have moved far, and marks their edges. A pair remains valid while each of
     /// its edges is nearer than half the margin to where it was searched: the others need not be searched again.
     fn follow(&mut self, bundle: &RodBundle, state: &State, radius: &[f64]) {
@@ -209,17 +239,24 @@ impl RodPairs {
         let corner = self.grid.corner;
         let low = (self.position.iter()).fold(corner, |low, p| low.min(p));
         self.grid.corner = low;
-        self.sort_into_cells(radius);
+        self.sort_into_cells(radius, self.margin);
     }
 
-    /// Sorts all edges by their cells.
-    fn sort_into_cells(&mut self, radius: &[f64]) {
+    /// Sorts all edges by their cells, and makes their boxes.
+    fn sort_into_cells(&mut self, radius: &[f64], margin: f64) {
         let mut cells = std::mem::take(&mut self.cells);
         cells.clear();
         let edges = (0..radius.len()).filter(|&j| radius[j] > 0.0);
         cells.extend(edges.map(|j| (key(self.cell(j)), j as u32)));
         cells.sort_unstable();
         self.cells = cells;
+        self.boxes.clear();
+        self.boxes.resize(radius.len(), Bounds::default());
+        for j in (0..radius.len()).filter(|&j| radius[j] > 0.0) {
+            let edge = edge_at(&self.position, j);
+            // Both edges of a pair have half the margin.
+            self.boxes[j] = Bounds::about(edge, radius[j] + 0.5 * margin);
+        }
     }
 
     /// Searches all pairs anew.
@@ -249,7 +286,7 @@ impl RodPairs {
             self.margin = margin;
             return Ok(());
         }
-        self.sort_into_cells(radius);
+        self.sort_into_cells(radius, margin);
         let mut pairs = std::mem::take(&mut self.pairs);
         let search = PairSearch {
             bundle,
@@ -331,7 +368,10 @@ impl RodPairs {
                         break;
                     }
                     let b = b as usize;
-                    if wanted(b) && (self.loose[a] || self.loose[b]) {
+                    if wanted(b)
+                        && (self.loose[a] || self.loose[b])
+                        && self.boxes[a].overlaps(&self.boxes[b])
+                    {
                         let (a, b) = (a.min(b), a.max(b));
                         pairs.extend(search.pair(&self.position, a, b));
                     }
@@ -349,7 +389,7 @@ struct PairSearch<'a> {
 }
 
 /// Returns the start and the vector of an edge.
-fn edge_at(position: &Vectors, edge: usize) -> (DVec3, DVec3) {
+fn edge_at(position: &Vectors, edge: usize) -> Segment {
     let start = position.get(edge);
     (start, position.get(edge + 1) - start)
 }
@@ -398,46 +438,6 @@ fn are_bonded(bundle: &RodBundle, a: usize, b: usize) -> bool {
         })
     };
     joins(a, b) || joins(b, a)
-}
-
-/// Whether two edges are certainly farther apart than `reach`, from their distance seen along the first. It excludes most
-/// pairs of a stem, where rods lie side by side.
-fn are_far_apart((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3), reach: f64) -> bool {
-    let Some(along) = d.try_normalize() else {
-        return false;
-    };
-    let middle = (q + 0.5 * e) - p;
-    let side = middle.reject_from_normalized(along).length();
-    side > reach + 0.5 * e.reject_from_normalized(along).length()
-}
-
-/// Returns the distance of two segments, each a start and a vector.
-fn distance(one: (DVec3, DVec3), two: (DVec3, DVec3)) -> f64 {
-    let (s, t) = closest_parameters(one, two);
-    (one.0 + one.1 * s).distance(two.0 + two.1 * t)
-}
-
-/// Returns the parameters of the closest points of two segments, each a start and a vector (Ericson, *Real-Time Collision
-/// Detection*, 5.1.9). For parallel segments it is the middle of where they lie side by side.
-fn closest_parameters((p, d): (DVec3, DVec3), (q, e): (DVec3, DVec3)) -> (f64, f64) {
-    let r = p - q;
-    let (dd, ee, de, dr, er) = (d.dot(d), e.dot(e), d.dot(e), d.dot(r), e.dot(r));
-    if dd <= 0.0 || ee <= 0.0 {
-        return (0.0, 0.0);
-    }
-    let determinant = dd * ee - de * de;
-    let s = if determinant > 1e-14 * dd * ee {
-        ((de * er - dr * ee) / determinant).clamp(0.0, 1.0)
-    } else {
-        let (a, b) = (-dr / dd, (de - dr) / dd);
-        (a.clamp(0.0, 1.0) + b.clamp(0.0, 1.0)) / 2.0
-    };
-    let t = (de * s + er) / ee;
-    if (0.0..=1.0).contains(&t) {
-        return (s, t);
-    }
-    let t = t.clamp(0.0, 1.0);
-    (((de * t - dr) / dd).clamp(0.0, 1.0), t)
 }
 
 #[cfg(test)]
@@ -535,36 +535,6 @@ mod tests {
             };
             assert!(round < 5 || found.len() > 10);
             assert_eq!(points(&found), points(&expected));
-        }
-    }
-
-    #[test]
-    fn the_closest_points_are_those_of_a_fine_search() {
-        let vector = |i: i64, k: i64| {
-            DVec3::from_array([0, 1, 2].map(|c| 2.0 * noise::unit(5, i, k, c) - 1.0))
-        };
-        for i in 0..60 {
-            let one = (vector(i, 0), vector(i, 1));
-            // A third are parallel or nearly so.
-            let e = if i % 3 == 0 {
-                one.1 * 0.7 + vector(i, 3) * 1e-9 * f64::from((i % 2) as u8)
-            } else {
-                vector(i, 3)
-            };
-            let two = (vector(i, 2), e);
-            let found = distance(one, two);
-            let mut least = f64::INFINITY;
-            for a in 0..=400 {
-                for b in 0..=400 {
-                    let p = one.0 + one.1 * (f64::from(a) / 400.0);
-                    let q = two.0 + two.1 * (f64::from(b) / 400.0);
-                    least = least.min(p.distance(q));
-                }
-            }
-            assert!(
-                found <= least + 1e-8 && least < found + 0.01,
-                "{i}: {found} {least}"
-            );
         }
     }
 }

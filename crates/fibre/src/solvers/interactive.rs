@@ -61,7 +61,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     stateless: true,
     tolerance: 1e-2,
     min_iterations: 1,
-    max_iterations: 30,
+    max_iterations: 16,
     linear_tolerance: 0.1,
     preconditioner_iterations: 4,
     work_tolerance: 1e-4,
@@ -190,7 +190,9 @@ impl Interactive {
             time: old.time + dt,
         };
         let first = predict(&world.bundle, old, dt);
-        let found = self.newton.solve(&problem, &first, contacts, context)?;
+        let found = self
+            .newton
+            .solve_predicted(&problem, first, contacts, context)?;
         self.newton_iterations += found.iterations as u64;
         self.equilibria += 1;
         Ok(found)

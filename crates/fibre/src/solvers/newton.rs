@@ -7,6 +7,7 @@ use super::balance::{Balance, EquilibriumProblem, FINEST_TOLERANCE};
 use super::grip::{Grip, ResolvedGrip};
 use super::limit_step::limit_step;
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
+use super::prediction::Prediction;
 use crate::contact::{ContactSpring, Contacts};
 use crate::energy::{add_forces, energies};
 use crate::error::SolverError;
@@ -280,14 +281,55 @@ impl Newton {
         contacts: &mut dyn Contacts,
         context: &Context,
     ) -> Result<Equilibrium, SolverError> {
-        let bundle = problem.bundle;
+        let mut state = first.clone();
+        let prescribed = self.balance.apply_clamps(problem, first);
+        self.balance
+            .evaluate(problem, contacts, &mut state, context)?;
+        self.solve_from(problem, state, prescribed, contacts, context)
+    }
+
+    /// Finds the equilibrium of `problem`, starting the search from a prediction, as far along its displacement as lessens
+    /// unbalanced forces.
+    ///
+    /// # Errors
+    /// [`SolverError::NotConverged`], [`SolverError::Cancelled`].
+    pub fn solve_predicted(
+        &mut self,
+        problem: &EquilibriumProblem,
+        first: Prediction,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
         let mut iterates = Iterates {
-            state: first.clone(),
-            previous: first.clone(),
+            previous: first.state.clone(),
+            state: first.state,
         };
-        let mut prescribed = self.balance.apply_clamps(problem, first);
+        self.balance.apply_clamps(problem, &iterates.state);
         self.balance
             .evaluate(problem, contacts, &mut iterates.state, context)?;
+        let step = &first.displacement;
+        // What is already being pushed back goes no further.
+        if self.balance.slope(step) > 0.0 {
+            self.take_step(problem, contacts, &mut iterates, step, Some(1.0), context)?;
+        }
+        let prescribed = self.balance.apply_clamps(problem, &iterates.state);
+        self.solve_from(problem, iterates.state, prescribed, contacts, context)
+    }
+
+    /// Goes on from a state in which the balance is known, and in which clamps have `prescribed` left to go.
+    fn solve_from(
+        &mut self,
+        problem: &EquilibriumProblem,
+        state: State,
+        mut prescribed: Vec<f64>,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
+        let bundle = problem.bundle;
+        let mut iterates = Iterates {
+            previous: state.clone(),
+            state,
+        };
         let mut now = Iteration {
             count: 0,
             allowed: self.options.max_iterations,
@@ -296,7 +338,12 @@ impl Newton {
         };
         let pending = |prescribed: &[f64]| prescribed.iter().any(|d| *d != 0.0);
         let at_least = self.options.min_iterations;
-        let mut work = self.unbalanced_work(problem, &iterates.state);
+        let before = if self.options.work_tolerance.is_infinite() {
+            0.0
+        } else {
+            problem.lost + energies(bundle, problem.start).total()
+        };
+        let mut work = self.unbalanced_work(problem, &iterates.state, before);
         while now.count < at_least
             || now.residual > now.tolerance
             || work.is_some_and(|w| w.done > w.tolerance)
@@ -333,7 +380,7 @@ impl Newton {
             now.count += 1;
             now.residual = self.balance.largest_residual();
             now.tolerance = self.options.tolerance * self.balance.scale;
-            work = self.unbalanced_work(problem, &iterates.state);
+            work = self.unbalanced_work(problem, &iterates.state, before);
         }
         Ok(Equilibrium {
             state: iterates.state,
@@ -344,15 +391,18 @@ impl Newton {
         })
     }
 
-    /// Returns the work of unbalanced forces in the step so far, where it counts.
+    /// Returns the work of unbalanced forces in the step so far, where it counts. `before` is the energy before the step, with
+    /// what breaking has taken, J. The energy of a trial state counts where its forces are nearly balanced, as in the first steps
+    /// of wood that was at rest; elsewhere it may be any.
     fn unbalanced_work(
         &self,
         problem: &EquilibriumProblem,
         state: &State,
+        before: f64,
     ) -> Option<UnbalancedWork> {
         let (bundle, start, balance) = (problem.bundle, problem.start, &self.balance);
-        if self.options.work_tolerance.is_infinite()
-            || balance.largest_residual() <= FINEST_TOLERANCE * balance.scale
+        let residual = balance.largest_residual();
+        if self.options.work_tolerance.is_infinite() || residual <= FINEST_TOLERANCE * balance.scale
         {
             return None;
         }
@@ -366,11 +416,15 @@ impl Newton {
                 way[balance.dof(v, 3)] = state.angle[v] - start.angle[v];
             }
         }
-        let energy = energies(bundle, start).total() + energies(bundle, state).potential();
-        Some(UnbalancedWork {
+        let mut work = UnbalancedWork {
             done: balance.slope(&way).abs(),
-            tolerance: self.options.work_tolerance * (energy + problem.lost),
-        })
+            tolerance: self.options.work_tolerance * before,
+        };
+        if work.done > work.tolerance && residual <= self.options.tolerance * balance.scale {
+            let potential = energies(bundle, state).potential();
+            work.tolerance += self.options.work_tolerance * potential;
+        }
+        Some(work)
     }
 
     /// Moves the iterate along a step, with a line search up to `longest` times the step where there is one.

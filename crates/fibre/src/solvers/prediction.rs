@@ -1,7 +1,7 @@
 //! The state in which the search for an equilibrium with inertia starts: where all that moves would be without forces.
 //!
-//! Each connected part moves on as a rigid body, which it may do far in a step, and within it what bends goes on bending, but not
-//! so far that rods would fold.
+//! Each connected part moves on as a rigid body, which it may do far in a step. Within it what bends may go on bending or swing
+//! back many times in the step: how far it goes is left to a line search.
 
 use super::limit_step::connected_parts;
 use crate::rod_bundle::RodBundle;
@@ -50,8 +50,16 @@ impl Part {
     }
 }
 
-/// Returns the state `dt` seconds after `state`.
-pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
+/// Where a search for an equilibrium starts.
+pub(super) struct Prediction {
+    /// The state to which connected parts move as rigid bodies.
+    pub state: State,
+    /// Per degree of freedom, three at a vertex or with twist four: the displacement beside that of the rigid bodies.
+    pub displacement: Vec<f64>,
+}
+
+/// Returns the prediction for `dt` seconds after `state`.
+pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction {
     let part = connected_parts(bundle);
     let parts = motion_of_parts(bundle, state, &part);
     // Implicit Euler turns a rigid body by the angle whose tangent is ω dt.
@@ -60,6 +68,8 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
         from_rotation_vector(axis * libm::atan(p.angular_velocity.length() * dt))
     };
     let rotations: Vec<DQuat> = parts.iter().map(turn).collect();
+    let block = if bundle.twisting { 4 } else { 3 };
+    let mut displacement = vec![0.0; block * bundle.vertices()];
     let mut predicted = state.clone();
     for v in 0..bundle.vertices() {
         let p = &parts[part[v]];
@@ -71,17 +81,22 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> State {
             1.0
         };
         let own = p.own_velocity(position, velocity) * (share * dt);
-        let to = p.centre + p.velocity * dt + rotations[part[v]] * (position - p.centre) + own;
-        if to.is_finite() {
+        let to = p.centre + p.velocity * dt + rotations[part[v]] * (position - p.centre);
+        let at = block * v;
+        if to.is_finite() && own.is_finite() {
             predicted.position.set(v, to);
+            displacement[at..at + 3].copy_from_slice(&own.to_array());
         }
         let turn = state.spin[v] * dt;
-        if turn.abs() <= MAX_TURN {
-            predicted.angle[v] += turn;
+        if bundle.twisting && turn.abs() <= MAX_TURN {
+            displacement[at + 3] = turn;
         }
     }
     predicted.transport_frames(bundle);
-    predicted
+    Prediction {
+        state: predicted,
+        displacement,
+    }
 }
 
 /// Returns the motion of each part, by the number of its first vertex.
@@ -143,7 +158,11 @@ mod tests {
             let velocity = along + turn.cross(state.position.get(v));
             state.velocity.set(v, velocity);
         }
-        let predicted = predict(&bundle, &state, 2e-3);
+        let Prediction {
+            state: predicted,
+            displacement,
+        } = predict(&bundle, &state, 2e-3);
+        assert!(displacement.iter().all(|d| d.abs() < 1e-12));
         for j in 0..5 {
             let ratio = predicted.edge(j).length() / state.edge(j).length();
             assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
