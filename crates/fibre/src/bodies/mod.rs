@@ -18,12 +18,13 @@
 //! | `contact_point` | a contact between edges or bodies |
 //! | `gather` | contacts with bodies; `rod_pairs`: contacts between rods; `segments`: their closest points |
 //! | `impulses` | contacts resolved by impulses |
-//! | `springs` | contacts as springs |
+//! | `springs` | contacts as springs; `crushing`: what they bear |
 //! | `contacts` | [`crate::Contacts`] for [`Bodies`] |
 
 mod body;
 mod contact_point;
 mod contacts;
+mod crushing;
 mod displacement;
 mod error;
 mod gather;

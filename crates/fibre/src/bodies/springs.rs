@@ -1,10 +1,11 @@
-//! Contacts as penalty springs, for solvers that look for equilibrium: an overlap costs the energy ½ k depth², so that
-//! contacts are a potential like all others. The stiffness is that of wood across the grain over the length in contact.
+//! Contacts as penalty springs, for solvers that look for equilibrium: an overlap has an energy, so that contacts are a potential
+//! like all others ([`super::crushing`]). The stiffness is that of wood across the grain over the length in contact.
 //!
 //! Friction is Coulomb's, over the distance slid since the step began. Below [`FULL_FRICTION_SLIDE`] of a rod's radius it
 //! grows in proportion to the distance, so that it has a stiffness too.
 
 use super::contact_point::{ContactPoint, Side};
+use super::crushing::Overlap;
 use super::system::Bodies;
 use crate::contact::{ContactEnergy, ContactSpring, ContactTrial};
 use crate::state::State;
@@ -56,11 +57,12 @@ impl Bodies {
         let (state, start) = (trial.state, trial.start);
         let j = edge as usize;
         let mut stiffness = self.side_stiffness[j] * c.length;
-        let (mut friction, mut slide, mut body, mut other) = (0.0, DVec3::ZERO, None, None);
+        let mut strength = self.side_strength[j] * c.length;
+        let (mut coefficient, mut slide, mut body, mut other) = (0.0, DVec3::ZERO, None, None);
         match c.second {
             Side::Body(b) => {
                 let moving = &self.bodies[b as usize];
-                friction = moving.body.friction * stiffness * c.depth;
+                coefficient = moving.body.friction;
                 let way = |v: usize| state.position.get(v) - start.position.get(v);
                 let moved = way(j) * (1.0 - t) + way(j + 1) * t;
                 slide = moved - moving.velocity_at(c.point) * (trial.time - start.time);
@@ -72,11 +74,13 @@ impl Bodies {
                 stiffness *= self.side_stiffness[e as usize]
                     / (self.side_stiffness[j] + self.side_stiffness[e as usize])
                         .max(f64::MIN_POSITIVE);
+                strength = strength.min(self.side_strength[e as usize] * c.length);
                 other = Some((e, s));
             }
         }
+        let overlap = Overlap::new(stiffness, strength, self.radius[j], c.depth);
         let tangential_stiffness =
-            friction / slide.length().max(FULL_FRICTION_SLIDE * self.radius[j]);
+            coefficient * overlap.force / slide.length().max(FULL_FRICTION_SLIDE * self.radius[j]);
         Some(ContactSpring {
             edge,
             t,
@@ -84,10 +88,10 @@ impl Bodies {
             body,
             point: c.point,
             normal: c.normal,
-            force: c.normal * (stiffness * c.depth) - slide * tangential_stiffness,
-            normal_stiffness: stiffness,
+            force: c.normal * overlap.force - slide * tangential_stiffness,
+            normal_stiffness: overlap.stiffness,
             tangential_stiffness,
-            energy: 0.5 * stiffness * c.depth * c.depth,
+            energy: overlap.energy,
             friction_loss: tangential_stiffness * slide.length_squared(),
         })
     }

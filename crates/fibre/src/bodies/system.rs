@@ -2,6 +2,7 @@
 
 use super::body::{Body, MovingBody};
 use super::contact_point::{ContactPoint, SLOP, Side};
+use super::crushing::TRANSVERSE_STRENGTH_RATIO;
 use super::displacement::moved_squared;
 use super::error::BodyError;
 use super::rod_pairs::RodPairs;
@@ -56,6 +57,8 @@ pub struct Bodies {
     pub(super) radius: Vec<f64>,
     /// Per edge: stiffness of its side per length, N/m²; 0 at gaps.
     pub(super) side_stiffness: Vec<f64>,
+    /// Per edge: force per length at which its side is crushed, N/m; 0 at gaps.
+    pub(super) side_strength: Vec<f64>,
     pub(super) near: NearEdges,
     pub(super) rods: RodPairs,
     pub(super) contacts: Vec<ContactPoint>,
@@ -118,6 +121,7 @@ impl Bodies {
             inverse_mass: Vec::new(),
             radius: Vec::new(),
             side_stiffness: Vec::new(),
+            side_strength: Vec::new(),
             near: NearEdges::default(),
             rods: RodPairs::default(),
             contacts: Vec::new(),
@@ -246,11 +250,14 @@ impl Bodies {
         self.inverse_mass = bundle.mass.iter().map(|m| 1.0 / m).collect();
         self.radius = vec![0.0; n];
         self.side_stiffness = vec![0.0; n];
+        self.side_strength = vec![0.0; n];
         for rod in 0..bundle.rods() {
             for j in bundle.rod(rod).filter(|&j| bundle.is_edge(j)) {
                 self.radius[j] = 0.5 * bundle.diameter[rod];
-                self.side_stiffness[j] =
-                    TRANSVERSE_STIFFNESS_RATIO * bundle.stretch[j] / bundle.area[rod];
+                let modulus = bundle.stretch[j] / bundle.area[rod];
+                self.side_stiffness[j] = TRANSVERSE_STIFFNESS_RATIO * modulus;
+                let crushing = modulus * bundle.yield_strain[j];
+                self.side_strength[j] = TRANSVERSE_STRENGTH_RATIO * crushing * bundle.diameter[rod];
             }
         }
         self.near.margin = 0.0;
