@@ -9,8 +9,10 @@ use super::envelope::{Accuracy, EnvelopeMatrix, FactorError, conjugate_gradients
 use super::ordering::reverse_cuthill_mckee;
 use super::problem::LinearProblem;
 use crate::contact::ContactSpring;
+use crate::energy::bond::{BondSpring, BondTangent};
 use crate::energy::hessian::{ElementHessian, HessianKind, MAX_ELEMENT_DOFS};
 use crate::energy::{bend_twist, bond, rod};
+use crate::failure::cohesion::softening_tangent;
 use crate::rod_bundle::RodBundle;
 use crate::solvers::grip::ResolvedGrip;
 use greenstick_geometry::{Cancelled, Context};
@@ -240,6 +242,7 @@ impl DirectSolver {
                 self.add(&bond::hessian(bundle, state, b, kind), n, 1.0);
             }
         }
+        self.add_softening(problem, kind);
         for grip in problem.grips {
             self.add_grip(grip);
         }
@@ -248,6 +251,27 @@ impl DirectSolver {
             self.add_contact(spring);
         }
         Ok(())
+    }
+
+    /// Replaces the stiffness of bonds that soften at the problem's state. Where the exact matrix is not positive, the
+    /// Gauss–Newton one has the stiffness with which they would unload.
+    fn add_softening(&mut self, problem: &LinearProblem, kind: HessianKind) {
+        let (bundle, state) = (problem.bundle, problem.state);
+        let n = bundle.vertices();
+        for &(number, damage) in problem.softened {
+            let number = number as usize;
+            let tangent = match kind {
+                HessianKind::Exact => softening_tangent(bundle, state, number),
+                HessianKind::GaussNewton => {
+                    let spring = BondSpring::intact(bundle, number).damaged(damage);
+                    let (e, d) = bond::vectors(bundle, state, number);
+                    BondTangent::elastic(&spring, spring.strain(e, d))
+                }
+            };
+            self.add(&bond::hessian(bundle, state, number, kind), n, -1.0);
+            let softening = bond::hessian_of_tangent(bundle, state, number, &tangent, kind);
+            self.add(&softening, n, 1.0);
+        }
     }
 
     /// Returns the row of a vertex's degree of freedom.
