@@ -155,6 +155,17 @@ impl BondTangent {
             mixed: 0.0,
         }
     }
+
+    /// Returns this tangent mixed with a part, from 0 to 1, of another at the same forces.
+    pub fn mixed_with(&self, other: &BondTangent, part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * part;
+        BondTangent {
+            opening: mix(self.opening, other.opening),
+            slip: mix(self.slip, other.slip),
+            mixed: mix(self.mixed, other.mixed),
+            ..*self
+        }
+    }
 }
 
 /// Returns the Hessian over x, y₀ and y₁.

@@ -19,6 +19,9 @@ use greenstick_geometry::{Cancelled, Context};
 
 /// Stiffness of a yielding edge over that of an elastic one, in the matrix only: without any it could be singular.
 const YIELDED_STIFFNESS_RATIO: f64 = 1e-3;
+/// Parts of the softening of bonds that are tried where with all of it the matrix is not positive: a crack that runs ahead by
+/// itself moves slowly in steps that know little of it.
+const REDUCED_SOFTENING: [f64; 2] = [0.98, 0.8];
 /// Conjugate gradient iterations before a new factor is made.
 const MAX_ITERATIONS_WITH_OLD_FACTOR: usize = 14;
 
@@ -109,8 +112,13 @@ impl DirectSolver {
         held: &[bool],
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
-        for kind in [HessianKind::Exact, HessianKind::GaussNewton] {
+        let softens = !problem.softened.is_empty();
+        let reduced = REDUCED_SOFTENING.map(|softening| (HessianKind::Exact, softening));
+        let trials = [(HessianKind::Exact, 1.0)].into_iter();
+        let trials = trials.chain(reduced.into_iter().filter(|_| softens));
+        for (kind, softening) in trials.chain([(HessianKind::GaussNewton, 0.0)]) {
             self.assemble(problem, kind, context)?;
+            self.add_softening(problem, kind, softening);
             let mut right = residual.to_vec();
             self.apply_prescribed(prescribed, held, &mut right, context)?;
             if let Some(step) = self.solve_with_old_factor(problem, &right, context)? {
@@ -242,7 +250,6 @@ impl DirectSolver {
                 self.add(&bond::hessian(bundle, state, b, kind), n, 1.0);
             }
         }
-        self.add_softening(problem, kind);
         for grip in problem.grips {
             self.add_grip(grip);
         }
@@ -253,24 +260,20 @@ impl DirectSolver {
         Ok(())
     }
 
-    /// Replaces the stiffness of bonds that soften at the problem's state. Where the exact matrix is not positive, the
-    /// Gauss–Newton one has the stiffness with which they would unload.
-    fn add_softening(&mut self, problem: &LinearProblem, kind: HessianKind) {
+    /// Replaces the stiffness of bonds that soften at the problem's state: `softening` times their tangent, and for the rest the
+    /// stiffness with which they would unload.
+    fn add_softening(&mut self, problem: &LinearProblem, kind: HessianKind, softening: f64) {
         let (bundle, state) = (problem.bundle, problem.state);
         let n = bundle.vertices();
         for &(number, damage) in problem.softened {
             let number = number as usize;
-            let tangent = match kind {
-                HessianKind::Exact => softening_tangent(bundle, state, number),
-                HessianKind::GaussNewton => {
-                    let spring = BondSpring::intact(bundle, number).damaged(damage);
-                    let (e, d) = bond::vectors(bundle, state, number);
-                    BondTangent::elastic(&spring, spring.strain(e, d))
-                }
-            };
+            let spring = BondSpring::intact(bundle, number).damaged(damage);
+            let (e, d) = bond::vectors(bundle, state, number);
+            let unloading = BondTangent::elastic(&spring, spring.strain(e, d));
+            let tangent = unloading.mixed_with(&softening_tangent(bundle, state, number), softening);
             self.add(&bond::hessian(bundle, state, number, kind), n, -1.0);
-            let softening = bond::hessian_of_tangent(bundle, state, number, &tangent, kind);
-            self.add(&softening, n, 1.0);
+            let hessian = bond::hessian_of_tangent(bundle, state, number, &tangent, kind);
+            self.add(&hessian, n, 1.0);
         }
     }
 
