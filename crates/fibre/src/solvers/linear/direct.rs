@@ -270,7 +270,8 @@ impl DirectSolver {
             let spring = BondSpring::intact(bundle, number).damaged(damage);
             let (e, d) = bond::vectors(bundle, state, number);
             let unloading = BondTangent::elastic(&spring, spring.strain(e, d));
-            let tangent = unloading.mixed_with(&softening_tangent(bundle, state, number), softening);
+            let tangent =
+                unloading.mixed_with(&softening_tangent(bundle, state, number), softening);
             self.add(&bond::hessian(bundle, state, number, kind), n, -1.0);
             let hessian = bond::hessian_of_tangent(bundle, state, number, &tangent, kind);
             self.add(&hessian, n, 1.0);
