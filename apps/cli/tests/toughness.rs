@@ -7,13 +7,28 @@ use support::Folder;
 
 /// Options that make a test take a blink.
 const COARSE: [&str; 10] = [
-    "--crack", "6cm", "--length", "13cm", "--growth", "2cm", "--spacing", "5mm", "--edge", "5mm",
+    "--crack",
+    "6cm",
+    "--length",
+    "13cm",
+    "--growth",
+    "2cm",
+    "--spacing",
+    "5mm",
+    "--edge",
+    "5mm",
 ];
 
 #[test]
 fn the_report_is_what_the_curve_says() {
     let folder = Folder::new();
-    let start = ["fracture-test", "--species", "Norway spruce", "-o", "spruce"];
+    let start = [
+        "fracture-test",
+        "--species",
+        "Norway spruce",
+        "-o",
+        "spruce",
+    ];
     let run = folder.run(&[&start[..], &COARSE[..]].concat());
     assert_eq!(run.code, 0, "{}", run.err);
     let part = Folder(folder.0.join("spruce"));
@@ -46,7 +61,10 @@ fn the_report_is_what_the_curve_says() {
     let last = crack.len() - 1;
     let energy = (dissipated[last] - dissipated[from]) / (0.02 * (crack[last] - crack[from]));
     let reported = report["by_work"]["test"].as_f64().unwrap();
-    assert!((energy / reported - 1.0).abs() < 0.05, "{energy} {reported}");
+    assert!(
+        (energy / reported - 1.0).abs() < 0.05,
+        "{energy} {reported}"
+    );
 }
 
 #[test]
