@@ -5,6 +5,7 @@ mod bend_test;
 mod cracks;
 mod declared;
 mod fit;
+mod fracture_test;
 mod shared;
 mod simulate;
 mod skin;
@@ -15,6 +16,7 @@ pub use bend_test::BendTestOptions;
 pub use cracks::CracksOptions;
 pub use declared::{Declared, OptionSet};
 pub use fit::FitOptions;
+pub use fracture_test::FractureTestOptions;
 pub use shared::{MeshOptions, ReportingOptions};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
@@ -37,6 +39,7 @@ Examples
   greenstick simulate three-blocks -o run              bonded fibres, moved and broken
   greenstick skin run -o film.glb                      its skin, as a film
   greenstick bend-test --species \"white oak\"           strength of a species in bending
+  greenstick fracture-test --species \"white oak\"       its energy of fracture along the grain
   greenstick presets                                   ways in which wood breaks
   greenstick parameters                                everything that --set takes
   greenstick anatomy pole.ply --unit mm -o inside      rings, voxels and particles of a scan
@@ -95,6 +98,8 @@ pub enum Command {
     Fit(FitOptions),
     /// Test wood in three-point bending, beside the Wood Handbook's tables
     BendTest(Box<BendTestOptions>),
+    /// Test how tough wood is along the grain: a crack in opening or sliding, beside the energy that was put in
+    FractureTest(Box<FractureTestOptions>),
     /// List the parameters that --set and recipes take
     Parameters(ParametersOptions),
     /// Print the JSON Schema of the files that hold parameters

@@ -2,10 +2,9 @@
 
 use crate::arguments::BendTestOptions;
 use crate::break_wood::use_threads;
-use crate::failure::{Failure, print};
-use crate::outcome::{Written, written};
-use crate::progress::{Progress, StageTime};
-use greenstick::Error;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::test_output::TestOutput;
 use greenstick::ErrorKind;
 use greenstick::bending::{
     BEND_REPORT_FILE, BEND_TABLE_FILE, BendRequest, BendSettings, BendingError, END_AT_MAXIMUM,
@@ -14,21 +13,8 @@ use greenstick::bending::{
 };
 use greenstick::fibre::BendTest;
 use greenstick::files::{self, FileError};
-use greenstick::formats::Encoded;
-use greenstick::geometry::{Context, Provenance};
 use greenstick::provenance;
-use serde::Serialize;
-use std::fmt::{Display, Write};
 use std::process::ExitCode;
-
-#[derive(Serialize)]
-struct FullReport<'a, T> {
-    #[serde(flatten)]
-    report: &'a T,
-    provenance: &'a Provenance,
-    outputs: &'a [Written],
-    stages: &'a [StageTime],
-}
 
 pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     let settings = options.settings.set()?;
@@ -43,8 +29,9 @@ pub fn run(options: &BendTestOptions) -> Result<ExitCode, Failure> {
     let [work, write] = progress.split([("bend", 20.0), ("write", 1.0)]);
     let made = provenance("bend-test", options.species.as_deref(), &settings);
     let moisture = settings.moisture;
-    let output = Output {
-        options,
+    let output = TestOutput {
+        folder: options.output.as_deref(),
+        reporting: &options.reporting,
         provenance: &made,
         progress: &progress,
         write: &write,
@@ -120,57 +107,6 @@ fn measured(options: &BendTestOptions) -> Result<Option<MeasuredSpecimens>, Fail
     files::read_measured(path, &columns)
         .map(Some)
         .map_err(missing_column)
-}
-
-/// Where a report goes.
-struct Output<'a> {
-    options: &'a BendTestOptions,
-    provenance: &'a Provenance,
-    progress: &'a Progress,
-    write: &'a Context,
-}
-
-impl Output<'_> {
-    /// Writes the files, where a folder was named, and prints the report.
-    fn write<T: Serialize + Display>(
-        &self,
-        report: &T,
-        make: impl FnOnce() -> Result<Vec<Encoded>, Error>,
-    ) -> Result<ExitCode, Failure> {
-        let Output {
-            options,
-            provenance,
-            ..
-        } = *self;
-        let mut listed = Vec::new();
-        if let Some(folder) = &options.output {
-            self.write.report(0.0)?;
-            let outputs = files::write_folder(folder, make()?)?;
-            listed = written(&outputs);
-        }
-        let stages = self.progress.finish();
-        let text = if options.reporting.json {
-            let full = FullReport {
-                report,
-                provenance,
-                outputs: &listed,
-                stages: &stages,
-            };
-            serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
-        } else {
-            let mut text = report.to_string();
-            for file in &listed {
-                let _ = writeln!(text, "wrote     {}", file.path);
-            }
-            let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
-            let _ = writeln!(text, "took      {seconds:.2} s");
-            text
-        };
-        if options.reporting.prints_report() {
-            print(&text)?;
-        }
-        Ok(ExitCode::SUCCESS)
-    }
 }
 
 fn failure(error: BendingError) -> Failure {

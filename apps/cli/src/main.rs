@@ -8,6 +8,7 @@ mod break_wood;
 mod cracks;
 mod failure;
 mod fit;
+mod fracture_test;
 mod inspect;
 mod list;
 mod outcome;
@@ -17,6 +18,7 @@ mod scan;
 mod simulate;
 mod skin;
 mod species;
+mod test_output;
 mod values;
 mod video;
 
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         },
         Command::Anatomy(options) => anatomy::run(options),
         Command::BendTest(options) => bend_test::run(options),
+        Command::FractureTest(options) => fracture_test::run(options),
         Command::Check(options) => inspect::check(options),
         Command::Picture(options) => inspect::picture(options),
         Command::Simulate(options) => simulate::run(options),

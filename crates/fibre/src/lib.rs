@@ -16,6 +16,7 @@
 //! | [`store`] | frames, tables and checkpoints as bytes |
 //! | [`simulate`] | a scene simulated from its meshes to its records |
 //! | [`bend_test`] | three-point bending of clear wood |
+//! | [`fracture_test`] | standard fracture tests along the grain |
 #![deny(missing_docs)]
 // Loops over vertices and edges index several arrays alike.
 #![allow(clippy::needless_range_loop)]
@@ -38,6 +39,7 @@ mod evaluator;
 mod event;
 mod failure;
 mod forces;
+pub mod fracture_test;
 mod loads;
 pub mod material_frame;
 mod parallel;

@@ -1,14 +1,15 @@
-//! Charts of runs and of bending tests.
+//! Charts of runs and of tests.
 
 use greenstick_fibre::Curve;
 use greenstick_fibre::bend_test::{Bent, MeasuredSpecimens, SpecimensReport};
+use greenstick_fibre::fracture_test::FractureTested;
 use greenstick_fibre::simulate::{LoadCurves, energy_curves};
 use greenstick_fibre::store::{EnergyRow, ForceRow};
 use greenstick_picture::{Chart, Picture, Series, SeriesStyle};
 
 /// Size of a run's charts, pixels.
 const RUN_SIZE: [u32; 2] = [1600, 800];
-/// Size of a bending test's chart, pixels.
+/// Size of the chart of a bending or fracture test, pixels.
 const BEND_SIZE: [u32; 2] = [1600, 900];
 /// Size of a chart of specimens, pixels.
 const SCATTER_SIZE: [u32; 2] = [1600, 1000];
@@ -32,6 +33,15 @@ pub fn bend_chart(bent: &Bent) -> Picture {
     let title = format!("{}, {} % moisture", report.species, report.moisture_percent);
     let axes = ["deflection (mm)", "load (kN)"];
     draw(&title, axes, bent.load_curves(), BEND_SIZE)
+}
+
+/// Draws the load of a fracture test over its deflection, beside that of a sharp crack in beam theory.
+pub fn fracture_chart(tested: &FractureTested) -> Picture {
+    let report = &tested.report;
+    let (species, moisture) = (&report.species, report.moisture_percent);
+    let title = format!("{species}, {moisture} % moisture, {}", report.test.word());
+    let axes = ["deflection (mm)", "load (N)"];
+    draw(&title, axes, tested.load_curves(), BEND_SIZE)
 }
 
 /// Draws the modulus of rupture of specimens over their density, each with its regression line, beside measured ones.

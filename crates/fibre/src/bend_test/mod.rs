@@ -47,9 +47,11 @@ pub use grain::SlopedGrain;
 pub use measured::{MeasuredSpecimens, MeasuredSummary};
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
 pub use parameters::{BendParameters, BendSettings};
+pub(crate) use report::short;
 pub use report::{BendReport, Compared, Failing, Phase};
 pub use species::{BendRequest, Bent, bend};
 pub use specimen::{BendSection, BendTest, END_AT_MAXIMUM};
+pub(crate) use specimen::{MAX_MATRIX_GIGABYTES, matrix_gigabytes};
 pub use specimens::{CLEAR_WOOD_WEIBULL_MODULUS, SpecimensRequest, bend_specimens};
 pub use specimens_report::{
     ExpectedScatter, SpecimenResult, SpecimenRow, SpecimensReport, SpecimensSummary,

@@ -405,7 +405,7 @@ impl BendReport {
 }
 
 /// A length in millimetres, no finer than a micrometre.
-pub(super) fn short(metres: f64) -> String {
+pub(crate) fn short(metres: f64) -> String {
     let text = format!("{:.3}", metres * 1e3);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

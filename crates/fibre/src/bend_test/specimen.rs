@@ -76,7 +76,13 @@ pub struct BendTest {
 pub const END_AT_MAXIMUM: f64 = 0.95;
 
 /// Largest matrix, GB.
-const MAX_GIGABYTES: f64 = 4.0;
+pub(crate) const MAX_MATRIX_GIGABYTES: f64 = 4.0;
+
+/// Returns the approximate size of matrix and factor of a specimen of rods with vertices in common cross-sections, GB.
+pub(crate) fn matrix_gigabytes(rods: f64, sections: f64) -> f64 {
+    // Three unknowns at a vertex, each with those of its cross-section and the one before.
+    2.0 * 8e-9 * (3.0 * rods * sections) * (4.5 * rods)
+}
 
 /// A quantity, its value, whether that is valid, and what would be.
 type Check = (&'static str, f64, bool, &'static str);
@@ -188,14 +194,13 @@ impl BendTest {
             RodCount::Spacing(s) => self.section.area() / (s * s),
         };
         let sections = self.length / self.edge;
-        // Three unknowns at a vertex, each with those of its cross-section and the one before; matrix and factor.
-        let gigabytes = 2.0 * 8e-9 * (3.0 * rods * sections) * (4.5 * rods);
-        if gigabytes > MAX_GIGABYTES {
+        let gigabytes = matrix_gigabytes(rods, sections);
+        if gigabytes > MAX_MATRIX_GIGABYTES {
             return Err(BendError::TooFine {
                 rods,
                 sections,
                 gigabytes,
-                most: MAX_GIGABYTES,
+                most: MAX_MATRIX_GIGABYTES,
             });
         }
         Ok(())

@@ -130,6 +130,44 @@ pub(crate) fn forces(bundle: &RodBundle, state: &State, bond: usize) -> (DVec3, 
     )
 }
 
+/// The forces of a bond across and along the edge, N, and their derivatives with respect to opening and slip, N/m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BondTangent {
+    pub pull: f64,
+    pub shear: f64,
+    /// Of the first with respect to opening.
+    pub opening: f64,
+    /// Of the second with respect to slip.
+    pub slip: f64,
+    /// Of either with respect to the other.
+    pub mixed: f64,
+}
+
+impl BondTangent {
+    /// Returns that of a spring whose stiffness stays.
+    pub fn elastic(spring: &BondSpring, strain: BondStrain) -> Self {
+        let (opening, slip) = (spring.across(strain.opening), spring.slip);
+        BondTangent {
+            pull: opening * strain.opening,
+            shear: slip * strain.slip,
+            opening,
+            slip,
+            mixed: 0.0,
+        }
+    }
+
+    /// Returns this tangent mixed with a part, from 0 to 1, of another at the same forces.
+    pub fn mixed_with(&self, other: &BondTangent, part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * part;
+        BondTangent {
+            opening: mix(self.opening, other.opening),
+            slip: mix(self.slip, other.slip),
+            mixed: mix(self.mixed, other.mixed),
+            ..*self
+        }
+    }
+}
+
 /// Returns the Hessian over x, y₀ and y₁.
 pub(crate) fn hessian(
     bundle: &RodBundle,
@@ -139,11 +177,23 @@ pub(crate) fn hessian(
 ) -> ElementHessian {
     let (e, d) = vectors(bundle, state, bond);
     let spring = BondSpring::new(bundle, bond);
-    let BondStrain { opening, slip } = spring.strain(e, d);
-    let (across, along) = (spring.across(opening), spring.slip);
+    let tangent = BondTangent::elastic(&spring, spring.strain(e, d));
+    hessian_of_tangent(bundle, state, bond, &tangent, kind)
+}
+
+/// Returns the derivatives of the forces on x, y₀ and y₁ of a bond with a tangent.
+pub(crate) fn hessian_of_tangent(
+    bundle: &RodBundle,
+    state: &State,
+    bond: usize,
+    tangent: &BondTangent,
+    kind: HessianKind,
+) -> ElementHessian {
+    let (e, d) = vectors(bundle, state, bond);
+    let (across, along, mixed) = (tangent.opening, tangent.slip, tangent.mixed);
     // The forces, which only the exact Hessian has.
     let exact = f64::from(u8::from(kind == HessianKind::Exact));
-    let (pull, shear) = (exact * across * opening, exact * along * slip);
+    let (pull, shear) = (exact * tangent.pull, exact * tangent.shear);
     // The distance across h = (q − r²/p)^½ and the way along s = r p^(−½).
     let (p, q, r) = (e.length_squared(), d.length_squared(), e.dot(d));
     let h = (q - r * r / p).max(0.0).sqrt();
@@ -159,13 +209,18 @@ pub(crate) fn hessian(
         pp: across * hp * hp
             + pull * second(-r * r / (p * p * p), hp, hp)
             + along * sp * sp
-            + shear * 0.75 * r / (p * p) * root,
-        pq: across * hp * hq + pull * second(0.0, hp, hq),
+            + shear * 0.75 * r / (p * p) * root
+            + 2.0 * mixed * hp * sp,
+        pq: across * hp * hq + pull * second(0.0, hp, hq) + mixed * sp * hq,
         pr: across * hp * hr + pull * second(r / (p * p), hp, hr) + along * sp * sr
-            - shear * 0.5 / p * root,
+            - shear * 0.5 / p * root
+            + mixed * (hp * sr + sp * hr),
         qq: across * hq * hq + pull * second(0.0, hq, hq),
-        qr: across * hq * hr + pull * second(0.0, hq, hr),
-        rr: across * hr * hr + pull * second(-1.0 / p, hr, hr) + along * sr * sr,
+        qr: across * hq * hr + pull * second(0.0, hq, hr) + mixed * hq * sr,
+        rr: across * hr * hr
+            + pull * second(-1.0 / p, hr, hr)
+            + along * sr * sr
+            + 2.0 * mixed * hr * sr,
     };
     let b = &bundle.bonds;
     let (x, j, t) = (b.vertex[bond] as usize, b.edge[bond] as usize, b.t[bond]);

@@ -10,7 +10,7 @@
 //! strength and retain their energy of fracture: φ₀ = (G/(R w))^½ with R = [`MIN_SOFTENING_RATIO`] (Bažant and Oh 1983, the
 //! crack band's strength limit).
 
-use crate::energy::bond::{self, BondSpring};
+use crate::energy::bond::{self, BondSpring, BondTangent};
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 
@@ -87,9 +87,51 @@ impl Softening {
         self.fracture_energy * damage * self.threshold(damage) / self.end
     }
 
+    /// Returns the derivative of the damage of a bond that softens with respect to φ.
+    fn damage_rate(&self) -> f64 {
+        if self.strain > self.onset && self.strain < self.end {
+            self.end * self.onset / (self.strain * self.strain * (self.end - self.onset))
+        } else {
+            0.0
+        }
+    }
+
     /// Returns φ at which a bond of this damage softens further.
     pub fn threshold(&self, damage: f64) -> f64 {
         self.end * self.onset / (self.end - damage * (self.end - self.onset))
+    }
+}
+
+/// Returns the tangent of a bond that softens in a state, so that its damage is that of [`Softening::damage`].
+///
+/// In opening and slip together the forces have no potential. The tangent is the symmetric part of their derivatives, with the
+/// mode as it is.
+pub(crate) fn softening_tangent(bundle: &RodBundle, state: &State, number: usize) -> BondTangent {
+    let b = &bundle.bonds;
+    let softening = Softening::new(bundle, state, number);
+    let intact = BondSpring::intact(bundle, number);
+    let (e, d) = bond::vectors(bundle, state, number);
+    let strain = intact.strain(e, d);
+    let tangent = BondTangent::elastic(&intact.damaged(softening.damage()), strain);
+    let rate = softening.damage_rate();
+    if rate == 0.0 {
+        return tangent;
+    }
+    let forces = [
+        intact.opening * strain.opening.max(0.0),
+        intact.slip * strain.slip,
+    ];
+    let tension = intact.opening / b.tension_strength[number];
+    let shear = intact.slip / b.shear_strength[number];
+    let rates = [
+        rate * tension * tension * strain.opening.max(0.0) / softening.strain,
+        rate * shear * shear * strain.slip / softening.strain,
+    ];
+    BondTangent {
+        opening: tangent.opening - forces[0] * rates[0],
+        slip: tangent.slip - forces[1] * rates[1],
+        mixed: -0.5 * (forces[0] * rates[1] + forces[1] * rates[0]),
+        ..tangent
     }
 }
 

@@ -1,8 +1,9 @@
 //! A cohesive bond pulled and sheared to its end: its work is the energy of fracture, its greatest force the strength.
 
-use super::cohesion::Softening;
+use super::cohesion::{Softening, softening_tangent};
 use crate::bonds::Bond;
 use crate::energy;
+use crate::energy::hessian::HessianKind;
 use crate::rod_bundle::{Rod, RodBundle};
 use crate::state::State;
 use crate::support::{soft, straight};
@@ -128,4 +129,47 @@ fn damage_never_heals_and_pressure_passes_in_full() {
         (pressure / (MODULI[0] * 1e-6 / 1e-3) - 1.0).abs() < 1e-6,
         "{pressure}"
     );
+}
+
+/// Forces on the three vertices of a bond that softens in a state as far as it comes there, N.
+fn softening_forces(bundle: &RodBundle, state: &State) -> [DVec3; 3] {
+    let mut softened = bundle.clone();
+    softened.bonds.damage[0] = Softening::new(bundle, state, 0).damage();
+    let (x, y0, y1) = energy::bond::forces(&softened, state, 0);
+    [x, y0, y1]
+}
+
+#[test]
+fn the_tangent_is_the_derivative_of_the_forces_that_fall() {
+    const STEP: f64 = 1e-9;
+    let bundle = pair(1e-3);
+    // Opening alone, and slip under a little pressure: at no opening the stiffness across has a kink.
+    for way in [DVec3::X * 3e-5, DVec3::new(-1e-6, 0.0, 6e-5)] {
+        let mut state = State::at_rest(&bundle);
+        (6..12).for_each(|v| state.position.add(v, way));
+        let softening = Softening::new(&bundle, &state, 0);
+        assert!((0.1..0.9).contains(&softening.damage()));
+        let tangent = softening_tangent(&bundle, &state, 0);
+        let kind = HessianKind::Exact;
+        let hessian = energy::bond::hessian_of_tangent(&bundle, &state, 0, &tangent, kind);
+        let largest = hessian.matrix.as_flattened().iter();
+        let largest = largest.fold(0.0f64, |m, v| m.max(v.abs()));
+        for u in 0..hessian.count {
+            let moved = |by: f64| {
+                let mut state = state.clone();
+                let dof = hessian.dofs[u] as usize;
+                state.position.add(dof / 3, DVec3::AXES[dof % 3] * by);
+                softening_forces(&bundle, &state)
+            };
+            let (ahead, behind) = (moved(STEP), moved(-STEP));
+            for v in 0..hessian.count {
+                let vertices = [2, 8, 9];
+                let dof = hessian.dofs[v] as usize;
+                let k = vertices.iter().position(|&i| i == dof / 3).unwrap();
+                let slope = (behind[k] - ahead[k])[dof % 3] / (2.0 * STEP);
+                let error = (hessian.matrix[v][u] - slope).abs() / largest;
+                assert!(error < 1e-5, "{way} {u} {v}: {slope} {error}");
+            }
+        }
+    }
 }

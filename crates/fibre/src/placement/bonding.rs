@@ -17,8 +17,8 @@ use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::noise::unit;
 use greenstick_wood::stem::Stem;
 
-/// The material of a facet.
-struct FacetMaterial {
+/// The material of a facet between two rods.
+pub(crate) struct FacetMaterial {
     /// Modulus of elasticity across it, Pa.
     across: f64,
     /// Shear modulus along it, Pa.
@@ -32,27 +32,68 @@ struct FacetMaterial {
     shear_fracture_energy: f64,
 }
 
-fn facet_material(wood: &WoodMaterial, relative: FacetWood, radial: f64) -> FacetMaterial {
-    let mix = |r: f64, t: f64| t + (r - t) * radial;
-    FacetMaterial {
-        across: mix(wood.radial, wood.tangential) * relative.modulus,
-        shear: mix(wood.shear_radial, wood.shear_tangential) * relative.modulus,
-        tension_strength: wood.tension_across * relative.tension,
-        shear_strength: wood.shear * relative.shear,
-        fracture_energy: wood.fracture_energy * relative.tension,
-        shear_fracture_energy: wood.shear_fracture_energy() * relative.shear,
+impl FacetMaterial {
+    /// Returns the material of a facet whose normal is radial to this part, from 0 (tangential) to 1.
+    pub fn new(wood: &WoodMaterial, radial: f64) -> Self {
+        let mix = |r: f64, t: f64| t + (r - t) * radial;
+        FacetMaterial {
+            across: mix(wood.radial, wood.tangential),
+            shear: mix(wood.shear_radial, wood.shear_tangential),
+            tension_strength: wood.tension_across,
+            shear_strength: wood.shear,
+            fracture_energy: wood.fracture_energy,
+            shear_fracture_energy: wood.shear_fracture_energy(),
+        }
+    }
+
+    fn scaled(self, relative: FacetWood) -> Self {
+        FacetMaterial {
+            across: self.across * relative.modulus,
+            shear: self.shear * relative.modulus,
+            tension_strength: self.tension_strength * relative.tension,
+            shear_strength: self.shear_strength * relative.shear,
+            fracture_energy: self.fracture_energy * relative.tension,
+            shear_fracture_energy: self.shear_fracture_energy * relative.shear,
+        }
+    }
+
+    /// Returns the bond of a vertex to the nearest point on another rod. It stands for `area` (m²) of the facet, and has
+    /// `relative_strength` times the facet's strength and energy of fracture.
+    pub fn bond(
+        &self,
+        vertex: usize,
+        nearest: &NearestPoint,
+        area: f64,
+        relative_strength: f64,
+    ) -> Bond {
+        let strength = relative_strength * area;
+        Bond {
+            vertex: vertex as u32,
+            edge: nearest.edge as u32,
+            t: nearest.t,
+            distance: nearest.distance,
+            rest_cosine: nearest.cosine.clamp(-1.0, 1.0),
+            transverse: self.across * area,
+            shear: 0.5 * self.shear * area * nearest.distance,
+            area,
+            tension_strength: self.tension_strength * strength,
+            shear_strength: self.shear_strength * strength,
+            fracture_energy: self.fracture_energy * strength,
+            shear_fracture_energy: self.shear_fracture_energy * strength,
+            damage: 0.0,
+        }
     }
 }
 
 /// The point on a rod that is nearest to a vertex.
-struct NearestPoint {
-    edge: usize,
+pub(crate) struct NearestPoint {
+    pub edge: usize,
     /// Parameter along the edge.
-    t: f64,
+    pub t: f64,
     /// Distance from the vertex, m.
-    distance: f64,
+    pub distance: f64,
     /// Cosine of the angle between the edge and the direction to the vertex.
-    cosine: f64,
+    pub cosine: f64,
 }
 
 /// Returns the nearest point to vertex `i` on rod `rod`. Vertices of a rod ascend in length along the axis, so that only edges
@@ -103,7 +144,7 @@ pub(super) fn bonds(
             let (p, q) = (cell.centroid, cells[facet.neighbour as usize].centroid);
             let radial = radial_part(stem, [p, q]);
             let relative = section.facet([number, facet.neighbour as usize], radial);
-            let material = facet_material(wood, relative, radial);
+            let material = FacetMaterial::new(wood, radial).scaled(relative);
             for i in bundle.rod(number) {
                 let other = facet.neighbour as usize;
                 let Some(nearest) = nearest_point(bundle, along, i, other) else {
@@ -114,22 +155,7 @@ pub(super) fn bonds(
                 let area = facet.width * scale * length;
                 let uniform = unit(options.seed ^ 0xb0d5, i as i64, other as i64, 0);
                 let scatter = weibull(options.weibull, uniform);
-                let strength = scatter * area;
-                bonds.push(Bond {
-                    vertex: i as u32,
-                    edge: nearest.edge as u32,
-                    t: nearest.t,
-                    distance: nearest.distance,
-                    rest_cosine: nearest.cosine.clamp(-1.0, 1.0),
-                    transverse: material.across * area,
-                    shear: 0.5 * material.shear * area * nearest.distance,
-                    area,
-                    tension_strength: material.tension_strength * strength,
-                    shear_strength: material.shear_strength * strength,
-                    fracture_energy: material.fracture_energy * strength,
-                    shear_fracture_energy: material.shear_fracture_energy * strength,
-                    damage: 0.0,
-                });
+                bonds.push(material.bond(i, &nearest, area, scatter));
             }
         }
     }

@@ -31,12 +31,14 @@ mod structure_tests;
 mod tests;
 mod voronoi;
 
+pub(crate) use bonding::{FacetMaterial, NearestPoint};
 pub use fill::{PlacedRods, fill_stem, fill_structured_stem};
 pub(crate) use material::RelativeWood;
 pub use material::{WoodMaterial, strength_at};
 pub use options::{
     Arrangement, EdgeLengths, Neighbours, PlacementError, PlacementOptions, RodCount,
 };
+pub(crate) use points::poisson_disk;
 pub(crate) use scatter::weibull;
 pub(crate) use section_moment::{Element, relative_capacities, relative_demands};
 pub use section_wood::RodWood;

@@ -20,7 +20,7 @@ const TRIES: i64 = 30;
 ///
 /// # Errors
 /// [`Cancelled`] where the caller cancels the work.
-pub(super) fn poisson_disk(
+pub(crate) fn poisson_disk(
     outline: &[DVec2],
     distance: f64,
     seed: u64,

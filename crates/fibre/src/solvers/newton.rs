@@ -510,6 +510,7 @@ impl Newton {
             bundle: problem.bundle,
             state,
             plastic: &problem.base.plastic_strain,
+            softened: &balance.softened,
             springs: &balance.springs,
             grips: &balance.grips,
             inertia,

@@ -14,9 +14,9 @@ pub use greenstick_fibre::bend_test::{
 pub use measured::{MeasuredColumns, MeasuredError, UnitColumn, parse_measured};
 
 use crate::Error;
+use crate::report_file::json_file;
 use greenstick_formats::Encoded;
 use greenstick_geometry::Provenance;
-use serde::Serialize;
 
 /// The name of a test's report.
 pub const BEND_REPORT_FILE: &str = "bend-test.json";
@@ -65,22 +65,4 @@ pub fn specimens_files(
         json_file("specimens.json", report, provenance)?,
         Encoded::new("scatter.png", scatter_chart(report, measured).png()),
     ])
-}
-
-/// A report that says where it comes from.
-#[derive(Serialize)]
-struct WithProvenance<'a, T> {
-    #[serde(flatten)]
-    report: &'a T,
-    provenance: &'a Provenance,
-}
-
-fn json_file(
-    name: &str,
-    report: &impl Serialize,
-    provenance: &Provenance,
-) -> Result<Encoded, Error> {
-    let value = WithProvenance { report, provenance };
-    let text = serde_json::to_string_pretty(&value).map_err(|e| Error::Report(e.to_string()))?;
-    Ok(Encoded::new(name, text + "\n"))
 }

@@ -9,14 +9,19 @@ use super::envelope::{Accuracy, EnvelopeMatrix, FactorError, conjugate_gradients
 use super::ordering::reverse_cuthill_mckee;
 use super::problem::LinearProblem;
 use crate::contact::ContactSpring;
+use crate::energy::bond::{BondSpring, BondTangent};
 use crate::energy::hessian::{ElementHessian, HessianKind, MAX_ELEMENT_DOFS};
 use crate::energy::{bend_twist, bond, rod};
+use crate::failure::cohesion::softening_tangent;
 use crate::rod_bundle::RodBundle;
 use crate::solvers::grip::ResolvedGrip;
 use greenstick_geometry::{Cancelled, Context};
 
 /// Stiffness of a yielding edge over that of an elastic one, in the matrix only: without any it could be singular.
 const YIELDED_STIFFNESS_RATIO: f64 = 1e-3;
+/// Parts of the softening of bonds that are tried where with all of it the matrix is not positive: a crack that runs ahead by
+/// itself moves slowly in steps that know little of it.
+const REDUCED_SOFTENING: [f64; 2] = [0.98, 0.8];
 /// Conjugate gradient iterations before a new factor is made.
 const MAX_ITERATIONS_WITH_OLD_FACTOR: usize = 14;
 
@@ -107,8 +112,13 @@ impl DirectSolver {
         held: &[bool],
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
-        for kind in [HessianKind::Exact, HessianKind::GaussNewton] {
+        let softens = !problem.softened.is_empty();
+        let reduced = REDUCED_SOFTENING.map(|softening| (HessianKind::Exact, softening));
+        let trials = [(HessianKind::Exact, 1.0)].into_iter();
+        let trials = trials.chain(reduced.into_iter().filter(|_| softens));
+        for (kind, softening) in trials.chain([(HessianKind::GaussNewton, 0.0)]) {
             self.assemble(problem, kind, context)?;
+            self.add_softening(problem, kind, softening);
             let mut right = residual.to_vec();
             self.apply_prescribed(prescribed, held, &mut right, context)?;
             if let Some(step) = self.solve_with_old_factor(problem, &right, context)? {
@@ -248,6 +258,24 @@ impl DirectSolver {
             self.add_contact(spring);
         }
         Ok(())
+    }
+
+    /// Replaces the stiffness of bonds that soften at the problem's state: `softening` times their tangent, and for the rest the
+    /// stiffness with which they would unload.
+    fn add_softening(&mut self, problem: &LinearProblem, kind: HessianKind, softening: f64) {
+        let (bundle, state) = (problem.bundle, problem.state);
+        let n = bundle.vertices();
+        for &(number, damage) in problem.softened {
+            let number = number as usize;
+            let spring = BondSpring::intact(bundle, number).damaged(damage);
+            let (e, d) = bond::vectors(bundle, state, number);
+            let unloading = BondTangent::elastic(&spring, spring.strain(e, d));
+            let tangent =
+                unloading.mixed_with(&softening_tangent(bundle, state, number), softening);
+            self.add(&bond::hessian(bundle, state, number, kind), n, -1.0);
+            let hessian = bond::hessian_of_tangent(bundle, state, number, &tangent, kind);
+            self.add(&hessian, n, 1.0);
+        }
     }
 
     /// Returns the row of a vertex's degree of freedom.

@@ -11,6 +11,8 @@ pub(crate) struct LinearProblem<'a> {
     pub state: &'a State,
     /// Plastic strain before the step.
     pub plastic: &'a [f64],
+    /// Bonds that soften at the state, with their damage.
+    pub softened: &'a [(u32, f64)],
     /// Contacts at the state.
     pub springs: &'a [ContactSpring],
     pub grips: &'a [ResolvedGrip],

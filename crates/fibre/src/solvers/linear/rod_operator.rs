@@ -300,6 +300,7 @@ mod tests {
             bundle: &bundle,
             state: &state,
             plastic: &vec![0.0; n],
+            softened: &[],
             springs: &[],
             grips: &[],
             inertia: 900.0,

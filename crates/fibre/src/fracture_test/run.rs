@@ -1,0 +1,93 @@
+//! The test itself.
+
+use super::error::FractureError;
+use super::outcome::{Evaluation, FractureOutcome, FracturePoint};
+use super::rig::Rig;
+use super::specimen::{FractureTest, FractureTestKind};
+use super::theory::BeamTheory;
+use crate::placement::WoodMaterial;
+use greenstick_geometry::Context;
+
+/// Load steps up to the deflection at which the crack of beam theory begins to grow, as long as nothing softens.
+const STEPS_TO_GROWTH: f64 = 20.0;
+/// The test ends at this multiple of beam theory's deflection at the end of the growth.
+const MAX_DEFLECTION_RATIO: f64 = 3.0;
+/// Fraction of the work that is done when the crack begins to grow. It serves only the progress.
+const PROGRESS_AT_GROWTH: f64 = 0.3;
+
+impl FractureTest {
+    /// Runs the test on `wood`, which is everywhere alike.
+    ///
+    /// # Errors
+    /// [`FractureError`].
+    pub fn run(
+        &self,
+        wood: &WoodMaterial,
+        context: &Context,
+    ) -> Result<FractureOutcome, FractureError> {
+        self.check()?;
+        let mut rig = Rig::new(self, wood, &context.silenced())?;
+        let theory = BeamTheory::new(self, wood);
+        let bond_energy = self.bond_energy(wood);
+        let roughness = rig.section.roughness();
+        let deflection =
+            |crack: f64| theory.load(bond_energy * roughness, crack) * theory.compliance(crack);
+        let (start, edge) = (rig.division.crack(), rig.division.edge);
+        let onset = deflection(start);
+        let elastic_step = onset / STEPS_TO_GROWTH;
+        let growth_step = elastic_step.min(onset * self.steady_step() * edge / start);
+        let farthest = MAX_DEFLECTION_RATIO * deflection(start + self.growth).max(onset);
+        let mut last = FracturePoint {
+            crack: start,
+            zone_end: start,
+            ..FracturePoint::default()
+        };
+        let mut points = vec![last];
+        while last.crack < start + self.growth && last.deflection < farthest {
+            let grown = ((last.crack - start) / self.growth).min(1.0);
+            let loaded = (last.deflection / onset).min(1.0);
+            let rest = 1.0 - PROGRESS_AT_GROWTH;
+            context.report(PROGRESS_AT_GROWTH * loaded + rest * grown)?;
+            let softens = last.zone_end > start;
+            let step = if softens { growth_step } else { elastic_step };
+            let target = rig.world.state.time + step;
+            last = rig.advance(&last, target, context)?;
+            points.push(last);
+        }
+        let evaluation = Evaluation::new(self, &theory, &points, start)?;
+        Ok(FractureOutcome {
+            points,
+            bond_energy,
+            roughness,
+            energy_by_work: evaluation.energy_by_work,
+            energy_by_compliance: evaluation.energy_by_compliance,
+            energy_by_beam_theory: evaluation.energy_by_beam_theory,
+            energy_by_equivalent_crack: evaluation.energy_by_equivalent_crack,
+            compliance: evaluation.compliance,
+            maximum: evaluation.maximum,
+            process_zone: evaluation.process_zone,
+            dissipated_beside: rig.dissipated_beside() / last.dissipated_by_bonds,
+            rods: rig.section.rods.len(),
+            slice: rig.section.width,
+            edge,
+        })
+    }
+
+    /// Returns the relative change of deflection that lets the crack grow by about half of its relative change.
+    fn steady_step(&self) -> f64 {
+        match self.kind {
+            // The deflection grows with the square of the crack.
+            FractureTestKind::DoubleCantileverBeam => 1.0,
+            // It hardly grows where the crack begins to be stable.
+            FractureTestKind::EndNotchedFlexure => 0.4,
+        }
+    }
+
+    /// Returns the energy of fracture that bonds have in the mode of the test, J/m².
+    fn bond_energy(&self, wood: &WoodMaterial) -> f64 {
+        match self.kind {
+            FractureTestKind::DoubleCantileverBeam => wood.fracture_energy,
+            FractureTestKind::EndNotchedFlexure => wood.shear_fracture_energy(),
+        }
+    }
+}
