@@ -44,6 +44,7 @@ mod loads;
 pub mod material_frame;
 mod parallel;
 pub mod placement;
+mod reactions;
 mod rod_bundle;
 mod rotation;
 pub mod scene;
@@ -71,7 +72,7 @@ pub use evaluator::ForceEvaluator;
 pub use event::{Cause, Event, EventKind};
 pub use failure::{BondCriterion, FailureCriteria};
 pub use forces::Forces;
-pub use loads::{Clamp, Keyframe, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
+pub use loads::{Clamp, ClampForce, Keyframe, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{
     Arrangement, EdgeLengths, PlacedRods, PlacementError, PlacementOptions, RodCount, WoodMaterial,
 };
@@ -81,4 +82,4 @@ pub use simd::SimdLevel;
 pub use solvers::{AdvanceReport, Explicit, Implicit, Interactive, QuasiStatic, Solver};
 pub use state::State;
 pub use vectors::Vectors;
-pub use world::{StabilityLimit, World};
+pub use world::{Onset, StabilityLimit, World};

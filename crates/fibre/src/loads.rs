@@ -102,6 +102,15 @@ pub struct Clamp {
     pub motion: Motion,
 }
 
+/// The force of a clamp on the wood.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ClampForce {
+    /// Force, N.
+    pub force: DVec3,
+    /// Moment about the clamp's present centre, N m.
+    pub moment: DVec3,
+}
+
 fn mean(points: &[DVec3]) -> DVec3 {
     points.iter().fold(DVec3::ZERO, |sum, p| sum + *p) / points.len().max(1) as f64
 }

@@ -3,7 +3,7 @@
 use crate::error::LoadError;
 use crate::event::Event;
 use crate::failure::criteria::FailureCriteria;
-use crate::loads::Loads;
+use crate::loads::{ClampForce, Loads};
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,19 @@ pub struct World {
     /// The step with which a solver that adapts its steps goes on, s; `None` for the whole. It is part of the world for the same
     /// reason.
     pub next_step: Option<f64>,
+    /// The loads under which cracks began to run, in order, until somebody takes them: a load is greatest then, which the end
+    /// of a step does not show.
+    #[serde(skip)]
+    pub onsets: Vec<Onset>,
+}
+
+/// The loads under which a crack begins to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Onset {
+    /// Time, s.
+    pub time: f64,
+    /// The force of each clamp.
+    pub clamps: Vec<ClampForce>,
 }
 
 /// A stability limit of explicit steps, and the world for which it was computed.
@@ -54,6 +67,7 @@ impl World {
             fracture_loss: 0.0,
             limit: None,
             next_step: None,
+            onsets: Vec::new(),
         }
     }
 

@@ -52,7 +52,7 @@ fn relative_pull(made: &mut AssembledScene) -> f64 {
     solver
         .advance(&mut made.world, &mut NoContacts, 0.25, &Context::quiet())
         .unwrap();
-    let force = ForceRow::measure(&made.world, &mut made.bodies, 1.0)[1].force;
+    let force = ForceRow::take(&mut made.world, &mut made.bodies, 1.0)[1].force;
     let (bundle, state) = (&made.world.bundle, &made.world.state);
     let mut tension = 0.0;
     for rod in 0..bundle.rods() {

@@ -270,6 +270,23 @@ fn solvers_agree_on_the_force_at_first_break() {
 }
 
 #[test]
+fn the_load_at_the_onset_of_a_crack_hardly_depends_on_the_step() {
+    let [long, short] = [0.5, 0.05].map(|step| {
+        let mut world = scene();
+        pull_ends(&mut world, DEFLECTION_AT_BREAK);
+        let mut solver = Interactive::new(Some(step));
+        while world.onsets.is_empty() {
+            assert!(world.state.time < 2.0);
+            solver
+                .advance(&mut world, &mut NoContacts, step, &Context::quiet())
+                .unwrap();
+        }
+        world.onsets[0].clamps[1].force.y
+    });
+    assert!((long / short - 1.0).abs() < 0.05, "{long} N and {short} N");
+}
+
+#[test]
 fn a_small_load_on_all_vertices_is_balanced() {
     // On a free rod in tension, a weight that is at each vertex half of what the interactive solver may leave unbalanced there.
     // It sinks as implicit Euler has it. No clamp moves, which would make the solver iterate.

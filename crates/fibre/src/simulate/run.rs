@@ -69,7 +69,7 @@ impl Run<'_> {
         let row = EnergyRow::measure(world, bodies, &self.progress.ledger, lag);
         self.store.energy(&row)?;
         let interval = 1.0 / self.scene.table_rate();
-        for row in ForceRow::measure(world, bodies, interval) {
+        for row in ForceRow::take(world, bodies, interval) {
             self.store.force(&row)?;
         }
         if frame {

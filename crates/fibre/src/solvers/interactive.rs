@@ -25,10 +25,11 @@ use crate::error::SolverError;
 use crate::failure::breaking::{break_elements, find_softened_bonds};
 use crate::failure::demand::{Overstressed, largest_demand};
 use crate::loads::Loads;
+use crate::reactions::clamp_forces;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
-use crate::world::World;
+use crate::world::{Onset, World};
 use greenstick_geometry::Context;
 
 /// The step where none is given, s.
@@ -95,6 +96,7 @@ struct Saved {
     state: State,
     contacts: ContactsState,
     events: usize,
+    onsets: usize,
     fracture_loss: f64,
     next_step: Option<f64>,
     /// What breaking changes.
@@ -107,6 +109,7 @@ impl Saved {
             state: world.state.clone(),
             contacts: contacts.snapshot(),
             events: world.events.len(),
+            onsets: world.onsets.len(),
             fracture_loss: world.fracture_loss,
             next_step: world.next_step,
             unbroken: None,
@@ -122,6 +125,7 @@ impl Saved {
     fn restore(self, world: &mut World, contacts: &mut dyn Contacts) {
         world.state = self.state;
         world.events.truncate(self.events);
+        world.onsets.truncate(self.onsets);
         world.fracture_loss = self.fracture_loss;
         world.next_step = self.next_step;
         if let Some((bundle, loads)) = self.unbroken {
@@ -262,6 +266,11 @@ impl Interactive {
             }
             if !self.queue.is_empty() {
                 step = 0.0;
+                let onset = Onset {
+                    time: world.state.time,
+                    clamps: clamp_forces(world),
+                };
+                world.onsets.push(onset);
             }
             // Those hold nothing any more.
             find_softened_bonds(world, &mut self.queue);

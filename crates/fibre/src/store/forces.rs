@@ -1,8 +1,8 @@
 //! Rows of `forces.csv`: the forces of clamps and moved bodies on the wood, and how far they have moved.
 
-use super::tables::forces_on;
 use crate::bodies::{Bodies, BodyMotion};
-use crate::loads::Pose;
+use crate::loads::{ClampForce, Pose};
+use crate::reactions::clamp_forces;
 use crate::rotation::to_rotation_vector;
 use crate::world::World;
 use glam::DVec3;
@@ -29,12 +29,16 @@ pub struct ForceRow {
 }
 
 impl ForceRow {
-    /// Returns the present rows of a world: those of clamps, then those of bodies whose motion is prescribed. A clamp's force is
-    /// that of now, against the forces of the wood and the loads, without the inertia of what it holds; a body's force is the
-    /// mean since the last call, `interval` seconds ago.
-    pub fn measure(world: &World, bodies: &mut Bodies, interval: f64) -> Vec<ForceRow> {
+    /// Takes the rows of a world: those of clamps at the onsets of cracks since the last call ([`World::onsets`]), then the
+    /// present ones of clamps and of bodies whose motion is prescribed. A clamp's force is against the forces of the wood and the
+    /// loads, without the inertia of what it holds; a body's force is the mean since the last call, `interval` seconds ago.
+    pub fn take(world: &mut World, bodies: &mut Bodies, interval: f64) -> Vec<ForceRow> {
         let time = world.state.time;
-        let mut rows = clamp_rows(world);
+        let mut rows = Vec::new();
+        for onset in std::mem::take(&mut world.onsets) {
+            rows.extend(clamp_rows(world, onset.time, &onset.clamps));
+        }
+        rows.extend(clamp_rows(world, time, &clamp_forces(world)));
         let impulses = bodies.take_impulses();
         for (number, (body, _)) in bodies.iter().enumerate() {
             let BodyMotion::Prescribed(motion) = &body.motion else {
@@ -80,31 +84,10 @@ fn row(time: f64, holder: String, pose: Pose, [force, moment]: [DVec3; 2]) -> Fo
     }
 }
 
-fn clamp_rows(world: &World) -> Vec<ForceRow> {
-    let (state, clamps) = (&world.state, &world.loads.clamps);
-    if clamps.is_empty() {
-        return Vec::new();
-    }
-    let forces = forces_on(world);
-    let rows = clamps.iter().enumerate().map(|(number, clamp)| {
-        let pose = clamp.motion.pose(state.time);
-        let centre = clamp.centre + pose.translation;
-        let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
-        for &v in &clamp.vertices {
-            let mut against = -forces.linear.get(v as usize);
-            for a in (0..3).filter(|&a| !clamp.axes[a]) {
-                against[a] = 0.0;
-            }
-            force += against;
-            moment += (state.position.get(v as usize) - centre).cross(against);
-        }
-        if world.bundle.twisting {
-            for &j in &clamp.edges {
-                let along = state.edge(j as usize).normalize_or_zero();
-                moment -= along * forces.moment[j as usize];
-            }
-        }
-        row(state.time, format!("clamp {number}"), pose, [force, moment])
-    });
-    rows.collect()
+fn clamp_rows(world: &World, time: f64, forces: &[ClampForce]) -> impl Iterator<Item = ForceRow> {
+    let clamps = world.loads.clamps.iter().zip(forces).enumerate();
+    clamps.map(move |(number, (clamp, f))| {
+        let pose = clamp.motion.pose(time);
+        row(time, format!("clamp {number}"), pose, [f.force, f.moment])
+    })
 }

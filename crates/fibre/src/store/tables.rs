@@ -1,9 +1,9 @@
 //! Rows of `energy.csv` and `events.csv`.
 
 use crate::bodies::Bodies;
-use crate::energy::{Energies, add_forces, energies};
+use crate::energy::{Energies, energies};
 use crate::event::{Cause, Event, EventKind};
-use crate::forces::Forces;
+use crate::reactions::forces_on;
 use crate::solvers::AdvanceReport;
 use crate::world::World;
 use glam::DVec3;
@@ -177,16 +177,6 @@ fn kinetic_energy(world: &World, lag: f64) -> f64 {
         }
     }
     0.5 * (before + next.kinetic_energy(bundle))
-}
-
-/// Returns the forces of all energies and loads, without clamps and contacts.
-pub(super) fn forces_on(world: &World) -> Forces {
-    let (bundle, state) = (&world.bundle, &world.state);
-    let mut forces = Forces::zeros(bundle.vertices());
-    add_forces(bundle, state, &mut forces);
-    let (x, v) = (&state.position, &state.velocity);
-    (world.loads).add_forces(bundle, state.time, x, v, &mut forces);
-    forces
 }
 
 /// Replaces the present velocities by those of `lag` seconds before, from which a leapfrog method starts. Without that it
