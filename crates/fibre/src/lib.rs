@@ -15,6 +15,7 @@
 //! | [`scene`] | a TOML file of all this, and the built-in scenes |
 //! | [`store`] | frames, tables and checkpoints as bytes |
 //! | [`simulate`] | a scene simulated from its meshes to its records |
+//! | [`outcome`] | what became of the wood: whether and how it parted |
 //! | [`bend_test`] | three-point bending of clear wood |
 //! | [`fracture_test`] | standard fracture tests along the grain |
 #![deny(missing_docs)]
@@ -42,6 +43,7 @@ mod forces;
 pub mod fracture_test;
 mod loads;
 pub mod material_frame;
+pub mod outcome;
 mod parallel;
 pub mod placement;
 mod reactions;

@@ -126,6 +126,8 @@ pub(crate) fn move_breaks(world: &mut World, splits: &[u32]) -> Vec<BreakPlace> 
     }
     if !places.is_empty() {
         world.bundle.generation += 1;
+        // Edges that have become shorter vibrate faster.
+        world.limit = None;
         world.fracture_loss += before - remaining_energy(world, splits);
     }
     places

@@ -9,7 +9,7 @@ use crate::energy::energies;
 use crate::rod_bundle::{Rod, RodBundle};
 use crate::state::State;
 use crate::support::{four_rods, random, shaken, soft};
-use crate::world::World;
+use crate::world::{StabilityLimit, World};
 use glam::DVec3;
 
 /// Length of the rod, m.
@@ -139,6 +139,11 @@ fn a_break_between_vertices_is_booked_whole() {
         between_vertices: true,
         ..FailureCriteria::default()
     };
+    world.limit = Some(StabilityLimit {
+        limit: 1e-6,
+        generation: world.bundle.generation,
+        step: world.state.step,
+    });
     let old = world.clone();
     let overstressed = |element| Overstressed {
         demand: 1.0,
@@ -151,6 +156,8 @@ fn a_break_between_vertices_is_booked_whole() {
     ];
     break_elements(&mut world, &mut NoContacts, &queue);
     assert_eq!(world.bundle.rods(), 5);
+    // An edge is shorter than it was, so that the largest stable step is another.
+    assert_eq!(world.limit, None);
     assert_eq!(world.bundle.vertices(), old.bundle.vertices() + 1);
     let loss =
         energies(&old.bundle, &old.state).total() - energies(&world.bundle, &world.state).total();

@@ -83,7 +83,8 @@ fn facet_bonds(
     let [a, b] = facet.rods.map(|r| section.rods[r].position);
     let distance = a.distance(b);
     let upright = ((b - a).y / distance).powi(2);
-    let material = FacetMaterial::new(wood, test.system.radial_part(upright));
+    let material = FacetMaterial::new(wood, test.system.radial_part(upright))
+        .with_roughness(test.arrangement.roughness());
     let mut bonds = Vec::new();
     for k in start..=division.edges {
         let at_end = k == 0 || k == division.edges;

@@ -46,8 +46,8 @@ impl FracturePoint {
 pub struct FractureOutcome {
     /// Load against deflection, one point for each equilibrium.
     pub points: Vec<FracturePoint>,
-    /// Energy of fracture of the bonds over the area of their facets, J/m².
-    pub bond_energy: f64,
+    /// Energy of fracture of the wood in the mode of the test, which went into the bonds, J/m².
+    pub put_in: f64,
     /// Area of the facets along which the crack runs over that of its plane.
     pub roughness: f64,
     /// Energy of fracture by dissipated work over the area of the crack's plane, J/m².

@@ -73,10 +73,10 @@ pub struct FractureReport {
     pub edge_m: f64,
     /// Seed.
     pub seed: u64,
-    /// Energy of fracture of the bonds over the area of the crack's plane, J/m²: what went in.
+    /// Energy of fracture of the wood over the area of the crack's plane, J/m²: what went in.
     pub put_in_j_per_m2: f64,
-    /// The same over the area of the facets, J/m².
-    pub put_in_per_facet_area_j_per_m2: f64,
+    /// Area of the facets along which the crack runs over that of its plane.
+    pub facet_area_ratio: f64,
     /// Energy of fracture by dissipated work over area, J/m².
     pub by_work: Beside,
     /// Energy of fracture by the change of the compliance, P²/(2B) dC/da, J/m².
@@ -115,7 +115,7 @@ impl FractureReport {
     ) -> Self {
         let first = outcome.points.first().copied().unwrap_or_default();
         let last = outcome.points.last().copied().unwrap_or_default();
-        let put_in = outcome.bond_energy * outcome.roughness;
+        let put_in = outcome.put_in;
         let demand = outcome.points.iter().fold(0.0, |m, p| p.rod_demand.max(m));
         FractureReport {
             schema: "greenstick-fracture-test",
@@ -138,7 +138,7 @@ impl FractureReport {
             edge_m: outcome.edge,
             seed: test.seed,
             put_in_j_per_m2: put_in,
-            put_in_per_facet_area_j_per_m2: outcome.bond_energy,
+            facet_area_ratio: outcome.roughness,
             by_work: Beside::new(outcome.energy_by_work, put_in),
             by_compliance: Beside::new(outcome.energy_by_compliance, put_in),
             by_beam_theory: Beside::new(outcome.energy_by_beam_theory, put_in),
@@ -172,8 +172,10 @@ fn notes(outcome: &FractureOutcome, demand: f64) -> Vec<String> {
     }
     if outcome.roughness > 1.0 + 1e-9 {
         notes.push(format!(
-            "the facets along which the crack runs have {:.2} times the area of its plane",
-            outcome.roughness
+            "the facets along which the crack runs have {:.2} times the area of its plane; bonds have the energy that \
+             goes with {:.2} times, the mean of random cells",
+            outcome.roughness,
+            RodArrangement::Scattered.roughness()
         ));
     }
     notes

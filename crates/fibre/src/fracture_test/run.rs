@@ -28,10 +28,8 @@ impl FractureTest {
         self.check()?;
         let mut rig = Rig::new(self, wood, &context.silenced())?;
         let theory = BeamTheory::new(self, wood);
-        let bond_energy = self.bond_energy(wood);
-        let roughness = rig.section.roughness();
-        let deflection =
-            |crack: f64| theory.load(bond_energy * roughness, crack) * theory.compliance(crack);
+        let put_in = self.energy_put_in(wood);
+        let deflection = |crack: f64| theory.load(put_in, crack) * theory.compliance(crack);
         let (start, edge) = (rig.division.crack(), rig.division.edge);
         let onset = deflection(start);
         let elastic_step = onset / STEPS_TO_GROWTH;
@@ -57,8 +55,8 @@ impl FractureTest {
         let evaluation = Evaluation::new(self, &theory, &points, start)?;
         Ok(FractureOutcome {
             points,
-            bond_energy,
-            roughness,
+            put_in,
+            roughness: rig.section.roughness(),
             energy_by_work: evaluation.energy_by_work,
             energy_by_compliance: evaluation.energy_by_compliance,
             energy_by_beam_theory: evaluation.energy_by_beam_theory,
@@ -83,8 +81,8 @@ impl FractureTest {
         }
     }
 
-    /// Returns the energy of fracture that bonds have in the mode of the test, J/m².
-    fn bond_energy(&self, wood: &WoodMaterial) -> f64 {
+    /// Returns the energy of fracture that the wood has in the mode of the test, J/m².
+    fn energy_put_in(&self, wood: &WoodMaterial) -> f64 {
         match self.kind {
             FractureTestKind::DoubleCantileverBeam => wood.fracture_energy,
             FractureTestKind::EndNotchedFlexure => wood.shear_fracture_energy(),

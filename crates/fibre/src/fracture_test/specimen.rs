@@ -2,6 +2,7 @@
 
 use super::error::FractureError;
 use crate::bend_test::{MAX_MATRIX_GIGABYTES, matrix_gigabytes};
+use crate::placement::Arrangement;
 use serde::{Deserialize, Serialize};
 
 greenstick_schema::choices! {
@@ -25,6 +26,16 @@ greenstick_schema::choices! {
         Layers = "layers",
         /// At random, as in scenes: the crack follows the facets of their cells, whose area is larger than that of the plane.
         Scattered = "scattered",
+    }
+}
+
+impl RodArrangement {
+    /// Returns the area of the facets along which the crack runs over that of its plane, as bonds are made for it.
+    pub(super) fn roughness(self) -> f64 {
+        match self {
+            RodArrangement::Layers => 1.0,
+            RodArrangement::Scattered => Arrangement::PoissonDisk.roughness(),
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 //!
 //! Both rods of a facet bond to each other, so that each bond represents half of its vertex's length of the facet:
 //! ℓ = ½ · l/2, S = ½ G w ℓ d₀, k_t = E_⊥ w ℓ. G and E_⊥ are interpolated between the radial and the tangential value by the
-//! square of the cosine of the facet's direction.
+//! square of the cosine of the facet's direction. The energy of fracture is that of the crack's plane, which facets of scattered
+//! rods exceed in area ([`Arrangement::roughness`](super::options::Arrangement)).
 
 use super::material::WoodMaterial;
 use super::neighbours::bonded_facets;
@@ -27,7 +28,7 @@ pub(crate) struct FacetMaterial {
     tension_strength: f64,
     /// Shear strength along it, Pa.
     shear_strength: f64,
-    /// Fracture energy in opening and in shear along the grain, J/m².
+    /// Fracture energy in opening and in shear along the grain, J/m² of the facet.
     fracture_energy: f64,
     shear_fracture_energy: f64,
 }
@@ -43,6 +44,16 @@ impl FacetMaterial {
             shear_strength: wood.shear,
             fracture_energy: wood.fracture_energy,
             shear_fracture_energy: wood.shear_fracture_energy(),
+        }
+    }
+
+    /// Returns the material of facets along which a crack has `roughness` times the area of its plane, so that the plane takes
+    /// the wood's energy of fracture.
+    pub fn with_roughness(self, roughness: f64) -> Self {
+        FacetMaterial {
+            fracture_energy: self.fracture_energy / roughness,
+            shear_fracture_energy: self.shear_fracture_energy / roughness,
+            ..self
         }
     }
 
@@ -144,7 +155,9 @@ pub(super) fn bonds(
             let (p, q) = (cell.centroid, cells[facet.neighbour as usize].centroid);
             let radial = radial_part(stem, [p, q]);
             let relative = section.facet([number, facet.neighbour as usize], radial);
-            let material = FacetMaterial::new(wood, radial).scaled(relative);
+            let material = FacetMaterial::new(wood, radial)
+                .with_roughness(options.arrangement.roughness())
+                .scaled(relative);
             for i in bundle.rod(number) {
                 let other = facet.neighbour as usize;
                 let Some(nearest) = nearest_point(bundle, along, i, other) else {

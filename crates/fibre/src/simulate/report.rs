@@ -3,6 +3,7 @@
 use super::error::SimulateError;
 use super::tissue_report::TissueReport;
 use crate::event::{Event, EventKind};
+use crate::outcome::{Outcome, OutcomeRecords, WoodAtStart};
 use crate::scene::{AssembledScene, Scene};
 use crate::store::{EnergyRow, RunStore};
 use crate::world::World;
@@ -80,6 +81,8 @@ pub struct SimulateReport {
     pub fracture_loss_j: f64,
     /// How well energy was conserved.
     pub energy: EnergyDrift,
+    /// What became of the wood; `None` until the run is complete.
+    pub outcome: Option<Outcome>,
     /// Files written; none for a run in memory.
     pub files: Vec<String>,
     /// The tissues that rods lie in, from the inside out.
@@ -123,6 +126,9 @@ impl std::fmt::Display for SimulateReport {
             "broke    {rods} rods, {bonds} bonds; {yields} edges yielded{first}; {:.4} J lost",
             self.fracture_loss_j
         )?;
+        if let Some(outcome) = &self.outcome {
+            write!(f, "{outcome}")?;
+        }
         let energy = &self.energy;
         if energy.most_j > ROUNDING_ENERGY {
             writeln!(
@@ -165,6 +171,7 @@ pub(super) fn begin_report(
         first_break_s: None,
         fracture_loss_j: 0.0,
         energy: EnergyDrift::default(),
+        outcome: None,
         files: Vec::new(),
         wood,
         notes,
@@ -174,7 +181,7 @@ pub(super) fn begin_report(
 /// Completes the report from the records, so that that of a resumed run is of all of it.
 pub(super) fn finish_report(
     report: &mut SimulateReport,
-    world: &World,
+    (start, world): (&WoodAtStart, &World),
     frames: u64,
     store: &dyn RunStore,
 ) -> Result<(), SimulateError> {
@@ -190,7 +197,14 @@ pub(super) fn finish_report(
     ];
     let is_break = |e: &&Event| e.kind != EventKind::RodYielded;
     report.first_break_s = events.iter().find(is_break).map(|e| e.time);
-    report.energy = EnergyDrift::from_rows(&store.energies()?);
+    let energies = store.energies()?;
+    report.energy = EnergyDrift::from_rows(&energies);
+    let records = OutcomeRecords {
+        events: &events,
+        energies: &energies,
+        forces: &store.forces()?,
+    };
+    report.outcome = Some(start.outcome(&world.bundle, &world.state, &records));
     report.files = store.outputs();
     Ok(())
 }

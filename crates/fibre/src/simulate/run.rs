@@ -5,6 +5,7 @@ use super::meshes::SceneMeshes;
 use super::prepare::{PreparedScene, prepare};
 use super::report::{SimulateReport, begin_report, finish_report};
 use crate::error::SolverError;
+use crate::outcome::WoodAtStart;
 use crate::scene::{AssembledScene, Scene};
 use crate::solvers::{AdvanceReport, Solver};
 use crate::store::{
@@ -190,6 +191,15 @@ pub fn simulate(
     if checkpoint.as_ref().is_some_and(|c| c.hash != hash) {
         return Err(SimulateError::OtherRun { run: store.name() });
     }
+    let start = {
+        let AssembledScene {
+            world,
+            fraction,
+            length,
+            ..
+        } = &assembled;
+        WoodAtStart::new(&world.bundle, fraction, *length)
+    };
     let mut report = begin_report(&scene, &assembled, (wood, notes));
     let mut run = Run {
         scene: &scene,
@@ -207,7 +217,7 @@ pub fn simulate(
     run.save()?;
     finish_report(
         &mut report,
-        &run.assembled.world,
+        (&start, &run.assembled.world),
         run.progress.frames,
         run.store,
     )?;

@@ -522,15 +522,13 @@ impl Solver for Explicit {
             let dt = left / count;
             account.report.step = dt;
             let steps = (count as u64).min(LIMIT_UPDATE_INTERVAL);
-            let vertices = world.bundle.vertices();
             let mut taken = 0;
             while taken < steps {
                 self.one_step(world, contacts, dt, &mut account, context)?;
                 account.report.steps += 1;
                 taken += 1;
-                // Where a rod breaks between vertices, an edge is as short as half of what it was.
-                if world.failure.between_vertices && world.bundle.vertices() != vertices {
-                    world.limit = None;
+                // A rod that broke between vertices has an edge as short as half of what it was.
+                if world.limit.is_none() {
                     break;
                 }
             }

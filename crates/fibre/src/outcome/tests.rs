@@ -1,0 +1,101 @@
+//! What became of the wood, on bundles whose outcome is known.
+
+use super::*;
+use crate::contact::NoContacts;
+use crate::failure::breaking::break_elements;
+use crate::failure::demand::{Element, Overstressed};
+use crate::rod_bundle::{Rod, RodMaterial};
+use crate::support::{bond_all, straight};
+use crate::world::World;
+use glam::DVec3;
+
+/// Edges of a rod.
+const EDGES: usize = 10;
+/// Tensile strength of a rod and shear strength of a bond, N.
+const ROD: f64 = 125.0;
+const BOND: f64 = 1.0;
+
+/// Two bonded rods, side by side.
+fn two_rods() -> World {
+    let material = RodMaterial {
+        tension_limit: 1.0,
+        ..RodMaterial::solid(1.25e-5, 1e7, 1e6, 600.0)
+    };
+    let rods: Vec<Rod> = (0..2)
+        .map(|r| straight(DVec3::X * 4e-3 * f64::from(r), 0.1, EDGES, material))
+        .collect();
+    let mut bundle = RodBundle::new(&rods, false).unwrap();
+    // Each vertex of either rod has a bond to the other.
+    bond_all(&mut bundle, 5e-3, 40.0, 2e-3);
+    World::new(bundle)
+}
+
+fn fractions() -> Vec<f64> {
+    (0..2 * (EDGES + 1))
+        .map(|v| (v % (EDGES + 1)) as f64 / EDGES as f64)
+        .collect()
+}
+
+fn break_rods(world: &mut World, vertices: &[u32]) {
+    let queue: Vec<Overstressed> = vertices
+        .iter()
+        .map(|&v| Overstressed {
+            demand: 1.0,
+            element: Element::Rod(v),
+        })
+        .collect();
+    break_elements(world, &mut NoContacts, &queue);
+}
+
+fn outcome(wood: &WoodAtStart, world: &World) -> Outcome {
+    let records = OutcomeRecords {
+        events: &world.events,
+        energies: &[],
+        forces: &[],
+    };
+    wood.outcome(&world.bundle, &world.state, &records)
+}
+
+#[test]
+fn what_is_left_is_what_rods_and_bonds_can_carry() {
+    let mut world = two_rods();
+    let wood = WoodAtStart::new(&world.bundle, &fractions(), 0.1);
+    assert!((wood.capacity.unwrap() / (2.0 * ROD) - 1.0).abs() < 1e-6);
+    let whole = outcome(&wood, &world);
+    assert_eq!(
+        (whole.mode, whole.parted, whole.pieces.len()),
+        (Mode::Whole, false, 1)
+    );
+    // One of two rods: half is left, and what the two halves of its last bond pass on past the break.
+    break_rods(&mut world, &[3]);
+    let half = outcome(&wood, &world);
+    assert_eq!((half.mode, half.rods_broken), (Mode::Greenstick, 1));
+    let left = half.tension_left.unwrap();
+    assert!((0.5..0.5 + BOND / ROD).contains(&left), "{left}");
+    assert!((half.place_m.unwrap() - 0.03).abs() < 1e-12);
+    // Both, five edges apart: the overlap slips when its bonds fail. Rod 1's vertex 8 is vertex 20 of the bundle by now.
+    break_rods(&mut world, &[20]);
+    let parted = outcome(&wood, &world);
+    // Bonds of the four sections between the breaks, one from each rod, and the halves at the breaks themselves.
+    let left = parted.tension_left.unwrap() * 2.0 * ROD;
+    assert!((8.0 * BOND..=12.0 * BOND).contains(&left), "{left}");
+    assert!(
+        parted.parted && parted.mode == Mode::SplinteringTension,
+        "{parted:?}"
+    );
+    // The cut goes along the overlap: each piece keeps its splinter.
+    let shares: Vec<f64> = parted.pieces.iter().map(|p| p.share).collect();
+    assert_eq!(shares.len(), 2);
+    assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!((shares[0] - 0.55).abs() < 0.051, "{shares:?}");
+}
+
+#[test]
+fn what_never_fails_stays_whole() {
+    let mut world = two_rods();
+    world.bundle.tension_limit.fill(f64::INFINITY);
+    let wood = WoodAtStart::new(&world.bundle, &fractions(), 0.1);
+    let outcome = outcome(&wood, &world);
+    assert_eq!(outcome.tension_left, Some(1.0));
+    assert!(!outcome.parted);
+}
