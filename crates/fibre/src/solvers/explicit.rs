@@ -51,6 +51,8 @@ struct ClampEffect {
 #[derive(Debug, Clone)]
 pub struct Explicit {
     given: Option<f64>,
+    /// The step over the stability limit, where none is given.
+    safety_factor: f64,
     evaluator: Option<ForceEvaluator>,
     /// The generation of the bundle that all below is for.
     generation: Option<u64>,
@@ -76,6 +78,7 @@ impl Explicit {
     pub fn new(step: Option<f64>) -> Self {
         Explicit {
             given: step,
+            safety_factor: STEP_SAFETY_FACTOR,
             evaluator: None,
             generation: None,
             next: Vectors::default(),
@@ -87,6 +90,14 @@ impl Explicit {
             sums: Vec::new(),
             rounding_energy: 0.0,
             detector: FailureDetector::default(),
+        }
+    }
+
+    /// Returns a solver that takes steps of this fraction of the stability limit.
+    pub(super) fn with_safety_factor(safety_factor: f64) -> Self {
+        Explicit {
+            safety_factor,
+            ..Explicit::new(None)
         }
     }
 
@@ -485,7 +496,7 @@ impl Solver for Explicit {
     fn step(&mut self, world: &World, context: &Context) -> Result<f64, SolverError> {
         let limit = self.limit(world, context)?.limit;
         match self.given {
-            None => Ok(STEP_SAFETY_FACTOR * limit),
+            None => Ok(self.safety_factor * limit),
             Some(given) if !(given > 0.0 && given.is_finite()) => Err(SolverError::Value {
                 what: "the step (s)",
                 value: given,

@@ -141,7 +141,7 @@ impl Interactive {
         Interactive {
             given: step,
             newton: Newton::with_options(OPTIONS),
-            explicit: Explicit::new(None),
+            explicit: Explicit::with_safety_factor(crack::STEP_SAFETY_FACTOR),
             queue: Vec::new(),
             newton_iterations: 0,
             equilibria: 0,
