@@ -16,6 +16,13 @@ const BODY_CONTACT_DISTANCE: f64 = 1e-6;
 /// Pairs of edges and bodies that are tested between two checks for cancellation.
 const PAIRS_PER_CHECK: usize = 1 << 10;
 
+/// Returns the number of points that are tested on an edge of this length (m) of a rod of this radius, without its end.
+pub(super) fn points_on_edge(length: f64, radius: f64) -> f64 {
+    (length / (2.0 * radius))
+        .ceil()
+        .clamp(1.0, MAX_POINTS_ON_EDGE)
+}
+
 impl Bodies {
     /// Adds the contacts of edges with bodies: at vertices, and between them no further apart than the rod is wide. With a
     /// `motion` also those that occur within its step.
@@ -45,9 +52,7 @@ impl Bodies {
             if !body.solid.is_near(p + 0.5 * along, reach) {
                 continue;
             }
-            let points = (along.length() / (2.0 * radius))
-                .ceil()
-                .clamp(1.0, MAX_POINTS_ON_EDGE);
+            let points = points_on_edge(along.length(), radius);
             let last = !bundle.is_edge(j + 1);
             for i in 0..points as usize + usize::from(last) {
                 let t = i as f64 / points;

@@ -5,6 +5,7 @@ use super::contact_point::{ContactPoint, SLOP, Side};
 use super::crushing::TRANSVERSE_STRENGTH_RATIO;
 use super::displacement::moved_squared;
 use super::error::BodyError;
+use super::gather::points_on_edge;
 use super::rod_pairs::RodPairs;
 use super::shape::{self, ClosestPoints};
 use super::state::{BodiesState, BodyImpulse, BodyState, ContactLedger, ContactsState};
@@ -419,13 +420,15 @@ pub(crate) fn clearance(
         context.check()?;
         let radius = 0.5 * bundle.diameter[rod];
         for j in bundle.rod(rod) {
-            let here = moving.local(state.position.get(j));
-            let middle = if bundle.is_edge(j) {
-                moving.local(state.position.get(j) + 0.5 * state.edge(j))
+            let here = state.position.get(j);
+            let (edge, points) = if bundle.is_edge(j) {
+                let edge = state.edge(j);
+                (edge, points_on_edge(edge.length(), radius))
             } else {
-                here
+                (DVec3::ZERO, 1.0)
             };
-            for p in [here, middle] {
+            for i in 0..points as usize {
+                let p = moving.local(here + edge * (i as f64 / points));
                 // On the surface the direction is undefined, but the distance is not.
                 let distance = moving.solid.distance(p).map_or(0.0, |(d, _)| d);
                 least = least.min(distance - radius);

@@ -5,7 +5,7 @@ use crate::event::{Cause, Event, EventKind};
 use serde::Serialize;
 
 /// Fewer broken rods than this fraction of all are no break across the grain.
-const MIN_BROKEN: f64 = 0.05;
+const MIN_BROKEN: f64 = 0.1;
 /// Breaks that lie within this many diameters of each other along the grain (standard deviation) are brash, and those beyond
 /// the second are splinters: brash wood breaks almost flat across, and the splinters of tough wood are several times as long as
 /// the tear of simple tension.

@@ -32,6 +32,8 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "pull",
     "fall",
     "snow",
+    "knee",
+    "short-beam",
     "as-published"
 ];
 
