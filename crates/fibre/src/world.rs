@@ -23,6 +23,9 @@ pub struct World {
     pub events: Vec<Event>,
     /// Energy that breaking and yielding have taken, J.
     pub fracture_loss: f64,
+    /// Work of forces that solvers left unbalanced, J: by so much the energy is in error. It is part of the world so that the sum
+    /// of all steps stays small.
+    pub unbalanced_work: f64,
     /// The stability limit as last computed. It is part of the world so that a resumed run takes the same steps.
     pub limit: Option<StabilityLimit>,
     /// The step with which a solver that adapts its steps goes on, s; `None` for the whole. It is part of the world for the same
@@ -65,6 +68,7 @@ impl World {
             failure: FailureCriteria::default(),
             events: Vec::new(),
             fracture_loss: 0.0,
+            unbalanced_work: 0.0,
             limit: None,
             next_step: None,
             onsets: Vec::new(),

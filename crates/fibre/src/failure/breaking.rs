@@ -32,7 +32,13 @@ pub(crate) fn check_after_step(
         return false;
     }
     if failure.rods_yield {
-        world.fracture_loss += yield_rods(&world.bundle, &mut world.state, &mut world.events);
+        let World {
+            bundle,
+            state,
+            events,
+            ..
+        } = &mut *world;
+        world.fracture_loss += yield_rods(bundle, state, events, 0.5 * step);
     }
     detector.detect(&failure, &world.bundle, &world.state, evaluator);
     if detector.queue.is_empty() {

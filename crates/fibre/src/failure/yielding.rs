@@ -6,8 +6,14 @@ use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::world::World;
 
-/// Lets rods yield: strain beyond the yield strain becomes plastic. Returns the energy that this dissipates, J.
-pub(crate) fn yield_rods(bundle: &RodBundle, state: &mut State, events: &mut Vec<Event>) -> f64 {
+/// Lets rods yield: strain beyond the yield strain becomes plastic. Velocities are those of `lag` seconds before, over which the
+/// forces from before act. Returns the energy that this dissipates, J.
+pub(crate) fn yield_rods(
+    bundle: &RodBundle,
+    state: &mut State,
+    events: &mut Vec<Event>,
+    lag: f64,
+) -> f64 {
     let mut dissipated = 0.0;
     for j in 0..bundle.vertices() {
         if !bundle.is_edge(j) {
@@ -24,6 +30,10 @@ pub(crate) fn yield_rods(bundle: &RodBundle, state: &mut State, events: &mut Vec
             events.push(yield_event(bundle, state, j, -strain / limit, energy));
         }
         state.plastic_strain[j] += strain + limit;
+        let impulse =
+            state.edge(j).normalize_or_zero() * (bundle.stretch[j] * (strain + limit) * lag);
+        state.velocity.add(j, impulse / bundle.mass[j]);
+        state.velocity.add(j + 1, -impulse / bundle.mass[j + 1]);
         dissipated += energy;
     }
     dissipated

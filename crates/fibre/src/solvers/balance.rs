@@ -57,6 +57,8 @@ pub(super) struct EquilibriumProblem<'a> {
     pub time: f64,
     /// Energy that breaking has taken so far, J.
     pub lost: f64,
+    /// Work of forces that were left unbalanced so far, J.
+    pub unbalanced_work: f64,
 }
 
 /// The unbalanced forces of a trial state.

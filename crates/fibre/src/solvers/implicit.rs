@@ -86,6 +86,7 @@ impl Implicit {
             yielding: world.failure.rods_yield,
             softening: world.failure.is_cohesive(),
             lost: world.fracture_loss,
+            unbalanced_work: world.unbalanced_work,
             start: &world.state,
             base,
             inertia: Some(inertia),

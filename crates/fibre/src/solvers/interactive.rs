@@ -98,6 +98,7 @@ struct Saved {
     events: usize,
     onsets: usize,
     fracture_loss: f64,
+    unbalanced_work: f64,
     next_step: Option<f64>,
     /// What breaking changes.
     unbroken: Option<(RodBundle, Loads)>,
@@ -111,6 +112,7 @@ impl Saved {
             events: world.events.len(),
             onsets: world.onsets.len(),
             fracture_loss: world.fracture_loss,
+            unbalanced_work: world.unbalanced_work,
             next_step: world.next_step,
             unbroken: None,
         }
@@ -127,6 +129,7 @@ impl Saved {
         world.events.truncate(self.events);
         world.onsets.truncate(self.onsets);
         world.fracture_loss = self.fracture_loss;
+        world.unbalanced_work = self.unbalanced_work;
         world.next_step = self.next_step;
         if let Some((bundle, loads)) = self.unbroken {
             (world.bundle, world.loads) = (bundle, loads);
@@ -188,6 +191,7 @@ impl Interactive {
             yielding: world.failure.rods_yield,
             softening: world.failure.is_cohesive(),
             lost: world.fracture_loss,
+            unbalanced_work: world.unbalanced_work,
             start: old,
             base: old,
             inertia: Some(&inertia),
@@ -255,6 +259,7 @@ impl Interactive {
             }
             saved.keep_unbroken(world);
             let iterations = found.iterations;
+            world.unbalanced_work += found.unbalanced_work;
             energy += StepEnergy::accept(world, contacts, &mut self.newton, found, length);
             if iterations >= MANY_ITERATIONS {
                 step *= SHRINKAGE;

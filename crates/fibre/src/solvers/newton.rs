@@ -29,6 +29,11 @@ const LINE_SEARCH_TRIALS: usize = 8;
 const SLOPE_REDUCTION: f64 = 0.5;
 /// The line search makes a step longer by at most this factor at a time.
 const MAX_EXTENSION: f64 = 4.0;
+/// The work that unbalanced forces of all steps may have done, over that of one step; and the fraction of that of one step that a
+/// step may always have, since nothing is ever balanced to the last bit. Errors of steps that follow each other mostly have
+/// the same sign: of a thousand they would add up.
+const UNBALANCED_STEPS: f64 = 4.0;
+const MIN_TOLERANCE_RATIO: f64 = 0.01;
 /// Work ahead that does not count, as a fraction of what counts as no work.
 const AHEAD_RATIO: f64 = 0.1;
 /// Iterations before the work of unbalanced forces counts: the first steps do not see how stiff rods become as they turn.
@@ -47,6 +52,8 @@ pub(super) struct Equilibrium {
     /// Bonds that are softer than before the step, with their damage.
     pub softened: Vec<(u32, f64)>,
     pub iterations: usize,
+    /// Work of the forces that are not balanced in the step, J.
+    pub unbalanced_work: f64,
 }
 
 /// The forces in the state from which a load step starts.
@@ -142,6 +149,12 @@ struct Iterates {
 struct UnbalancedWork {
     done: f64,
     tolerance: f64,
+}
+
+impl UnbalancedWork {
+    fn is_small(&self) -> bool {
+        self.done.abs() <= self.tolerance
+    }
 }
 
 /// The progress of an iteration.
@@ -346,7 +359,7 @@ impl Newton {
         let mut work = self.unbalanced_work(problem, &iterates.state, before);
         while now.count < at_least
             || now.residual > now.tolerance
-            || work.is_some_and(|w| w.done > w.tolerance)
+            || work.is_some_and(|w| !w.is_small())
             || pending(&prescribed)
         {
             if now.count >= now.allowed || !now.residual.is_finite() {
@@ -363,8 +376,7 @@ impl Newton {
                 self.newton_step(problem, &iterates.state, &prescribed, update, context)?;
             let search = !pending(&prescribed);
             let ahead = self.balance.slope(&step).abs();
-            let small =
-                |w: UnbalancedWork| w.done <= w.tolerance && ahead <= AHEAD_RATIO * w.tolerance;
+            let small = |w: UnbalancedWork| w.is_small() && ahead <= AHEAD_RATIO * w.tolerance;
             if search && now.count >= MIN_WORK_ITERATIONS && work.is_some_and(small) {
                 break;
             }
@@ -388,6 +400,7 @@ impl Newton {
             springs: std::mem::take(&mut self.balance.springs),
             softened: self.balance.softened.clone(),
             iterations: now.count,
+            unbalanced_work: work.map_or(0.0, |w| w.done),
         })
     }
 
@@ -417,12 +430,17 @@ impl Newton {
             }
         }
         let mut work = UnbalancedWork {
-            done: balance.slope(&way).abs(),
+            done: balance.slope(&way),
             tolerance: self.options.work_tolerance * before,
         };
-        if work.done > work.tolerance && residual <= self.options.tolerance * balance.scale {
+        if !work.is_small() && residual <= self.options.tolerance * balance.scale {
             let potential = energies(bundle, state).potential();
             work.tolerance += self.options.work_tolerance * potential;
+        }
+        let so_far = problem.unbalanced_work;
+        if work.done * so_far > 0.0 {
+            let left = UNBALANCED_STEPS * self.options.work_tolerance * before - so_far.abs();
+            work.tolerance = left.clamp(MIN_TOLERANCE_RATIO * work.tolerance, work.tolerance);
         }
         Some(work)
     }
