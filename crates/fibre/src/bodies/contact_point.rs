@@ -3,6 +3,8 @@
 use crate::vectors::Vectors;
 use glam::DVec3;
 
+/// Largest number of points that are tested on an edge.
+const MAX_POINTS_ON_EDGE: f64 = 8.0;
 /// Overlap that is tolerated, in radii of a rod: it keeps resting contacts from flickering.
 pub(super) const SLOP: f64 = 0.02;
 
@@ -39,4 +41,11 @@ pub(super) struct StepMotion<'a> {
     pub velocity: &'a Vectors,
     /// Length of the step, s.
     pub step: f64,
+}
+
+/// Returns the number of points that are tested on an edge of this length (m) of a rod of this radius, without its end.
+pub(super) fn points_on_edge(length: f64, radius: f64) -> f64 {
+    (length / (2.0 * radius))
+        .ceil()
+        .clamp(1.0, MAX_POINTS_ON_EDGE)
 }

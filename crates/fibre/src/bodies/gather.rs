@@ -1,13 +1,11 @@
 //! Contacts with bodies.
 
-use super::contact_point::{ContactPoint, SLOP, Side, StepMotion};
+use super::contact_point::{ContactPoint, SLOP, Side, StepMotion, points_on_edge};
 use super::system::Bodies;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use greenstick_geometry::{Cancelled, Context};
 
-/// Largest number of points that are tested on an edge.
-const MAX_POINTS_ON_EDGE: f64 = 8.0;
 /// Overlap of two bodies that is tolerated, m.
 const BODY_SLOP: f64 = 1e-5;
 /// Distance at which two bodies count as in contact, m.
@@ -15,13 +13,6 @@ const BODY_CONTACT_DISTANCE: f64 = 1e-6;
 
 /// Pairs of edges and bodies that are tested between two checks for cancellation.
 const PAIRS_PER_CHECK: usize = 1 << 10;
-
-/// Returns the number of points that are tested on an edge of this length (m) of a rod of this radius, without its end.
-pub(super) fn points_on_edge(length: f64, radius: f64) -> f64 {
-    (length / (2.0 * radius))
-        .ceil()
-        .clamp(1.0, MAX_POINTS_ON_EDGE)
-}
 
 impl Bodies {
     /// Adds the contacts of edges with bodies: at vertices, and between them no further apart than the rod is wide. With a

@@ -1,11 +1,10 @@
 //! All bodies of a world, and which edges are near them.
 
 use super::body::{Body, MovingBody};
-use super::contact_point::{ContactPoint, SLOP, Side};
+use super::contact_point::{ContactPoint, SLOP, Side, points_on_edge};
 use super::crushing::TRANSVERSE_STRENGTH_RATIO;
 use super::displacement::moved_squared;
 use super::error::BodyError;
-use super::gather::points_on_edge;
 use super::rod_pairs::RodPairs;
 use super::shape::{self, ClosestPoints};
 use super::state::{BodiesState, BodyImpulse, BodyState, ContactLedger, ContactsState};
