@@ -2,7 +2,7 @@
 
 use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
 use glam::DVec3;
-use greenstick_geometry::{Context, Scene};
+use greenstick_geometry::{Context, Node, Scene};
 use greenstick_picture::{
     Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
     azimuth_of_view, render_scene,
@@ -96,7 +96,27 @@ fn blank(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(blank).collect()
 }
 
-/// Renders wood that has moved since it grew. `inner` is the material of the wood inside, whose address is an attribute of
+/// Pieces of less than this share of the wood are splinters, which may fly far: a picture need not show them.
+const SPLINTER_SHARE: f64 = 0.01;
+
+/// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
+fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
+    let is_wood = |node: &Node| node.mesh.attributes.contains_key("_GRAIN");
+    let wood = scene.nodes.iter().filter(|n| is_wood(n));
+    let whole: f64 = wood.map(|n| n.mesh.volume()).sum();
+    let is_shown = |node: &&Node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole;
+    let points = |node: &Node| {
+        let transform = node.transform;
+        let positions = node.mesh.positions.clone();
+        positions
+            .into_iter()
+            .map(move |p| transform.transform_point3(p))
+    };
+    let shown = scene.nodes.iter().filter(is_shown);
+    shown.flat_map(points).collect()
+}
+
+/// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood inside, whose address is an attribute of
 /// the meshes.
 ///
 /// # Errors
@@ -120,7 +140,14 @@ pub fn picture_of_skin(
         blank: blank(scene),
         moved: true,
     };
-    render_scene(scene, &shader, options, context)
+    if options.zoom.is_some() || !options.shown.is_empty() {
+        return render_scene(scene, &shader, options, context);
+    }
+    let options = PictureOptions {
+        shown: points_without_splinters(scene),
+        ..options.clone()
+    };
+    render_scene(scene, &shader, &options, context)
 }
 
 /// Renders a broken stem, seen towards the break unless `options` name a view.
