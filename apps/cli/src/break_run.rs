@@ -6,6 +6,7 @@ use crate::failure::{Failure, print};
 use crate::outcome::{Written, spent, written};
 use crate::progress::{Progress, StageTime};
 use crate::skin;
+use greenstick::fibre::scene::StemChoice;
 use greenstick::files::{self, Output};
 use greenstick::geometry::{Context, Provenance};
 use greenstick::simulated_faces::{
@@ -45,6 +46,16 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     targets.check(&inputs)?;
     let named = request.input.clone().map(|path| (path, request.file.unit));
     let run = skin::open(folder, named, targets.pieces.as_deref(), &read)?;
+    if let Some(input) = &request.input
+        && run.scene.stem.kind != StemChoice::Input
+    {
+        return Err(Failure::request(format!(
+            "{}: the run in {} is of a stem that its scene makes, and of no mesh",
+            input.display(),
+            folder.display()
+        ))
+        .hint("leave the mesh out, or simulate the scene on it: greenstick simulate SCENE MESH -o FOLDER"));
+    }
     let number = skin::frame_number(&run, options.frame.unwrap_or(-1))?;
     let (mut broken, faces) = draw(&run, number, options, &request, &work)?;
     let provenance = provenance(&run, &request);
@@ -105,7 +116,8 @@ pub fn draw(
             .apply_setting(setting)
             .map_err(|e| DrawError::Other(Failure::request(format!("--set: {e}"))))?;
     }
-    let broken = greenstick::break_scene(run.input().clone(), &faces.request, &cutting)
+    let broken = faces
+        .broken(&cutting)
         .map_err(|error| DrawError::Other(error.into()))?;
     Ok((broken, faces))
 }

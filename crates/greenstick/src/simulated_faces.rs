@@ -1,11 +1,11 @@
 //! Faces that a run decided, cut into the mesh that was simulated.
 //!
-//! [`simulated_faces`] reads where and how a run parted its wood, and returns the request that breaks the run's input there:
-//! [`crate::break_scene`] and [`crate::BreakSession`] take it like any other. The algorithm is that of
+//! [`simulated_faces`] reads where and how a run parted its wood, and returns the request that breaks the run's input there,
+//! which a [`BreakSession`] takes like any other. The algorithm is that of
 //! [`greenstick_skin::simulated`]; here it meets the run and the chain that draws a break.
 
 use crate::film::FilmError;
-use crate::{Break, BreakRequest, BreakSession, Error};
+use crate::{Break, BreakRequest, BreakSession, Broken, Error};
 use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fracture::heights::{HeightFieldError, HeightSource};
 use greenstick_fracture::recipe::{RecipeError, apply_setting};
@@ -76,15 +76,25 @@ impl SimulatedFacesError {
 }
 
 /// The faces of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct SimulatedFaces {
-    /// The request that breaks the run's input ([`Run::input`]) along them.
+    /// A session of the run's input, in which its stem is found already.
+    pub session: BreakSession,
+    /// The request that breaks it along the faces.
     pub request: BreakRequest,
     /// What each was made from, in the order of the request's breaks.
     pub reports: Vec<SimulatedFaceReport>,
 }
 
 impl SimulatedFaces {
+    /// Returns the input broken along the faces.
+    ///
+    /// # Errors
+    /// As [`BreakSession::broken`].
+    pub fn broken(&mut self, context: &Context) -> Result<Broken, Error> {
+        self.session.broken(&self.request, context)
+    }
+
     /// Applies a setting of a recipe, `key=value`, to all breaks.
     ///
     /// # Errors
@@ -162,7 +172,11 @@ pub fn faces_of_wood(
         request.breaks.push(one);
         reports.push(face.report);
     }
-    Ok(SimulatedFaces { request, reports })
+    Ok(SimulatedFaces {
+        session,
+        request,
+        reports,
+    })
 }
 
 /// Returns the fractures that faces are drawn for.

@@ -4,7 +4,6 @@ use super::fractures::SimulatedFracture;
 use super::observed::ObservedRun;
 use super::report::SimulatedFaceReport;
 use super::section_field::{FracturedSection, SectionRod};
-use crate::fit::{Weighted, quantile};
 use crate::rods::Wood;
 use glam::{DVec2, DVec3};
 use greenstick_fracture::heights::{FailureMode, HeightField, HeightFieldError};
@@ -40,18 +39,18 @@ pub struct SimulatedFace {
 }
 
 impl SimulatedFracture {
-    /// The length along the axis of the run's stem, m, of the middle of the breaks.
-    pub fn length_along(&self, wood: &Wood) -> f64 {
-        let lengths = self.broken().map(|b| Weighted {
-            value: b.along,
-            weight: wood.cells[b.rod as usize].area,
-        });
-        quantile(&lengths.collect::<Vec<_>>(), 0.5)
+    /// The length along the axis of the run's stem, m, midway between the lowest and the highest break: from there a face
+    /// has the most room on the stem.
+    pub fn length_along(&self) -> f64 {
+        let lengths = || self.broken().map(|b| b.along);
+        let low = lengths().fold(f64::INFINITY, f64::min);
+        let high = lengths().fold(f64::NEG_INFINITY, f64::max);
+        0.5 * (low + high)
     }
 
     /// Returns where on the run's stem that is: a point of the axis, or a fraction of the length.
     pub fn location(&self, wood: &Wood, by_point: bool) -> StemLocation {
-        let (stem, along) = (wood.stem, self.length_along(wood));
+        let (stem, along) = (wood.stem, self.length_along());
         if by_point {
             return StemLocation::Point(stem.grain.axis().frame(along).origin);
         }

@@ -108,8 +108,7 @@ fn parting(
     below: &BTreeSet<u32>,
     above: &BTreeSet<u32>,
 ) -> SimulatedFracture {
-    let mut further = 0;
-    let breaks = run.breaks.iter().enumerate().map(|(rod, of_rod)| {
+    let candidates = run.breaks.iter().enumerate().map(|(rod, of_rod)| {
         let is_in = |set: &BTreeSet<u32>, part: usize| {
             set.contains(&pieces.piece_of(rod as u32, part as RodPart))
         };
@@ -119,18 +118,32 @@ fn parting(
         // Break n lies between parts n and n + 1. Parts may be in no order where wood has slid along itself.
         let from = last_below.unwrap_or(0);
         let to = first_above.unwrap_or(of_rod.len());
-        let candidates = if from < to {
-            &of_rod[from..to]
-        } else {
-            &of_rod[..]
-        };
-        further += candidates.len().saturating_sub(1);
-        widest(candidates)
+        match from < to {
+            true => &of_rod[from..to],
+            false => &of_rod[..],
+        }
     });
+    let candidates: Vec<&[RodEnd]> = candidates.collect();
+    // A rod that is a splinter all along says nothing of where the others parted: its break is one among theirs.
+    let sure = candidates.iter().filter_map(|c| match c {
+        [only] => Some(only.along),
+        _ => None,
+    });
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = sure.fold(none, |(l, h), along| (l.min(along), h.max(along)));
+    let chosen = |candidates: &[RodEnd]| {
+        let within: Vec<RodEnd> = (candidates.iter())
+            .filter(|b| low <= b.along && b.along <= high)
+            .copied()
+            .collect();
+        let off = |b: &RodEnd| (low - b.along).max(b.along - high);
+        let nearest = || candidates.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        widest(&within).or_else(|| nearest().copied())
+    };
     SimulatedFracture {
-        breaks: breaks.collect(),
+        breaks: candidates.iter().map(|c| chosen(c)).collect(),
         parted: true,
-        further_breaks: further,
+        further_breaks: candidates.iter().map(|c| c.len().saturating_sub(1)).sum(),
     }
 }
 

@@ -64,7 +64,7 @@ impl<'a> FracturedSection<'a> {
         stem: &'a Stem,
         to_grain: &dyn Fn(DVec3) -> DVec3,
     ) -> Self {
-        let middle = fracture.length_along(wood);
+        let middle = fracture.length_along();
         let rods = fracture
             .breaks
             .iter()
