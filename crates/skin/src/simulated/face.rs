@@ -21,6 +21,8 @@ const MAX_SLIVERS: u32 = 2000;
 const SPLINTERS_PER_SCATTER: f64 = 0.8;
 /// Least and greatest length of splinters where the wood is most torn, radii.
 const SPLINTER_RANGE: (f64, f64) = (0.1, 4.0);
+/// Greatest length of splinters over the length of stem that is free for the face.
+const FREE_SHARE: f64 = 0.2;
 /// Least and greatest factor on the relief of a place over that of the face.
 const LOCAL_RANGE: (f64, f64) = (0.15, 3.0);
 /// Factors on the lengths of splinters where the wood was crushed: kinked fibres pull out next to not at all.
@@ -119,10 +121,11 @@ fn relief(wood: &Wood, stem: &Stem, rods: &[SectionRod], seed: u64) -> (BreakPar
     } else {
         pulled_out
     };
-    let splinters = (mean / stem.radius).clamp(SPLINTER_RANGE.0, SPLINTER_RANGE.1);
-    let factor = |rod: &SectionRod| {
-        (length(rod) / (splinters * stem.radius)).clamp(LOCAL_RANGE.0, LOCAL_RANGE.1)
-    };
+    let free = FREE_SHARE * (stem.usable.1 - stem.usable.0) / stem.radius;
+    let splinters = (mean / stem.radius)
+        .clamp(SPLINTER_RANGE.0, SPLINTER_RANGE.1)
+        .min(free);
+    let factor = |rod: &SectionRod| (length(rod) / mean).clamp(LOCAL_RANGE.0, LOCAL_RANGE.1);
     let mut p = BreakParameters {
         seed,
         sectors: 110,
