@@ -22,7 +22,7 @@ pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 pub use unit::UnitChoice;
 
-use clap::{Arg, Args, Parser, Subcommand};
+use clap::{Arg, Args, Parser, Subcommand, ValueEnum};
 use greenstick::RequestFile;
 use greenstick::SectionRingSettings;
 use greenstick::picture::PictureParameters;
@@ -69,6 +69,7 @@ Examples
   greenstick break --preset twist --save-recipe twist.toml
   greenstick break --recipe twist.toml --json > report.json
   greenstick break pole.ply --simulate bend -o halves.glb   moved as bonded fibres until it breaks
+  greenstick break --from-run bent -o halves.glb       where and as the run in bent/ broke its mesh
   greenstick break tree.laz --at 3m -o halves.glb      a point cloud: the bark of its stem is made first
   greenstick break broken_branch.ply --bark-only       a scan of a broken branch, its fracture left out";
 
@@ -187,11 +188,28 @@ pub struct BreakOptions {
 
     /// Break it by simulation: a scene that comes with the program, or a scene file; takes minutes
     #[arg(long, value_name = "SCENE", help_heading = "How it breaks",
-        conflicts_with_all = ["preset", "recipe", "set", "species", "moisture", "save_recipe", "pith", "kind", "hang", "fray"])]
+        conflicts_with_all = ["preset", "recipe", "species", "moisture", "save_recipe", "pith", "kind"])]
     pub simulate: Option<String>,
+    /// Faces of a simulated break
+    #[arg(long, value_enum, value_name = "FACES", help_heading = "How it breaks", requires = "simulate", default_value_t = FacesChoice::Drawn)]
+    pub faces: FacesChoice,
+
+    /// Break it where and as a run of `greenstick simulate` did, in its folder; the input is the mesh of the run
+    #[arg(long, value_name = "RUN", help_heading = "How it breaks",
+        conflicts_with_all = ["simulate", "preset", "recipe", "species", "moisture", "save_recipe", "pith", "kind", "at"])]
+    pub from_run: Option<PathBuf>,
+    /// The frame of the run, counted from 0; negative from the end [default: -1]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        help_heading = "How it breaks",
+        allow_hyphen_values = true,
+        requires = "from_run"
+    )]
+    pub frame: Option<i64>,
 
     /// Take the annual rings of another section: a section file with `rings` (.json), or a folder that `anatomy` wrote
-    #[arg(long, value_name = "PATH", help_heading = "Annual rings", conflicts_with_all = ["simulate", "ring_shares"])]
+    #[arg(long, value_name = "PATH", help_heading = "Annual rings", conflicts_with_all = ["simulate", "from_run", "ring_shares"])]
     pub rings_from: Option<PathBuf>,
 
     #[command(flatten)]
@@ -199,6 +217,15 @@ pub struct BreakOptions {
 
     #[command(flatten)]
     pub reporting: ReportingOptions,
+}
+
+/// What the faces of a simulated break are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FacesChoice {
+    #[value(help = "the mesh itself, cut where rods broke, in fibres finer than rods")]
+    Drawn,
+    #[value(help = "prisms about the rods, as in Sutherland's thesis")]
+    Rods,
 }
 
 impl OptionSet for RequestFile {

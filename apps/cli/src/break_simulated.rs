@@ -1,6 +1,7 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
-use crate::arguments::BreakOptions;
+use crate::arguments::{BreakOptions, FacesChoice};
+use crate::break_run::{self, DrawError};
 use crate::break_wood::{
     ResolvedRequest, Targets, file_name, resolve_request, size, targets, use_threads,
 };
@@ -13,12 +14,15 @@ use greenstick::files::run::read_body_meshes;
 use greenstick::files::{self, Output};
 use greenstick::film::{open_run, picture_of_run};
 use greenstick::geometry::{Context, Provenance, Scene};
+use greenstick::picture::{Picture, PictureError, PictureOptions};
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
+use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces, SimulatedFacesError};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
+use greenstick::{BreakReport, Broken, picture_of_break};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -31,15 +35,112 @@ struct FullReport<'a> {
     scan: Option<&'a ScannedReport>,
     simulation: &'a SimulateReport,
     #[serde(flatten)]
-    pieces: &'a SkinReport,
+    pieces: PiecesReport<'a>,
     hangs_together: bool,
     outputs: &'a [Written],
     provenance: &'a Provenance,
     stages: &'a [StageTime],
 }
 
+/// The report on the pieces.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PiecesReport<'a> {
+    Drawn {
+        #[serde(flatten)]
+        report: &'a BreakReport,
+        /// What each break was made from, from the base of the stem to its tip.
+        simulated: &'a [SimulatedFaceReport],
+    },
+    Rods(&'a SkinReport),
+}
+
+/// The pieces.
+enum Made {
+    Drawn(Box<(Broken, SimulatedFaces)>),
+    Rods(Box<Still>),
+}
+
+impl Made {
+    fn scene(&self) -> &Scene {
+        match self {
+            Made::Drawn(made) => &made.0.scene,
+            Made::Rods(still) => &still.scene,
+        }
+    }
+
+    fn scene_mut(&mut self) -> &mut Scene {
+        match self {
+            Made::Drawn(made) => &mut made.0.scene,
+            Made::Rods(still) => &mut still.scene,
+        }
+    }
+
+    fn hangs_together(&self) -> bool {
+        match self {
+            Made::Drawn(made) => made.1.reports.iter().any(|r| !r.parted),
+            Made::Rods(still) => still.scene.nodes.iter().any(|n| n.name == "whole"),
+        }
+    }
+
+    fn report(&self) -> PiecesReport<'_> {
+        match self {
+            Made::Drawn(made) => PiecesReport::Drawn {
+                report: &made.0.report,
+                simulated: &made.1.reports,
+            },
+            Made::Rods(still) => PiecesReport::Rods(&still.report),
+        }
+    }
+
+    fn picture(
+        &self,
+        run: &Run,
+        shot: &PictureOptions,
+        context: &Context,
+    ) -> Result<Picture, PictureError> {
+        match self {
+            Made::Drawn(made) => picture_of_break(&made.0, shot, context),
+            Made::Rods(still) => picture_of_run(run, &still.scene, still.inner, shot, context),
+        }
+    }
+}
+
+/// Cuts the mesh along the faces that the run decided; wood that holds is left whole.
+fn drawn(
+    run: &mut Run,
+    options: &BreakOptions,
+    request: &ResolvedRequest,
+    context: &Context,
+) -> Result<Made, Failure> {
+    let last = run.frames() - 1;
+    match break_run::draw(run, last, options, request, context) {
+        Ok(made) => Ok(Made::Drawn(Box::new(made))),
+        Err(DrawError::Faces(
+            SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. },
+        )) => rods(run, request, context),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Takes the pieces of the rods' skin.
+fn rods(run: &mut Run, request: &ResolvedRequest, context: &Context) -> Result<Made, Failure> {
+    let how = FilmOptions {
+        texture_width: request.file.texture_width,
+        bodies: false,
+        ..FilmParameters::default().film_options(run.scene.seed)
+    };
+    let last = run.frames() - 1;
+    let mut still = run.at_rest(last, &how, context).map_err(Failure::from)?;
+    part(&mut still, run, request.file.common.separation);
+    Ok(Made::Rods(Box::new(still)))
+}
+
 pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let request = resolve_request(options)?;
+    if options.faces == FacesChoice::Rods {
+        check_rods(options)?;
+    }
     let unit = request.file.unit;
     let targets = targets(options)?;
     let (mut setting, beside) = simulate::read(name)?;
@@ -65,14 +166,10 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         bodies: read_body_meshes(&setting, &beside)?,
     };
     let (report, mut run) = simulate_in_memory(setting, meshes, &simulation)?;
-    let how = FilmOptions {
-        texture_width: request.file.texture_width,
-        bodies: false,
-        ..FilmParameters::default().film_options(run.scene.seed)
+    let mut made = match options.faces {
+        FacesChoice::Drawn => drawn(&mut run, options, &request, &skin)?,
+        FacesChoice::Rods => rods(&mut run, &request, &skin)?,
     };
-    let last = run.frames() - 1;
-    let mut still = run.at_rest(last, &how, &skin).map_err(Failure::from)?;
-    part(&mut still, &run, request.file.common.separation);
     let input = file_name(request.input.as_deref());
     let mut provenance = request.file.provenance(input.as_deref(), scan.as_ref());
     let simulated = greenstick::provenance("break --simulate", None, &run.scene);
@@ -83,16 +180,16 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         .into_iter()
         .map(|p| format!("scene.{p}"));
     provenance.parameters.extend(settings);
-    still.scene.metadata = provenance.metadata();
+    made.scene_mut().metadata = provenance.metadata();
     let mut outputs = Vec::new();
     if let Some(path) = &targets.pieces {
         encode.report(0.0)?;
-        outputs.extend(files::encode(&still.scene, path, unit.unwrap_or_default())?);
+        outputs.extend(files::encode(made.scene(), path, unit.unwrap_or_default())?);
     }
     if let Some(path) = &targets.picture {
         let shot = request.file.picture.options();
-        let picture = picture_of_run(&run, &still.scene, still.inner, &shot, &picture)?;
-        let (path, bytes) = (path.clone(), picture.png_with(&still.scene.metadata));
+        let picture = made.picture(&run, &shot, &picture)?;
+        let (path, bytes) = (path.clone(), picture.png_with(&made.scene().metadata));
         outputs.push(Output { path, bytes });
     }
     write.report(0.0)?;
@@ -104,8 +201,8 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         let full = FullReport {
             scan: scan.as_ref(),
             simulation: &report,
-            pieces: &still.report,
-            hangs_together: still.scene.nodes.iter().any(|n| n.name == "whole"),
+            hangs_together: made.hangs_together(),
+            pieces: made.report(),
             outputs: &written(&outputs),
             provenance: &provenance,
             stages: &stages,
@@ -113,6 +210,21 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         print(&format_report(&full, options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses what only drawn faces have.
+fn check_rods(options: &BreakOptions) -> Result<(), Failure> {
+    let given = [
+        ("--set", !options.set.is_empty()),
+        ("--hang", options.request.text("break.hang").is_some()),
+        ("--fray", options.request.text("fray").is_some()),
+    ];
+    match given.iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Failure::request(format!(
+            "{name}: faces of rods have no relief to change; it goes with --faces drawn"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Reads the mesh to break, and sets in the scene where. Returns the mesh, and the report of a scan.
@@ -192,10 +304,21 @@ fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
         return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
     }
     let mut text = full.scan.map_or_else(String::new, ToString::to_string);
-    let _ = write!(text, "{}{}", full.simulation, full.pieces);
-    if full.hangs_together {
-        text += "note     the wood still hangs together from end to end: it is one piece, `whole`; more load, more time or \
-                 another scene may part it\n";
+    let _ = write!(text, "{}", full.simulation);
+    match &full.pieces {
+        PiecesReport::Drawn { report, simulated } => {
+            let _ = write!(text, "{report}");
+            for face in *simulated {
+                let _ = write!(text, "{face}");
+            }
+        }
+        PiecesReport::Rods(report) => {
+            let _ = write!(text, "{report}");
+            if full.hangs_together {
+                text += "note     the wood still hangs together from end to end: it is one piece, `whole`; more load, more \
+                         time or another scene may part it\n";
+            }
+        }
     }
     for file in full.outputs {
         let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));

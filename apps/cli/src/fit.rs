@@ -25,17 +25,8 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
     }
     let progress = Progress::start(options.quiet);
     let [read, work] = progress.split([("read", 1.0), ("fit", 3.0)]);
-    let mut run = skin::open(&options.run, &options.mesh, None, &read)?;
-    let count = run.frames() as i64;
-    let number = match options.frame {
-        n if n < 0 => count + n,
-        n => n,
-    };
-    let number = usize::try_from(number).map_err(|_| {
-        Failure::request(format!(
-            "there are {count} frames, counted from 0 or from −1 backwards"
-        ))
-    })?;
+    let mut run = skin::open(&options.run, skin::named(&options.mesh), None, &read)?;
+    let number = skin::frame_number(&run, options.frame)?;
     let Fit { recipe, report, .. } = fit(&mut run, number, &work).map_err(failure)?;
     let mut written = Vec::new();
     if let Some(path) = &options.output {

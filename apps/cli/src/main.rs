@@ -3,6 +3,7 @@
 mod anatomy;
 mod arguments;
 mod bend_test;
+mod break_run;
 mod break_simulated;
 mod break_wood;
 mod cracks;
@@ -37,9 +38,10 @@ fn main() -> ExitCode {
         }
     };
     let result = match &arguments.command {
-        Command::Break(options) => match &options.simulate {
-            Some(scene) => break_simulated::run(options, scene),
-            None => break_wood::run(options),
+        Command::Break(options) => match (&options.simulate, &options.from_run) {
+            (Some(scene), _) => break_simulated::run(options, scene),
+            (None, Some(folder)) => break_run::run(options, folder),
+            (None, None) => break_wood::run(options),
         },
         Command::Anatomy(options) => anatomy::run(options),
         Command::BendTest(options) => bend_test::run(options),

@@ -68,7 +68,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
     let run = open(
         &options.run,
-        &options.mesh,
+        named(&options.mesh),
         options.output.as_deref(),
         &read,
     )?;
@@ -121,17 +121,35 @@ fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Res
     print(&text)
 }
 
+/// Returns the mesh that options name, with its unit.
+pub fn named(mesh: &MeshOptions) -> NamedMesh {
+    let unit = mesh.unit.map(LengthUnit::from);
+    mesh.input.as_ref().map(|path| (path.clone(), unit))
+}
+
+/// A mesh that is named in place of the one that a run remembers, with its unit.
+pub type NamedMesh = Option<(PathBuf, Option<LengthUnit>)>;
+
+/// Returns the number of a frame that is counted from 0, or from −1 backwards.
+pub fn frame_number(run: &Run, number: i64) -> Result<usize, Failure> {
+    let count = run.frames() as i64;
+    let number = if number < 0 { count + number } else { number };
+    usize::try_from(number).map_err(|_| {
+        Failure::request(format!(
+            "there are {count} frames, counted from 0 or from −1 backwards"
+        ))
+    })
+}
+
 /// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
 pub fn open(
     folder: &Path,
-    mesh: &MeshOptions,
+    named: NamedMesh,
     output: Option<&Path>,
     context: &Context,
 ) -> Result<Run, Failure> {
     context.report(0.0)?;
     let origin = Origin::read(folder).map_err(Failure::request)?;
-    let unit = mesh.unit.map(LengthUnit::from);
-    let named = mesh.input.as_ref().map(|path| (path.clone(), unit));
     let input = named.or(origin.input_file());
     let input = match &input {
         Some((path, unit)) => {
@@ -176,13 +194,7 @@ fn still(
         ),
         (Stage::new("write"), 0.3),
     ]);
-    let count = run.frames() as i64;
-    let number = if number < 0 { count + number } else { number };
-    let number = usize::try_from(number).map_err(|_| {
-        Failure::request(format!(
-            "there are {count} frames, counted from 0 or from −1 backwards"
-        ))
-    })?;
+    let number = frame_number(&run, number)?;
     let mut still = run
         .still(number, &plan.film, &skin)
         .map_err(Failure::from)?;

@@ -20,6 +20,12 @@ fn number(json: &str, key: &str) -> f64 {
         .unwrap_or_else(|| panic!("{key}: {json}"))
 }
 
+/// The binary chunk of a GLB file: meshes and pictures without what describes them.
+fn binary(glb: &[u8]) -> &[u8] {
+    let json = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    &glb[20 + json..]
+}
+
 #[test]
 fn a_simulated_break_gives_halves_that_fill_the_wood_and_a_recipe_that_breaks_it() {
     let folder = Folder::new();
@@ -51,8 +57,21 @@ fn a_simulated_break_gives_halves_that_fill_the_wood_and_a_recipe_that_breaks_it
         assert!(mesh["closed"] == true && mesh["oriented"] == true, "{mesh}");
     }
 
+    // A run from its folder is cut into the same bytes as one in memory.
     let run = folder.run(&["simulate", "pull.toml", "-o", "run", "--no-pictures"]);
     assert_eq!(run.code, 0, "{}", run.err);
+    let again = folder.quick(&["--from-run", "run", "-o", "again.glb", "--json"]);
+    assert_eq!(again.code, 0, "{}{}", again.out, again.err);
+    assert!(binary(&folder.read("again.glb")) == binary(&folder.read("halves.glb")));
+    let told: serde_json::Value = serde_json::from_str(&again.out).unwrap();
+    let face = &told["simulated"][0];
+    assert!(face["parted"] == true && face["mode"] == "torn", "{told}");
+    let none = folder.quick(&["--from-run", "run", "--frame", "0", "-o", "none.glb"]);
+    assert!(
+        none.code == 2 && none.err.contains("no rod is broken"),
+        "{}",
+        none.err
+    );
     let fit = folder.run(&["fit", "run", "-o", "recipe.toml", "--json"]);
     assert_eq!(fit.code, 0, "{}", fit.err);
     assert!(number(&fit.out, "broken") >= 10.0, "{}", fit.out);
@@ -82,6 +101,12 @@ fn wood_that_does_not_part_is_one_piece_and_said_to_be() {
     assert_eq!(made.code, 0, "{}{}", made.out, made.err);
     assert!(made.out.contains("still hangs together"), "{}", made.out);
     assert!(made.out.contains("piece    whole: 12 rods"), "{}", made.out);
+    let rods = folder.quick(&["--simulate", "weak.toml", "--faces", "rods", "--hang", "30"]);
+    assert!(
+        rods.code == 2 && rods.err.contains("--faces drawn"),
+        "{}",
+        rods.err
+    );
     // What only a drawn break has is refused beside it.
     let both = folder.run(
         &[
@@ -135,6 +160,8 @@ fn a_mesh_breaks_where_at_says_and_keeps_its_other_parts() {
         "pull.toml",
         "--at",
         "0.5",
+        "--faces",
+        "rods",
         "-o",
         "out.glb",
         "--json",

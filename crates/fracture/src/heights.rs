@@ -3,12 +3,13 @@
 //! All heights are ratios to the stem's radius until they are placed along the axis at the end.
 
 use crate::ends::TornEnds;
-pub use crate::field::{HeightField, HeightFieldError};
+pub use crate::field::{CellFailure, FailureMode, HeightField, HeightFieldError, grid_middle};
 pub use crate::height_model::{BreakSite, Heights, Thorn};
 use crate::height_model::{HeightModel, NoiseSamplers};
 use crate::layout::{FibreBundles, InnerEdge, wrap_angle};
 use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
+pub use crate::slabs::SectionSpan;
 use crate::surface::SectionLayout;
 use crate::thorns::add_thorns;
 use crate::torn::{BundleHeight, TornRelief};
@@ -33,8 +34,16 @@ pub enum HeightSource {
     /// The procedural model: Yang 2019 §3, and the relief of torn fibres.
     #[default]
     Procedural,
-    /// Heights that were measured, simulated or painted. The procedural model adds only the fur of fine fibres.
+    /// Heights that were measured, simulated or painted. Where the field says how the wood failed, the procedural model adds
+    /// all that is finer than the grid: slivers, fibres and strips of bark. Otherwise it adds only the fur of fine fibres.
     Field(Arc<HeightField>),
+}
+
+impl HeightSource {
+    /// Whether it decides how far the wood splinters, so that a species must not do so again.
+    pub fn decides_relief(&self) -> bool {
+        matches!(self, HeightSource::Field(field) if field.has_failures())
+    }
 }
 
 /// Heights of a break, made with what `source` and the style of the parameters ask for.
@@ -47,10 +56,10 @@ pub fn heights(
 ) -> Heights {
     match (source, p.surface) {
         (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, site, cache),
-        (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, site, cache),
+        (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, site, None, cache),
         (HeightSource::Field(field), Kind::Smooth) => smooth_of_field(bundles, field, site),
         (HeightSource::Field(field), Kind::Fibrous) => {
-            fibrous_of_field(bundles, field, p, site, cache)
+            fibrous(bundles, p, site, Some(field), cache)
         }
     }
 }
@@ -61,33 +70,6 @@ fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, site: &BreakSite
     let heights = bundles.addresses.iter().map(at).collect();
     let nodes = bundles.layout.nodes.iter().copied();
     place_heights(bundles, heights, nodes, &bundles.layout.facets, site)
-}
-
-/// Heights of fibre bundles that end at a field, with ragged ends.
-fn fibrous_of_field(
-    bundles: &FibreBundles,
-    field: &HeightField,
-    p: &BreakParameters,
-    site: &BreakSite,
-    cache: &mut HeightCache,
-) -> Heights {
-    let maker = HeightModel::new(p, site);
-    let torn = TornRelief::new(
-        &maker,
-        bundles,
-        &mut NoiseSamplers::new(&maker),
-        &mut cache.ends,
-    );
-    let levels: Vec<BundleHeight> = (0..bundles.bundles.len())
-        .map(|i| torn.field_height(field, i))
-        .collect();
-    let rims = torn.ends.nodes.iter();
-    let heights = rims
-        .map(|rim| torn.node_height(&levels[rim.cell as usize], rim))
-        .collect();
-    let nodes = &bundles.layout.nodes;
-    let at = torn.ends.nodes.iter().map(|r| nodes[r.node as usize]);
-    place_heights(bundles, heights, at, &torn.ends.corners, site)
 }
 
 /// Heights of the published smooth surface: one per node, shared by all facets there but those of thorns.
@@ -108,14 +90,16 @@ fn smooth(
     placed
 }
 
-/// Heights of the fibrous surface: the end of each bundle, torn.
+/// Heights of the fibrous surface: the end of each bundle, torn, at a field where there is one.
 fn fibrous(
     bundles: &FibreBundles,
     p: &BreakParameters,
     site: &BreakSite,
+    field: Option<&HeightField>,
     cache: &mut HeightCache,
 ) -> Heights {
-    let (heights, ends, thorns) = fibrous_rims(bundles, &HeightModel::new(p, site), cache);
+    let model = HeightModel::new(p, site);
+    let (heights, ends, thorns) = fibrous_rims(bundles, &model, field, cache);
     let nodes = &bundles.layout.nodes;
     let at = ends.nodes.iter().map(|r| nodes[r.node as usize]);
     let mut placed = place_heights(bundles, heights, at, &ends.corners, site);
@@ -137,7 +121,7 @@ pub fn relief_range(
         let corners = face.corners.iter().flatten();
         corners.map(|&n| face.heights[n as usize]).collect()
     } else {
-        let (heights, ends, _) = fibrous_rims(bundles, &maker, cache);
+        let (heights, ends, _) = fibrous_rims(bundles, &maker, None, cache);
         let corners = ends.corners.iter().flatten();
         corners.map(|&r| heights[r as usize]).collect()
     };
@@ -279,10 +263,11 @@ impl NodeNoise {
 fn fibrous_rims(
     bundles: &FibreBundles,
     maker: &HeightModel,
+    field: Option<&HeightField>,
     cache: &mut HeightCache,
 ) -> (Vec<f64>, Arc<TornEnds>, Vec<Thorn>) {
     let mut walks = NoiseSamplers::new(maker);
-    let torn = TornRelief::new(maker, bundles, &mut walks, &mut cache.ends);
+    let torn = TornRelief::new(maker, bundles, field, &mut walks, &mut cache.ends);
     let levels: Vec<BundleHeight> = (0..bundles.bundles.len())
         .map(|i| torn.bundle_height(&mut walks, i))
         .collect();

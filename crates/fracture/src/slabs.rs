@@ -28,7 +28,7 @@ impl Region {
 
 /// The extent of a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SectionSpan {
+pub struct SectionSpan {
     /// Ring coordinates.
     pub rho: (f64, f64),
     /// Angles, rad; `None` for all around.
@@ -36,6 +36,12 @@ pub(crate) struct SectionSpan {
 }
 
 impl SectionSpan {
+    /// A whole section: from the pith to the outside, all around.
+    pub const WHOLE: SectionSpan = SectionSpan {
+        rho: (0.0, 1.0),
+        phi: None,
+    };
+
     /// Returns the extent of the bundles of a layout.
     pub fn from_bundles(bundles: &[FibreBundle]) -> SectionSpan {
         let mut rho = (f64::INFINITY, 0.0f64);
@@ -49,8 +55,7 @@ impl SectionSpan {
         }
         // A board shows less than half a turn of its rings.
         if phi.1 - phi.0 > 0.5 * TAU || phi.0 > phi.1 {
-            let rho = (0.0, 1.0);
-            return SectionSpan { rho, phi: None };
+            return SectionSpan::WHOLE;
         }
         SectionSpan {
             rho,

@@ -35,6 +35,8 @@ pub(crate) struct BundleHeight {
 pub(crate) struct TornRelief<'a> {
     model: &'a HeightModel<'a>,
     bundles: &'a FibreBundles,
+    /// Heights that take the place of inclination, layers and slabs.
+    field: Option<&'a HeightField>,
     pub ends: Arc<TornEnds>,
     /// Height of the wood under each strip of bark, as far as the bark follows it.
     under_bark: Vec<f64>,
@@ -42,6 +44,33 @@ pub(crate) struct TornRelief<'a> {
     inner_bark: f64,
 }
 
+/// What is coarser than slivers at a bundle.
+struct LargeShape {
+    /// Height.
+    level: f64,
+    /// Depth of the split there.
+    split: f64,
+    /// Slope, height per radius.
+    tilt: DVec2,
+    /// How much of the wood is torn rather than crushed, 0 to 1.
+    torn: f64,
+    /// Factor on the torn relief.
+    relief: f64,
+}
+
+/// Ring coordinate of the wood that bark follows.
+const UNDER_BARK: f64 = 0.95;
+/// How far the bark of a field's face stands over the wood or back from it before it tears along the grain, in bark
+/// heights.
+const BARK_OVERHANG: f64 = 1.5;
+/// Angle (rad) over which bark evens out the steps of the wood under it.
+const BARK_REACH: f64 = 0.25;
+/// How far strings of inner bark reach from the bark of a field's face, next to the wood, over that overhang; next to the
+/// bark it is less by one.
+const STRING_REACH: f64 = 1.3;
+/// How much of a field's height a bundle has from the middle of its sliver; the rest is that at its own place. With 1, slivers
+/// would be terraces wherever the field slopes; with 0, steps of the field would cut through slivers.
+const SLIVER_SHARE: f64 = 0.85;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -49,6 +78,7 @@ impl<'a> TornRelief<'a> {
     pub fn new(
         model: &'a HeightModel<'a>,
         bundles: &'a FibreBundles,
+        field: Option<&'a HeightField>,
         noises: &mut NoiseSamplers,
         cache: &mut Option<Arc<TornEnds>>,
     ) -> Self {
@@ -58,6 +88,7 @@ impl<'a> TornRelief<'a> {
         let mut torn = TornRelief {
             model,
             bundles,
+            field,
             under_bark: Vec::new(),
             inner_bark: ends.wood.map_or(2.0, |wood| wood - p.phloem_proportion),
             ends,
@@ -97,7 +128,9 @@ impl<'a> TornRelief<'a> {
         let unit = unit(bundle.rho.min(1.0), bundle.phi);
         let middle = self.ends.middle(self.bundles, index, unit);
         let end = &self.ends.bundles[index];
-        if bundle.bark {
+        if let Some(field) = self.field.filter(|f| !f.has_failures()) {
+            self.field_height(field, bundle, middle)
+        } else if bundle.bark {
             self.bark_height(noises, bundle, end, middle)
         } else {
             self.wood_height(noises, (index, end), unit, middle)
@@ -108,33 +141,75 @@ impl<'a> TornRelief<'a> {
     fn under_bark(&self, noises: &mut NoiseSamplers, strip: usize) -> f64 {
         let p = self.model.p;
         let phi = self.ends.strips.middle(strip);
+        if let Some(field) = self.field {
+            return self.around(field, phi) + p.bark_offset;
+        }
         let at = unit(1.0, phi);
         let place = self.ends.pith + at * self.model.site.radius;
         let ragged = noises
             .shelf
             .at(self.ends.shelf_coordinates(at, place) * 3.0);
         let torn = self.torn_share(self.distance_to_shelf(ragged, at, place));
-        let wandered = wandering_angle(noises, phi, at * 0.95);
-        let slab = self.ends.slabs.at(0.95, wandered).1;
+        let wandered = wandering_angle(noises, phi, at * UNDER_BARK);
+        let slab = self.ends.slabs.at(UNDER_BARK, wandered).1;
         let wood = 0.7 * p.slab_height * self.model.site.relief * torn * slab;
         self.model.stepped(at, 0.99, phi) + wood + p.bark_offset
     }
 
-    /// Returns the height of a bundle that ends at a height field.
-    pub fn field_height(&self, field: &HeightField, index: usize) -> BundleHeight {
-        let bundle = &self.bundles.bundles[index];
-        let unit = unit(bundle.rho.min(1.0), bundle.phi);
+    /// Returns the height of a bundle that ends at a field of nothing but heights.
+    fn field_height(
+        &self,
+        field: &HeightField,
+        bundle: &FibreBundle,
+        middle: DVec2,
+    ) -> BundleHeight {
         let fibre = self.model.site.relief * self.model.p.fibre_height;
         BundleHeight {
             base: field.at(bundle.rho, bundle.phi) / self.model.site.radius,
             thorn: 0.0,
             raggedness: if bundle.bark { 0.0 } else { fibre },
-            middle: self.ends.middle(self.bundles, index, unit),
+            middle,
             slant: DVec2::ZERO,
             sliver: 0.0,
             blade: if bundle.bark { 0.0 } else { fibre },
             bark: bundle.bark,
         }
+    }
+
+    /// Returns the height of the bark of a strip at an angle (rad), before its own relief: that of the wood under the
+    /// strip's middle. On a field whose wood stands far above or below that, the strip tears askew and follows the wood.
+    fn bark_level(&self, strip: usize, phi: f64) -> f64 {
+        let level = self.under_bark[strip];
+        match self.field {
+            None => level,
+            Some(field) => {
+                let p = self.model.p;
+                let below = self.around(field, phi) + p.bark_offset;
+                let free = BARK_OVERHANG * p.bark_height * self.bark_relief(phi);
+                level.clamp(below - free, below + free)
+            }
+        }
+    }
+
+    /// Returns the height of the wood under the bark about an angle (rad): bark is too tough along the ring to follow steps.
+    fn around(&self, field: &HeightField, phi: f64) -> f64 {
+        const SAMPLES: i32 = 6;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for sample in -SAMPLES..=SAMPLES {
+            let off = f64::from(sample) / f64::from(SAMPLES + 1);
+            let weight = 1.0 - off.abs();
+            sum += weight * field.at(UNDER_BARK, phi + off * BARK_REACH);
+            weights += weight;
+        }
+        sum / weights / self.model.site.radius
+    }
+
+    /// Returns the factor on the relief of bark at an angle (rad).
+    fn bark_relief(&self, phi: f64) -> f64 {
+        let local = self.field.and_then(|f| f.failure_at(1.0, phi));
+        local.map_or(1.0, |l| {
+            (0.3 + 0.7 * l.torn) * l.splintering.clamp(0.4, 1.5)
+        })
     }
 
     fn bark_height(
@@ -149,15 +224,65 @@ impl<'a> TornRelief<'a> {
         let noise = self
             .model
             .noise(noises, at, p.zone(Zone::Bark), bundle_key(bundle));
+        // On a field every node of the bark has the height of its own angle.
+        let (level, tilt) = match self.field {
+            None => (
+                self.bark_level(end.strip as usize, bundle.phi),
+                self.model.tilt,
+            ),
+            Some(_) => (0.0, DVec2::ZERO),
+        };
         BundleHeight {
-            base: self.under_bark[end.strip as usize] + 0.3 * noise,
+            base: level + 0.3 * noise,
             thorn: 0.0,
             raggedness: 0.0,
             middle,
-            slant: self.model.tilt,
-            sliver: 0.0,
+            slant: tilt,
+            sliver: p.bark_height * self.bark_relief(bundle.phi),
             blade: 0.0,
             bark: true,
+        }
+    }
+
+    /// Returns what is coarser than slivers at a bundle, `at` in ring coordinates and `middle` in m.
+    fn large_shape(
+        &self,
+        noises: &mut NoiseSamplers,
+        (index, end): (usize, &TornEnd),
+        at: DVec2,
+        middle: DVec2,
+    ) -> LargeShape {
+        let bundle = &self.bundles.bundles[index];
+        let rho = bundle.rho.min(1.0);
+        let (model, key) = (self.model, index as i64);
+        let zone = model.p.proportions().zone_at(rho, 0.0);
+        let Some(field) = self.field else {
+            let across = (middle - self.ends.pith) / model.site.radius;
+            let published = model.published(noises, (across, at), (rho, bundle.phi), zone, key);
+            let shelf = self.distance_to_shelf(end.shelf, at, middle);
+            return LargeShape {
+                level: published,
+                split: self.split(shelf, end.crushed_random[1]),
+                tilt: model.tilt,
+                torn: self.torn_share(shelf),
+                relief: model.site.relief,
+            };
+        };
+        // The middle of the sliver, at the angle that wanders to that of its ray.
+        let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
+        let ring = ring.min(1.0);
+        let ray = 2.0 * ray - wandering_angle(noises, ray, unit(ring, ray));
+        let own = field.at(rho, bundle.phi);
+        let shared = field.at(ring, ray);
+        let level = (own + (shared - own) * SLIVER_SHARE) / model.site.radius;
+        let noise = model.noise(noises, at, model.p.zone(zone), key);
+        let failure = field.failure_at(ring, ray);
+        LargeShape {
+            level: level + noise,
+            split: 0.0,
+            tilt: DVec2::ZERO,
+            torn: failure.map_or(1.0, |f| f.torn),
+            relief: failure.map_or(model.site.relief, |f| f.splintering),
         }
     }
 
@@ -170,13 +295,16 @@ impl<'a> TornRelief<'a> {
     ) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
-        let (model, p, relief) = (self.model, self.model.p, self.model.site.relief);
+        let p = self.model.p;
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
-        let across = (middle - self.ends.pith) / model.site.radius;
-        let published = model.published(noises, (across, at), (rho, bundle.phi), zone, key);
-        let shelf = self.distance_to_shelf(end.shelf, at, middle);
-        let torn = self.torn_share(shelf);
+        let LargeShape {
+            level,
+            split,
+            tilt,
+            torn,
+            relief,
+        } = self.large_shape(noises, (index, end), at, middle);
         let slab = self.ends.slabs.slab(end.slab as usize);
         // Slivers run up a slab like the treads of a stair.
         let (own_height, shared) = end.slab_heights;
@@ -202,16 +330,18 @@ impl<'a> TornRelief<'a> {
             + up * (1.6 * length - 0.4 * p.sliver_height * relief * torn)
             + p.step_height * end.step
             + fibre * (off - 0.5);
-        let mut base = published + torn * torn_height + (1.0 - torn) * crushed + slant.dot(at);
-        base -= self.split(shelf, end.crushed_random[1]);
-        base = self.with_bark(base, end, rho);
+        let base = level + torn * torn_height + (1.0 - torn) * crushed + slant.dot(at) - split;
+        let base = self.with_bark(base, end, (rho, bundle.phi));
         let width = 2.0 * bundle.half_width * rho;
         BundleHeight {
             base,
-            thorn: self.thorn(rho, bundle.phi, zone, key, end.sliver),
+            thorn: match self.field {
+                None => self.thorn(rho, bundle.phi, zone, key, end.sliver),
+                Some(_) => torn * relief * self.thorn(rho, bundle.phi, zone, key, end.sliver),
+            },
             raggedness: fibre,
             middle,
-            slant: slant + model.tilt,
+            slant: slant + tilt,
             sliver: up * outline,
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
             bark: false,
@@ -219,15 +349,24 @@ impl<'a> TornRelief<'a> {
     }
 
     /// Returns the height of inner bark, which tears in strings; some of them come off with the bark.
-    fn with_bark(&self, base: f64, end: &TornEnd, rho: f64) -> f64 {
+    fn with_bark(&self, base: f64, end: &TornEnd, (rho, phi): (f64, f64)) -> f64 {
         if rho <= self.inner_bark {
             return base;
         }
         let [goes, long] = end.string_random;
         let depth = ((rho - self.inner_bark) / self.model.p.phloem_proportion.max(1e-6)).min(1.0);
         let with = noise::smoothstep(0.35, 0.75, goes * (0.55 + 0.75 * depth));
-        let bark = self.under_bark[end.strip as usize]
-            + self.model.p.bark_height * (end.strip_end + 0.5 * (long - 0.6));
+        let level = self.bark_level(end.strip as usize, phi);
+        let height = self.model.p.bark_height * self.bark_relief(phi);
+        let base = match self.field {
+            None => base,
+            Some(_) => {
+                // Strings of inner bark do not reach far through the bark beside them.
+                let free = BARK_OVERHANG * height * (STRING_REACH - depth);
+                base.clamp(level - free, level + free)
+            }
+        };
+        let bark = level + height * (end.strip_end + 0.5 * (long - 0.6));
         base + (bark - base) * with
     }
 
@@ -264,8 +403,15 @@ impl<'a> TornRelief<'a> {
             // Nodes beyond the bark repeat the heights of those below them, so that the edge runs straight outwards.
             let direction = bundles.directions[node.node as usize];
             let out = direction * radius - (level.middle - self.ends.pith);
-            let edge = self.model.p.bark_height * node.shared_outline;
-            return level.base + edge + out.dot(level.slant) / radius;
+            let edge = level.sliver * node.shared_outline;
+            let along = match self.field {
+                Some(field) if field.has_failures() => {
+                    let strip = self.ends.bundles[node.cell as usize].strip;
+                    self.bark_level(strip as usize, bundles.addresses[node.node as usize].1)
+                }
+                _ => 0.0,
+            };
+            return level.base + along + edge + out.dot(level.slant) / radius;
         }
         let at = bundles.layout.nodes[node.node as usize];
         let slope = level.slant.dot(at - level.middle) / radius;

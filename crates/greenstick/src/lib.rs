@@ -38,7 +38,7 @@
 //! works on one thread.
 //!
 //! - `files`: the module `files`, which reads and writes files.
-//! - `simulate`: the modules `simulate`, `film`, `fit`, `bending` and `toughness`, and the crate `fibre`. With `files`, runs are read from folders and written to them.
+//! - `simulate`: the modules `simulate`, `film`, `fit`, `simulated_faces`, `bending` and `toughness`, and the crate `fibre`. With `files`, runs are read from folders and written to them.
 //! - `laz`: reads compressed point clouds.
 //! - `parquet`: writes tables as Parquet.
 //! - `usd`: writes scenes and films as USD.
@@ -66,6 +66,8 @@ mod section_rings;
 pub mod session;
 #[cfg(feature = "simulate")]
 pub mod simulate;
+#[cfg(feature = "simulate")]
+pub mod simulated_faces;
 #[cfg(feature = "simulate")]
 pub mod toughness;
 

@@ -20,6 +20,8 @@ pub mod report;
 pub mod rods;
 #[cfg(feature = "rods")]
 pub mod rods_scene;
+#[cfg(feature = "rods")]
+pub mod simulated;
 mod source;
 pub mod stages;
 pub mod texture;

@@ -425,6 +425,10 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<SpeciesRelief, Error> {
         let recipe = &requested.recipe;
+        if requested.heights.decides_relief() {
+            recipe.species()?;
+            return Ok(SpeciesRelief::decided_by_heights());
+        }
         SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, |factor| {
             let p = &recipe.face;
             let layout = self.found_layout((found, rings), p, another, ids)?;

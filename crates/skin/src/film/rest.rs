@@ -7,6 +7,7 @@ use super::options::FilmOptions;
 use super::report::SkinReport;
 use super::run::Run;
 use crate::rods::{FractureState, RodPart};
+use crate::simulated::ObservedRun;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Mesh, Node, Scene};
 
@@ -22,6 +23,16 @@ impl Run {
         let frame = self.frame(number)?;
         let state = FractureState::from_frame(&self.wood(), &frame, &self.causes)?;
         Ok((state, frame.time))
+    }
+
+    /// Returns where rods are broken in frame `number`, and why.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the frame or the events cannot be read, or are of other wood.
+    pub fn observed(&self, number: usize) -> Result<ObservedRun, FilmError> {
+        let frame = self.frame(number)?;
+        let events = self.source.events()?;
+        Ok(ObservedRun::new(&self.wood(), &frame, &events)?)
     }
 
     /// Returns the scene that its stem was found in.

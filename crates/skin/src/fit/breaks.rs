@@ -22,6 +22,26 @@ pub(super) struct BreakPoint {
     pub in_tension: bool,
 }
 
+/// A break of a rod along the stem.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BreakOnStem {
+    pub rod: u32,
+    /// Area of the rod's cell, m².
+    pub area: f64,
+    /// Length along the axis of the run's stem, m.
+    pub along: f64,
+}
+
+impl BreakPoint {
+    fn on_stem(&self) -> BreakOnStem {
+        BreakOnStem {
+            rod: self.rod,
+            area: self.area,
+            along: self.along,
+        }
+    }
+}
+
 /// A break of a rod by its address in the section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AddressedBreak {
@@ -55,7 +75,7 @@ pub(super) struct MainBreak {
 }
 
 /// Breaks of rods with a longer stretch between them than this, radii, and none on it, are two breaks of the stem.
-const MAX_GAP: f64 = 4.0;
+pub(crate) const MAX_GAP: f64 = 4.0;
 
 impl MainBreak {
     /// Finds the main break of a bundle.
@@ -78,7 +98,8 @@ impl MainBreak {
                 all.push(point(rod, along, found.cause != Cause::Compression));
             }
         }
-        let range = main_range(&all, MAX_GAP * wood.stem.radius);
+        let spans: Vec<BreakOnStem> = all.iter().map(BreakPoint::on_stem).collect();
+        let range = main_range(&spans, MAX_GAP * wood.stem.radius);
         let here: Vec<BreakPoint> = all
             .iter()
             .filter(|b| b.along >= range.low && b.along <= range.high)
@@ -137,14 +158,14 @@ fn nearest_of_each_rod(breaks: &[BreakPoint], middle: f64) -> Vec<BreakPoint> {
 
 /// A range of lengths along the axis, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct LengthRange {
-    low: f64,
-    high: f64,
+pub(crate) struct LengthRange {
+    pub low: f64,
+    pub high: f64,
 }
 
 /// The lengths between which most of the section broke, with no gap of more than `gap` (m) between breaks.
-fn main_range(all: &[BreakPoint], gap: f64) -> LengthRange {
-    let mut sorted: Vec<&BreakPoint> = all.iter().collect();
+pub(crate) fn main_range(all: &[BreakOnStem], gap: f64) -> LengthRange {
+    let mut sorted: Vec<&BreakOnStem> = all.iter().collect();
     sorted.sort_by(|a, b| a.along.total_cmp(&b.along));
     let (mut largest_area, mut main) = (0.0, LengthRange::default());
     for group in sorted.chunk_by(|a, b| b.along - a.along <= gap) {
@@ -212,7 +233,7 @@ impl AddressSpace<'_> {
 
 /// Returns the mean distance along the axis between neighbouring vertices of a rod, m. Heights of breaks are no more
 /// precise than that.
-pub(super) fn mean_edge_length(wood: &Wood) -> f64 {
+pub(crate) fn mean_edge_length(wood: &Wood) -> f64 {
     let (mut sum, mut count) = (0.0, 0u32);
     for rod in 0..wood.bundle.rods() {
         for pair in wood.along[wood.bundle.rod(rod)].windows(2) {
@@ -229,16 +250,14 @@ mod tests {
 
     #[test]
     fn the_break_of_most_rods_is_taken_and_not_that_of_most_breaks() {
-        let point = |rod: u32, along: f64| BreakPoint {
+        let point = |rod: u32, along: f64| BreakOnStem {
             rod,
             area: 1.0,
-            world: DVec3::ZERO,
             along,
-            in_tension: true,
         };
         let range = |low: f64, high: f64| LengthRange { low, high };
         // One rod in five parts at one end, three rods once in the middle, no two farther than the gap from the next.
-        let mut all: Vec<BreakPoint> = (0..5).map(|i| point(0, 0.01 * f64::from(i))).collect();
+        let mut all: Vec<BreakOnStem> = (0..5).map(|i| point(0, 0.01 * f64::from(i))).collect();
         all.extend([point(1, 0.52), point(2, 0.44), point(3, 0.48)]);
         assert_eq!(main_range(&all, 0.05), range(0.44, 0.52));
         // With a smaller gap they are three breaks of one rod each, and the first of those counts.

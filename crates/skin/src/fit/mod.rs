@@ -13,6 +13,8 @@ mod sector_search;
 mod statistics;
 mod trend;
 
+pub(crate) use breaks::{BreakOnStem, LengthRange, MAX_GAP, main_range, mean_edge_length};
 pub use fitting::{BreakFit, FaceFit};
 pub use parameters::{FittedValue, UnfittedKeys};
 pub use report::{FitReport, TissueBreaks};
+pub(crate) use statistics::{Weighted, quantile};

@@ -2,13 +2,13 @@
 
 /// A value with its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Weighted {
+pub(crate) struct Weighted {
     pub value: f64,
     pub weight: f64,
 }
 
 /// Returns the value below which the part `part` of the weights lies; 0 where there are no values.
-pub(super) fn quantile(values: &[Weighted], part: f64) -> f64 {
+pub(crate) fn quantile(values: &[Weighted], part: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
     let total: f64 = sorted.iter().map(|v| v.weight).sum();

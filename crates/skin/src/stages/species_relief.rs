@@ -30,6 +30,11 @@ impl SpeciesRelief {
         }
     }
 
+    /// Returns the effect on a face whose heights decide how far the wood splinters: none.
+    pub fn decided_by_heights() -> Self {
+        SpeciesRelief::none(None)
+    }
+
     /// Returns the effect of a recipe's species on the face of a stem of `radius` (m). `relief_range` gives the range of
     /// heights from the 5th to the 95th percentile with a factor on the torn relief (m); it is called where the species has
     /// a rule for the whole face.

@@ -1,0 +1,170 @@
+//! `greenstick break --from-run`: the mesh of a run, cut along the faces that the run decided.
+
+use crate::arguments::BreakOptions;
+use crate::break_wood::{ResolvedRequest, file_name, resolve_request, size, targets, use_threads};
+use crate::failure::{Failure, print};
+use crate::outcome::{Written, spent, written};
+use crate::progress::{Progress, StageTime};
+use crate::skin;
+use greenstick::fibre::scene::StemChoice;
+use greenstick::files::{self, Output};
+use greenstick::geometry::{Context, Provenance};
+use greenstick::simulated_faces::{
+    SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
+};
+use greenstick::skin::film::Run;
+use greenstick::{BreakReport, Broken};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct FullReport<'a> {
+    #[serde(flatten)]
+    report: &'a BreakReport,
+    /// What each break was made from, from the base of the stem to its tip.
+    simulated: &'a [SimulatedFaceReport],
+    outputs: &'a [Written],
+    provenance: &'a Provenance,
+    stages: &'a [StageTime],
+}
+
+pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
+    let targets = targets(options)?;
+    let request = resolve_request(options)?;
+    use_threads(options.reporting.threads)?;
+    let progress = Progress::start(options.reporting.quiet);
+    let [read, work, encode, picture, write] = progress.split([
+        ("read", 0.5),
+        ("break", 2.0),
+        ("encode", 0.1),
+        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
+        ("write", 0.1),
+    ]);
+    let inputs: Vec<PathBuf> = request.input.iter().cloned().collect();
+    targets.check(&inputs)?;
+    let named = request.input.clone().map(|path| (path, request.file.unit));
+    let run = skin::open(folder, named, targets.pieces.as_deref(), &read)?;
+    if let Some(input) = &request.input
+        && run.scene.stem.kind != StemChoice::Input
+    {
+        return Err(Failure::request(format!(
+            "{}: the run in {} is of a stem that its scene makes, and of no mesh",
+            input.display(),
+            folder.display()
+        ))
+        .hint("leave the mesh out, or simulate the scene on it: greenstick simulate SCENE MESH -o FOLDER"));
+    }
+    let number = skin::frame_number(&run, options.frame.unwrap_or(-1))?;
+    let (mut broken, faces) = draw(&run, number, options, &request, &work)?;
+    let provenance = provenance(&run, &request);
+    broken.scene.metadata = provenance.metadata();
+    let mut outputs = Vec::new();
+    if let Some(path) = &targets.pieces {
+        encode.report(0.0)?;
+        let unit = request.file.unit.unwrap_or_default();
+        outputs.extend(files::encode(&broken.scene, path, unit)?);
+    }
+    if let Some(path) = &targets.picture {
+        let how = request.file.picture.options();
+        let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
+        outputs.push(Output {
+            path: path.clone(),
+            bytes: picture.png_with(&broken.scene.metadata),
+        });
+    }
+    write.report(0.0)?;
+    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
+    files::check_distinct(&paths, &inputs)?;
+    files::write_all(&outputs)?;
+    let stages = progress.finish();
+    if options.reporting.prints_report() {
+        let full = FullReport {
+            report: &broken.report,
+            simulated: &faces.reports,
+            outputs: &written(&outputs),
+            provenance: &provenance,
+            stages: &stages,
+        };
+        print(&format_report(&full, options.reporting.json)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Cuts the mesh of a run along the faces that a frame of it decided.
+pub fn draw(
+    run: &Run,
+    number: usize,
+    options: &BreakOptions,
+    request: &ResolvedRequest,
+    context: &Context,
+) -> Result<(Broken, SimulatedFaces), DrawError> {
+    let [deciding, cutting] = context.split([
+        (greenstick::geometry::Stage::new("faces"), 1.0),
+        (greenstick::geometry::Stage::new("break"), 3.0),
+    ]);
+    let mut faces = simulated_faces(run, number, &deciding)?;
+    faces.request.texture_width = request.file.texture_width;
+    for one in &mut faces.request.breaks {
+        one.separation = request.file.common.separation;
+        one.fray = request.file.common.fray;
+        one.recipe.face.hang = request.file.common.recipe.face.hang;
+    }
+    for setting in &options.set {
+        faces
+            .apply_setting(setting)
+            .map_err(|e| DrawError::Other(Failure::request(format!("--set: {e}"))))?;
+    }
+    let broken = faces
+        .broken(&cutting)
+        .map_err(|error| DrawError::Other(error.into()))?;
+    Ok((broken, faces))
+}
+
+/// Where the pieces come from: the scene that was simulated.
+fn provenance(run: &Run, request: &ResolvedRequest) -> Provenance {
+    let input = file_name(request.input.as_deref());
+    greenstick::provenance("break --from-run", input.as_deref(), &run.scene)
+}
+
+/// Why no face was cut.
+pub enum DrawError {
+    /// The run decides none.
+    Faces(SimulatedFacesError),
+    /// It cannot be cut.
+    Other(Failure),
+}
+
+impl From<SimulatedFacesError> for DrawError {
+    fn from(error: SimulatedFacesError) -> Self {
+        DrawError::Faces(error)
+    }
+}
+
+impl From<DrawError> for Failure {
+    fn from(error: DrawError) -> Self {
+        match error {
+            DrawError::Faces(SimulatedFacesError::Run(error)) => error.into(),
+            DrawError::Faces(other) => Failure::new(other.kind(), &other),
+            DrawError::Other(failure) => failure,
+        }
+    }
+}
+
+/// Formats the report.
+fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
+    if json {
+        return Ok(serde_json::to_string_pretty(full).map_err(Failure::work)? + "\n");
+    }
+    let mut text = full.report.to_string();
+    for report in full.simulated {
+        let _ = write!(text, "{report}");
+    }
+    for file in full.outputs {
+        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
+    }
+    let total: f64 = full.stages.iter().map(|s| s.seconds).sum();
+    let _ = writeln!(text, "time     {total:.2} s: {}", spent(full.stages));
+    Ok(text)
+}
