@@ -35,9 +35,9 @@ use greenstick_geometry::Context;
 /// The step where none is given, s.
 pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
 /// A step after which a rod bears more than this multiple of its strength is cut.
-const MAX_ONSET_DEMAND: f64 = 1.15;
+const MAX_ONSET_DEMAND: f64 = 1.05;
 /// The demand at which a cut step shall end.
-const ONSET_DEMAND: f64 = 1.05;
+const ONSET_DEMAND: f64 = 1.02;
 /// Bounds of a cut, as fractions of the step.
 const CUT_FRACTIONS: (f64, f64) = (0.05, 0.8);
 /// The shortest step, s. What neither is cut nor balances then is followed as a crack.
