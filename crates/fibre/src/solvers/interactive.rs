@@ -38,8 +38,12 @@ pub(crate) const DEFAULT_STEP: f64 = 1.0 / 30.0;
 const MAX_ONSET_DEMAND: f64 = 1.05;
 /// The demand at which a cut step shall end.
 const ONSET_DEMAND: f64 = 1.02;
+/// A step longer than this fraction of the time that is left takes all of it: the rest would not be worth a step of its own.
+const REST_FRACTION: f64 = 0.7;
 /// Bounds of a cut, as fractions of the step.
-const CUT_FRACTIONS: (f64, f64) = (0.05, 0.8);
+const CUT_FRACTIONS: (f64, f64) = (0.05, 0.7);
+// A step that is cut by less would be lengthened to what was cut, again and again.
+const _: () = assert!(CUT_FRACTIONS.1 <= REST_FRACTION);
 /// The shortest step, s. What neither is cut nor balances then is followed as a crack.
 const SHORTEST_STEP: f64 = 2e-4;
 /// The first step after a crack has come to rest, s.
@@ -237,8 +241,11 @@ impl Interactive {
                 continue;
             }
             let left = end - world.state.time;
-            // What is left after a step is worth a step of its own.
-            let length = if step > 0.7 * left { left } else { step };
+            let length = if step > REST_FRACTION * left {
+                left
+            } else {
+                step
+            };
             let found = match self.equilibrium(world, contacts, length, context) {
                 Err(SolverError::NotConverged { .. }) => {
                     patience = STEPS_BEFORE_GROWTH;
