@@ -241,11 +241,7 @@ impl Interactive {
                 continue;
             }
             let left = end - world.state.time;
-            let length = if step > REST_FRACTION * left {
-                left
-            } else {
-                step
-            };
+            let length = with_rest(step, left);
             let found = match self.equilibrium(world, contacts, length, context) {
                 Err(SolverError::NotConverged { .. }) => {
                     patience = STEPS_BEFORE_GROWTH;
@@ -301,6 +297,15 @@ impl Interactive {
         self.queue.clear();
         self.queue.extend_from_slice(broken);
         broken.first().map_or(0.0, |o| o.demand)
+    }
+}
+
+/// Returns the length of a step of which so much time is left.
+fn with_rest(step: f64, left: f64) -> f64 {
+    if step > REST_FRACTION * left {
+        left
+    } else {
+        step
     }
 }
 
