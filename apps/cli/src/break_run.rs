@@ -1,13 +1,13 @@
 //! `greenstick break --from-run`: the mesh of a run, cut along the faces that the run decided.
 
 use crate::arguments::BreakOptions;
-use crate::break_wood::{ResolvedRequest, file_name, resolve_request, size, targets, use_threads};
+use crate::break_files::{Targets, format_end};
+use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads};
 use crate::failure::{Failure, print};
-use crate::outcome::{Written, spent, written};
+use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::skin;
 use greenstick::fibre::scene::StemChoice;
-use greenstick::files::{self, Output};
 use greenstick::geometry::{Context, Provenance};
 use greenstick::simulated_faces::{
     SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
@@ -31,17 +31,12 @@ struct FullReport<'a> {
 }
 
 pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
-    let targets = targets(options)?;
+    let targets = Targets::new(options)?;
     let request = resolve_request(options)?;
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, work, encode, picture, write] = progress.split([
-        ("read", 0.5),
-        ("break", 2.0),
-        ("encode", 0.1),
-        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
-        ("write", 0.1),
-    ]);
+    let [read, work, write] =
+        progress.split([("read", 0.5), ("break", 2.0), ("write", targets.seconds())]);
     let inputs: Vec<PathBuf> = request.input.iter().cloned().collect();
     targets.check(&inputs)?;
     let named = request.input.clone().map(|path| (path, request.file.unit));
@@ -60,24 +55,14 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     let (mut broken, faces) = draw(&run, number, options, &request, &work)?;
     let provenance = provenance(&run, &request);
     broken.scene.metadata = provenance.metadata();
-    let mut outputs = Vec::new();
-    if let Some(path) = &targets.pieces {
-        encode.report(0.0)?;
-        let unit = request.file.unit.unwrap_or_default();
-        outputs.extend(files::encode(&broken.scene, path, unit)?);
-    }
-    if let Some(path) = &targets.picture {
-        let how = request.file.picture.options();
-        let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
-        outputs.push(Output {
-            path: path.clone(),
-            bytes: picture.png_with(&broken.scene.metadata),
-        });
-    }
-    write.report(0.0)?;
-    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
-    files::check_distinct(&paths, &inputs)?;
-    files::write_all(&outputs)?;
+    let shot = request.file.picture.options();
+    let outputs = targets.write(
+        (&broken.scene, request.file.unit),
+        |context| greenstick::picture_of_break(&broken, &shot, context),
+        None,
+        &inputs,
+        &write,
+    )?;
     let stages = progress.finish();
     if options.reporting.prints_report() {
         let full = FullReport {
@@ -161,10 +146,5 @@ fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
     for report in full.simulated {
         let _ = write!(text, "{report}");
     }
-    for file in full.outputs {
-        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
-    }
-    let total: f64 = full.stages.iter().map(|s| s.seconds).sum();
-    let _ = writeln!(text, "time     {total:.2} s: {}", spent(full.stages));
-    Ok(text)
+    Ok(text + &format_end(full.outputs, full.stages))
 }

@@ -1,17 +1,16 @@
 //! `greenstick break --simulate`: the still pieces of a break that is simulated, where the input has the wood.
 
 use crate::arguments::{BreakOptions, FacesChoice};
+use crate::break_files::{Targets, format_end};
 use crate::break_run::{self, DrawError};
-use crate::break_wood::{
-    ResolvedRequest, Targets, file_name, resolve_request, size, targets, use_threads,
-};
+use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::{scan, simulate};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
+use greenstick::files;
 use greenstick::files::run::read_body_meshes;
-use greenstick::files::{self, Output};
 use greenstick::film::{open_run, picture_of_run};
 use greenstick::geometry::{Context, Provenance, Scene};
 use greenstick::picture::{Picture, PictureError, PictureOptions};
@@ -25,7 +24,7 @@ use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still
 use greenstick::{BreakReport, Broken, picture_of_break};
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -142,20 +141,18 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         check_rods(options)?;
     }
     let unit = request.file.unit;
-    let targets = targets(options)?;
+    let targets = Targets::new(options)?;
     let (mut setting, beside) = simulate::read(name)?;
     if options.request.text("break.seed").is_some() {
         setting.seed = request.file.common.recipe.face.seed;
     }
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, simulation, skin, encode, picture, write] = progress.split([
+    let [read, simulation, skin, write] = progress.split([
         ("read", 0.5),
         ("simulate", 30.0),
         ("skin", 3.0),
-        ("encode", 0.1),
-        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
-        ("write", 0.1),
+        ("write", targets.seconds()),
     ]);
     read.report(0.0)?;
     let inputs: Vec<PathBuf> = request.input.iter().cloned().collect();
@@ -181,21 +178,14 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
         .map(|p| format!("scene.{p}"));
     provenance.parameters.extend(settings);
     made.scene_mut().metadata = provenance.metadata();
-    let mut outputs = Vec::new();
-    if let Some(path) = &targets.pieces {
-        encode.report(0.0)?;
-        outputs.extend(files::encode(made.scene(), path, unit.unwrap_or_default())?);
-    }
-    if let Some(path) = &targets.picture {
-        let shot = request.file.picture.options();
-        let picture = made.picture(&run, &shot, &picture)?;
-        let (path, bytes) = (path.clone(), picture.png_with(&made.scene().metadata));
-        outputs.push(Output { path, bytes });
-    }
-    write.report(0.0)?;
-    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
-    files::check_distinct(&paths, &inputs)?;
-    files::write_all(&outputs)?;
+    let shot = request.file.picture.options();
+    let outputs = targets.write(
+        (made.scene(), unit),
+        |context| made.picture(&run, &shot, context),
+        None,
+        &inputs,
+        &write,
+    )?;
     let stages = progress.finish();
     if options.reporting.prints_report() {
         let full = FullReport {
@@ -320,10 +310,5 @@ fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
             }
         }
     }
-    for file in full.outputs {
-        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
-    }
-    let total: f64 = full.stages.iter().map(|s| s.seconds).sum();
-    let _ = writeln!(text, "time     {total:.2} s");
-    Ok(text)
+    Ok(text + &format_end(full.outputs, full.stages))
 }

@@ -1,33 +1,21 @@
 //! `greenstick break`: from options to a request, and from what the library returns to files and a report.
 
 use crate::arguments::{BreakOptions, Declared};
+use crate::break_files::{Targets, format_end, recipe_text};
 use crate::failure::{Failure, parameter_hint, print};
-use crate::outcome::{Written, spent, written};
+use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::scan::{self, Loaded};
 use crate::values;
-use greenstick::files::{self, Output};
-use greenstick::formats::{Format, InputFormat, LengthUnit};
+use greenstick::files;
+use greenstick::formats::{InputFormat, LengthUnit};
 use greenstick::geometry::{Context, Provenance};
 use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::wood::stem::StemLocation;
 use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-/// Default name of the pieces' file.
-const DEFAULT_OUTPUT: &str = "broken.glb";
-/// Default name of the picture.
-const DEFAULT_PICTURE: &str = "broken.png";
-
-/// The files that a break writes.
-pub struct Targets {
-    pub pieces: Option<PathBuf>,
-    pub picture: Option<PathBuf>,
-    recipe: Option<PathBuf>,
-}
 
 /// The library's report, the files and the time.
 #[derive(Serialize)]
@@ -42,7 +30,7 @@ struct FullReport<'a> {
 }
 
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
-    let targets = targets(options)?;
+    let targets = Targets::new(options)?;
     let ResolvedRequest { file, input } = resolve_request(options)?;
     let unit = file.unit;
     let recipe = match &targets.recipe {
@@ -51,13 +39,8 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     };
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, work, encode, picture, write] = progress.split([
-        ("read", 0.5),
-        ("break", 2.0),
-        ("encode", 0.1),
-        ("picture", if targets.picture.is_some() { 8.0 } else { 0.0 }),
-        ("write", 0.1),
-    ]);
+    let [read, work, write] =
+        progress.split([("read", 0.5), ("break", 2.0), ("write", targets.seconds())]);
     let mut request = file.request();
     let source = load(&file, input.as_deref(), request.breaks[0].place, &read)?;
     targets.check(&source.files)?;
@@ -72,33 +55,13 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     broken.report.scan = source.scan;
     let warning = unit_warning(input.as_deref(), unit, broken.report.place.stem_length_m);
     warning.into_iter().for_each(|note| broken.note(note));
-    let mut outputs = Vec::new();
-    if let Some(path) = &targets.pieces {
-        encode.report(0.0)?;
-        outputs.extend(files::encode(
-            &broken.scene,
-            path,
-            unit.unwrap_or_default(),
-        )?);
-    }
-    if let Some(path) = &targets.picture {
-        let how = file.picture.options();
-        let picture = greenstick::picture_of_break(&broken, &how, &picture)?;
-        outputs.push(Output {
-            path: path.clone(),
-            bytes: picture.png_with(&broken.scene.metadata),
-        });
-    }
-    if let (Some(path), Some(text)) = (&targets.recipe, recipe) {
-        outputs.push(Output {
-            path: path.clone(),
-            bytes: text.into_bytes(),
-        });
-    }
-    write.report(0.0)?;
-    let paths: Vec<&Path> = outputs.iter().map(|o| o.path.as_path()).collect();
-    files::check_distinct(&paths, &source.files)?;
-    files::write_all(&outputs)?;
+    let outputs = targets.write(
+        (&broken.scene, unit),
+        |context| greenstick::picture_of_break(&broken, &file.picture.options(), context),
+        recipe,
+        &source.files,
+        &write,
+    )?;
     let stages = progress.finish();
     if options.reporting.prints_report() {
         let full = FullReport {
@@ -134,86 +97,6 @@ fn set_locations(request: &mut BreakRequest, source: &Loaded) {
         if let StemLocation::Point(p) = &mut one.place {
             (p.x, p.y, p.z) = (p.x - origin[0], p.y - origin[1], p.z - origin[2]);
         }
-    }
-}
-
-/// Returns the request as a recipe file at `path`, with the input's path relative to it.
-fn recipe_text(file: &RequestFile, input: Option<&Path>, path: &Path) -> Result<String, Failure> {
-    let mut file = file.clone();
-    file.input = input
-        .map(|input| path_from_folder_of(path, input))
-        .transpose()?;
-    Ok(file.to_toml())
-}
-
-/// Returns the path of `input` relative to the folder of `path`.
-fn path_from_folder_of(path: &Path, input: &Path) -> Result<String, Failure> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let name = if folder == Path::new("") || input.is_absolute() {
-        input.to_owned()
-    } else {
-        match input.strip_prefix(folder) {
-            Ok(inside) => inside.to_owned(),
-            Err(_) => std::path::absolute(input).map_err(Failure::work)?,
-        }
-    };
-    name.to_str().map(str::to_owned).ok_or_else(|| {
-        Failure::request(format!(
-            "{}: the name is not Unicode, so a recipe cannot contain it; expected another name",
-            input.display()
-        ))
-    })
-}
-
-/// Returns the files to write: the named ones, or both under their default names if none is named.
-pub fn targets(options: &BreakOptions) -> Result<Targets, Failure> {
-    let neither = options.output.is_none() && options.picture.is_none();
-    let default = |name: &str| neither.then(|| PathBuf::from(name));
-    let targets = Targets {
-        pieces: options.output.clone().or_else(|| default(DEFAULT_OUTPUT)),
-        picture: options.picture.clone().or_else(|| default(DEFAULT_PICTURE)),
-        recipe: options.save_recipe.clone(),
-    };
-    if let Some(path) = &targets.pieces
-        && Format::from_path(path).is_none()
-    {
-        let (path, expected) = (path.clone(), files::mesh_endings());
-        return Err(files::FileError::UnknownEnding { path, expected }.into());
-    }
-    if let Some(path) = &targets.picture {
-        check_png(path)?;
-    }
-    Ok(targets)
-}
-
-/// Checks that a picture's name ends in `.png`.
-pub fn check_png(path: &Path) -> Result<(), Failure> {
-    let png = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if png {
-        Ok(())
-    } else {
-        Err(Failure::request(format!(
-            "{}: pictures are PNG files; expected a name that ends in .png",
-            path.display()
-        )))
-    }
-}
-
-impl Targets {
-    /// Checks that all files can be written, before any work is done.
-    pub fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
-        let all: Vec<&Path> = [&self.pieces, &self.picture, &self.recipe]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
-            .collect();
-        files::check_distinct(&all, inputs)?;
-        for path in all {
-            files::check_writable(path)?;
-        }
-        Ok(())
     }
 }
 
@@ -372,26 +255,5 @@ fn format_report(full: &FullReport, json: bool) -> Result<String, Failure> {
             .map_err(|e| Failure::work(format!("the report cannot be put into JSON: {e}")))?;
         return Ok(text + "\n");
     }
-    let FullReport {
-        report,
-        outputs,
-        stages,
-        ..
-    } = full;
-    let mut text = report.to_string();
-    for file in *outputs {
-        let _ = writeln!(text, "wrote    {}, {}", file.path, size(file.bytes));
-    }
-    let total: f64 = stages.iter().map(|s| s.seconds).sum();
-    let _ = writeln!(text, "time     {total:.2} s: {}", spent(stages));
-    Ok(text)
-}
-
-/// Formats a number of bytes.
-pub fn size(bytes: usize) -> String {
-    match bytes as f64 {
-        b if b >= 1e6 => format!("{:.1} MB", b / 1e6),
-        b if b >= 1e3 => format!("{:.1} kB", b / 1e3),
-        b => format!("{b} bytes"),
-    }
+    Ok(full.report.to_string() + &format_end(full.outputs, full.stages))
 }

@@ -1,7 +1,8 @@
 //! `greenstick check` and `greenstick picture`: for any mesh, broken or not.
 
 use crate::arguments::{CheckOptions, PictureOptions};
-use crate::break_wood::{check_png, use_threads};
+use crate::break_files::check_png;
+use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::progress::Progress;
 use greenstick::files::{self, Output};

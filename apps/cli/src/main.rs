@@ -3,6 +3,7 @@
 mod anatomy;
 mod arguments;
 mod bend_test;
+mod break_files;
 mod break_run;
 mod break_simulated;
 mod break_wood;

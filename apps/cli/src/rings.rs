@@ -1,7 +1,8 @@
 //! `greenstick rings`: the annual rings of a section from its outline.
 
 use crate::arguments::RingsOptions;
-use crate::break_wood::{check_png, file_name};
+use crate::break_files::check_png;
+use crate::break_wood::file_name;
 use crate::failure::{Failure, parameter_hint, print};
 use greenstick::SectionRingSettings;
 use greenstick::files::{self, Output, read_photograph};

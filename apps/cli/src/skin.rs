@@ -5,7 +5,8 @@ mod outputs;
 mod plan;
 
 use crate::arguments::{MeshOptions, ReportingOptions, SkinOptions};
-use crate::break_wood::{check_png, size, use_threads};
+use crate::break_files::{check_png, size};
+use crate::break_wood::use_threads;
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};

@@ -1,21 +1,17 @@
 //! Parameters fitted to breaks that are known come back, and a face drawn with them is as high as the breaks were.
 
-use glam::{DAffine3, DVec2};
+mod support;
+
+use glam::DVec2;
 use greenstick::fibre::Cause;
-use greenstick::fibre::placement::{
-    EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
-};
 use greenstick::fit::{Fit, FitError, FitSource, fit_fracture_state};
 use greenstick::fracture::parameters::SurfaceStyle;
 use greenstick::fracture::recipe::Recipe;
-use greenstick::geometry::{Context, Node, Scene};
-use greenstick::skin::rods::{FractureState, RodBreak, Wood};
-use greenstick::wood::moisture::Fallback;
+use greenstick::geometry::Context;
+use greenstick::skin::rods::{FractureState, RodBreak};
 use greenstick::wood::noise::unit;
-use greenstick::wood::primitive;
-use greenstick::wood::species::Species;
-use greenstick::wood::stem::{Stem, StemOptions, find_stem};
 use greenstick::{Break, BreakRequest, break_scene};
+use support::Grown;
 
 const RADIUS: f64 = 0.02;
 /// Mean length of edges, radii.
@@ -23,60 +19,13 @@ const EDGE: f64 = 0.1;
 /// Where the breaks are, part of the length.
 const AT: f64 = 0.4;
 
-struct Grown {
-    scene: Scene,
-    stem: Stem,
-    placed: PlacedRods,
-}
-
-fn grown() -> Grown {
-    let scene = Scene {
-        nodes: vec![Node {
-            name: "stem".into(),
-            transform: DAffine3::IDENTITY,
-            mesh: primitive::cylinder(RADIUS, 0.4, 64).into(),
-            parent: None,
-        }],
-        ..Scene::default()
-    };
-    let middle = "0.5".parse().unwrap();
-    let meshes = [(*scene.nodes[0].mesh).clone()];
-    let stem = find_stem(&meshes, &middle, &StemOptions::default(), &Context::quiet())
-        .unwrap()
-        .stem;
-    let oak = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
-    let options = PlacementOptions {
-        rods: RodCount::Number(150),
-        edges: EdgeLengths {
-            least: 0.9 * EDGE * RADIUS,
-            greatest: 1.1 * EDGE * RADIUS,
-        },
-        ..PlacementOptions::default()
-    };
-    Grown {
-        placed: fill_stem(&stem, &wood, &options, &Context::quiet()).unwrap(),
-        stem,
-        scene,
-    }
-}
-
 /// The rods broken at the heights (radii over the place) and for the causes that `how` gives for the ring coordinate,
 /// the angle (degrees), the place from the pith (radii) and a random number of each; and the heights as they are.
 fn fitted(
     grown: &Grown,
     how: impl Fn(f64, f64, DVec2, f64) -> Option<(f64, Cause)>,
 ) -> (Result<Fit, FitError>, Vec<f64>) {
-    let wood = Wood {
-        stem: &grown.stem,
-        stem_to_rods: DAffine3::IDENTITY,
-        bundle: &grown.placed.bundle,
-        along: &grown.placed.along,
-        cells: &grown.placed.cells,
-        outline: &grown.placed.outline,
-        bark: None,
-        pull_out: 8.0,
-    };
+    let wood = grown.wood(8.0);
     let mut state = FractureState::unbroken(&wood);
     let mut heights = Vec::new();
     for rod in 0..wood.bundle.rods() {
@@ -123,7 +72,7 @@ fn at(fit: &Fit) -> f64 {
 
 #[test]
 fn a_torn_side_with_a_layer_and_thorns_comes_back() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE * RADIUS);
     // In tension within 80° of 130°, half a turn and more of rings; there a layer 0.8 high, and a fifth of its rods
     // stand out by another 1.5.
     let tension = |rho: f64, phi: f64| turned(phi, 130.0) <= 80.0 && rho > 0.3;
@@ -182,7 +131,7 @@ fn a_torn_side_with_a_layer_and_thorns_comes_back() {
 
 #[test]
 fn a_slanted_smooth_break_is_inclined_and_nothing_else() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE * RADIUS);
     let (sin, cos) = 70f64.to_radians().sin_cos();
     let up = DVec2::new(cos, sin) * 35f64.to_radians().tan();
     let (fit, _) = fitted(&grown, |_, _, across, _| {
@@ -205,7 +154,7 @@ fn a_slanted_smooth_break_is_inclined_and_nothing_else() {
 
 #[test]
 fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE * RADIUS);
     // Torn without order on one side, nearly flat on the other, where some rods hold.
     let how = |rho: f64, phi: f64, _: DVec2, random: f64| {
         if turned(phi, 300.0) <= 90.0 {
@@ -249,7 +198,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
 
 #[test]
 fn wood_that_is_whole_is_refused_with_what_to_do() {
-    let (fit, _) = fitted(&grown(), |_, _, _, _| None);
+    let (fit, _) = fitted(&Grown::new(RADIUS, EDGE * RADIUS), |_, _, _, _| None);
     let told = fit.unwrap_err().to_string();
     assert!(told.contains("no rod is broken at 0.2500 s"), "{told}");
     assert!(told.contains("later frame"), "{told}");

@@ -1,24 +1,19 @@
 //! Breaks of rods that are known come back in the faces that are cut into the mesh: every rod's place, the step between
 //! groups of rods, how the wood failed, and pieces that fill the input.
 
-use glam::{DAffine3, DVec2, DVec3};
-use greenstick::fibre::placement::{
-    EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
-};
+mod support;
+
+use glam::{DVec2, DVec3};
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::fibre::store::Frame;
 use greenstick::fibre::{Cause, Event, EventKind};
 use greenstick::fracture::surface::FractureSurface;
-use greenstick::geometry::{Context, Node, Scene};
+use greenstick::geometry::Context;
 use greenstick::simulated_faces::{
     ObservedRun, SimulatedFaces, SimulatedFacesError, faces_of_wood,
 };
-use greenstick::skin::rods::Wood;
-use greenstick::wood::moisture::Fallback;
 use greenstick::wood::noise::unit;
-use greenstick::wood::primitive;
-use greenstick::wood::species::Species;
-use greenstick::wood::stem::{Stem, StemOptions, find_stem};
+use support::Grown;
 
 const RADIUS: f64 = 0.02;
 const LENGTH: f64 = 0.4;
@@ -28,57 +23,6 @@ const EDGE: f64 = 0.006;
 const OPENING: f64 = 0.01;
 /// When rods broke, s.
 const BROKE: f64 = 0.2;
-
-struct Grown {
-    scene: Scene,
-    stem: Stem,
-    placed: PlacedRods,
-}
-
-fn grown() -> Grown {
-    let scene = Scene {
-        nodes: vec![Node {
-            name: "stem".into(),
-            transform: DAffine3::IDENTITY,
-            mesh: primitive::cylinder(RADIUS, LENGTH, 64).into(),
-            parent: None,
-        }],
-        ..Scene::default()
-    };
-    let meshes = [(*scene.nodes[0].mesh).clone()];
-    let middle = "0.5".parse().unwrap();
-    let stem = find_stem(&meshes, &middle, &StemOptions::default(), &Context::quiet())
-        .unwrap()
-        .stem;
-    let oak = Species::find("white oak").unwrap();
-    let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
-    let options = PlacementOptions {
-        rods: RodCount::Number(150),
-        edges: EdgeLengths {
-            least: 0.9 * EDGE,
-            greatest: 1.1 * EDGE,
-        },
-        ..PlacementOptions::default()
-    };
-    Grown {
-        placed: fill_stem(&stem, &wood, &options, &Context::quiet()).unwrap(),
-        stem,
-        scene,
-    }
-}
-
-fn wood(grown: &Grown) -> Wood<'_> {
-    Wood {
-        stem: &grown.stem,
-        stem_to_rods: DAffine3::IDENTITY,
-        bundle: &grown.placed.bundle,
-        along: &grown.placed.along,
-        cells: &grown.placed.cells,
-        outline: &grown.placed.outline,
-        bark: None,
-        pull_out: 2.5,
-    }
-}
 
 /// Where a rod breaks: lengths along the stem (m), ascending, and whether it was crushed before.
 struct Broken {
@@ -110,7 +54,7 @@ fn history(rod: usize, vertex: usize, crushed: bool) -> Vec<Event> {
 /// The frame in which every rod is broken as `how` says of its middle (radii), and what lies beyond has moved on; and its
 /// events. Bonds hold what lies on the same side of as many breaks.
 fn broken(grown: &Grown, how: impl Fn(usize, DVec2) -> Broken) -> (Frame, Vec<Event>) {
-    let wood = wood(grown);
+    let wood = grown.wood(2.5);
     let mut frame = Frame {
         time: 1.0,
         step: 1,
@@ -192,7 +136,7 @@ fn faces(
     grown: &Grown,
     broken: &(Frame, Vec<Event>),
 ) -> Result<SimulatedFaces, SimulatedFacesError> {
-    let wood = wood(grown);
+    let wood = grown.wood(2.5);
     let observed = ObservedRun::new(&wood, &broken.0, &broken.1).unwrap();
     let mut setting = Setting::built_in("bend").unwrap();
     setting.wood.species = "white oak".into();
@@ -228,7 +172,7 @@ fn two_groups(rod: usize, at: DVec2) -> Broken {
 
 #[test]
 fn the_face_lies_where_the_rods_broke_and_the_pieces_fill_the_input() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE);
     let mut faces = faces(&grown, &broken(&grown, two_groups)).unwrap();
     let [report] = &faces.reports[..] else {
         panic!("{:?}", faces.reports);
@@ -267,7 +211,7 @@ fn the_face_lies_where_the_rods_broke_and_the_pieces_fill_the_input() {
 
 #[test]
 fn a_stem_that_broke_twice_is_in_three_and_a_splinter_is_no_piece_of_it() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE);
     // All rods break at 0.3 and at 0.7 of the length; a few again in between, and are loose from there on.
     let made = broken(&grown, |rod, _| Broken {
         lengths: match rod % 25 {
@@ -288,7 +232,7 @@ fn a_stem_that_broke_twice_is_in_three_and_a_splinter_is_no_piece_of_it() {
 
 #[test]
 fn wood_that_holds_has_no_face() {
-    let grown = grown();
+    let grown = Grown::new(RADIUS, EDGE);
     let none = broken(&grown, |_, _| Broken {
         lengths: Vec::new(),
         crushed: false,

@@ -1,6 +1,7 @@
 //! The inside of one stem: from the input to its files and its report.
 
-use crate::break_wood::{size, unit_warning};
+use crate::break_files::size;
+use crate::break_wood::unit_warning;
 use crate::failure::Failure;
 use crate::outcome::{Written, spent};
 use crate::progress::{StageTime, split};

@@ -2,7 +2,7 @@
 
 use super::outputs::{ending, in_folder, in_metres};
 use super::plan::FilmPlan;
-use crate::break_wood::check_png;
+use crate::break_files::check_png;
 use crate::failure::Failure;
 use greenstick::files::{Batch, Output};
 use greenstick::film::FilmError;

@@ -20,6 +20,7 @@ use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::store::{EnergyRow, ForceRow};
 use capacity::TensionCapacity;
+use greenstick_geometry::Unions;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -196,18 +197,10 @@ impl WoodAtStart {
 
 /// Returns the shares of mass of the pieces that rods and bonds hold together, but for those that cross the cut.
 fn piece_shares(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<f64> {
-    let mut root: Vec<u32> = (0..bundle.vertices() as u32).collect();
-    fn find(root: &mut [u32], mut v: u32) -> u32 {
-        while root[v as usize] != v {
-            root[v as usize] = root[root[v as usize] as usize];
-            v = root[v as usize];
-        }
-        v
-    }
+    let mut pieces = Unions::new(bundle.vertices());
     let mut join = |a: usize, b: usize| {
         if at_base.is_none_or(|side| side[a] == side[b]) {
-            let [a, b] = [a, b].map(|v| find(&mut root, v as u32));
-            root[a.max(b) as usize] = a.min(b);
+            pieces.join(a as u32, b as u32);
         }
     };
     for j in (0..bundle.vertices()).filter(|&j| bundle.is_edge(j)) {
@@ -223,7 +216,7 @@ fn piece_shares(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<f64> {
     }
     let mut mass = BTreeMap::<u32, f64>::new();
     for v in 0..bundle.vertices() {
-        *mass.entry(find(&mut root, v as u32)).or_default() += bundle.mass[v];
+        *mass.entry(pieces.root(v as u32)).or_default() += bundle.mass[v];
     }
     let whole: f64 = mass.values().sum();
     mass.values().map(|m| m / whole).collect()

@@ -4,11 +4,18 @@
 #[path = "../../../../tests/support/data.rs"]
 mod data;
 
+use greenstick::fibre::placement::{
+    EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,
+};
 use greenstick::fracture::parameters::BreakParameters;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::session::BreakStages;
-use greenstick::wood::stem::StemLocation;
+use greenstick::skin::rods::Wood;
+use greenstick::wood::moisture::Fallback;
+use greenstick::wood::primitive;
+use greenstick::wood::species::Species;
+use greenstick::wood::stem::{Stem, StemLocation, StemOptions, find_stem};
 use greenstick::{Break, BreakRequest, BreakSession};
 
 /// A scene of one mesh, in metres times `scale`.
@@ -52,4 +59,52 @@ pub fn pieces(stages: &BreakStages, face: &BreakParameters) -> [Mesh; 2] {
 pub fn scanned_pole() -> Scene {
     let unit = Some(greenstick::formats::LengthUnit::Millimetre);
     greenstick::files::read(&data::data("pole.ply"), unit).unwrap()
+}
+
+/// Rods of white oak in a cylinder that is known.
+pub struct Grown {
+    pub scene: Scene,
+    pub stem: Stem,
+    pub placed: PlacedRods,
+}
+
+impl Grown {
+    /// A cylinder of this radius, 0.4 m long, with 150 rods whose edges have about this length (m).
+    pub fn new(radius: f64, edge: f64) -> Self {
+        let scene = scene(primitive::cylinder(radius, 0.4, 64), 1.0);
+        let middle = StemLocation::Fraction(0.5);
+        let (meshes, quiet) = ([(*scene.nodes[0].mesh).clone()], Context::quiet());
+        let stem = find_stem(&meshes, &middle, &StemOptions::default(), &quiet)
+            .unwrap()
+            .stem;
+        let oak = Species::find("white oak").unwrap();
+        let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
+        let options = PlacementOptions {
+            rods: RodCount::Number(150),
+            edges: EdgeLengths {
+                least: 0.9 * edge,
+                greatest: 1.1 * edge,
+            },
+            ..PlacementOptions::default()
+        };
+        Grown {
+            placed: fill_stem(&stem, &wood, &options, &quiet).unwrap(),
+            stem,
+            scene,
+        }
+    }
+
+    /// The wood, whose breaks lie within `pull_out` of each other (radii).
+    pub fn wood(&self, pull_out: f64) -> Wood<'_> {
+        Wood {
+            stem: &self.stem,
+            stem_to_rods: glam::DAffine3::IDENTITY,
+            bundle: &self.placed.bundle,
+            along: &self.placed.along,
+            cells: &self.placed.cells,
+            outline: &self.placed.outline,
+            bark: None,
+            pull_out,
+        }
+    }
 }
