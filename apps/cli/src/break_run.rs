@@ -10,7 +10,7 @@ use crate::skin;
 use greenstick::fibre::scene::StemChoice;
 use greenstick::geometry::{Context, Provenance};
 use greenstick::simulated_faces::{
-    SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
+    PartlyBroken, SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
 };
 use greenstick::skin::film::Run;
 use greenstick::{BreakReport, Broken};
@@ -89,7 +89,7 @@ pub fn draw(
         (greenstick::geometry::Stage::new("faces"), 1.0),
         (greenstick::geometry::Stage::new("break"), 3.0),
     ]);
-    let mut faces = simulated_faces(run, number, &deciding)?;
+    let mut faces = simulated_faces(run, number, PartlyBroken::Separated, &deciding)?;
     faces.request.texture_width = request.file.texture_width;
     for one in &mut faces.request.breaks {
         one.separation = request.file.common.separation;

@@ -1,6 +1,7 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
 mod engines;
+mod film;
 mod outputs;
 mod plan;
 
@@ -12,16 +13,19 @@ use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
+pub use film::RunFilm;
+use film::RunStill;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Batch, Output};
-use greenstick::film::{FilmError, open_run, picture_of_run, write_series};
+use greenstick::film::{FilmError, open_run, write_series};
 use greenstick::formats::film::{FilmReport, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
 use greenstick::formats::{Encoded, LengthUnit};
 use greenstick::geometry::{Context, Provenance, Scene, Stage};
 use greenstick::provenance;
 use greenstick::simulate::{RunSource, SceneMeshes};
-use greenstick::skin::film::{Run, SkinReport, SkinnedFilm};
+use greenstick::simulated_faces::SimulatedFaceReport;
+use greenstick::skin::film::{Run, SkinReport};
 use outputs::{ending, in_folder};
 pub use plan::FilmPlan;
 use serde::Serialize;
@@ -35,6 +39,9 @@ use std::sync::Arc;
 struct FullReport<'a> {
     #[serde(flatten)]
     skin: Option<&'a SkinReport>,
+    /// What each face was made from, from the base of the stem to its tip.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    simulated: &'a [SimulatedFaceReport],
     film: Option<FilmPart>,
     #[serde(flatten)]
     engines: &'a Engines,
@@ -99,7 +106,14 @@ fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Res
     if !reporting.prints_report() {
         return Ok(());
     }
-    let (skin, film, mut files, engines) = made;
+    let Made {
+        skin,
+        film,
+        mut files,
+        engines,
+    } = made;
+    let (skin, faces) = skin.unzip();
+    let faces = faces.unwrap_or_default();
     files.extend(engines.files.iter().cloned());
     let text = if reporting.json {
         let film = film.map(|f| FilmPart {
@@ -110,6 +124,7 @@ fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Res
         });
         let full = FullReport {
             skin: skin.as_ref(),
+            simulated: &faces,
             film,
             engines: &engines,
             files: &files,
@@ -117,7 +132,13 @@ fn report(made: Made, reporting: &ReportingOptions, stages: &[StageTime]) -> Res
         };
         serde_json::to_string_pretty(&full).map_err(Failure::work)? + "\n"
     } else {
-        words(skin.as_ref(), film.as_ref(), &engines, &files, stages)
+        words(
+            (skin.as_ref(), &faces),
+            film.as_ref(),
+            &engines,
+            &files,
+            stages,
+        )
     };
     print(&text)
 }
@@ -172,13 +193,18 @@ pub fn open(
     open_run(Arc::new(run), &meshes, context).map_err(Failure::from)
 }
 
-/// The skin, the film's file, the files with their sizes in bytes, and what engines want.
-type Made = (
-    Option<SkinReport>,
-    Option<FilmReport>,
-    Vec<(String, usize)>,
-    Engines,
-);
+/// What was made of a run.
+#[derive(Default)]
+struct Made {
+    /// The skin, and what faces were made from.
+    skin: Option<(SkinReport, Vec<SimulatedFaceReport>)>,
+    /// The film's file.
+    film: Option<FilmReport>,
+    /// The files with their sizes in bytes.
+    files: Vec<(String, usize)>,
+    /// What engines want.
+    engines: Engines,
+}
 
 fn still(
     mut run: Run,
@@ -196,16 +222,14 @@ fn still(
         (Stage::new("write"), 0.3),
     ]);
     let number = frame_number(&run, number)?;
-    let mut still = run
-        .still(number, &plan.film, &skin)
-        .map_err(Failure::from)?;
-    still.scene.metadata = run_provenance(&run).metadata();
+    let mut still = RunStill::new(&mut run, number, plan.faces, &plan.film, &skin)?;
+    still.scene().metadata = run_provenance(&run).metadata();
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
-        let picture = picture_of_run(&run, &still.scene, still.inner, &plan.shot, &picture)?;
+        let picture = still.picture(&run, &plan.shot, &picture)?;
         outputs.push(Output {
             path: path.clone(),
-            bytes: picture.png_with(&still.scene.metadata),
+            bytes: picture.png_with(&still.scene().metadata),
         });
     }
     write.report(0.0)?;
@@ -215,31 +239,32 @@ fn still(
             .unit
             .map_or(LengthUnit::Metre, LengthUnit::from);
         outputs.extend(match UsdFormat::from_path(path) {
-            Some(format) => encode_usd(format, &still.scene, path)?,
-            None => files::encode(&still.scene, path, unit)?,
+            Some(format) => encode_usd(format, still.scene(), path)?,
+            None => files::encode(still.scene(), path, unit)?,
         });
     }
     files::write_all(&outputs)?;
     let files = outputs
         .iter()
         .map(|o| (o.path.display().to_string(), o.bytes.len()));
-    Ok((
-        Some(still.report),
-        None,
-        files.collect(),
-        Engines::default(),
-    ))
+    Ok(Made {
+        skin: Some(still.into_report()),
+        files: files.collect(),
+        ..Made::default()
+    })
 }
 
 fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failure> {
     let [skin, shots, video, write, extras] = context.split(film_stages(plan));
     let (from, to) = plan.frames.unwrap_or((0, run.frames()));
     let Some(path) = &plan.output else {
-        let mut made = run
-            .film(from..to, &plan.film, &skin)
-            .map_err(Failure::from)?;
+        let mut made = RunFilm::new(&mut run, from..to, plan.faces, &plan.film, &skin)?;
         let files = frame_pictures(&run, &mut made, plan, &shots)?;
-        return Ok((Some(made.report), None, files, Engines::default()));
+        return Ok(Made {
+            skin: Some(made.into_report()),
+            files,
+            ..Made::default()
+        });
     };
     let ending = ending(path);
     let usd = UsdFormat::from_path(path).filter(|&f| f != UsdFormat::Usda);
@@ -267,10 +292,8 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = run
-        .film(from..to, &plan.film, &skin)
-        .map_err(Failure::from)?;
-    made.film.metadata = run_provenance(&run).metadata();
+    let mut made = RunFilm::new(&mut run, from..to, plan.faces, &plan.film, &skin)?;
+    made.skinned().film.metadata = run_provenance(&run).metadata();
     let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {
         let scratch = Scratch::beside(path)?;
@@ -284,14 +307,18 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
         video.report(0.0)?;
         let bytes = encode(&folder, run.scene.frames_per_second, path, &ending)?;
         shown.push((path.display().to_string(), bytes));
-        return Ok((Some(made.report), None, shown, Engines::default()));
+        return Ok(Made {
+            skin: Some(made.into_report()),
+            files: shown,
+            ..Made::default()
+        });
     }
     write_film(made, shown, plan, (path, usd), [&write, &extras])
 }
 
 /// Writes a film, and all that the plan has beside it. `shown` lists what was written of it before.
 fn write_film(
-    mut made: SkinnedFilm,
+    mut made: RunFilm,
     mut shown: Vec<(String, usize)>,
     plan: &FilmPlan,
     (path, usd): (&Path, Option<UsdFormat>),
@@ -303,7 +330,8 @@ fn write_film(
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     // All of it or nothing.
     let mut batch = Batch::default();
-    let (film, motion) = (&made.film, &mut made.motion);
+    let skinned = made.skinned();
+    let (film, motion) = (&skinned.film, &mut skinned.motion);
     let (written, beside) = batch
         .stream(path, |file| -> Result<_, FilmError> {
             Ok(match usd {
@@ -325,9 +353,14 @@ fn write_film(
             .map(|o| (o.path.display().to_string(), o.bytes.len())),
     );
     files.append(&mut shown);
-    let engines = engines::write(&mut made, plan, path, &mut batch, extras)?;
+    let engines = engines::write(made.skinned(), plan, path, &mut batch, extras)?;
     batch.finish()?;
-    Ok((Some(made.report), Some(written), files, engines))
+    Ok(Made {
+        skin: Some(made.into_report()),
+        film: Some(written),
+        files,
+        engines,
+    })
 }
 
 /// The stages of a film, by the seconds that they take.
@@ -352,7 +385,7 @@ fn film_stages(plan: &FilmPlan) -> [(Stage, f64); 5] {
 /// Renders all frames, if pictures of them are requested.
 fn frame_pictures(
     run: &Run,
-    made: &mut SkinnedFilm,
+    made: &mut RunFilm,
     plan: &FilmPlan,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
@@ -401,17 +434,23 @@ fn series(run: Run, range: Range<usize>, path: &Path, context: &Context) -> Resu
         path.display(),
         count - 1
     );
-    Ok((None, None, vec![(written, bytes)], Engines::default()))
+    Ok(Made {
+        files: vec![(written, bytes)],
+        ..Made::default()
+    })
 }
 
 fn words(
-    skin: Option<&SkinReport>,
+    (skin, faces): (Option<&SkinReport>, &[SimulatedFaceReport]),
     film: Option<&FilmReport>,
     engines: &Engines,
     files: &[(String, usize)],
     stages: &[StageTime],
 ) -> String {
     let mut text = skin.map_or_else(String::new, ToString::to_string);
+    for face in faces {
+        let _ = write!(text, "{face}");
+    }
     if let Some(film) = film {
         let _ = writeln!(
             text,

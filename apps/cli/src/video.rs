@@ -1,11 +1,11 @@
 //! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
 
 use crate::failure::Failure;
+use crate::skin::RunFilm;
 use greenstick::files::{self, Output};
-use greenstick::film::picture_of_run;
 use greenstick::geometry::Context;
 use greenstick::picture::PictureOptions;
-use greenstick::skin::film::{Run, SkinnedFilm};
+use greenstick::skin::film::Run;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -39,21 +39,21 @@ pub fn check_ffmpeg() -> Result<(), Failure> {
 /// Takes a picture of every frame into `folder`, which must be there; returns the files.
 pub fn pictures(
     run: &Run,
-    film: &mut SkinnedFilm,
+    film: &mut RunFilm,
     folder: &Path,
     shot: &PictureOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
     let shot = PictureOptions {
-        shown: film.bounds().map_err(Failure::from)?,
+        shown: film.skinned().bounds().map_err(Failure::from)?,
         ..shot.clone()
     };
-    let count = film.report.frames;
+    let count = film.skinned().report.frames;
     let mut made = Vec::new();
     for number in 0..count {
         let shown = context.item(number, count);
-        let scene = film.at(number).map_err(Failure::from)?;
-        let picture = picture_of_run(run, &scene, film.inner, &shot, &shown)?;
+        let scene = film.skinned().at(number).map_err(Failure::from)?;
+        let picture = film.picture(run, &scene, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
         let bytes = picture.png();
         made.push((path.display().to_string(), bytes.len()));

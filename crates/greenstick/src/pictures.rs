@@ -116,8 +116,8 @@ fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
     shown.flat_map(points).collect()
 }
 
-/// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood inside, whose address is an attribute of
-/// the meshes.
+/// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood
+/// inside, whose address is an attribute of the meshes.
 ///
 /// # Errors
 /// As [`render_scene`].
@@ -134,8 +134,32 @@ pub fn picture_of_skin(
         stem,
         appearance,
     };
+    picture_of_moved_wood(scene, vec![inside], options, context)
+}
+
+/// Renders the pieces of breaks that have moved since the wood grew, whose wood inside each break is `woods`. Splinters do not
+/// make the picture wider.
+///
+/// # Errors
+/// As [`render_scene`].
+pub fn picture_of_moved_break(
+    scene: &Scene,
+    woods: &[BrokenWood],
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
+    let woods = woods.iter().map(Inside::new).collect();
+    picture_of_moved_wood(scene, woods, options, context)
+}
+
+fn picture_of_moved_wood(
+    scene: &Scene,
+    woods: Vec<Inside>,
+    options: &PictureOptions,
+    context: &Context,
+) -> Result<Picture, PictureError> {
     let shader = StemShader {
-        woods: vec![inside],
+        woods,
         plain: PlainShader::from_materials(&scene.materials),
         blank: blank(scene),
         moved: true,

@@ -12,8 +12,9 @@ use greenstick_fracture::recipe::{RecipeError, apply_setting};
 use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene};
 use greenstick_skin::film::Run;
 use greenstick_skin::rods::Wood;
-use greenstick_skin::simulated::SimulatedFracture;
-pub use greenstick_skin::simulated::{ModeShare, ObservedRun, SimulatedFaceReport};
+pub use greenstick_skin::simulated::{
+    ModeShare, ObservedRun, SimulatedFaceReport, SimulatedFracture,
+};
 use greenstick_wood::stem::{StemError, StemLocation, StemOptions};
 use std::sync::Arc;
 
@@ -33,13 +34,16 @@ pub enum SimulatedFacesError {
     },
     /// Too little broke: the wood holds.
     #[error(
-        "only {:.0} % of the section is broken at {time:.4} s and the wood holds, so there is no face to draw; it takes half of \
-         the section: take a later frame, or simulate longer or harder",
-        100.0 * share
+        "only {:.0} % of the section is broken at {time:.4} s and the wood holds, so there is no face to draw; it takes {:.0} %: \
+         take a later frame, or simulate longer or harder",
+        100.0 * share,
+        100.0 * least
     )]
     Holds {
         /// Share of the section that is broken, 0 to 1.
         share: f64,
+        /// The least that would do.
+        least: f64,
         /// Time of the frame, s.
         time: f64,
     },
@@ -51,6 +55,9 @@ pub enum SimulatedFacesError {
         /// Why.
         error: Box<Error>,
     },
+    /// The input cannot be cut there.
+    #[error(transparent)]
+    Cut(Box<Error>),
     /// The heights are no numbers.
     #[error(transparent)]
     Heights(#[from] HeightFieldError),
@@ -68,6 +75,7 @@ impl SimulatedFacesError {
             SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. } => {
                 ErrorKind::Request
             }
+            SimulatedFacesError::Cut(error) => error.kind(),
             SimulatedFacesError::Location { .. } | SimulatedFacesError::Heights(_) => {
                 ErrorKind::Work
             }
@@ -84,6 +92,8 @@ pub struct SimulatedFaces {
     pub request: BreakRequest,
     /// What each was made from, in the order of the request's breaks.
     pub reports: Vec<SimulatedFaceReport>,
+    /// The fractures, in the same order.
+    pub fractures: Vec<SimulatedFracture>,
 }
 
 impl SimulatedFaces {
@@ -105,8 +115,24 @@ impl SimulatedFaces {
     }
 }
 
-/// Least share of the section that is broken where wood that still hangs together is drawn as broken.
-const MIN_BROKEN_SHARE: f64 = 0.5;
+/// How much of the section must be broken for a face in wood that still hangs together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PartlyBroken {
+    /// Half: the pieces are moved apart.
+    Separated,
+    /// A tenth: the pieces stay together at what is whole, a hinge.
+    Hinged,
+}
+
+impl PartlyBroken {
+    /// Least share of the section, 0 to 1.
+    fn least_share(self) -> f64 {
+        match self {
+            PartlyBroken::Separated => 0.5,
+            PartlyBroken::Hinged => 0.1,
+        }
+    }
+}
 
 /// Returns the faces of the wood in frame `number` of a run, from the base of the stem to its tip.
 ///
@@ -115,11 +141,13 @@ const MIN_BROKEN_SHARE: f64 = 0.5;
 pub fn simulated_faces(
     run: &Run,
     number: usize,
+    partly: PartlyBroken,
     context: &Context,
 ) -> Result<SimulatedFaces, SimulatedFacesError> {
     context.report(0.0)?;
     let observed = run.observed(number).map_err(FilmError::from)?;
-    faces_of_wood((&run.wood(), &observed), run.input(), &run.scene, context)
+    let source = (run.input(), &run.scene);
+    faces_of_wood((&run.wood(), &observed), source, partly, context)
 }
 
 /// Returns the faces of `wood` with these breaks, from the base of its stem to its tip. `input` is the scene that the stem
@@ -129,11 +157,11 @@ pub fn simulated_faces(
 /// [`SimulatedFacesError`].
 pub fn faces_of_wood(
     (wood, observed): (&Wood, &ObservedRun),
-    input: &Scene,
-    setting: &Setting,
+    (input, setting): (&Scene, &Setting),
+    partly: PartlyBroken,
     context: &Context,
 ) -> Result<SimulatedFaces, SimulatedFacesError> {
-    let fractures = drawable_fractures(wood, observed)?;
+    let fractures = drawable_fractures(wood, observed, partly)?;
     let by_point = matches!(setting.stem.at, StemLocation::Point(_));
     let mut request = BreakRequest {
         stem: StemOptions {
@@ -176,6 +204,7 @@ pub fn faces_of_wood(
         session,
         request,
         reports,
+        fractures,
     })
 }
 
@@ -183,6 +212,7 @@ pub fn faces_of_wood(
 fn drawable_fractures(
     wood: &Wood,
     observed: &ObservedRun,
+    partly: PartlyBroken,
 ) -> Result<Vec<SimulatedFracture>, SimulatedFacesError> {
     let fractures = SimulatedFracture::find(wood, observed);
     let time = observed.time;
@@ -190,8 +220,9 @@ fn drawable_fractures(
         return Err(SimulatedFacesError::NoBreak { time });
     };
     let share = first.broken_share(wood);
-    if !first.parted && share < MIN_BROKEN_SHARE {
-        return Err(SimulatedFacesError::Holds { share, time });
+    let least = partly.least_share();
+    if !first.parted && share < least {
+        return Err(SimulatedFacesError::Holds { share, least, time });
     }
     Ok(fractures)
 }

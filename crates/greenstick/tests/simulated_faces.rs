@@ -10,7 +10,7 @@ use greenstick::fibre::{Cause, Event, EventKind};
 use greenstick::fracture::surface::FractureSurface;
 use greenstick::geometry::Context;
 use greenstick::simulated_faces::{
-    ObservedRun, SimulatedFaces, SimulatedFacesError, faces_of_wood,
+    ObservedRun, PartlyBroken, SimulatedFaces, SimulatedFacesError, faces_of_wood,
 };
 use greenstick::wood::noise::unit;
 use support::Grown;
@@ -142,8 +142,8 @@ fn faces(
     setting.wood.species = "white oak".into();
     faces_of_wood(
         (&wood, &observed),
-        &grown.scene,
-        &setting,
+        (&grown.scene, &setting),
+        PartlyBroken::Separated,
         &Context::quiet(),
     )
 }

@@ -1,6 +1,6 @@
 //! Options of `greenstick skin`.
 
-use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
+use super::{Declared, FacesChoice, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
 use clap::{Arg, Args};
 use greenstick::picture::PictureParameters;
@@ -8,8 +8,8 @@ use greenstick::skin::film::FilmParameters;
 use std::path::PathBuf;
 
 const SKIN_EXAMPLES: &str = "\
-A film is one .glb of skinned pieces with an animation, or a .usdc or .usdz with points over time: the pieces that its
-last frame leaves. As .pvd it is the rods and bonds, a series for ParaView; as .mp4 or .webm it is a video, made by ffmpeg
+A film is one .glb of skinned pieces with an animation, or a .usdc or .usdz with points over time: the mesh that was
+simulated, cut along the faces that the run decided; with --faces rods, the skin of the rods in pieces. As .pvd it is the rods and bonds, a series for ParaView; as .mp4 or .webm it is a video, made by ffmpeg
 where that is installed. A single frame can be written in every mesh format and as .usda, in pieces as they are then.
 
 Examples
@@ -41,6 +41,9 @@ pub struct SkinOptions {
         conflicts_with = "frames"
     )]
     pub frame: Option<i64>,
+    /// Faces of broken wood; wood that holds is shown by its rods
+    #[arg(long, value_enum, value_name = "FACES", default_value_t = FacesChoice::Drawn)]
+    pub faces: FacesChoice,
     /// Frames of the film, from the first to before the last [default: all]
     #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
     pub frames: Option<(usize, usize)>,

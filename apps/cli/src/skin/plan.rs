@@ -1,7 +1,7 @@
 //! What is made of a run, in the terms of the libraries: from the options of `greenstick skin`, or for the film of a
 //! simulation.
 
-use crate::arguments::SkinOptions;
+use crate::arguments::{FacesChoice, SkinOptions};
 use crate::failure::Failure;
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
@@ -16,6 +16,8 @@ pub struct FilmPlan {
     pub output: Option<PathBuf>,
     /// The range of frames in the film; `None` for all.
     pub frames: Option<(usize, usize)>,
+    /// Which faces broken wood has.
+    pub faces: FacesChoice,
     /// How the skin is made.
     pub film: FilmOptions,
     /// How a glTF film is written.
@@ -46,6 +48,7 @@ impl FilmPlan {
         FilmPlan {
             output: Some(output),
             frames: None,
+            faces: FacesChoice::Drawn,
             film: parameters.film_options(seed),
             glb: glb_options(&parameters),
             engines: EnginePlan::default(),
@@ -60,6 +63,7 @@ impl FilmPlan {
         Ok(FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
+            faces: options.faces,
             film: parameters.film_options(seed),
             glb: glb_options(&parameters),
             engines: EnginePlan {

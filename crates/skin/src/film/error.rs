@@ -25,6 +25,9 @@ pub enum FilmError {
         /// How many frames there are.
         count: usize,
     },
+    /// Pieces that have no rods.
+    #[error("no rod belongs to the pieces that the wood was cut into; show its rods instead")]
+    NoRods,
     /// The frames do not fit the wood, or an option is out of range.
     #[error(transparent)]
     Skin(#[from] RodSkinError),

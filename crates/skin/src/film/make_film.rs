@@ -2,7 +2,7 @@
 
 use super::error::FilmError;
 use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
-use super::motion::{MovingParts, RunMotion};
+use super::motion::{MovingBehind, MovingParts, RunMotion};
 use super::options::FilmOptions;
 use super::poses::{film_from_skin, rotated, upright_rotation};
 use super::report::SkinReport;
@@ -57,7 +57,7 @@ impl Run {
         film.textures = materials.textures;
         film.images = materials.images;
         let bodies = match options.bodies {
-            true => self.add_bodies(&mut film, &first),
+            true => self.add_bodies(&mut film, &first, BODY_MATERIAL),
             false => Vec::new(),
         };
         add_extras(&mut film, &report);
@@ -69,7 +69,7 @@ impl Run {
             MovingParts {
                 joints,
                 bodies,
-                carried,
+                behind: MovingBehind::Carried(carried),
             },
             upright_rotation(),
         );
@@ -83,11 +83,11 @@ impl Run {
         Ok(skinned)
     }
 
-    /// Adds the bodies of the first frame to a film, each that moves with a joint of its own. Returns the numbers of those.
-    fn add_bodies(&self, film: &mut Film, first: &Frame) -> Vec<usize> {
+    /// Adds the bodies of the first frame to a film, of this material, each that moves with a joint of its own. Returns the numbers of those.
+    pub(super) fn add_bodies(&self, film: &mut Film, first: &Frame, material: u32) -> Vec<usize> {
         let up = upright_rotation();
         let mut moving = Vec::new();
-        for body in body_nodes(first, &self.wood.shapes, BODY_MATERIAL) {
+        for body in body_nodes(first, &self.wood.shapes, material) {
             let BodyNode { mut node, follows } = body;
             node.transform = DAffine3::from_quat(up) * node.transform;
             let Some(number) = follows else {
@@ -116,7 +116,7 @@ impl Run {
 }
 
 /// Adds the report of each piece to its extras.
-fn add_extras(film: &mut Film, report: &SkinReport) {
+pub(super) fn add_extras(film: &mut Film, report: &SkinReport) {
     for (piece, reported) in film.pieces.iter_mut().zip(&report.pieces) {
         let extras = &mut piece.extras;
         extras.insert("gape_m".into(), Extra::Number(reported.gape_m));

@@ -7,6 +7,7 @@
 
 mod carried;
 mod collision;
+mod drawn;
 mod error;
 mod level;
 mod lines;
@@ -27,6 +28,7 @@ mod skinned_film;
 mod tracking;
 
 pub use collision::{Collision, CollisionPiece, collision};
+pub use drawn::DrawnScene;
 pub use error::FilmError;
 pub use level::{LevelReport, level};
 pub use lines::{BondLines, RodLines};

@@ -1,5 +1,6 @@
 //! The poses of a run's joints over time, read frame by frame.
 
+use super::drawn::SectionJoints;
 use super::error::FilmError;
 use super::poses::rotated;
 use crate::remainder::{Follower, pose_followers};
@@ -15,8 +16,16 @@ pub(super) struct MovingParts {
     pub joints: Joints,
     /// Numbers of the bodies that have a joint.
     pub bodies: Vec<usize>,
-    /// Carried parts that have a joint.
-    pub carried: Vec<Follower>,
+    /// What follows the rods.
+    pub behind: MovingBehind,
+}
+
+/// Joints of a film that follow those of the rods.
+pub(super) enum MovingBehind {
+    /// What is carried, behind the joints of the rods and those of the bodies.
+    Carried(Vec<Follower>),
+    /// Sections of pieces, behind the joints of the bodies. The film has none of the rods'.
+    Sections(SectionJoints),
 }
 
 /// The motion of a film's joints and bodies. Holds one frame at a time.
@@ -27,10 +36,8 @@ pub struct RunMotion {
     /// Number of the first frame in the run.
     first: usize,
     joints: Joints,
-    /// Bodies that have a joint, behind those of the rods.
     bodies: Vec<usize>,
-    /// What is carried, behind all others.
-    carried: Vec<Follower>,
+    behind: MovingBehind,
     up: DQuat,
 }
 
@@ -45,7 +52,7 @@ impl RunMotion {
         let MovingParts {
             joints,
             bodies,
-            carried,
+            behind,
         } = moving;
         RunMotion {
             source,
@@ -53,7 +60,7 @@ impl RunMotion {
             first,
             joints,
             bodies,
-            carried,
+            behind,
             up,
         }
     }
@@ -70,19 +77,33 @@ impl Motion for RunMotion {
         self.times[frame] - self.times[0]
     }
 
-    fn poses(&mut self, frame: usize, poses: &mut [Pose]) -> Result<(), FilmError> {
-        let frame = self.source.frame(self.first + frame)?;
+    fn poses(&mut self, number: usize, poses: &mut [Pose]) -> Result<(), FilmError> {
+        let frame = self.source.frame(self.first + number)?;
         self.joints.check(&frame)?;
-        let rods = frame_poses(&self.joints, &frame);
+        let upright = |pose: Pose| rotated(pose, self.up);
+        let rods = frame_poses(&self.joints, &frame).into_iter().map(upright);
         let bodies = self.bodies.iter().filter_map(|&b| frame.bodies.get(b));
-        let bodies = bodies.map(|body| Pose {
-            translation: body.centre,
-            rotation: body.rotation,
+        let bodies = bodies.map(|body| {
+            upright(Pose {
+                translation: body.centre,
+                rotation: body.rotation,
+            })
         });
-        for (to, from) in poses.iter_mut().zip(rods.into_iter().chain(bodies)) {
-            *to = rotated(from, self.up);
+        match &self.behind {
+            MovingBehind::Carried(carried) => {
+                for (to, from) in poses.iter_mut().zip(rods.chain(bodies)) {
+                    *to = from;
+                }
+                pose_followers(carried, poses);
+            }
+            MovingBehind::Sections(sections) => {
+                let rods: Vec<Pose> = rods.collect();
+                let moving = bodies.chain(sections.poses(number, &rods));
+                for (to, from) in poses.iter_mut().zip(moving) {
+                    *to = from;
+                }
+            }
         }
-        pose_followers(&self.carried, poses);
         Ok(())
     }
 }

@@ -90,7 +90,7 @@ pub struct SkinReport {
 }
 
 /// Returns the number of rods that parts belong to; those of one rod follow each other.
-fn count_rods(parts: &[(u32, RodPart)]) -> usize {
+pub(super) fn count_rods(parts: &[(u32, RodPart)]) -> usize {
     let mut rods: Vec<u32> = parts.iter().map(|p| p.0).collect();
     rods.dedup();
     rods.len()
@@ -116,17 +116,29 @@ impl SkinReport {
                 triangles: p.mesh.triangles.len(),
             });
         SkinReport {
-            frames: range.len(),
-            first_frame: range.start,
-            time_s: [frames.times[range.start], frames.times[range.end - 1]],
-            bytes_left: frames.trailing_bytes,
-            joints: skin.joints.count(),
             parted: [
                 skin.nonmanifold_splits.edges,
                 skin.nonmanifold_splits.vertices,
             ],
+            ..SkinReport::of_pieces(pieces.collect(), skin.joints.count(), (frames, range))
+        }
+    }
+
+    /// Returns the report of pieces that follow so many joints in a range of frames.
+    pub(super) fn of_pieces(
+        pieces: Vec<FilmPiece>,
+        joints: usize,
+        (frames, range): (&FrameTimes, Range<usize>),
+    ) -> Self {
+        SkinReport {
+            frames: range.len(),
+            first_frame: range.start,
+            time_s: [frames.times[range.start], frames.times[range.end - 1]],
+            bytes_left: frames.trailing_bytes,
+            joints,
+            parted: [0; 2],
             gape: None,
-            pieces: pieces.collect(),
+            pieces,
             rest: RestReport::default(),
         }
     }

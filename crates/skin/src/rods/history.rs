@@ -82,7 +82,7 @@ impl BreakHistory {
     }
 
     /// Returns the first frame in which a vertex is broken.
-    pub(super) fn break_frame(&self, vertex: u32) -> u32 {
+    pub(crate) fn break_frame(&self, vertex: u32) -> u32 {
         self.break_frames[vertex as usize]
     }
 

@@ -89,6 +89,26 @@ impl Joints {
         [(a.0, 1.0 - t), (b.0, t)]
     }
 
+    /// Adds the joints of a part of a rod that are no farther than `reach` (m) from a length along the axis (m), or else the
+    /// nearest one.
+    pub(crate) fn near(
+        &self,
+        rod: u32,
+        part: RodPart,
+        along: f64,
+        reach: f64,
+        near: &mut Vec<u32>,
+    ) {
+        let joints = &self.parts[rod as usize][usize::from(part)];
+        let off = |joint: &(u32, f64)| (joint.1 - along).abs();
+        let before = near.len();
+        near.extend(joints.iter().filter(|j| off(j) <= reach).map(|j| j.0));
+        if near.len() == before {
+            let nearest = joints.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            near.extend(nearest.map(|j| j.0));
+        }
+    }
+
     /// As [`Self::weights_at`] for the range of parts of a rod that are `together` still. A vertex between them, which will
     /// break, counts with the part before.
     pub(super) fn weights_while_together(

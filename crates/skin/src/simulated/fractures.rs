@@ -27,6 +27,11 @@ pub struct SimulatedFracture {
     pub further_breaks: usize,
 }
 
+/// Returns the pieces that the stem consists of, from its base to its tip.
+pub(crate) fn main_pieces(wood: &Wood, run: &ObservedRun, pieces: &Pieces) -> Vec<u32> {
+    PieceOrder::new(wood, run, pieces).pieces
+}
+
 /// The pieces that the stem consists of, one after the other from its base.
 struct PieceOrder {
     pieces: Vec<u32>,
@@ -47,6 +52,26 @@ impl SimulatedFracture {
             fractures.extend(partial(wood, run));
         }
         fractures
+    }
+
+    /// Returns for each rod the length along the axis (m) at which it passes the fracture: that of its break, or for a whole
+    /// rod that of the break nearest in the section.
+    pub(crate) fn lengths_of_rods(&self, wood: &Wood) -> Vec<f64> {
+        let nearest = |rod: usize| {
+            let at = wood.cells[rod].centroid;
+            let far = |b: &&RodEnd| wood.cells[b.rod as usize].centroid.distance_squared(at);
+            let nearest = self.broken().min_by(|a, b| far(a).total_cmp(&far(b)));
+            nearest.map_or(0.0, |b| b.along)
+        };
+        let breaks = self.breaks.iter().enumerate();
+        breaks
+            .map(|(rod, broken)| broken.map_or_else(|| nearest(rod), |b| b.along))
+            .collect()
+    }
+
+    /// Returns the part of each rod before its break in the fracture; `None` for rods that are whole there.
+    pub(crate) fn parts_before(&self) -> impl Iterator<Item = Option<RodPart>> + '_ {
+        self.breaks.iter().map(|b| b.map(|b| b.part))
     }
 
     /// Returns the share of the section that broke in it, 0 to 1.

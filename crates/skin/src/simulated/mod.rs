@@ -12,5 +12,6 @@ mod section_field;
 
 pub use face::SimulatedFace;
 pub use fractures::SimulatedFracture;
+pub(crate) use fractures::main_pieces;
 pub use observed::ObservedRun;
 pub use report::{ModeShare, SimulatedFaceReport};

@@ -115,7 +115,7 @@ impl ObservedRun {
     }
 
     /// The part of a rod at a length along the axis, m.
-    pub(super) fn part_at(&self, rod: usize, along: f64) -> RodPart {
+    pub(crate) fn part_at(&self, rod: usize, along: f64) -> RodPart {
         self.breaks[rod].partition_point(|b| b.along <= along) as RodPart
     }
 }

@@ -1,0 +1,84 @@
+//! Films of the faces that a run decided.
+
+use super::error::FilmError;
+use crate::pictures::picture_of_moved_break;
+use crate::session::Broken;
+use crate::simulated_faces::{
+    PartlyBroken, SimulatedFaceReport, SimulatedFacesError, simulated_faces,
+};
+use crate::{Break, Error};
+use greenstick_geometry::{Context, Scene, Stage};
+use greenstick_picture::{Picture, PictureError, PictureOptions};
+use greenstick_skin::film::{DrawnScene, FilmOptions, Run, SkinnedFilm};
+use std::ops::Range;
+
+/// A film of the input of a run, cut along the faces that the run decided.
+pub struct DrawnFilm {
+    /// The film.
+    pub skinned: SkinnedFilm,
+    /// The pieces where they fit each other.
+    pub broken: Broken,
+    /// What each face was made from, from the base of the stem to its tip.
+    pub reports: Vec<SimulatedFaceReport>,
+}
+
+/// Returns all frames of a range as a film of the faces that the last frame of the run decided, so that any range shows the same
+/// pieces. Of the options the width of the textures and bodies count.
+///
+/// # Errors
+/// [`SimulatedFacesError`].
+pub fn film_of_faces(
+    run: &mut Run,
+    range: Range<usize>,
+    options: &FilmOptions,
+    context: &Context,
+) -> Result<DrawnFilm, SimulatedFacesError> {
+    let [deciding, cutting, moving] = context.split([
+        (Stage::new("faces"), 1.0),
+        (Stage::new("break"), 2.0),
+        (Stage::new("skin"), 2.0),
+    ]);
+    let last = run.frames().saturating_sub(1);
+    let mut faces = simulated_faces(run, last, PartlyBroken::Hinged, &deciding)?;
+    faces.request.texture_width = options.texture_width;
+    for one in &mut faces.request.breaks {
+        // Pieces are where they were before anything moved.
+        (one.separation, one.fray) = (0.0, 0.0);
+        one.recipe.face.hang = Break::default().recipe.face.hang;
+    }
+    let broken = faces.broken(&cutting).map_err(|error| match error {
+        Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),
+        error => SimulatedFacesError::Cut(Box::new(error)),
+    })?;
+    let observed = run.observed(last).map_err(FilmError::from)?;
+    let drawn = DrawnScene {
+        scene: &broken.scene,
+        roles: &broken.roles,
+        inner: broken.woods.first().map_or(0, |wood| wood.material),
+        fractures: &faces.fractures,
+        observed: &observed,
+    };
+    let skinned = run
+        .film_of_faces(range, &drawn, options, &moving)
+        .map_err(FilmError::from)?;
+    Ok(DrawnFilm {
+        skinned,
+        broken,
+        reports: faces.reports,
+    })
+}
+
+impl DrawnFilm {
+    /// Takes a picture of a frame of the film.
+    ///
+    /// # Errors
+    /// As [`greenstick_picture::render`].
+    pub fn picture(
+        &self,
+        frame: &Scene,
+        options: &PictureOptions,
+        context: &Context,
+    ) -> Result<Picture, PictureError> {
+        picture_of_moved_break(frame, &self.broken.woods, options, context)
+    }
+}

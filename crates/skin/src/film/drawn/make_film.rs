@@ -1,0 +1,348 @@
+//! The film of a scene that was cut along the faces of a run.
+
+use super::faces::{face_pairs, measure_gape};
+use super::lengths::lengths_along;
+use super::sections::{JointChain, RodFaces, Sections};
+use crate::film::error::FilmError;
+use crate::film::make_film::add_extras;
+use crate::film::motion::{MovingBehind, MovingParts, RunMotion};
+use crate::film::options::FilmOptions;
+use crate::film::poses::{rotated, upright_rotation};
+use crate::film::report::{FilmPiece, SkinReport, count_rods};
+use crate::film::rigid::RIGID_TOLERANCE;
+use crate::film::run::Run;
+use crate::film::separation::SeparationTracker;
+use crate::film::skinned_film::SkinnedFilm;
+use crate::finish::{NodeRole, PieceRole};
+use crate::rods::Joints;
+use crate::rods_scene::body_material;
+use crate::simulated::{ObservedRun, SimulatedFracture};
+use glam::{DAffine3, DVec3};
+use greenstick_geometry::film::Extra;
+use greenstick_geometry::{Binding, Context, Film, Mesh, Node, Pose, Scene, SkinnedMesh, Stage};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Parts that no face touched move with the stem where they come this near to its axis, in its radii there.
+const ATTACHED: f64 = 2.0;
+
+/// The input of a run, cut along the faces that it decided, all parts where they were.
+pub struct DrawnScene<'a> {
+    /// Pieces and what else there is.
+    pub scene: &'a Scene,
+    /// What each node is.
+    pub roles: &'a [NodeRole],
+    /// The material of the wood inside.
+    pub inner: u32,
+    /// The fractures along which it was cut, from the base of the stem to its tip.
+    pub fractures: &'a [SimulatedFracture],
+    /// The frame that decided them.
+    pub observed: &'a ObservedRun,
+}
+
+/// What a node of the scene does in the film.
+enum Part {
+    /// The piece of this number, from the base of the stem.
+    Piece(usize),
+    /// Moves with that piece.
+    With(usize),
+    /// Moves with whatever is nearest, if anything is near.
+    Nearest,
+}
+
+impl DrawnScene<'_> {
+    fn part(&self, node: usize) -> Part {
+        match self.roles[node] {
+            NodeRole::Piece(PieceRole::Lower) => Part::Piece(0),
+            NodeRole::Piece(PieceRole::Upper) => Part::Piece(1),
+            NodeRole::Piece(PieceRole::Segment(number)) => Part::Piece(number),
+            NodeRole::Carried => match self.scene.nodes[node].parent {
+                Some(parent) => match self.part(parent) {
+                    Part::Piece(piece) | Part::With(piece) => Part::With(piece),
+                    Part::Nearest => Part::Nearest,
+                },
+                None => Part::Nearest,
+            },
+            NodeRole::Piece(PieceRole::Splinter(_)) | NodeRole::Untouched => Part::Nearest,
+        }
+    }
+
+    /// The nodes of the pieces, from the base of the stem.
+    fn pieces(&self) -> Vec<usize> {
+        let mut nodes: Vec<(usize, usize)> = (0..self.scene.nodes.len())
+            .filter_map(|node| match self.part(node) {
+                Part::Piece(piece) => Some((piece, node)),
+                _ => None,
+            })
+            .collect();
+        nodes.sort_unstable();
+        nodes.into_iter().map(|n| n.1).collect()
+    }
+
+    /// The mesh of a node in the stem's world.
+    fn mesh(&self, node: usize) -> Mesh {
+        let node = &self.scene.nodes[node];
+        node.mesh.transformed(&node.transform)
+    }
+}
+
+/// What binds meshes to the joints of a film.
+struct Binder<'a> {
+    run: &'a Run,
+    faces: &'a RodFaces<'a>,
+    sections: &'a Sections,
+    /// The film's joint that is the first of the sections'.
+    first: u32,
+}
+
+impl Binder<'_> {
+    fn weights<'b>(
+        &'b self,
+        chain: &JointChain,
+        along: f64,
+        share: f64,
+    ) -> impl Iterator<Item = (u32, f64)> + 'b {
+        let weights = chain.weights_at(along);
+        let weights = weights.into_iter().filter(|w| w.1 > 0.0);
+        weights.map(move |(joint, weight)| (self.first + joint, share * weight))
+    }
+
+    /// Binds a piece, whose mesh is in the stem's world.
+    fn bind(&self, piece: usize, mesh: &Mesh) -> Binding {
+        let stem = self.run.stem();
+        let lengths = lengths_along(mesh, stem);
+        let chain = &self.sections.pieces[piece];
+        let mut binding = Binding::default();
+        for (&p, &along) in mesh.positions.iter().zip(&lengths) {
+            let held = self.held(piece, p, along);
+            let free = held.map_or(1.0, |(_, share)| 1.0 - share);
+            let mut entries: Vec<(u32, f64)> = Vec::new();
+            if free > 0.0 {
+                entries.extend(self.weights(chain, along, free));
+            }
+            if let Some((hinge, share)) = held {
+                entries.extend(self.weights(hinge, along, share));
+            }
+            binding.push(entries);
+        }
+        binding
+    }
+
+    /// The hinge that holds a point of a piece, and how much of its motion that decides.
+    fn held(&self, piece: usize, p: DVec3, along: f64) -> Option<(&JointChain, f64)> {
+        let faces = piece.saturating_sub(1)..(piece + 1).min(self.faces.count());
+        let held = faces.filter_map(|face| {
+            let hinge = self.sections.hinges[face].as_ref()?;
+            let grain = self.run.stem().grain.to_grain_near(p, along);
+            Some((hinge, self.faces.held(face, grain.truncate(), along)))
+        });
+        held.filter(|h| h.1 > 0.0)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The one joint that a whole mesh in the stem's world follows, and how far from the axis the mesh begins, in radii.
+    fn joint_of(&self, piece: usize, mesh: &Mesh) -> Option<(u32, f64)> {
+        let stem = self.run.stem();
+        let axis = stem.grain.axis();
+        let nearest = (mesh.positions.iter())
+            .map(|&p| {
+                let along = axis.length_at(p);
+                let radius = stem.radius * stem.grain.scale(along);
+                (along, p.distance(axis.frame(along).origin) / radius)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let weights = self.sections.pieces[piece].weights_at(nearest.0);
+        let joint = if weights[0].1 >= weights[1].1 {
+            weights[0].0
+        } else {
+            weights[1].0
+        };
+        Some((self.first + joint, nearest.1))
+    }
+
+    /// The piece that has most of the stem at the place nearest to a mesh in the stem's world.
+    fn piece_near(&self, mesh: &Mesh) -> usize {
+        let axis = self.run.stem().grain.axis();
+        let count = mesh.positions.len().max(1) as f64;
+        let along = mesh
+            .positions
+            .iter()
+            .map(|&p| axis.length_at(p))
+            .sum::<f64>()
+            / count;
+        let below = |&face: &usize| self.faces.mean_length(face) < along;
+        (0..self.faces.count()).filter(below).count()
+    }
+}
+
+impl Run {
+    /// Returns all frames of a range as a film of the pieces of `drawn`. Of the options only bodies count.
+    ///
+    /// # Errors
+    /// [`FilmError`] where a frame does not exist or cannot be read, or the caller cancelled.
+    pub fn film_of_faces(
+        &mut self,
+        range: Range<usize>,
+        drawn: &DrawnScene,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<SkinnedFilm, FilmError> {
+        let count = self.frames.count();
+        if range.is_empty() || range.end > count {
+            let number = range.end.saturating_sub(1);
+            return Err(FilmError::NoSuchFrame { number, count });
+        }
+        let [breaks, binding, pieces, rigid] = context.split([
+            (Stage::new("breaks"), 1.0),
+            (Stage::new("skin"), 1.0),
+            (Stage::new("pieces"), 1.0),
+            (Stage::new("rigid pieces"), 1.0),
+        ]);
+        let first = self.frame(range.start)?;
+        let history = self.break_history(range.clone(), &breaks)?;
+        binding.report(0.0)?;
+        let up = upright_rotation();
+        let film_from_stem = self.film_from_stem();
+        let mut film = Film {
+            frames_per_second: self.scene.frames_per_second,
+            materials: drawn.scene.materials.clone(),
+            textures: drawn.scene.textures.clone(),
+            images: drawn.scene.images.clone(),
+            ..Film::default()
+        };
+        let bodies = match options.bodies {
+            true => {
+                let material = film.materials.len() as u32;
+                film.materials.push(body_material());
+                self.add_bodies(&mut film, &first, material)
+            }
+            false => Vec::new(),
+        };
+        let wood = self.wood();
+        let joints = Joints::new(&wood, &drawn.observed.state);
+        let rest: Vec<Pose> = joints.rest.iter().map(|&pose| rotated(pose, up)).collect();
+        let faces = RodFaces::new(&wood, drawn.observed, drawn.fractures);
+        let nodes = drawn.pieces();
+        let name = |&node: &usize| drawn.scene.nodes[node].name.clone();
+        let names: Vec<String> = nodes.iter().map(name).collect();
+        let opening: Vec<u32> = (0..faces.count())
+            .map(|face| faces.opening(face, &history))
+            .collect();
+        let sections =
+            Sections::new(&faces, (&joints, &rest), &names, &opening).ok_or(FilmError::NoRods)?;
+        let binder = Binder {
+            run: self,
+            faces: &faces,
+            sections: &sections,
+            first: film.joints.len() as u32,
+        };
+        film.joints.extend(sections.joints.film_joints());
+        let meshes: Vec<Mesh> = nodes.iter().map(|&node| drawn.mesh(node)).collect();
+        for (number, mesh) in meshes.iter().enumerate() {
+            binding.report(number as f64 / meshes.len() as f64)?;
+            film.pieces.push(SkinnedMesh {
+                name: names[number].clone(),
+                mesh: mesh.transformed(&film_from_stem),
+                binding: binder.bind(number, mesh),
+                ..SkinnedMesh::default()
+            });
+        }
+        let mut pairs = Vec::new();
+        for face in 0..faces.count() {
+            let both = [&meshes[face], &meshes[face + 1]];
+            let grain = &wood.stem.grain;
+            let rod_at = |p: DVec3| faces.rod_at(grain.to_grain(p).truncate());
+            pairs.extend(face_pairs((face, both), &faces, &history, rod_at));
+        }
+        let mut report = self.report_on(&film, &sections, &meshes, range.clone());
+        add_others(&mut film, drawn, &binder, &film_from_stem);
+        let edge = |parts: &Vec<_>| {
+            let (rod, part) = *parts.first()?;
+            Some(joints.first_edge(rod, part))
+        };
+        let edges: Option<Vec<u32>> = sections.parts.iter().map(edge).collect();
+        let spacing = wood.spacing();
+        let mut motion = RunMotion::new(
+            self.source.clone(),
+            self.frames.times[range.clone()].to_vec(),
+            range.start,
+            MovingParts {
+                joints,
+                bodies,
+                behind: MovingBehind::Sections(sections.joints.clone()),
+            },
+            up,
+        );
+        if let Some(edges) = edges {
+            let mut tracker = SeparationTracker::new(edges);
+            for (done, number) in range.clone().enumerate() {
+                pieces.report(done as f64 / range.len() as f64)?;
+                tracker.push_frame(self.frame(number)?.as_ref());
+            }
+            for (piece, separation) in report.pieces.iter_mut().zip(tracker.separations()) {
+                piece.parted = separation.map(|s| (s.time, names[s.from].clone()));
+            }
+        }
+        let (gapes, gape) = measure_gape(&film, &mut motion, pairs, spacing)?;
+        report.gape = gape;
+        for (piece, gape) in report.pieces.iter_mut().zip(gapes) {
+            piece.gape_m = gape;
+        }
+        add_extras(&mut film, &report);
+        let mut skinned = SkinnedFilm {
+            film,
+            motion,
+            report,
+            inner: drawn.inner,
+        };
+        skinned.bind_rigid_pieces(RIGID_TOLERANCE * spacing, &rigid)?;
+        Ok(skinned)
+    }
+
+    fn report_on(
+        &self,
+        film: &Film,
+        sections: &Sections,
+        meshes: &[Mesh],
+        range: Range<usize>,
+    ) -> SkinReport {
+        let pieces = film.pieces.iter().zip(&sections.parts).zip(meshes);
+        let pieces = pieces.map(|((piece, parts), mesh)| FilmPiece {
+            name: piece.name.clone(),
+            rods: count_rods(parts),
+            volume_m3: mesh.volume(),
+            parted: None,
+            vertices: mesh.positions.len(),
+            triangles: mesh.triangles.len(),
+            gape_m: 0.0,
+        });
+        let frames = (&self.frames, range);
+        SkinReport::of_pieces(pieces.collect(), film.joints.len(), frames)
+    }
+}
+
+/// Adds what is not a piece: it moves with one, or stands still.
+fn add_others(film: &mut Film, drawn: &DrawnScene, binder: &Binder, film_from_stem: &DAffine3) {
+    for (number, node) in drawn.scene.nodes.iter().enumerate() {
+        let mesh = drawn.mesh(number);
+        let joint = match drawn.part(number) {
+            Part::Piece(_) => continue,
+            Part::With(piece) => binder.joint_of(piece, &mesh).map(|j| j.0),
+            Part::Nearest => {
+                let joint = binder.joint_of(binder.piece_near(&mesh), &mesh);
+                joint.filter(|j| j.1 <= ATTACHED).map(|j| j.0)
+            }
+        };
+        let mesh = mesh.transformed(film_from_stem);
+        match joint {
+            None => (film.fixed).push(Node::new(node.name.clone(), DAffine3::IDENTITY, mesh)),
+            Some(joint) => film.pieces.push(SkinnedMesh {
+                binding: Binding::rigid(mesh.positions.len(), joint),
+                name: node.name.clone(),
+                mesh,
+                extras: BTreeMap::from([("input".into(), Extra::Text(node.name.clone()))]),
+                ..SkinnedMesh::default()
+            }),
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Films of faces that a run decided: the pieces of the mesh that was simulated, cut along those faces, that move as the
+//! rods do.
+//!
+//! A piece bends as a beam: across it, it follows the mean motion of the rods that are part of it there
+//! (`sections`), so that what rods do one by one does not distort it. Until the first rod breaks in a face, both sides follow
+//! all rods: the film shows the whole wood. Where it is not broken through, they follow the rods that hold, and stay together
+//! there: a hinge.
+//!
+//! | module | content |
+//! |---|---|
+//! | `sections` | joints along each piece, and the rods that each follows |
+//! | `lengths` | which length of the stem every vertex of a piece belongs to |
+//! | `faces` | vertices on both sides of a face, and how far they gape before it opens |
+
+mod faces;
+mod lengths;
+mod make_film;
+mod sections;
+
+pub use make_film::DrawnScene;
+pub(in crate::film) use sections::SectionJoints;

@@ -1,0 +1,371 @@
+//! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem.
+
+use crate::remainder::Follower;
+use crate::rods::{BreakHistory, Joints, RodPart, Wood};
+use crate::simulated::{ObservedRun, SimulatedFracture, main_pieces};
+use glam::{DAffine3, DQuat};
+use greenstick_geometry::{Joint, Pose};
+
+/// Distance between sections, mean radii of the stem.
+const SECTION_DISTANCE: f64 = 0.4;
+/// Most sections along the stem.
+const MAX_SECTIONS: usize = 400;
+/// Least share of the stem's section that the rods of a piece must have for a joint there.
+const MIN_SHARE: f64 = 0.03;
+/// Distance (radii) from a face up to which the wood that holds there keeps both sides together, and that from which on each
+/// side follows its own rods.
+const HINGE: (f64, f64) = (1.0, 3.0);
+
+/// Joints along some rods, one at each section of the stem.
+#[derive(Debug, Clone, Default)]
+pub(super) struct JointChain {
+    /// Length along the axis of each section, m.
+    along: Vec<f64>,
+    /// The number of the first joint; that of each further section follows.
+    first: u32,
+}
+
+/// What a joint follows.
+#[derive(Debug, Clone)]
+struct SectionJoint {
+    name: String,
+    /// Where it is at rest.
+    rest: Pose,
+    /// The follower of all rods of the section, before the face beside it begins to open.
+    whole: usize,
+    /// The first frame in which that has begun.
+    until: u32,
+    /// The follower of the rods of its own.
+    own: usize,
+}
+
+/// Joints along the pieces of a film.
+///
+/// Until the first rod breaks in a face, the joints on both sides follow all rods: both sides then coincide exactly, in every
+/// format.
+#[derive(Debug, Clone, Default)]
+pub(in crate::film) struct SectionJoints {
+    followers: Vec<Follower>,
+    joints: Vec<SectionJoint>,
+}
+
+impl SectionJoints {
+    /// The joints of a film.
+    pub fn film_joints(&self) -> impl Iterator<Item = Joint> + '_ {
+        self.joints.iter().map(|joint| Joint {
+            name: joint.name.clone(),
+            rest: joint.rest,
+        })
+    }
+
+    /// Returns the poses of the joints in a frame of the film in which the joints of the rods have the poses `rods`.
+    pub fn poses(&self, frame: usize, rods: &[Pose]) -> impl Iterator<Item = Pose> + '_ {
+        let follow = |f: &Follower| f.pose(rods).affine() * f.at_rest().inverse();
+        let maps: Vec<DAffine3> = self.followers.iter().map(follow).collect();
+        self.joints.iter().map(move |joint| {
+            let follower = if frame < joint.until as usize {
+                joint.whole
+            } else {
+                joint.own
+            };
+            let map = maps[follower];
+            Pose {
+                translation: map.transform_point3(joint.rest.translation),
+                rotation: (DQuat::from_mat3(&map.matrix3) * joint.rest.rotation).normalize(),
+            }
+        })
+    }
+}
+
+/// The joints of a film and what they are for.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sections {
+    /// One for each piece, from the base of the stem to its tip.
+    pub pieces: Vec<JointChain>,
+    /// One for each face: the rods that are whole there; `None` where the wood is in two.
+    pub hinges: Vec<Option<JointChain>>,
+    /// For each piece, the parts of rods that it follows.
+    pub parts: Vec<Vec<(u32, RodPart)>>,
+    /// The joints of all chains.
+    pub joints: SectionJoints,
+}
+
+/// The faces of the wood, as rods meet them.
+pub(super) struct RodFaces<'a> {
+    wood: &'a Wood<'a>,
+    run: &'a ObservedRun,
+    fractures: &'a [SimulatedFracture],
+    /// For each face and rod, the length along the axis at which the rod passes it, m.
+    heights: Vec<Vec<f64>>,
+    /// For each face and rod, the part of the rod before its break there; `None` where it is whole.
+    parts_before: Vec<Vec<Option<RodPart>>>,
+}
+
+impl<'a> RodFaces<'a> {
+    pub fn new(
+        wood: &'a Wood<'a>,
+        run: &'a ObservedRun,
+        fractures: &'a [SimulatedFracture],
+    ) -> Self {
+        let heights = fractures.iter().map(|f| f.lengths_of_rods(wood)).collect();
+        RodFaces {
+            wood,
+            run,
+            fractures,
+            heights,
+            parts_before: (fractures.iter().map(|f| f.parts_before().collect())).collect(),
+        }
+    }
+
+    /// The number of faces.
+    pub fn count(&self) -> usize {
+        self.fractures.len()
+    }
+
+    /// The rod whose cell is nearest to a point of the section.
+    pub fn rod_at(&self, at: glam::DVec2) -> usize {
+        let (mut best, mut least) = (0, f64::INFINITY);
+        for (rod, cell) in self.wood.cells.iter().enumerate() {
+            let far = cell.centroid.distance_squared(at);
+            if far < least {
+                (best, least) = (rod, far);
+            }
+        }
+        best
+    }
+
+    /// The length along the axis at which a rod passes a face, m.
+    pub fn length(&self, face: usize, rod: usize) -> f64 {
+        self.heights[face][rod]
+    }
+
+    /// The face nearest to a length along the axis, m.
+    pub fn nearest(&self, along: f64) -> Option<usize> {
+        let off = |face: &usize| (self.mean_length(*face) - along).abs();
+        (0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
+    /// The first frame in which a rod is broken in a face.
+    pub fn opening(&self, face: usize, history: &BreakHistory) -> u32 {
+        let broken = (0..self.wood.bundle.rods()).filter_map(|rod| self.broken_vertex(face, rod));
+        let frames = broken.map(|vertex| history.break_frame(vertex));
+        frames.min().unwrap_or(u32::MAX)
+    }
+
+    /// The mean length along the axis at which rods pass a face, m.
+    pub fn mean_length(&self, face: usize) -> f64 {
+        let all = &self.heights[face];
+        all.iter().sum::<f64>() / all.len().max(1) as f64
+    }
+
+    /// The vertex of the unbroken bundle at which a rod broke in a face; `None` for one that is whole there.
+    pub fn broken_vertex(&self, face: usize, rod: usize) -> Option<u32> {
+        let part = self.parts_before[face][rod]?;
+        let of_rod = &self.run.state.breaks[rod];
+        of_rod.get(usize::from(part)).map(|b| b.vertex)
+    }
+
+    /// How far both sides of a face are held together by whole rods at a point of the section and a length along the axis
+    /// (m): 1 on the face between whole rods, 0 among broken ones and far away.
+    pub fn held(&self, face: usize, at: glam::DVec2, along: f64) -> f64 {
+        let off = (along - self.length(face, self.rod_at(at))).abs() / self.wood.stem.radius;
+        if self.fractures[face].parted || off >= HINGE.1 {
+            return 0.0;
+        }
+        let width = self.wood.spacing();
+        let (mut whole, mut all) = (0.0, 0.0);
+        for (cell, broken) in self.wood.cells.iter().zip(&self.parts_before[face]) {
+            let far = cell.centroid.distance_squared(at) / (width * width);
+            let weight = cell.area * libm::exp(-far);
+            all += weight;
+            whole += if broken.is_none() { weight } else { 0.0 };
+        }
+        let share = whole / all.max(f64::MIN_POSITIVE);
+        smooth((share - 0.25) / 0.5) * smooth((HINGE.1 - off) / (HINGE.1 - HINGE.0))
+    }
+}
+
+/// A smooth step from 0 to 1.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Collects chains.
+struct Maker<'a> {
+    faces: &'a RodFaces<'a>,
+    joints: &'a Joints,
+    rest: &'a [Pose],
+    /// Length along the axis of each section, m.
+    along: Vec<f64>,
+    /// Area of the stem's section, m².
+    area: f64,
+    /// For each face, the first frame in which a rod is broken in it.
+    opening: &'a [u32],
+    made: SectionJoints,
+}
+
+impl Maker<'_> {
+    /// Makes a follower at every section of the rods of which `part` gives the part that belongs to it at a length (m); `None`
+    /// where they have too little of the section.
+    fn followers(&mut self, part: impl Fn(usize, f64) -> Option<RodPart>) -> Vec<Option<usize>> {
+        let wood = self.faces.wood;
+        let reach = 0.75 * SECTION_DISTANCE * wood.stem.radius;
+        let mut made = Vec::new();
+        for &along in &self.along {
+            let mut area = 0.0;
+            let mut followed = Vec::new();
+            for (rod, cell) in wood.cells.iter().enumerate() {
+                if let Some(part) = part(rod, along) {
+                    area += cell.area;
+                    self.joints
+                        .near(rod as u32, part, along, reach, &mut followed);
+                }
+            }
+            let enough = area >= MIN_SHARE * self.area;
+            made.push(enough.then(|| {
+                let follower = Follower::new(followed, self.rest, wood.stem.radius);
+                self.made.followers.push(follower);
+                self.made.followers.len() - 1
+            }));
+        }
+        made
+    }
+
+    /// Makes the chain of joints that follow `own` at their sections, and the nearest one where it has none; and `whole` until
+    /// the face beside them opens. `None` if it has none at all.
+    fn chain(
+        &mut self,
+        name: &str,
+        whole: &[Option<usize>],
+        own: &[Option<usize>],
+    ) -> Option<JointChain> {
+        let nearest = |k: usize| {
+            let present = (0..own.len()).filter(|&n| own[n].is_some());
+            present.min_by_key(|n| n.abs_diff(k)).and_then(|n| own[n])
+        };
+        let first = self.made.joints.len() as u32;
+        for (k, &along) in self.along.iter().enumerate() {
+            let own = nearest(k)?;
+            let whole = whole[k].unwrap_or(own);
+            let face = self.faces.nearest(along);
+            self.made.joints.push(SectionJoint {
+                name: format!("{name}_{k:03}"),
+                rest: self.made.followers[whole].at_rest(),
+                whole,
+                until: face.map_or(0, |face| self.opening[face]),
+                own,
+            });
+        }
+        Some(JointChain {
+            along: self.along.clone(),
+            first,
+        })
+    }
+}
+
+impl Sections {
+    /// Makes the joints of the pieces that `faces` cut the wood into, which follow `joints` of rods that rest at `rest`. In frame
+    /// `opening` of the film a rod is first broken in each face. `None` where no rod belongs to a piece.
+    pub fn new(
+        faces: &RodFaces,
+        (joints, rest): (&Joints, &[Pose]),
+        names: &[String],
+        opening: &[u32],
+    ) -> Option<Self> {
+        let (wood, run) = (faces.wood, faces.run);
+        let lengths = || wood.along.iter().copied();
+        let (low, high) = (
+            lengths().fold(f64::INFINITY, f64::min),
+            lengths().fold(f64::NEG_INFINITY, f64::max),
+        );
+        let wanted = ((high - low) / (SECTION_DISTANCE * wood.stem.radius)).ceil() as usize;
+        let count = wanted.clamp(1, MAX_SECTIONS);
+        let section = |k: usize| low + (high - low) * k as f64 / count as f64;
+        let mut maker = Maker {
+            faces,
+            joints,
+            rest,
+            along: (0..=count).map(section).collect(),
+            area: wood.cells.iter().map(|c| c.area).sum(),
+            opening,
+            made: SectionJoints::default(),
+        };
+        let of_parts = run.state.pieces(wood);
+        let main = main_pieces(wood, run, &of_parts);
+        let parted = faces.fractures.iter().all(|f| f.parted);
+        // Whether a part of a rod is of the wood that a piece was cut from, and no splinter.
+        let belongs = |rod: usize, part: RodPart, piece: usize| {
+            let own = of_parts.piece_of(rod as u32, part);
+            match parted {
+                true => main.get(piece) == Some(&own),
+                false => main.is_empty() || main.contains(&own),
+            }
+        };
+        let last = faces.count();
+        let whole = maker.followers(|rod, along| {
+            let part = run.part_at(rod, along);
+            let any = (0..=last).any(|piece| belongs(rod, part, piece));
+            any.then_some(part)
+        });
+        let (mut pieces, mut parts) = (Vec::new(), Vec::new());
+        for piece in 0..=last {
+            let own = maker.followers(|rod, along| {
+                let part = run.part_at(rod, along);
+                let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
+                let before = piece == last || along <= faces.length(piece, rod);
+                (beyond && before && belongs(rod, part, piece)).then_some(part)
+            });
+            let own = if own.iter().all(Option::is_none) {
+                whole.clone()
+            } else {
+                own
+            };
+            pieces.push(maker.chain(&names[piece], &whole, &own)?);
+            let all = run
+                .state
+                .breaks
+                .iter()
+                .enumerate()
+                .flat_map(|(rod, breaks)| {
+                    (0..=breaks.len() as RodPart).map(move |part| (rod, part))
+                });
+            let own = all.filter(|&(rod, part)| belongs(rod, part, piece));
+            parts.push(own.map(|(rod, part)| (rod as u32, part)).collect());
+        }
+        let mut hinges = Vec::new();
+        for (number, fracture) in faces.fractures.iter().enumerate() {
+            if fracture.parted {
+                hinges.push(None);
+                continue;
+            }
+            let reach = HINGE.1 * wood.stem.radius;
+            let own = maker.followers(|rod, along| {
+                let part = run.part_at(rod, along);
+                let near = (along - faces.length(number, rod)).abs() <= reach;
+                let holds = near && faces.parts_before[number][rod].is_none();
+                (holds && belongs(rod, part, number)).then_some(part)
+            });
+            hinges.push(maker.chain(&format!("hinge_{number}"), &whole, &own));
+        }
+        Some(Sections {
+            pieces,
+            hinges,
+            parts,
+            joints: maker.made,
+        })
+    }
+}
+
+impl JointChain {
+    /// The joints on both sides of a length along the axis (m), with their weights; beyond the ends the last one.
+    pub fn weights_at(&self, along: f64) -> [(u32, f64); 2] {
+        let above = self.along.partition_point(|&a| a <= along);
+        let (a, b) = (above.saturating_sub(1), above.min(self.along.len() - 1));
+        let t = match self.along[b] - self.along[a] {
+            width if width > 0.0 => (along - self.along[a]) / width,
+            _ => 0.0,
+        };
+        [(self.first + a as u32, 1.0 - t), (self.first + b as u32, t)]
+    }
+}
