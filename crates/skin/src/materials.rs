@@ -11,6 +11,9 @@ use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::branch::bark_material;
 use greenstick_wood::stem::Stem;
 
+/// Name of the material of the wood inside.
+const INNER_WOOD_NAME: &str = "inner_wood";
+
 /// Gives bark to the triangles of a scene that have no material.
 pub fn add_missing_bark(scene: &mut Scene) {
     if !scene.nodes.iter().any(|n| lacks_material(&n.mesh)) {
@@ -46,6 +49,16 @@ pub fn bake(
     texture::bake(width, square.side, wood, context)
 }
 
+/// Adds a material of the wood inside without textures, in the colour of its sapwood.
+pub fn add_plain_inner_wood(scene: &mut Scene, appearance: &StemAppearance) {
+    let [r, g, b] = appearance.wood.sapwood_color.map(|c| c as f32);
+    scene.materials.push(Material {
+        name: INNER_WOOD_NAME.into(),
+        base_color: [r, g, b, 1.0],
+        ..Material::default()
+    });
+}
+
 /// Adds the material of the wood inside with its textures, which cover `square`.
 pub fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodTextures) {
     let mut reference = |name: &str, bytes: &[u8]| {
@@ -76,7 +89,7 @@ pub fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodText
         reference("roughness", &baked.roughness),
     );
     scene.materials.push(Material {
-        name: "inner_wood".into(),
+        name: INNER_WOOD_NAME.into(),
         base_color_texture: Some(color),
         normal_texture: Some(normal),
         metallic_roughness_texture: Some(roughness),

@@ -320,7 +320,10 @@ impl BreakSession {
             let width = request.texture_width;
             let wood = self.bake(at, one, width, &baking.item(at, breaks.len()))?;
             let square = one.stages.stem.stem().square;
-            materials::add_inner_wood(&mut scene, square, &wood.1);
+            match &wood.1 {
+                Some(baked) => materials::add_inner_wood(&mut scene, square, baked),
+                None => materials::add_plain_inner_wood(&mut scene, &wood.0.appearance),
+            }
             woods.push((one.number, wood.0));
         }
         woods.sort_by_key(|w| w.0);
@@ -339,31 +342,36 @@ impl BreakSession {
         })
     }
 
-    /// Bakes the textures of the wood inside a break.
+    /// Bakes the textures of the wood inside a break, if there are to be any.
     fn bake(
         &mut self,
         at: usize,
         one: &BreakPieces,
         width: u32,
         context: &Context,
-    ) -> Result<(BrokenWood, Arc<WoodTextures>), Error> {
+    ) -> Result<(BrokenWood, Option<Arc<WoodTextures>>), Error> {
         context.report(0.0)?;
         let recipe = &one.requested.recipe;
         let prepared = one.stages.stem.stem();
         let (stem, square) = (&prepared.found.stem, prepared.square);
         let rings = one.stages.stem.rings.clone();
         let appearance = StemAppearance::new(stem, wood_appearance(prepared, recipe)?, rings);
-        let key = TextureKey {
-            stem: stem.clone(),
-            square,
-            appearance: appearance.clone(),
-            width,
+        let baked = if width > 0 {
+            let key = TextureKey {
+                stem: stem.clone(),
+                square,
+                appearance: appearance.clone(),
+                width,
+            };
+            let slot = &mut self.breaks[at].textures;
+            let baked = slot.get(key, &mut self.ids, |_| {
+                materials::bake(stem, square, &appearance, width, context)
+            })?;
+            self.changes.note(BreakStage::Finish, baked.is_new);
+            Some(baked.value)
+        } else {
+            None
         };
-        let slot = &mut self.breaks[at].textures;
-        let baked = slot.get(key, &mut self.ids, |_| {
-            materials::bake(stem, square, &appearance, width, context)
-        })?;
-        self.changes.note(BreakStage::Finish, baked.is_new);
         let wood = BrokenWood {
             material: one.stages.stem.inner_material,
             stem: stem.clone(),
@@ -373,7 +381,7 @@ impl BreakSession {
             },
             width: square.side,
         };
-        Ok((wood, baked.value))
+        Ok((wood, baked))
     }
 }
 

@@ -5,7 +5,7 @@ use super::options::FilmOptions;
 use super::run::Run;
 use crate::materials;
 use crate::rods_scene::body_material;
-use greenstick_geometry::{Context, Material, Scene};
+use greenstick_geometry::{Context, Scene};
 use greenstick_wood::branch::bark_material;
 
 impl Run {
@@ -22,12 +22,7 @@ impl Run {
             let baked = materials::bake(stem, self.square, &self.appearance, width, context)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
         } else {
-            let [r, g, b] = self.appearance.wood.sapwood_color.map(|c| c as f32);
-            out.materials.push(Material {
-                name: "inner_wood".into(),
-                base_color: [r, g, b, 1.0],
-                ..Material::default()
-            });
+            materials::add_plain_inner_wood(&mut out, &self.appearance);
         }
         out.materials.push(bark_material());
         out.materials.push(body_material());

@@ -1,0 +1,169 @@
+//! Films of the mesh that was simulated, cut along the faces that the run decided: whole until the first rod breaks, with
+//! pieces that keep their volume, move as their rods do and stay together where the wood holds.
+
+use glam::DVec3;
+use greenstick::fibre::scene::Scene as Setting;
+use greenstick::film::{DrawnFilm, film_of_faces, open_run};
+use greenstick::geometry::{Context, Mesh, Motion, Pose, Scene};
+use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
+use greenstick::skin::film::{FilmOptions, Run};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Simulates a scene in memory.
+fn run(setting: Setting) -> Run {
+    let request = SimulateRequest {
+        scene: setting,
+        meshes: SceneMeshes {
+            input: None,
+            bodies: Vec::new(),
+        },
+        resume: false,
+    };
+    let (context, mut store) = (Context::quiet(), MemoryRun::new());
+    simulate(&request, &mut store, &context).unwrap();
+    open_run(Arc::new(store), &request.meshes, &context).unwrap()
+}
+
+fn options() -> FilmOptions {
+    FilmOptions {
+        texture_width: 0,
+        bodies: false,
+        ..FilmOptions::default()
+    }
+}
+
+fn film(run: &mut Run) -> DrawnFilm {
+    let frames = run.frames();
+    film_of_faces(run, 0..frames, &options(), &Context::quiet()).unwrap()
+}
+
+/// The vertices of two meshes that are in the same place.
+fn pairs(lower: &Mesh, upper: &Mesh) -> Vec<(usize, usize)> {
+    let key = |p: &DVec3| p.to_array().map(f64::to_bits);
+    let numbered = lower.positions.iter().enumerate();
+    let places: BTreeMap<_, usize> = numbered.map(|(v, p)| (key(p), v)).collect();
+    let numbered = upper.positions.iter().enumerate();
+    numbered
+        .filter_map(|(v, p)| Some((*places.get(&key(p))?, v)))
+        .collect()
+}
+
+/// The meshes of a frame.
+fn at(film: &mut DrawnFilm, frame: usize) -> Vec<Mesh> {
+    let scene: Scene = film.skinned.at(frame).unwrap();
+    let nodes = scene.nodes.iter();
+    nodes.map(|node| (*node.mesh).clone()).collect()
+}
+
+/// The distances between pairs of vertices, m, ascending.
+fn distances(meshes: &[Mesh], pairs: &[(usize, usize)]) -> Vec<f64> {
+    let far = |&(a, b): &(usize, usize)| meshes[0].positions[a].distance(meshes[1].positions[b]);
+    let mut all: Vec<f64> = pairs.iter().map(far).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// The first frame in which a rod is broken.
+fn first_break(run: &Run) -> usize {
+    let whole = run.frame(0).unwrap().parent.len();
+    let broken = |&n: &usize| run.frame(n).unwrap().parent.len() > whole;
+    (0..run.frames()).find(broken).unwrap()
+}
+
+#[test]
+fn wood_that_is_pulled_apart_is_whole_until_it_breaks_and_then_moves_as_its_rods() {
+    let mut run = run(Setting::built_in("pull").unwrap());
+    let (first, last) = (first_break(&run), run.frames() - 1);
+    assert!(first > 2);
+    let mut film = film(&mut run);
+    assert!(film.reports[0].parted);
+    let rest: Vec<Mesh> = (film.skinned.film.pieces.iter())
+        .map(|p| p.mesh.clone())
+        .collect();
+    let pairs = pairs(&rest[0], &rest[1]);
+    assert!(pairs.len() > 1000);
+    for frame in 0..first {
+        let off = distances(&at(&mut film, frame), &pairs)[pairs.len() - 1];
+        assert!(off < 1e-12, "{off} m in frame {frame}");
+    }
+    // Each side keeps its volume, but for the strain.
+    let moved = at(&mut film, last);
+    for (mesh, rest) in moved.iter().zip(&rest) {
+        let part = mesh.volume() / rest.volume();
+        assert!((part - 1.0).abs() < 0.02, "{part}");
+    }
+    // Beside the face, where all rods are of one side, each side moves as the rods next to it.
+    let on_face = || pairs.iter().map(|&(v, _)| rest[0].positions[v].x);
+    let face = [
+        on_face().fold(f64::INFINITY, f64::min) - 0.01,
+        on_face().fold(f64::NEG_INFINITY, f64::max) + 0.01,
+    ];
+    let upright = |p: [f32; 3]| {
+        let [x, y, z] = p.map(f64::from);
+        DVec3::new(x, z, -y)
+    };
+    let (before, after) = (run.frame(0).unwrap(), run.frame(last).unwrap());
+    for (mesh, rest) in moved.iter().zip(&rest) {
+        let (mut off, mut moves) = (Vec::new(), Vec::new());
+        let beside = |v: &usize| !(face[0]..face[1]).contains(&rest.positions[*v].x);
+        for v in (0..rest.positions.len()).filter(beside).step_by(7) {
+            let (p, q) = (rest.positions[v], mesh.positions[v]);
+            let at_rest = |&i: &usize| upright(before.position[after.origin[i] as usize]);
+            let nearest = (0..after.origin.len())
+                .min_by(|a, b| at_rest(a).distance(p).total_cmp(&at_rest(b).distance(p)))
+                .unwrap();
+            let rod = upright(after.position[nearest]) - at_rest(&nearest);
+            off.push(rod.distance(q - p));
+            moves.push(rod.length());
+        }
+        for list in [&mut off, &mut moves] {
+            list.sort_by(f64::total_cmp);
+        }
+        let (off, most) = (off[off.len() / 2], moves[moves.len() * 9 / 10]);
+        assert!(off < 2e-4, "{off} of {most} m");
+    }
+    let opened = distances(&moved, &pairs)[pairs.len() / 2];
+    assert!(opened > 4e-3, "{opened}");
+}
+
+#[test]
+fn a_range_of_frames_has_the_same_pieces_and_shows_the_same() {
+    let mut run = run(Setting::built_in("pull").unwrap());
+    let number = first_break(&run) + 1;
+    let mut whole = film(&mut run);
+    let mut one =
+        film_of_faces(&mut run, number..number + 1, &options(), &Context::quiet()).unwrap();
+    let (a, b) = (at(&mut whole, number), at(&mut one, 0));
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(&b) {
+        let both = a.positions.iter().zip(&b.positions);
+        let off = both.map(|(p, q)| p.distance(*q)).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{off}");
+    }
+}
+
+#[test]
+fn wood_that_is_broken_in_part_stays_together_at_a_hinge() {
+    let mut setting = Setting::built_in("bend").unwrap();
+    setting.duration = 0.2;
+    let mut run = run(setting);
+    let mut film = film(&mut run);
+    let report = &film.reports[0];
+    assert!(!report.parted && report.broken > 4, "{report:?}");
+    let whole = report.rods - report.broken;
+    assert!(whole > 4, "{report:?}");
+    let rest: Vec<Mesh> = (film.skinned.film.pieces.iter())
+        .map(|p| p.mesh.clone())
+        .collect();
+    let pairs = pairs(&rest[0], &rest[1]);
+    let moved = at(&mut film, run.frames() - 1);
+    let apart = distances(&moved, &pairs);
+    let share = |limit: f64| apart.partition_point(|&d| d < limit) as f64 / apart.len() as f64;
+    // What holds touches, what is torn gapes.
+    assert!(share(1e-9) > 0.03, "{}", share(1e-9));
+    assert!(apart[apart.len() - 1] > 0.01);
+    let mut poses = vec![Pose::IDENTITY; film.skinned.film.joints.len()];
+    film.skinned.motion.poses(0, &mut poses).unwrap();
+    assert!(poses.iter().all(Pose::is_sound));
+}
