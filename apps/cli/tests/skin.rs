@@ -39,7 +39,18 @@ fn glb(bytes: &[u8]) -> Value {
 #[test]
 fn a_run_becomes_a_film_in_every_format_and_the_same_bytes_with_one_thread() {
     let folder = simulated();
-    let told = report(&folder, &["-o", "film.glb"]);
+    for (faces, first, second) in [
+        ("drawn", "lower", "upper"),
+        ("rods", "piece_000", "piece_001"),
+    ] {
+        film_in_every_format(&folder, faces, [first, second]);
+    }
+}
+
+/// Makes films with faces of a kind, whose first two pieces have these names.
+fn film_in_every_format(folder: &Folder, faces: &str, names: [&str; 2]) {
+    let report = |arguments: &[&str]| report(folder, &[&["--faces", faces], arguments].concat());
+    let told = report(&["-o", "film.glb"]);
     assert_eq!(told["frames"], 4);
     let pieces = told["pieces"].as_array().unwrap();
     assert!(pieces.len() > 1, "nothing parted: {told}");
@@ -57,18 +68,18 @@ fn a_run_becomes_a_film_in_every_format_and_the_same_bytes_with_one_thread() {
             .iter()
             .any(|n| n["name"] == name)
     };
-    assert!(named("piece_000") && named("press"));
+    assert!(names.iter().all(|name| named(name)) && named("press"));
     // What is parted was one before, and its extras say when it went.
     let parted = pieces[1]["parted"].as_array().unwrap();
     assert!(
-        parted[0].as_f64().unwrap() <= 0.012 && parted[1] == "piece_000",
+        parted[0].as_f64().unwrap() <= 0.012 && parted[1] == names[0],
         "{told}"
     );
-    report(&folder, &["-o", "film.glb", "--threads", "1"]);
+    report(&["-o", "film.glb", "--threads", "1"]);
     assert_eq!(first, folder.read("film.glb"));
-    report(&folder, &["-o", "film.usdc"]);
+    report(&["-o", "film.usdc"]);
     assert!(folder.read("film.usdc").starts_with(b"PXR-USDC"));
-    report(&folder, &["-o", "film.pvd", "--frames", "1..3"]);
+    report(&["-o", "film.pvd", "--frames", "1..3"]);
     let list = String::from_utf8(folder.read("film.pvd")).unwrap();
     assert_eq!(list.matches("<DataSet").count(), 4);
     assert!(folder.read("film_00002_bonds.vtp").starts_with(b"<?xml"));
@@ -77,15 +88,18 @@ fn a_run_becomes_a_film_in_every_format_and_the_same_bytes_with_one_thread() {
 #[test]
 fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
     let folder = simulated();
-    let told = report(&folder, &["-o", "last.glb", "--frame", "-1"]);
-    let checked = folder.run(&["check", "last.glb", "--json", "--fast"]);
-    let checked: Value = serde_json::from_str(&checked.out).unwrap();
-    let mut meshes = 0;
-    for mesh in checked[0]["meshes"].as_array().unwrap() {
-        assert!(mesh["closed"] == true && mesh["oriented"] == true, "{mesh}");
-        meshes += 1;
+    for faces in ["drawn", "rods"] {
+        let arguments = ["-o", "last.glb", "--frame", "-1", "--faces", faces];
+        let told = report(&folder, &arguments);
+        let checked = folder.run(&["check", "last.glb", "--json", "--fast"]);
+        let checked: Value = serde_json::from_str(&checked.out).unwrap();
+        let mut meshes = 0;
+        for mesh in checked[0]["meshes"].as_array().unwrap() {
+            assert!(mesh["closed"] == true && mesh["oriented"] == true, "{mesh}");
+            meshes += 1;
+        }
+        assert_eq!(meshes, told["pieces"].as_array().unwrap().len() + 1);
     }
-    assert_eq!(meshes, told["pieces"].as_array().unwrap().len() + 1);
     let run = folder.run(&[
         "simulate",
         "small.toml",
@@ -103,9 +117,20 @@ fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
             .len(),
         1
     );
-    // A scene in which nothing breaks is one piece.
-    let told = report(&folder, &["-o", "first.glb", "--frames", "0..1"]);
-    assert_eq!(told["pieces"].as_array().unwrap().len(), 1);
+    // The rods of frames in which nothing breaks are one piece; so they are shown by an option of their skin alone.
+    for rods in [&["--faces", "rods"][..], &["--fibres", "2"][..]] {
+        let arguments = [&["-o", "first.glb", "--frames", "0..1"], rods].concat();
+        let told = report(&folder, &arguments);
+        assert_eq!(told["pieces"].as_array().unwrap().len(), 1);
+    }
+    let refused = folder.run(&[
+        "skin", "run", "-o", "a.glb", "--faces", "drawn", "--slabs", "1",
+    ]);
+    assert!(
+        refused.code == 2 && refused.err.contains("--slabs"),
+        "{}",
+        refused.err
+    );
 }
 
 #[test]
@@ -130,7 +155,9 @@ fn engines_get_shapes_levels_and_vertex_textures() {
     for shape in shapes {
         assert!(shape["solid"] == true, "{shape}");
         assert!(
-            shape["name"].as_str().unwrap().starts_with("UCX_piece_"),
+            ["UCX_lower_", "UCX_upper_"]
+                .iter()
+                .any(|start| shape["name"].as_str().unwrap().starts_with(start)),
             "{shape}"
         );
     }

@@ -41,9 +41,9 @@ pub struct SkinOptions {
         conflicts_with = "frames"
     )]
     pub frame: Option<i64>,
-    /// Faces of broken wood; wood that holds is shown by its rods
-    #[arg(long, value_enum, value_name = "FACES", default_value_t = FacesChoice::Drawn)]
-    pub faces: FacesChoice,
+    /// Faces of broken wood; wood that holds is shown by its rods [default: drawn, or rods with options of their skin]
+    #[arg(long, value_enum, value_name = "FACES")]
+    pub faces: Option<FacesChoice>,
     /// Frames of the film, from the first to before the last [default: all]
     #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
     pub frames: Option<(usize, usize)>,

@@ -41,6 +41,31 @@ pub struct EnginePlan {
     pub vertex_texture: Option<(PathBuf, usize)>,
 }
 
+/// Options that only the skin of rods has.
+const RODS_ONLY: [&str; 6] = [
+    "fibres",
+    "splinters",
+    "slabs",
+    "keep_inner",
+    "outline",
+    "only_rods",
+];
+
+/// Returns which faces are meant: an option that only the skin of rods has asks for that.
+fn faces(options: &SkinOptions) -> Result<FacesChoice, Failure> {
+    let rods_only = (RODS_ONLY.iter()).find(|key| options.parameters.text(key).is_some());
+    match (options.faces, rods_only) {
+        (Some(FacesChoice::Drawn), Some(key)) => Err(Failure::request(format!(
+            "--{}: faces that are drawn have no rods' skin",
+            key.replace('_', "-")
+        ))
+        .hint("leave it out, or show the rods: --faces rods")),
+        (Some(faces), _) => Ok(faces),
+        (None, Some(_)) => Ok(FacesChoice::Rods),
+        (None, None) => Ok(FacesChoice::Drawn),
+    }
+}
+
 impl FilmPlan {
     /// Returns the plan of a film of all frames, in the file `output`, with the wood of this seed.
     pub fn whole_film(output: PathBuf, seed: u64, shot: PictureOptions) -> Self {
@@ -63,7 +88,7 @@ impl FilmPlan {
         Ok(FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
-            faces: options.faces,
+            faces: faces(options)?,
             film: parameters.film_options(seed),
             glb: glb_options(&parameters),
             engines: EnginePlan {

@@ -9,6 +9,7 @@
 //! | module | content |
 //! |---|---|
 //! | `sections` | joints along each piece, and the rods that each follows |
+//! | `strands` | the rods that a piece follows where it is split lengthwise |
 //! | `lengths` | which length of the stem every vertex of a piece belongs to |
 //! | `faces` | vertices on both sides of a face, and how far they gape before it opens |
 
@@ -16,6 +17,7 @@ mod faces;
 mod lengths;
 mod make_film;
 mod sections;
+mod strands;
 
 pub use make_film::DrawnScene;
 pub(in crate::film) use sections::SectionJoints;

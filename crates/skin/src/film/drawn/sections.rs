@@ -1,5 +1,6 @@
 //! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem.
 
+use super::strands::{HeldBonds, SectionParts};
 use crate::remainder::Follower;
 use crate::rods::{BreakHistory, Joints, RodPart, Wood};
 use crate::simulated::{ObservedRun, SimulatedFracture, main_pieces};
@@ -8,6 +9,9 @@ use greenstick_geometry::{Joint, Pose};
 
 /// Distance between sections, mean radii of the stem.
 const SECTION_DISTANCE: f64 = 0.4;
+/// Length (radii) to both sides over which a joint follows the rods of a whole section, and the most, where few rods of the
+/// section are of the piece: what is slender is to be smooth, whichever rods are in it from one section to the next.
+const REACH: (f64, f64) = (0.3, 2.0);
 /// Most sections along the stem.
 const MAX_SECTIONS: usize = 400;
 /// Least share of the stem's section that the rods of a piece must have for a joint there.
@@ -206,30 +210,36 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Makes a follower at every section of the rods of which `part` gives the part that belongs to it at a length (m); `None`
-    /// where they have too little of the section.
-    fn followers(&mut self, part: impl Fn(usize, f64) -> Option<RodPart>) -> Vec<Option<usize>> {
+    /// Makes a follower at every section of some parts of rods; `None` where they have too little of the section.
+    fn followers(&mut self, parts: &[SectionParts]) -> Vec<Option<usize>> {
         let wood = self.faces.wood;
-        let reach = 0.75 * SECTION_DISTANCE * wood.stem.radius;
         let mut made = Vec::new();
-        for &along in &self.along {
-            let mut area = 0.0;
-            let mut followed = Vec::new();
-            for (rod, cell) in wood.cells.iter().enumerate() {
-                if let Some(part) = part(rod, along) {
-                    area += cell.area;
-                    self.joints
-                        .near(rod as u32, part, along, reach, &mut followed);
-                }
+        for (parts, &along) in parts.iter().zip(&self.along) {
+            let share = parts.area(wood) / self.area;
+            if share < MIN_SHARE {
+                made.push(None);
+                continue;
             }
-            let enough = area >= MIN_SHARE * self.area;
-            made.push(enough.then(|| {
-                let follower = Follower::new(followed, self.rest, wood.stem.radius);
-                self.made.followers.push(follower);
-                self.made.followers.len() - 1
-            }));
+            let reach = (REACH.0 / share).min(REACH.1) * wood.stem.radius;
+            let mut followed = Vec::new();
+            for &(rod, part) in &parts.0 {
+                self.joints.near(rod, part, along, reach, &mut followed);
+            }
+            let follower = Follower::new(followed, self.rest, wood.stem.radius);
+            self.made.followers.push(follower);
+            made.push(Some(self.made.followers.len() - 1));
         }
         made
+    }
+
+    /// Returns the parts of rods at every section, of which `part` gives the one that belongs to it at a length (m).
+    fn parts(&self, part: impl Fn(usize, f64) -> Option<RodPart>) -> Vec<SectionParts> {
+        let at = |&along: &f64| {
+            let rods = 0..self.faces.wood.cells.len();
+            let parts = rods.filter_map(|rod| Some((rod as u32, part(rod, along)?)));
+            SectionParts(parts.collect())
+        };
+        self.along.iter().map(at).collect()
     }
 
     /// Makes the chain of joints that follow `own` at their sections, and the nearest one where it has none; and `whole` until
@@ -303,19 +313,23 @@ impl Sections {
             }
         };
         let last = faces.count();
-        let whole = maker.followers(|rod, along| {
+        let all = maker.parts(|rod, along| {
             let part = run.part_at(rod, along);
             let any = (0..=last).any(|piece| belongs(rod, part, piece));
             any.then_some(part)
         });
+        let whole = maker.followers(&all);
+        let bonds = HeldBonds::new(wood, &run.state);
         let (mut pieces, mut parts) = (Vec::new(), Vec::new());
         for piece in 0..=last {
-            let own = maker.followers(|rod, along| {
+            let own = maker.parts(|rod, along| {
                 let part = run.part_at(rod, along);
                 let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
                 let before = piece == last || along <= faces.length(piece, rod);
                 (beyond && before && belongs(rod, part, piece)).then_some(part)
             });
+            let sections = (&maker.along[..], maker.area);
+            let own = maker.followers(&bonds.leading_strand(wood, sections, &own));
             let own = if own.iter().all(Option::is_none) {
                 whole.clone()
             } else {
@@ -340,12 +354,13 @@ impl Sections {
                 continue;
             }
             let reach = HINGE.1 * wood.stem.radius;
-            let own = maker.followers(|rod, along| {
+            let own = maker.parts(|rod, along| {
                 let part = run.part_at(rod, along);
                 let near = (along - faces.length(number, rod)).abs() <= reach;
                 let holds = near && faces.parts_before[number][rod].is_none();
                 (holds && belongs(rod, part, number)).then_some(part)
             });
+            let own = maker.followers(&own);
             hinges.push(maker.chain(&format!("hinge_{number}"), &whole, &own));
         }
         Some(Sections {
