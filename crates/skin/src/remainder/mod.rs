@@ -15,3 +15,4 @@ mod tangents;
 pub use carried::{CarriedPart, CarriedParts, Carrier};
 pub use follower::{Follower, pose_followers};
 pub use split::StemMesh;
+pub(crate) use tangents::add_tangents;

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh};
 
 /// Adds tangents, as glTF has them, to a mesh that has normals and texture coordinates but no tangents.
-pub(super) fn add_tangents(mesh: &mut Mesh) {
+pub(crate) fn add_tangents(mesh: &mut Mesh) {
     let of = |name: &str, width: usize| mesh.attributes.get(name).filter(|a| a.width == width);
     let (Some(normals), Some(coordinates)) = (of("NORMAL", 3), of("TEXCOORD_0", 2)) else {
         return;

@@ -14,6 +14,7 @@ use crate::film::run::Run;
 use crate::film::separation::SeparationTracker;
 use crate::film::skinned_film::SkinnedFilm;
 use crate::finish::{NodeRole, PieceRole};
+use crate::remainder::add_tangents;
 use crate::rods::Joints;
 use crate::rods_scene::body_material;
 use crate::simulated::{ObservedRun, SimulatedFracture};
@@ -79,10 +80,12 @@ impl DrawnScene<'_> {
         nodes.into_iter().map(|n| n.1).collect()
     }
 
-    /// The mesh of a node in the stem's world.
+    /// The mesh of a node in the stem's world, with tangents for normal maps.
     fn mesh(&self, node: usize) -> Mesh {
         let node = &self.scene.nodes[node];
-        node.mesh.transformed(&node.transform)
+        let mut mesh = node.mesh.transformed(&node.transform);
+        add_tangents(&mut mesh);
+        mesh
     }
 }
 
