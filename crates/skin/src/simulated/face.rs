@@ -103,6 +103,7 @@ fn relief(wood: &Wood, stem: &Stem, rods: &[SectionRod], seed: u64) -> (BreakPar
         let scattered = SPLINTERS_PER_SCATTER * rod.scatter;
         match rod.mode {
             FailureMode::Crushed => (CRUSHED_SCATTER * scattered).max(CRUSHED * pulled_out),
+            FailureMode::Unbroken => 0.0,
             _ => scattered.max(pulled_out),
         }
     };

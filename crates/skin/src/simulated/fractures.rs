@@ -7,7 +7,7 @@
 use super::observed::{ObservedRun, RodEnd};
 use crate::fit::{BreakOnStem, LengthRange, MAX_GAP, main_range};
 use crate::rods::{Pieces, RodPart, Wood};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Places along the stem at which it is asked which piece has most of the section.
 const PLACES: usize = 400;
@@ -21,6 +21,8 @@ const MIN_LENGTH: f64 = 1.0;
 pub struct SimulatedFracture {
     /// The break of each rod that lies in the fracture; `None` for rods that are whole there.
     pub(super) breaks: Vec<Option<RodEnd>>,
+    /// The length along the axis (m) at which a whole rod beside broken ones passes the fracture; `None` for others.
+    pub(super) roots: Vec<Option<f64>>,
     /// Whether the stem is in two there.
     pub parted: bool,
     /// Breaks of rods in it that are left out, because the rods broke several times.
@@ -46,7 +48,7 @@ impl SimulatedFracture {
         for border in 1..order.pieces.len() {
             let below: BTreeSet<u32> = order.pieces[..border].iter().copied().collect();
             let above: BTreeSet<u32> = order.pieces[border..].iter().copied().collect();
-            fractures.push(parting(run, &pieces, &below, &above));
+            fractures.push(parting(wood, run, &pieces, &below, &above));
         }
         if fractures.is_empty() {
             fractures.extend(partial(wood, run));
@@ -54,18 +56,29 @@ impl SimulatedFracture {
         fractures
     }
 
-    /// Returns for each rod the length along the axis (m) at which it passes the fracture: that of its break, or for a whole
-    /// rod that of the break nearest in the section.
+    /// The length along the axis (m) at which a rod passes the fracture; `None` for a whole rod among whole ones.
+    pub(super) fn length_of_rod(&self, rod: usize) -> Option<f64> {
+        self.breaks[rod].map(|b| b.along).or(self.roots[rod])
+    }
+
+    /// Returns for each rod the length along the axis (m) at which it passes the fracture; for a whole rod among whole ones
+    /// that of the nearest one beside a broken one.
     pub(crate) fn lengths_of_rods(&self, wood: &Wood) -> Vec<f64> {
         let nearest = |rod: usize| {
             let at = wood.cells[rod].centroid;
-            let far = |b: &&RodEnd| wood.cells[b.rod as usize].centroid.distance_squared(at);
-            let nearest = self.broken().min_by(|a, b| far(a).total_cmp(&far(b)));
-            nearest.map_or(0.0, |b| b.along)
+            let of_kind = |whole: bool| {
+                let rods =
+                    (0..self.breaks.len()).filter(move |&r| self.breaks[r].is_none() == whole);
+                let known = rods.filter_map(|r| Some((r, self.length_of_rod(r)?)));
+                let far = |r: &(usize, f64)| wood.cells[r.0].centroid.distance_squared(at);
+                known.min_by(|a, b| far(a).total_cmp(&far(b)))
+            };
+            of_kind(true)
+                .or(of_kind(false))
+                .map_or(0.0, |known| known.1)
         };
-        let breaks = self.breaks.iter().enumerate();
-        breaks
-            .map(|(rod, broken)| broken.map_or_else(|| nearest(rod), |b| b.along))
+        let rods = 0..self.breaks.len();
+        rods.map(|rod| self.length_of_rod(rod).unwrap_or_else(|| nearest(rod)))
             .collect()
     }
 
@@ -128,6 +141,7 @@ impl PieceOrder {
 
 /// The fracture between the pieces `below` and those `above`.
 fn parting(
+    wood: &Wood,
     run: &ObservedRun,
     pieces: &Pieces,
     below: &BTreeSet<u32>,
@@ -165,8 +179,10 @@ fn parting(
         let nearest = || candidates.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
         widest(&within).or_else(|| nearest().copied())
     };
+    let breaks: Vec<Option<RodEnd>> = candidates.iter().map(|c| chosen(c)).collect();
     SimulatedFracture {
-        breaks: candidates.iter().map(|c| chosen(c)).collect(),
+        roots: split_roots(wood, run, &breaks),
+        breaks,
         parted: true,
         further_breaks: candidates.iter().map(|c| c.len().saturating_sub(1)).sum(),
     }
@@ -193,11 +209,61 @@ fn partial(wood: &Wood, run: &ObservedRun) -> Option<SimulatedFracture> {
         further += here.len().saturating_sub(1);
         widest(&here)
     });
+    let breaks: Vec<Option<RodEnd>> = breaks.collect();
     Some(SimulatedFracture {
-        breaks: breaks.collect(),
+        roots: split_roots(wood, run, &breaks),
+        breaks,
         parted: false,
         further_breaks: further,
     })
+}
+
+/// Returns where whole rods beside broken ones pass a fracture with these breaks: where the split between both ends, which
+/// runs from the break along the bonds that broke, to the side on which it is longer. What is split off there goes with the other
+/// side.
+fn split_roots(wood: &Wood, run: &ObservedRun, breaks: &[Option<RodEnd>]) -> Vec<Option<f64>> {
+    let rod_of = wood.rods_of_vertices();
+    let bonds = &wood.bundle.bonds;
+    // For each pair of a whole and a broken rod the lengths of bonds, and whether they are broken.
+    let mut between: BTreeMap<(usize, usize), Vec<(f64, bool)>> = BTreeMap::new();
+    for (bond, held) in run.state.bonded_parts.iter().enumerate() {
+        let vertex = bonds.vertex[bond] as usize;
+        let (a, b) = (
+            rod_of[vertex] as usize,
+            rod_of[bonds.edge[bond] as usize] as usize,
+        );
+        let pair = match (breaks[a].is_some(), breaks[b].is_some()) {
+            (false, true) => (a, b),
+            (true, false) => (b, a),
+            _ => continue,
+        };
+        let is_broken = held.iter().all(Option::is_none);
+        let of_pair = between.entry(pair).or_default();
+        of_pair.push((wood.along[vertex], is_broken));
+    }
+    let mut roots: Vec<Option<f64>> = vec![None; breaks.len()];
+    let mut longest = vec![f64::NEG_INFINITY; breaks.len()];
+    for ((whole, broken), mut lengths) in between {
+        let Some(end) = breaks[broken].map(|b| b.along) else {
+            continue;
+        };
+        lengths.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let above = lengths.partition_point(|l| l.0 <= end);
+        let last = |lengths: &mut dyn Iterator<Item = &(f64, bool)>| {
+            lengths.take_while(|l| l.1).last().map_or(end, |l| l.0)
+        };
+        let low = last(&mut lengths[..above].iter().rev());
+        let high = last(&mut lengths[above..].iter());
+        let (root, length) = match end - low >= high - end {
+            true => (low, end - low),
+            false => (high, high - end),
+        };
+        if length > longest[whole] {
+            longest[whole] = length;
+            roots[whole] = Some(root);
+        }
+    }
+    roots
 }
 
 /// The break that gapes most; of equals the first.

@@ -38,6 +38,8 @@ pub(super) struct SectionRod {
     pub area: f64,
     /// Height of its break over the location, m; `None` for whole rods.
     pub height: Option<f64>,
+    /// Height (m) of the face over the location where it passes a whole rod beside broken ones; `None` for others.
+    pub root: Option<f64>,
     /// How it failed.
     pub mode: FailureMode,
     /// Median of the heights (m) by which it differs from its neighbours.
@@ -65,22 +67,26 @@ impl<'a> FracturedSection<'a> {
         to_grain: &dyn Fn(DVec3) -> DVec3,
     ) -> Self {
         let middle = fracture.length_along();
-        let rods = fracture
-            .breaks
-            .iter()
-            .zip(wood.cells)
-            .map(|(broken, cell)| {
-                let along = broken.map_or(middle, |b| b.along);
-                let grain = DVec3::new(cell.centroid.x, cell.centroid.y, along);
-                let grain = to_grain(wood.stem.grain.to_world(grain));
-                SectionRod {
-                    at: grain.truncate(),
-                    area: cell.area,
-                    height: broken.map(|_| grain.z - stem.location),
-                    mode: broken.map_or(FailureMode::Unbroken, |b| b.mode),
-                    scatter: 0.0,
-                }
-            });
+        let rods =
+            fracture
+                .breaks
+                .iter()
+                .zip(wood.cells)
+                .enumerate()
+                .map(|(rod, (broken, cell))| {
+                    let length = fracture.length_of_rod(rod);
+                    let grain = cell.centroid.extend(length.unwrap_or(middle));
+                    let grain = to_grain(wood.stem.grain.to_world(grain));
+                    let height = grain.z - stem.location;
+                    SectionRod {
+                        at: grain.truncate(),
+                        area: cell.area,
+                        height: broken.map(|_| height),
+                        root: length.filter(|_| broken.is_none()).map(|_| height),
+                        mode: broken.map_or(FailureMode::Unbroken, |b| b.mode),
+                        scatter: 0.0,
+                    }
+                });
         let mut section = FracturedSection {
             stem,
             rods: rods.collect(),
@@ -202,10 +208,12 @@ impl<'a> FracturedSection<'a> {
         if self.rods[owner].height.is_some() {
             return self.mean(owner, at, |joined| joined, height);
         }
-        // The face is laid through whole wood between the breaks about it.
+        // The face is laid through whole wood between the ends of the splits about it.
+        let splits = self.rods.iter().any(|rod| rod.root.is_some());
         let (mut sum, mut weights) = (0.0, 0.0);
         for rod in &self.rods {
-            if let Some(height) = rod.height {
+            let height = if splits { rod.root } else { rod.height };
+            if let Some(height) = height {
                 let far = rod.at.distance_squared(at) + 0.01 * self.spacing * self.spacing;
                 let weight = rod.area / (far * far);
                 sum += weight * height;

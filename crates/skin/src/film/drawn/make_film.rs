@@ -137,7 +137,11 @@ impl Binder<'_> {
         let held = faces.filter_map(|face| {
             let hinge = self.sections.hinges[face].as_ref()?;
             let grain = self.run.stem().grain.to_grain_near(p, along);
-            Some((hinge, self.faces.held(face, grain.truncate(), along)))
+            Some((
+                hinge,
+                self.faces
+                    .held(face, face == piece, grain.truncate(), along),
+            ))
         });
         held.filter(|h| h.1 > 0.0)
             .max_by(|a, b| a.1.total_cmp(&b.1))

@@ -19,6 +19,8 @@ const MIN_SHARE: f64 = 0.03;
 /// Distance (radii) from a face up to which the wood that holds there keeps both sides together, and that from which on each
 /// side follows its own rods.
 const HINGE: (f64, f64) = (1.0, 3.0);
+/// The same beyond the face, among what was split off.
+const BEYOND: (f64, f64) = (0.4, 0.9);
 
 /// Joints along some rods, one at each section of the stem.
 #[derive(Debug, Clone, Default)]
@@ -169,23 +171,35 @@ impl<'a> RodFaces<'a> {
         of_rod.get(usize::from(part)).map(|b| b.vertex)
     }
 
-    /// How far both sides of a face are held together by whole rods at a point of the section and a length along the axis
-    /// (m): 1 on the face between whole rods, 0 among broken ones and far away.
-    pub fn held(&self, face: usize, at: glam::DVec2, along: f64) -> f64 {
-        let off = (along - self.length(face, self.rod_at(at))).abs() / self.wood.stem.radius;
-        if self.fractures[face].parted || off >= HINGE.1 {
+    /// How far whole rods decide the motion of a point of the piece below a face, or above it, at a place of the section and a
+    /// length along the axis (m): 1 on the face between whole rods, 0 among broken ones and far away.
+    pub fn held(&self, face: usize, is_below: bool, at: glam::DVec2, along: f64) -> f64 {
+        if self.fractures[face].parted {
             return 0.0;
         }
         let width = self.wood.spacing();
         let (mut whole, mut all) = (0.0, 0.0);
-        for (cell, broken) in self.wood.cells.iter().zip(&self.parts_before[face]) {
+        let mut nearest = (f64::INFINITY, 0.0);
+        for (rod, cell) in self.wood.cells.iter().enumerate() {
             let far = cell.centroid.distance_squared(at) / (width * width);
             let weight = cell.area * libm::exp(-far);
             all += weight;
-            whole += if broken.is_none() { weight } else { 0.0 };
+            if self.parts_before[face][rod].is_none() {
+                whole += weight;
+                if far < nearest.0 {
+                    nearest = (far, self.length(face, rod));
+                }
+            }
         }
         let share = whole / all.max(f64::MIN_POSITIVE);
-        smooth((share - 0.25) / 0.5) * smooth((HINGE.1 - off) / (HINGE.1 - HINGE.0))
+        let above = (along - nearest.1) / self.wood.stem.radius;
+        let inside = if is_below { -above } else { above };
+        let near = if inside >= 0.0 {
+            smooth((HINGE.1 - inside) / (HINGE.1 - HINGE.0))
+        } else {
+            smooth((BEYOND.1 + inside) / (BEYOND.1 - BEYOND.0))
+        };
+        smooth((share - 0.25) / 0.5) * near
     }
 }
 
