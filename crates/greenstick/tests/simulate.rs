@@ -1,6 +1,7 @@
 //! Simulations in folders and in memory: what is stopped, or killed, and resumed ends in the same bytes; what is refused;
 //! and what the tables say.
 
+use greenstick::fibre::EventKind;
 use greenstick::fibre::scene::{Scene, SolverChoice};
 use greenstick::files::run::{Origin, RunFolder};
 use greenstick::geometry::{CancelToken, Context};
@@ -117,6 +118,42 @@ fn a_run_that_was_stopped_or_killed_ends_in_the_same_bytes() {
     // Resuming what is done changes nothing.
     parts.simulate(&request(SCENE, true)).unwrap();
     assert!(parts.bytes() == whole.bytes());
+}
+
+#[test]
+fn slow_motion_has_more_frames_while_rods_break_and_can_be_resumed() {
+    const SLOW: f64 = 20.0;
+    let mut asked = request(SCENE, false);
+    asked.scene.slow = SLOW;
+    let mut whole = MemoryRun::new();
+    simulate(&asked, &mut whole, &Context::quiet()).unwrap();
+    let times = whole.frames().unwrap().times;
+    let broke: Vec<f64> = (whole.events().unwrap().iter())
+        .filter(|e| e.kind == EventKind::RodBroke)
+        .map(|e| e.time)
+        .collect();
+    assert!(!broke.is_empty());
+    // At its own pace where nothing breaks, and slowly wherever a rod does.
+    let longest = times.windows(2).map(|t| t[1] - t[0]).fold(0.0, f64::max);
+    assert!((longest - 0.004).abs() < 1e-9, "{times:?}");
+    for time in broke {
+        let after = times.partition_point(|&t| t < time);
+        let interval = times[after] - times[after - 1];
+        assert!((interval * 250.0 * SLOW - 1.0).abs() < 0.05, "{interval}");
+    }
+    let mut parts = MemoryRun::new();
+    for tick in [2, 7, 10] {
+        asked.resume = tick > 2;
+        let stopped = simulate(&asked, &mut parts, &cancelled_at_tick(tick));
+        assert!(matches!(stopped, Err(SimulateError::Cancelled(_))));
+    }
+    asked.resume = true;
+    simulate(&asked, &mut parts, &Context::quiet()).unwrap();
+    assert_eq!(whole.frames().unwrap(), parts.frames().unwrap());
+    assert_eq!(whole.energies().unwrap(), parts.energies().unwrap());
+    for number in 0..whole.frames().unwrap().count() {
+        assert_eq!(whole.frame(number).unwrap(), parts.frame(number).unwrap());
+    }
 }
 
 #[test]

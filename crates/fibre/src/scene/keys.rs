@@ -325,6 +325,8 @@ parameters! {
             duration: f64 = 1.0, time();
             /// Frames that are recorded.
             frames_per_second: f64 = 25.0, number(Unit::PerSecond, 1e-3, 1e5).logarithmic();
+            /// How many times slower a film goes while rods break, with as many times the frames; 1 for its own pace throughout.
+            slow: f64 = 1.0, number(Unit::One, 1.0, 1e4).logarithmic();
             /// Rows of the energy table; of solvers other than explicit at most one per step.
             rows_per_second: f64 = 500.0, number(Unit::PerSecond, 1e-3, 1e6).logarithmic();
             /// Solver.

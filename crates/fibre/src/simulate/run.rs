@@ -5,6 +5,7 @@ use super::meshes::SceneMeshes;
 use super::prepare::{PreparedScene, prepare};
 use super::report::{SimulateReport, begin_report, finish_report};
 use crate::error::SolverError;
+use crate::event::EventKind;
 use crate::outcome::WoodAtStart;
 use crate::scene::{AssembledScene, Scene};
 use crate::solvers::{AdvanceReport, Solver};
@@ -12,6 +13,9 @@ use crate::store::{
     Checkpoint, EnergyRow, ForceRow, Frame, Progress, RunError, RunStore, stagger_velocities,
 };
 use greenstick_geometry::{Context, Stage};
+
+/// Ticks that a film stays slow behind the last one in which a rod breaks.
+const CALM_TICKS: u64 = 2;
 
 /// What to simulate.
 #[derive(Debug, Clone, Default)]
@@ -51,12 +55,18 @@ impl Run<'_> {
 
     fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), SimulateError> {
         self.store.resume(&checkpoint.progress)?;
+        self.restore(checkpoint)?;
+        self.saved = self.assembled.world.state.time;
+        Ok(())
+    }
+
+    /// Goes back to a checkpoint behind which nothing was recorded.
+    fn restore(&mut self, checkpoint: Checkpoint) -> Result<(), SimulateError> {
         let assembled = &mut self.assembled;
         assembled.world = checkpoint.world;
         let world = &assembled.world;
         (assembled.bodies).resume(&checkpoint.bodies, &world.bundle, &world.loads)?;
         self.progress = checkpoint.progress;
-        self.saved = world.state.time;
         Ok(())
     }
 
@@ -82,13 +92,17 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn save(&mut self) -> Result<(), SimulateError> {
-        self.store.save(Checkpoint {
+    fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
             world: self.assembled.world.clone(),
             bodies: self.assembled.bodies.checkpoint(),
             progress: self.progress,
             hash: self.hash,
-        })?;
+        }
+    }
+
+    fn save(&mut self) -> Result<(), SimulateError> {
+        self.store.save(self.checkpoint())?;
         self.saved = self.assembled.world.state.time;
         Ok(())
     }
@@ -108,20 +122,86 @@ impl Run<'_> {
             |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
         while self.progress.ticks < ticks {
             let tick = self.progress.ticks + 1;
-            let left = tick as f64 / rows - self.assembled.world.state.time;
             let item = context.item(self.progress.ticks as usize, ticks as usize);
-            let advanced = self.tick(&mut *solver, left.max(0.0), &item)?;
-            self.progress.ledger.add(&advanced);
-            self.progress.ticks = tick;
-            report.step_s = advanced.step;
-            report.limit_s = advanced.limit.is_finite().then_some(advanced.limit);
-            let frame = frame_of(tick) > frame_of(tick - 1);
-            self.record(frame, scene.solver.velocity_lag() * advanced.step)?;
-            if frame {
-                self.save()?;
+            if scene.slow > 1.0 && tick <= self.progress.slow_until {
+                self.slow_tick(&mut *solver, tick, report, &item)?;
+                continue;
             }
+            // Whether rods break in a tick is known when it is over.
+            let before = (scene.slow > 1.0).then(|| self.checkpoint());
+            let left = tick as f64 / rows - self.assembled.world.state.time;
+            let advanced = self.tick(&mut *solver, left.max(0.0), &item)?;
+            if let Some(before) = before
+                && self.has_broken()
+            {
+                self.restore(before)?;
+                solver = scene.make_solver();
+                self.slow_tick(&mut *solver, tick, report, &item)?;
+                continue;
+            }
+            self.progress.ticks = tick;
+            self.complete(&advanced, frame_of(tick) > frame_of(tick - 1), report)?;
         }
         Ok(())
+    }
+
+    /// Records what a solver has advanced by.
+    fn complete(
+        &mut self,
+        advanced: &AdvanceReport,
+        frame: bool,
+        report: &mut SimulateReport,
+    ) -> Result<(), SimulateError> {
+        self.progress.ledger.add(advanced);
+        report.step_s = advanced.step;
+        report.limit_s = advanced.limit.is_finite().then_some(advanced.limit);
+        self.record(frame, self.scene.solver.velocity_lag() * advanced.step)?;
+        if frame {
+            self.save()?;
+        }
+        Ok(())
+    }
+
+    /// Advances by a tick in slow motion: in as many frames as that takes. Goes on so for some ticks behind the last in which
+    /// rods break.
+    fn slow_tick(
+        &mut self,
+        solver: &mut dyn Solver,
+        tick: u64,
+        report: &mut SimulateReport,
+        context: &Context,
+    ) -> Result<(), SimulateError> {
+        let rows = self.scene.table_rate();
+        let per_tick = self.scene.frames_per_second * self.scene.slow / rows;
+        let parts = per_tick.round().max(1.0) as u64;
+        let frame_of = |tick: u64| (tick as f64 * per_tick + 1e-9).floor() as u64;
+        let frame = parts > 1 || frame_of(tick) > frame_of(tick - 1);
+        self.progress.slow_until = tick.max(self.progress.slow_until);
+        for part in 1..=parts {
+            let end = ((tick - 1) as f64 + part as f64 / parts as f64) / rows;
+            let left = end - self.assembled.world.state.time;
+            // A run that is resumed may have some of the parts behind it.
+            if left < 0.5 / (rows * parts as f64) {
+                continue;
+            }
+            let item = context.item(part as usize - 1, parts as usize);
+            let advanced = self.tick(solver, left, &item)?;
+            if self.has_broken() {
+                self.progress.slow_until = tick + CALM_TICKS;
+            }
+            if part == parts {
+                self.progress.ticks = tick;
+            }
+            self.complete(&advanced, frame, report)?;
+        }
+        self.progress.ticks = tick;
+        Ok(())
+    }
+
+    /// Whether a rod has broken since the last record.
+    fn has_broken(&self) -> bool {
+        let mut events = self.assembled.world.events.iter();
+        events.any(|e| e.kind == EventKind::RodBroke)
     }
 
     /// Advances by a tick of `duration` seconds. Where the caller stops it before its first step is complete, the state is

@@ -9,7 +9,7 @@ use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const HEAD: usize = 24;
 
 /// Lengths of a run's records, in the unit of what holds them: bytes in files, rows in memory.
@@ -28,8 +28,10 @@ pub struct RecordLengths {
 /// How far a run is, and what it has recorded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
-    /// Rows of the energy table after the first.
+    /// Ticks completed.
     pub ticks: u64,
+    /// The last tick that is to be in slow motion.
+    pub slow_until: u64,
     /// Frames recorded.
     pub frames: u64,
     /// Events recorded.

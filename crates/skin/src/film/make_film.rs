@@ -64,7 +64,7 @@ impl Run {
         let carried = rest.add_to_film(&mut film, &self.film_from_stem(), self.wood.stem.radius);
         let motion = RunMotion::new(
             self.source.clone(),
-            self.frames.times[range.clone()].to_vec(),
+            self.film_times(range.clone()),
             range.start,
             MovingParts {
                 joints,

@@ -179,6 +179,16 @@ impl Run {
         &self.wood.stem
     }
 
+    /// Returns the times (s) at which a film shows a range of frames: those of the run, or, in slow motion, at its frame rate.
+    pub(super) fn film_times(&self, range: std::ops::Range<usize>) -> Vec<f64> {
+        if self.scene.slow > 1.0 {
+            let at = |number: usize| number as f64 / self.scene.frames_per_second;
+            range.map(at).collect()
+        } else {
+            self.frames.times[range].to_vec()
+        }
+    }
+
     /// Returns frame `number`.
     ///
     /// # Errors

@@ -52,11 +52,12 @@ pub(super) fn face_pairs(
 }
 
 /// Measures how far pairs gape whose rod is whole. Those that are farther apart than rods lie (`spacing`, m) count as open
-/// from then on: the wood is split along the rod. Returns the greatest distance for each piece, m, and of all.
+/// from then on: the wood is split along the rod. `times` are those of the run's frames, s. Returns the greatest distance for each piece, m, and of all.
 pub(super) fn measure_gape(
     film: &Film,
     motion: &mut RunMotion,
     mut pairs: Vec<FacePair>,
+    times: &[f64],
     spacing: f64,
 ) -> Result<(Vec<f64>, Option<GapeReport>), FilmError> {
     let mut gapes = vec![0.0; film.pieces.len()];
@@ -89,7 +90,7 @@ pub(super) fn measure_gape(
                 widest = Some(GapeReport {
                     gape_m: gape,
                     of_spacing: gape / spacing,
-                    time_s: motion.time(frame),
+                    time_s: times[frame],
                 });
             }
         }

@@ -271,7 +271,7 @@ impl Run {
         let spacing = wood.spacing();
         let mut motion = RunMotion::new(
             self.source.clone(),
-            self.frames.times[range.clone()].to_vec(),
+            self.film_times(range.clone()),
             range.start,
             MovingParts {
                 joints,
@@ -290,7 +290,10 @@ impl Run {
                 piece.parted = separation.map(|s| (s.time, names[s.from].clone()));
             }
         }
-        let (gapes, gape) = measure_gape(&film, &mut motion, pairs, spacing)?;
+        let (gapes, gape) = {
+            let times = &self.frames.times[range.clone()];
+            measure_gape(&film, &mut motion, pairs, times, spacing)?
+        };
         report.gape = gape;
         for (piece, gape) in report.pieces.iter_mut().zip(gapes) {
             piece.gape_m = gape;
