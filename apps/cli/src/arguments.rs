@@ -4,6 +4,7 @@ mod anatomy;
 mod bend_test;
 mod cracks;
 mod declared;
+mod faces;
 mod fit;
 mod fracture_test;
 mod shared;
@@ -15,6 +16,7 @@ pub use anatomy::AnatomyOptions;
 pub use bend_test::BendTestOptions;
 pub use cracks::CracksOptions;
 pub use declared::{Declared, OptionSet};
+pub use faces::FacesChoice;
 pub use fit::FitOptions;
 pub use fracture_test::FractureTestOptions;
 pub use shared::{MeshOptions, ReportingOptions};
@@ -22,7 +24,7 @@ pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
 pub use unit::UnitChoice;
 
-use clap::{Arg, Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, Parser, Subcommand};
 use greenstick::RequestFile;
 use greenstick::SectionRingSettings;
 use greenstick::picture::PictureParameters;
@@ -217,15 +219,6 @@ pub struct BreakOptions {
 
     #[command(flatten)]
     pub reporting: ReportingOptions,
-}
-
-/// What the faces of a simulated break are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FacesChoice {
-    #[value(help = "the mesh itself, cut where rods broke, in fibres finer than rods")]
-    Drawn,
-    #[value(help = "prisms about the rods, as in Sutherland's thesis")]
-    Rods,
 }
 
 impl OptionSet for RequestFile {

@@ -1,9 +1,11 @@
 //! Scenes: the built-in ones, what is refused and how, and a bundle set up in one.
 
 use glam::{DVec3, dvec3};
+use greenstick_fibre::placement::WoodMaterial;
 use greenstick_fibre::scene::{
     BUILT_IN, BodyKeys, ClampKeys, ForceKeys, KeyFrame, Scene, SolverChoice, assemble,
 };
+use greenstick_fibre::simulate::{FilledStem, fill_scene_stem};
 use greenstick_fibre::{Motion, Rod, RodBundle, RodMaterial};
 use greenstick_geometry::Context;
 use greenstick_schema::Parameters;
@@ -280,4 +282,23 @@ fn every_solver_takes_the_scenes_that_it_can_and_refuses_the_others_with_a_reaso
         message.to_string().contains("body 0 moves freely"),
         "{message}"
     );
+}
+
+#[test]
+fn brash_wood_is_as_much_weaker_in_tension_and_in_nothing_else() {
+    let filled = |brash: f64| {
+        let mut scene = Scene::built_in("pull").unwrap();
+        scene.wood.brash = brash;
+        fill_scene_stem(&scene, None, &Context::quiet()).unwrap()
+    };
+    let (sound, brash) = (filled(0.0), filled(0.5));
+    assert_eq!(brash.wood.tension, 0.5 * sound.wood.tension);
+    let others = WoodMaterial {
+        tension: sound.wood.tension,
+        ..brash.wood
+    };
+    assert_eq!(others, sound.wood);
+    let limits = |filled: &FilledStem| filled.placed.bundle.tension_limit.iter().sum::<f64>();
+    let part = limits(&brash) / limits(&sound);
+    assert!((0.4..0.6).contains(&part), "{part}");
 }

@@ -214,14 +214,21 @@ fn drawable_fractures(
     observed: &ObservedRun,
     partly: PartlyBroken,
 ) -> Result<Vec<SimulatedFracture>, SimulatedFacesError> {
-    let fractures = SimulatedFracture::find(wood, observed);
+    let mut fractures = SimulatedFracture::find(wood, observed);
     let time = observed.time;
-    let Some(first) = fractures.first() else {
+    if fractures.is_empty() {
         return Err(SimulatedFacesError::NoBreak { time });
+    }
+    // Beside a fracture that gapes, one that hardly opens need not be seen.
+    let partly = match fractures.iter().any(|f| f.parted) {
+        true => PartlyBroken::Separated,
+        false => partly,
     };
-    let share = first.broken_share(wood);
     let least = partly.least_share();
-    if !first.parted && share < least {
+    let shares = fractures.iter().map(|f| f.broken_share(wood));
+    let share = shares.fold(0.0, f64::max);
+    fractures.retain(|f| f.parted || f.broken_share(wood) >= least);
+    if fractures.is_empty() {
         return Err(SimulatedFacesError::Holds { share, least, time });
     }
     Ok(fractures)

@@ -28,6 +28,8 @@ const BROKE: f64 = 0.2;
 struct Broken {
     lengths: Vec<f64>,
     crushed: bool,
+    /// Whether bonds hold both sides of the first break together all the same.
+    held: bool,
 }
 
 /// What happens where a rod breaks, crushed before or not.
@@ -59,13 +61,7 @@ fn broken(grown: &Grown, how: impl Fn(usize, DVec2) -> Broken) -> (Frame, Vec<Ev
         time: 1.0,
         step: 1,
         rod_offsets: vec![0],
-        parent: Vec::new(),
-        diameter: Vec::new(),
-        origin: Vec::new(),
-        position: Vec::new(),
-        director: Vec::new(),
-        bonds: Vec::new(),
-        bodies: Vec::new(),
+        ..Frame::default()
     };
     let mut events = Vec::new();
     // For each vertex its number in the frame after its last break, and a number of what bonds hold together there.
@@ -83,7 +79,10 @@ fn broken(grown: &Grown, how: impl Fn(usize, DVec2) -> Broken) -> (Frame, Vec<Ev
             frame.position.push(p.as_vec3().to_array());
             // What a third break leaves is loose.
             let loose = how.lengths.len() > 2 && part > 0;
-            let bonded = if loose { usize::MAX - rod } else { part };
+            let bonded = match part {
+                _ if loose => usize::MAX - rod,
+                part => part - usize::from(how.held && part > 0),
+            };
             numbers[vertex] = (frame.origin.len() as u32 - 1, bonded);
         };
         let nearest = |&wanted: &f64| {
@@ -167,6 +166,7 @@ fn two_groups(rod: usize, at: DVec2) -> Broken {
     Broken {
         lengths: vec![0.45 * LENGTH + RADIUS * (level + scatter)],
         crushed: at.y < -0.4,
+        held: false,
     }
 }
 
@@ -219,6 +219,7 @@ fn a_stem_that_broke_twice_is_in_three_and_a_splinter_is_no_piece_of_it() {
             _ => vec![0.3 * LENGTH, 0.7 * LENGTH],
         },
         crushed: false,
+        held: false,
     });
     let mut faces = faces(&grown, &made).unwrap();
     let places: Vec<f64> = faces.reports.iter().map(|r| r.place_m / LENGTH).collect();
@@ -231,11 +232,35 @@ fn a_stem_that_broke_twice_is_in_three_and_a_splinter_is_no_piece_of_it() {
 }
 
 #[test]
+fn what_broke_and_holds_has_a_face_beside_one_that_parted() {
+    let grown = Grown::new(RADIUS, EDGE);
+    // All rods break at 0.7 of the length; those on one side at 0.3, too, where bonds hold them.
+    for (share, faces_there) in [(-0.4, 2), (0.4, 1)] {
+        let made = broken(&grown, |_, at| Broken {
+            lengths: match at.x > share {
+                true => vec![0.3 * LENGTH, 0.7 * LENGTH],
+                false => vec![0.7 * LENGTH],
+            },
+            crushed: false,
+            held: at.x > share,
+        });
+        let mut faces = faces(&grown, &made).unwrap();
+        let last = faces.reports.len() - 1;
+        assert_eq!(faces.reports.len(), faces_there, "{:?}", faces.reports);
+        assert!(faces.reports[last].parted);
+        assert!(faces.reports[..last].iter().all(|r| !r.parted));
+        let made = faces.broken(&Context::quiet()).unwrap();
+        assert_eq!(made.report.pieces.len(), faces_there + 1);
+    }
+}
+
+#[test]
 fn wood_that_holds_has_no_face() {
     let grown = Grown::new(RADIUS, EDGE);
     let none = broken(&grown, |_, _| Broken {
         lengths: Vec::new(),
         crushed: false,
+        held: false,
     });
     let error = faces(&grown, &none).unwrap_err();
     assert!(matches!(error, SimulatedFacesError::NoBreak { time: 1.0 }));
@@ -246,6 +271,7 @@ fn wood_that_holds_has_no_face() {
             Vec::new()
         },
         crushed: false,
+        held: false,
     });
     let error = faces(&grown, &some).unwrap_err().to_string();
     assert!(error.contains("the wood holds"), "{error}");

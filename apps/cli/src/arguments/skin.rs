@@ -1,6 +1,7 @@
 //! Options of `greenstick skin`.
 
-use super::{Declared, FacesChoice, MeshOptions, OptionSet, ReportingOptions};
+use super::faces::FacesChoice;
+use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
 use clap::{Arg, Args};
 use greenstick::picture::PictureParameters;

@@ -92,6 +92,8 @@ parameters! {
             moisture: f64 = 12.0, number(Unit::Percent, 0.0, 200.0);
             /// Factor on all moduli of elasticity; strains at failure stay the same.
             stiffness: f64 = 1.0, number(Unit::One, 1e-6, 100.0).logarithmic();
+            /// Part of the strength in tension along the grain that brash wood has lost, by decay for one, which weakens shear least.
+            brash: f64 = 0.0, number(Unit::Fraction, 0.0, 0.95);
             /// Whether rods and bonds differ as the wood does: earlywood and latewood, juvenile and mature wood, bark, and weak
             /// planes along rings and rays. Otherwise all of the section is the mean of the species' wood.
             structure: bool = true, flag();

@@ -174,6 +174,8 @@ fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
     ] {
         *modulus *= scene.wood.stiffness;
     }
+    // Decay has the least effect on shear (Wood Handbook, FPL-GTR-190, ch. 5).
+    wood.tension *= 1.0 - scene.wood.brash;
     Ok(wood)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The stem is parted where one large piece follows another along it. A rod may be broken many times; of the breaks between
 //! its part of the one piece and its part of the other, the one that gapes most is in the face, and what lies beyond it is
-//! a splinter. Where the wood still hangs together, the fracture is where most of the section broke.
+//! a splinter. Where a piece still hangs together, its fracture is where most of the section broke.
 
 use super::observed::{ObservedRun, RodEnd};
 use crate::fit::{BreakOnStem, LengthRange, MAX_GAP, main_range};
@@ -15,6 +15,9 @@ const PLACES: usize = 400;
 const MAIN_SHARE: f64 = 0.5;
 /// Length of the stem (radii) over which a piece must be it, so that it is no splinter.
 const MIN_LENGTH: f64 = 1.0;
+
+/// Distance (radii) from the breaks of a fracture that parts the stem at which other breaks are not of it.
+const CLEARANCE: f64 = 2.0;
 
 /// A fracture of the stem of a run.
 #[derive(Debug, Clone)]
@@ -44,16 +47,42 @@ impl SimulatedFracture {
     pub fn find(wood: &Wood, run: &ObservedRun) -> Vec<SimulatedFracture> {
         let pieces = run.state.pieces(wood);
         let order = PieceOrder::new(wood, run, &pieces);
-        let mut fractures = Vec::new();
+        let mut parted = Vec::new();
         for border in 1..order.pieces.len() {
             let below: BTreeSet<u32> = order.pieces[..border].iter().copied().collect();
             let above: BTreeSet<u32> = order.pieces[border..].iter().copied().collect();
-            fractures.push(parting(wood, run, &pieces, &below, &above));
+            parted.push(parting(wood, run, &pieces, &below, &above));
         }
-        if fractures.is_empty() {
-            fractures.extend(partial(wood, run));
+        if parted.is_empty() {
+            return partial(wood, run, |_| true).into_iter().collect();
+        }
+        let clear = CLEARANCE * wood.stem.radius;
+        let ranges: Vec<LengthRange> = parted.iter().map(SimulatedFracture::range).collect();
+        let is_clear = |at: f64| {
+            let mut ranges = ranges.iter();
+            ranges.all(|r| at < r.low - clear || at > r.high + clear)
+        };
+        let mut fractures = Vec::new();
+        let mut partings = parted.into_iter();
+        for &piece in &order.pieces {
+            // What broke in a piece and holds all the same.
+            let within = |b: &RodEnd| {
+                let mut parts = [b.part, b.part + 1].into_iter();
+                parts.all(|part| pieces.piece_of(b.rod, part) == piece) && is_clear(b.along)
+            };
+            fractures.extend(partial(wood, run, within));
+            fractures.extend(partings.next());
         }
         fractures
+    }
+
+    /// The lengths along the axis between which rods broke in it, m.
+    fn range(&self) -> LengthRange {
+        let lengths = || self.broken().map(|b| b.along);
+        LengthRange {
+            low: lengths().fold(f64::INFINITY, f64::min),
+            high: lengths().fold(f64::NEG_INFINITY, f64::max),
+        }
     }
 
     /// The length along the axis (m) at which a rod passes the fracture; `None` for a whole rod among whole ones.
@@ -188,14 +217,19 @@ fn parting(
     }
 }
 
-/// The fracture of wood that hangs together: the stretch in which most of the section broke.
-fn partial(wood: &Wood, run: &ObservedRun) -> Option<SimulatedFracture> {
+/// The fracture of wood that hangs together: the stretch in which most of the section broke, of the breaks that count.
+fn partial(
+    wood: &Wood,
+    run: &ObservedRun,
+    counts: impl Fn(&RodEnd) -> bool,
+) -> Option<SimulatedFracture> {
     let on_stem = |b: &RodEnd| BreakOnStem {
         rod: b.rod,
         area: wood.cells[b.rod as usize].area,
         along: b.along,
     };
-    let all: Vec<BreakOnStem> = run.breaks.iter().flatten().map(on_stem).collect();
+    let all = run.breaks.iter().flatten().filter(|b| counts(b));
+    let all: Vec<BreakOnStem> = all.map(on_stem).collect();
     if all.is_empty() {
         return None;
     }
@@ -203,7 +237,7 @@ fn partial(wood: &Wood, run: &ObservedRun) -> Option<SimulatedFracture> {
     let mut further = 0;
     let breaks = run.breaks.iter().map(|of_rod| {
         let here: Vec<RodEnd> = (of_rod.iter())
-            .filter(|b| b.along >= low && b.along <= high)
+            .filter(|b| b.along >= low && b.along <= high && counts(b))
             .copied()
             .collect();
         further += here.len().saturating_sub(1);

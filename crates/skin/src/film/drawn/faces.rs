@@ -64,7 +64,7 @@ pub(super) fn measure_gape(
     let mut widest: Option<GapeReport> = None;
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];
     let mut maps = Vec::new();
-    for frame in 0..motion.frames() {
+    for (frame, &time) in times.iter().enumerate() {
         motion.poses(frame, &mut poses)?;
         film.joint_maps(&poses, &mut maps);
         let place = |piece: usize, vertex: u32| {
@@ -90,7 +90,7 @@ pub(super) fn measure_gape(
                 widest = Some(GapeReport {
                     gape_m: gape,
                     of_spacing: gape / spacing,
-                    time_s: times[frame],
+                    time_s: time,
                 });
             }
         }

@@ -1,6 +1,6 @@
 //! The film of a scene that was cut along the faces of a run.
 
-use super::faces::{face_pairs, measure_gape};
+use super::faces::{FacePair, face_pairs, measure_gape};
 use super::lengths::lengths_along;
 use super::sections::{JointChain, RodFaces, Sections};
 use crate::film::error::FilmError;
@@ -15,7 +15,7 @@ use crate::film::separation::SeparationTracker;
 use crate::film::skinned_film::SkinnedFilm;
 use crate::finish::{NodeRole, PieceRole};
 use crate::remainder::add_tangents;
-use crate::rods::Joints;
+use crate::rods::{BreakHistory, Joints};
 use crate::rods_scene::body_material;
 use crate::simulated::{ObservedRun, SimulatedFracture};
 use glam::{DAffine3, DVec3};
@@ -78,6 +78,11 @@ impl DrawnScene<'_> {
             .collect();
         nodes.sort_unstable();
         nodes.into_iter().map(|n| n.1).collect()
+    }
+
+    fn names(&self, nodes: &[usize]) -> Vec<String> {
+        let name = |&node: &usize| self.scene.nodes[node].name.clone();
+        nodes.iter().map(name).collect()
     }
 
     /// The mesh of a node in the stem's world, with tangents for normal maps.
@@ -205,38 +210,18 @@ impl Run {
             (Stage::new("pieces"), 1.0),
             (Stage::new("rigid pieces"), 1.0),
         ]);
-        let first = self.frame(range.start)?;
         let history = self.break_history(range.clone(), &breaks)?;
         binding.report(0.0)?;
-        let up = upright_rotation();
-        let film_from_stem = self.film_from_stem();
-        let mut film = Film {
-            frames_per_second: self.scene.frames_per_second,
-            materials: drawn.scene.materials.clone(),
-            textures: drawn.scene.textures.clone(),
-            images: drawn.scene.images.clone(),
-            ..Film::default()
-        };
-        let bodies = match options.bodies {
-            true => {
-                let material = film.materials.len() as u32;
-                film.materials.push(body_material());
-                self.add_bodies(&mut film, &first, material)
-            }
-            false => Vec::new(),
-        };
+        let (mut film, bodies) = self.film_without_pieces(range.start, drawn, options)?;
+        let (up, film_from_stem) = (upright_rotation(), self.film_from_stem());
         let wood = self.wood();
         let joints = Joints::new(&wood, &drawn.observed.state);
         let rest: Vec<Pose> = joints.rest.iter().map(|&pose| rotated(pose, up)).collect();
         let faces = RodFaces::new(&wood, drawn.observed, drawn.fractures);
         let nodes = drawn.pieces();
-        let name = |&node: &usize| drawn.scene.nodes[node].name.clone();
-        let names: Vec<String> = nodes.iter().map(name).collect();
-        let opening: Vec<u32> = (0..faces.count())
-            .map(|face| faces.opening(face, &history))
-            .collect();
-        let sections =
-            Sections::new(&faces, (&joints, &rest), &names, &opening).ok_or(FilmError::NoRods)?;
+        let names = drawn.names(&nodes);
+        let sections = Sections::new(&faces, (&joints, &rest), &names, &faces.openings(&history))
+            .ok_or(FilmError::NoRods)?;
         let binder = Binder {
             run: self,
             faces: &faces,
@@ -254,20 +239,9 @@ impl Run {
                 ..SkinnedMesh::default()
             });
         }
-        let mut pairs = Vec::new();
-        for face in 0..faces.count() {
-            let both = [&meshes[face], &meshes[face + 1]];
-            let grain = &wood.stem.grain;
-            let rod_at = |p: DVec3| faces.rod_at(grain.to_grain(p).truncate());
-            pairs.extend(face_pairs((face, both), &faces, &history, rod_at));
-        }
         let mut report = self.report_on(&film, &sections, &meshes, range.clone());
         add_others(&mut film, drawn, &binder, &film_from_stem);
-        let edge = |parts: &Vec<_>| {
-            let (rod, part) = *parts.first()?;
-            Some(joints.first_edge(rod, part))
-        };
-        let edges: Option<Vec<u32>> = sections.parts.iter().map(edge).collect();
+        self.track_separations(&joints, &sections, range.clone(), &mut report, &pieces)?;
         let spacing = wood.spacing();
         let mut motion = RunMotion::new(
             self.source.clone(),
@@ -280,20 +254,9 @@ impl Run {
             },
             up,
         );
-        if let Some(edges) = edges {
-            let mut tracker = SeparationTracker::new(edges);
-            for (done, number) in range.clone().enumerate() {
-                pieces.report(done as f64 / range.len() as f64)?;
-                tracker.push_frame(self.frame(number)?.as_ref());
-            }
-            for (piece, separation) in report.pieces.iter_mut().zip(tracker.separations()) {
-                piece.parted = separation.map(|s| (s.time, names[s.from].clone()));
-            }
-        }
-        let (gapes, gape) = {
-            let times = &self.frames.times[range.clone()];
-            measure_gape(&film, &mut motion, pairs, times, spacing)?
-        };
+        let pairs = self.all_pairs(&meshes, &faces, &history);
+        let times = &self.frames.times[range];
+        let (gapes, gape) = measure_gape(&film, &mut motion, pairs, times, spacing)?;
         report.gape = gape;
         for (piece, gape) in report.pieces.iter_mut().zip(gapes) {
             piece.gape_m = gape;
@@ -307,6 +270,76 @@ impl Run {
         };
         skinned.bind_rigid_pieces(RIGID_TOLERANCE * spacing, &rigid)?;
         Ok(skinned)
+    }
+
+    /// Returns a film with the materials of a scene and the bodies of a frame, and the numbers of those that move.
+    fn film_without_pieces(
+        &self,
+        frame: usize,
+        drawn: &DrawnScene,
+        options: &FilmOptions,
+    ) -> Result<(Film, Vec<usize>), FilmError> {
+        let mut film = Film {
+            frames_per_second: self.scene.frames_per_second,
+            materials: drawn.scene.materials.clone(),
+            textures: drawn.scene.textures.clone(),
+            images: drawn.scene.images.clone(),
+            ..Film::default()
+        };
+        let mut bodies = Vec::new();
+        if options.bodies {
+            let material = film.materials.len() as u32;
+            film.materials.push(body_material());
+            let first = self.frame(frame)?;
+            bodies = self.add_bodies(&mut film, &first, material);
+        }
+        Ok((film, bodies))
+    }
+
+    /// Returns the vertices on both sides of all faces.
+    fn all_pairs(
+        &self,
+        meshes: &[Mesh],
+        faces: &RodFaces,
+        history: &BreakHistory,
+    ) -> Vec<FacePair> {
+        let grain = &self.wood.stem.grain;
+        let rod_at = |p: DVec3| faces.rod_at(grain.to_grain(p).truncate());
+        let pairs = |face: usize| {
+            let both = [&meshes[face], &meshes[face + 1]];
+            face_pairs((face, both), faces, history, rod_at)
+        };
+        (0..faces.count()).flat_map(pairs).collect()
+    }
+
+    /// Reports when each piece separated, and from which.
+    fn track_separations(
+        &self,
+        joints: &Joints,
+        sections: &Sections,
+        range: Range<usize>,
+        report: &mut SkinReport,
+        context: &Context,
+    ) -> Result<(), FilmError> {
+        let edge = |parts: &Vec<_>| {
+            let (rod, part) = *parts.first()?;
+            Some(joints.first_edge(rod, part))
+        };
+        let edges: Option<Vec<u32>> = sections.parts.iter().map(edge).collect();
+        let Some(edges) = edges else {
+            return Ok(());
+        };
+        let mut tracker = SeparationTracker::new(edges);
+        let frames = range.len() as f64;
+        for (done, number) in range.enumerate() {
+            context.report(done as f64 / frames)?;
+            tracker.push_frame(self.frame(number)?.as_ref());
+        }
+        let names: Vec<String> = report.pieces.iter().map(|p| p.name.clone()).collect();
+        for (piece, separation) in report.pieces.iter_mut().zip(tracker.separations()) {
+            piece.parted = separation.map(|s| (s.time, names[s.from].clone()));
+        }
+        Ok(())
     }
 
     fn report_on(

@@ -2,7 +2,7 @@
 
 use super::strands::{HeldBonds, SectionParts};
 use crate::remainder::Follower;
-use crate::rods::{BreakHistory, Joints, RodPart, Wood};
+use crate::rods::{BreakHistory, Joints, Pieces, RodPart, Wood};
 use crate::simulated::{ObservedRun, SimulatedFracture, main_pieces};
 use glam::{DAffine3, DQuat};
 use greenstick_geometry::{Joint, Pose};
@@ -151,11 +151,15 @@ impl<'a> RodFaces<'a> {
         (0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
-    /// The first frame in which a rod is broken in a face.
-    pub fn opening(&self, face: usize, history: &BreakHistory) -> u32 {
-        let broken = (0..self.wood.bundle.rods()).filter_map(|rod| self.broken_vertex(face, rod));
-        let frames = broken.map(|vertex| history.break_frame(vertex));
-        frames.min().unwrap_or(u32::MAX)
+    /// The first frame in which a rod is broken in each face.
+    pub fn openings(&self, history: &BreakHistory) -> Vec<u32> {
+        let opening = |face: usize| {
+            let rods = 0..self.wood.bundle.rods();
+            let broken = rods.filter_map(|rod| self.broken_vertex(face, rod));
+            let frames = broken.map(|vertex| history.break_frame(vertex));
+            frames.min().unwrap_or(u32::MAX)
+        };
+        (0..self.count()).map(opening).collect()
     }
 
     /// The mean length along the axis at which rods pass a face, m.
@@ -288,6 +292,77 @@ impl Maker<'_> {
     }
 }
 
+/// Which piece each part of a rod belongs to.
+struct Membership<'a> {
+    faces: &'a RodFaces<'a>,
+    pieces: Pieces,
+    /// The pieces of the run that the stem consists of, from its base to its tip.
+    main: Vec<u32>,
+}
+
+impl Membership<'_> {
+    /// Whether a part of a rod is of the wood that a piece was cut from, and no splinter. Of what hangs together several
+    /// pieces may be cut.
+    fn belongs(&self, rod: usize, part: RodPart, piece: usize) -> bool {
+        let own = self.pieces.piece_of(rod as u32, part);
+        let before = self.faces.fractures[..piece].iter();
+        let number = before.filter(|f| f.parted).count();
+        self.main.is_empty() || self.main.get(number) == Some(&own)
+    }
+
+    /// The part of a rod at a length along the axis (m), if it is of any piece.
+    fn of_any(&self, rod: usize, along: f64) -> Option<RodPart> {
+        let part = self.faces.run.part_at(rod, along);
+        let mut pieces = 0..=self.faces.count();
+        pieces
+            .any(|piece| self.belongs(rod, part, piece))
+            .then_some(part)
+    }
+
+    /// The same, if it is of this piece and between its faces.
+    fn of_piece(&self, piece: usize, rod: usize, along: f64) -> Option<RodPart> {
+        let faces = self.faces;
+        let part = faces.run.part_at(rod, along);
+        let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
+        let before = piece == faces.count() || along <= faces.length(piece, rod);
+        (beyond && before && self.belongs(rod, part, piece)).then_some(part)
+    }
+
+    /// The same, if the rod is whole in this face and near it.
+    fn of_hinge(&self, face: usize, rod: usize, along: f64) -> Option<RodPart> {
+        let faces = self.faces;
+        let part = faces.run.part_at(rod, along);
+        let reach = HINGE.1 * faces.wood.stem.radius;
+        let near = (along - faces.length(face, rod)).abs() <= reach;
+        let holds = near && faces.parts_before[face][rod].is_none();
+        (holds && self.belongs(rod, part, face)).then_some(part)
+    }
+
+    /// All parts of rods that belong to a piece.
+    fn parts(&self, piece: usize) -> Vec<(u32, RodPart)> {
+        let mut parts = Vec::new();
+        for (rod, breaks) in self.faces.run.state.breaks.iter().enumerate() {
+            let all = 0..=breaks.len() as RodPart;
+            let own = all.filter(|&part| self.belongs(rod, part, piece));
+            parts.extend(own.map(|part| (rod as u32, part)));
+        }
+        parts
+    }
+}
+
+/// Returns the lengths along the axis (m) of sections from one end of the rods to the other.
+fn section_lengths(wood: &Wood) -> Vec<f64> {
+    let lengths = || wood.along.iter().copied();
+    let (low, high) = (
+        lengths().fold(f64::INFINITY, f64::min),
+        lengths().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let wanted = ((high - low) / (SECTION_DISTANCE * wood.stem.radius)).ceil() as usize;
+    let count = wanted.clamp(1, MAX_SECTIONS);
+    let section = |k: usize| low + (high - low) * k as f64 / count as f64;
+    (0..=count).map(section).collect()
+}
+
 impl Sections {
     /// Makes the joints of the pieces that `faces` cut the wood into, which follow `joints` of rods that rest at `rest`. In frame
     /// `opening` of the film a rod is first broken in each face. `None` where no rod belongs to a piece.
@@ -298,89 +373,47 @@ impl Sections {
         opening: &[u32],
     ) -> Option<Self> {
         let (wood, run) = (faces.wood, faces.run);
-        let lengths = || wood.along.iter().copied();
-        let (low, high) = (
-            lengths().fold(f64::INFINITY, f64::min),
-            lengths().fold(f64::NEG_INFINITY, f64::max),
-        );
-        let wanted = ((high - low) / (SECTION_DISTANCE * wood.stem.radius)).ceil() as usize;
-        let count = wanted.clamp(1, MAX_SECTIONS);
-        let section = |k: usize| low + (high - low) * k as f64 / count as f64;
         let mut maker = Maker {
             faces,
             joints,
             rest,
-            along: (0..=count).map(section).collect(),
+            along: section_lengths(wood),
             area: wood.cells.iter().map(|c| c.area).sum(),
             opening,
             made: SectionJoints::default(),
         };
         let of_parts = run.state.pieces(wood);
-        let main = main_pieces(wood, run, &of_parts);
-        let parted = faces.fractures.iter().all(|f| f.parted);
-        // Whether a part of a rod is of the wood that a piece was cut from, and no splinter.
-        let belongs = |rod: usize, part: RodPart, piece: usize| {
-            let own = of_parts.piece_of(rod as u32, part);
-            match parted {
-                true => main.get(piece) == Some(&own),
-                false => main.is_empty() || main.contains(&own),
-            }
+        let members = Membership {
+            faces,
+            main: main_pieces(wood, run, &of_parts),
+            pieces: of_parts,
         };
-        let last = faces.count();
-        let all = maker.parts(|rod, along| {
-            let part = run.part_at(rod, along);
-            let any = (0..=last).any(|piece| belongs(rod, part, piece));
-            any.then_some(part)
-        });
+        let all = maker.parts(|rod, along| members.of_any(rod, along));
         let whole = maker.followers(&all);
         let bonds = HeldBonds::new(wood, &run.state);
-        let (mut pieces, mut parts) = (Vec::new(), Vec::new());
-        for piece in 0..=last {
-            let own = maker.parts(|rod, along| {
-                let part = run.part_at(rod, along);
-                let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
-                let before = piece == last || along <= faces.length(piece, rod);
-                (beyond && before && belongs(rod, part, piece)).then_some(part)
-            });
+        let mut pieces = Vec::new();
+        for (piece, name) in names.iter().enumerate() {
+            let own = maker.parts(|rod, along| members.of_piece(piece, rod, along));
             let sections = (&maker.along[..], maker.area);
             let own = maker.followers(&bonds.leading_strand(wood, sections, &own));
-            let own = if own.iter().all(Option::is_none) {
-                whole.clone()
-            } else {
-                own
-            };
-            pieces.push(maker.chain(&names[piece], &whole, &own)?);
-            let all = run
-                .state
-                .breaks
-                .iter()
-                .enumerate()
-                .flat_map(|(rod, breaks)| {
-                    (0..=breaks.len() as RodPart).map(move |part| (rod, part))
-                });
-            let own = all.filter(|&(rod, part)| belongs(rod, part, piece));
-            parts.push(own.map(|(rod, part)| (rod as u32, part)).collect());
+            let has_own = own.iter().any(Option::is_some);
+            let own = if has_own { &own } else { &whole };
+            pieces.push(maker.chain(name, &whole, own)?);
         }
         let mut hinges = Vec::new();
-        for (number, fracture) in faces.fractures.iter().enumerate() {
+        for (face, fracture) in faces.fractures.iter().enumerate() {
             if fracture.parted {
                 hinges.push(None);
                 continue;
             }
-            let reach = HINGE.1 * wood.stem.radius;
-            let own = maker.parts(|rod, along| {
-                let part = run.part_at(rod, along);
-                let near = (along - faces.length(number, rod)).abs() <= reach;
-                let holds = near && faces.parts_before[number][rod].is_none();
-                (holds && belongs(rod, part, number)).then_some(part)
-            });
+            let own = maker.parts(|rod, along| members.of_hinge(face, rod, along));
             let own = maker.followers(&own);
-            hinges.push(maker.chain(&format!("hinge_{number}"), &whole, &own));
+            hinges.push(maker.chain(&format!("hinge_{face}"), &whole, &own));
         }
         Some(Sections {
+            parts: (0..pieces.len()).map(|p| members.parts(p)).collect(),
             pieces,
             hinges,
-            parts,
             joints: maker.made,
         })
     }
