@@ -81,6 +81,7 @@ fn wood_that_is_pulled_apart_is_whole_until_it_breaks_and_then_moves_as_its_rods
     let rest: Vec<Mesh> = (film.skinned.film.pieces.iter())
         .map(|p| p.mesh.clone())
         .collect();
+    assert!(rest.iter().all(|mesh| mesh.check().is_solid()));
     let pairs = pairs(&rest[0], &rest[1]);
     assert!(pairs.len() > 1000);
     for frame in 0..first {
@@ -156,6 +157,7 @@ fn wood_that_is_broken_in_part_stays_together_at_a_hinge() {
     let rest: Vec<Mesh> = (film.skinned.film.pieces.iter())
         .map(|p| p.mesh.clone())
         .collect();
+    assert!(rest.iter().all(|mesh| mesh.check().is_solid()));
     let pairs = pairs(&rest[0], &rest[1]);
     let moved = at(&mut film, run.frames() - 1);
     let apart = distances(&moved, &pairs);

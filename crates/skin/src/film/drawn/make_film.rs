@@ -20,6 +20,7 @@ use crate::rods_scene::body_material;
 use crate::simulated::{ObservedRun, SimulatedFracture};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::film::Extra;
+use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
 use greenstick_geometry::{Binding, Context, Film, Mesh, Node, Pose, Scene, SkinnedMesh, Stage};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -83,6 +84,14 @@ impl DrawnScene<'_> {
     fn names(&self, nodes: &[usize]) -> Vec<String> {
         let name = |&node: &usize| self.scene.nodes[node].name.clone();
         nodes.iter().map(name).collect()
+    }
+
+    /// The mesh of a piece in the film's coordinates, rounded to the precision of files there, which it was in the input's.
+    fn shown_piece(&self, node: usize, film_from_stem: &DAffine3, known: &KnownPositions) -> Mesh {
+        let mut mesh = self.mesh(node).transformed(film_from_stem);
+        snap_to_f32(&mut mesh, self.inner);
+        resolve_self_intersections(&mut mesh, known);
+        mesh
     }
 
     /// The mesh of a node in the stem's world, with tangents for normal maps.
@@ -229,16 +238,7 @@ impl Run {
             first: film.joints.len() as u32,
         };
         film.joints.extend(sections.joints.film_joints());
-        let meshes: Vec<Mesh> = nodes.iter().map(|&node| drawn.mesh(node)).collect();
-        for (number, mesh) in meshes.iter().enumerate() {
-            binding.report(number as f64 / meshes.len() as f64)?;
-            film.pieces.push(SkinnedMesh {
-                name: names[number].clone(),
-                mesh: mesh.transformed(&film_from_stem),
-                binding: binder.bind(number, mesh),
-                ..SkinnedMesh::default()
-            });
-        }
+        let meshes = self.add_pieces(&mut film, drawn, &nodes, &binder, &binding)?;
         let mut report = self.report_on(&film, &sections, &meshes, range.clone());
         add_others(&mut film, drawn, &binder, &film_from_stem);
         self.track_separations(&joints, &sections, range.clone(), &mut report, &pieces)?;
@@ -294,6 +294,40 @@ impl Run {
             bodies = self.add_bodies(&mut film, &first, material);
         }
         Ok((film, bodies))
+    }
+
+    /// Adds the pieces to a film. Returns their meshes in the stem's world.
+    fn add_pieces(
+        &self,
+        film: &mut Film,
+        drawn: &DrawnScene,
+        nodes: &[usize],
+        binder: &Binder,
+        context: &Context,
+    ) -> Result<Vec<Mesh>, FilmError> {
+        let film_from_stem = self.film_from_stem();
+        let known = self.known_positions(&film_from_stem);
+        let mut meshes = Vec::new();
+        for (number, &node) in nodes.iter().enumerate() {
+            context.report(number as f64 / nodes.len() as f64)?;
+            let shown = drawn.shown_piece(node, &film_from_stem, &known);
+            let mesh = shown.transformed(&film_from_stem.inverse());
+            film.pieces.push(SkinnedMesh {
+                name: drawn.scene.nodes[node].name.clone(),
+                binding: binder.bind(number, &mesh),
+                mesh: shown,
+                ..SkinnedMesh::default()
+            });
+            meshes.push(mesh);
+        }
+        Ok(meshes)
+    }
+
+    /// Returns the positions of the input's own vertices in the film's coordinates; what crosses among them is left.
+    fn known_positions(&self, film_from_stem: &DAffine3) -> KnownPositions {
+        let input = &self.wood.input.nodes[self.wood.node];
+        let map = *film_from_stem * input.transform;
+        KnownPositions::from_mesh(&input.mesh.transformed(&map))
     }
 
     /// Returns the vertices on both sides of all faces.
