@@ -2,8 +2,9 @@
 //!
 //! [`Run::new`] takes a run that was recorded, and the wood that it was made of. [`Run::still`] gives one frame as a scene, in
 //! pieces as they are then, [`Run::at_rest`] the same pieces where they fit each other, and [`Run::film`] all frames as
-//! one skinned film, in the pieces that the last frame leaves. Stills and films are in metres with y up. [`level`] makes
-//! levels of detail of a film, [`collision`] collision shapes of its pieces.
+//! one skinned film, in the pieces that the last frame leaves. [`Run::film_of_faces`] moves the mesh that was simulated, cut
+//! along the faces that the run decided, as the rods do. Stills and films are in metres with y up. [`level`] makes levels of
+//! detail of a film, [`collision`] collision shapes of its pieces.
 
 mod carried;
 mod collision;
