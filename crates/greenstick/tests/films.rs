@@ -3,7 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 use greenstick::fibre::scene::Scene as Setting;
-use greenstick::film::open_run;
+use greenstick::film::{film_of_faces, open_run};
 use greenstick::geometry::convex::is_convex;
 use greenstick::geometry::{Bvh, Context, ConvexOptions, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
@@ -221,6 +221,42 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let names = still.scene.nodes.iter().map(|n| n.name.as_str());
     let names: Vec<&str> = names.filter(|n| !n.starts_with("piece_")).collect();
     assert_eq!(names, ["rest_lower", "twig_000", "standing_000"]);
+}
+
+#[test]
+fn a_film_of_drawn_faces_has_all_of_the_input_and_moves_it_with_what_it_hangs_on() {
+    let mut run = run();
+    let frames = run.frames();
+    let made = film_of_faces(&mut run, 0..frames, &options(true), &Context::quiet());
+    let mut film = made.unwrap().skinned;
+    let moved = film.at(frames - 1).unwrap();
+    // The stone stands still; nothing is lost.
+    let fixed: Vec<&str> = (film.film.fixed.iter()).map(|n| n.name.as_str()).collect();
+    assert_eq!(fixed, ["stone"]);
+    let rest = |name: &str| (*piece(&film, name).1).clone();
+    let now = |name: &str| moved.nodes.iter().find(|n| n.name == name).unwrap();
+    let trunk = trunk();
+    let pieces = film.film.pieces.iter().filter(|p| p.name != "leaf");
+    let volume: f64 = pieces.map(|p| p.mesh.volume()).sum();
+    assert!((volume / trunk.volume() - 1.0).abs() < 1e-6, "{volume}");
+    // The side branch grows where the clamp holds the trunk: it stays.
+    let (lower, still) = (rest("lower"), &now("lower").mesh);
+    // A film's stem lies along x.
+    let branch = |p: &DVec3| p.y.hypot(p.z) > 2.0 * RADIUS;
+    let tips: Vec<usize> = (0..lower.positions.len())
+        .filter(|&v| branch(&lower.positions[v]))
+        .collect();
+    assert!(tips.len() > 40, "{}", tips.len());
+    for v in tips {
+        let off = lower.positions[v].distance(still.positions[v]);
+        assert!(off < 0.2 * RADIUS, "{off}");
+    }
+    // The leaf goes with the end that is pressed down, and keeps its shape.
+    let leaf = piece(&film, "leaf").1;
+    let gone = &now("leaf").mesh;
+    let far = leaf.positions[0].distance(gone.positions[0]);
+    assert!(far > RADIUS, "{far}");
+    assert!((gone.volume() / leaf.volume() - 1.0).abs() < 1e-9);
 }
 
 #[test]
