@@ -127,11 +127,19 @@ impl From<SimulatedFacesError> for DrawError {
     }
 }
 
+impl From<SimulatedFacesError> for Failure {
+    fn from(error: SimulatedFacesError) -> Self {
+        match error {
+            SimulatedFacesError::Run(error) => error.into(),
+            other => Failure::new(other.kind(), &other),
+        }
+    }
+}
+
 impl From<DrawError> for Failure {
     fn from(error: DrawError) -> Self {
         match error {
-            DrawError::Faces(SimulatedFacesError::Run(error)) => error.into(),
-            DrawError::Faces(other) => Failure::new(other.kind(), &other),
+            DrawError::Faces(error) => error.into(),
             DrawError::Other(failure) => failure,
         }
     }

@@ -19,7 +19,7 @@ use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
-use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces, SimulatedFacesError};
+use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
 use greenstick::{BreakReport, Broken, picture_of_break};
 use serde::Serialize;
@@ -115,9 +115,7 @@ fn drawn(
     let last = run.frames() - 1;
     match break_run::draw(run, last, options, request, context) {
         Ok(made) => Ok(Made::Drawn(Box::new(made))),
-        Err(DrawError::Faces(
-            SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. },
-        )) => rods(run, request, context),
+        Err(DrawError::Faces(error)) if error.wood_holds() => rods(run, request, context),
         Err(error) => Err(error.into()),
     }
 }

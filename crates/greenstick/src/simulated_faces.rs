@@ -67,6 +67,14 @@ pub enum SimulatedFacesError {
 }
 
 impl SimulatedFacesError {
+    /// Whether there is no face because the wood holds together.
+    pub fn wood_holds(&self) -> bool {
+        matches!(
+            self,
+            SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. }
+        )
+    }
+
     /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         match self {

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use greenstick::film::{DrawnFilm, film_of_faces, picture_of_run};
 use greenstick::geometry::{Context, Scene};
 use greenstick::picture::{Picture, PictureError, PictureOptions};
-use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
+use greenstick::simulated_faces::SimulatedFaceReport;
 use greenstick::skin::film::{FilmOptions, Run, SkinReport, SkinnedFilm, Still};
 use std::ops::Range;
 
@@ -18,9 +18,8 @@ fn drawn(
 ) -> Result<Option<Box<DrawnFilm>>, Failure> {
     match film_of_faces(run, range, options, context) {
         Ok(film) => Ok(Some(Box::new(film))),
-        Err(SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. }) => Ok(None),
-        Err(SimulatedFacesError::Run(error)) => Err(error.into()),
-        Err(other) => Err(Failure::new(other.kind(), &other)),
+        Err(error) if error.wood_holds() => Ok(None),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -56,10 +56,10 @@ fn faces(options: &SkinOptions) -> Result<FacesChoice, Failure> {
     let rods_only = (RODS_ONLY.iter()).find(|key| options.parameters.text(key).is_some());
     match (options.faces, rods_only) {
         (Some(FacesChoice::Drawn), Some(key)) => Err(Failure::request(format!(
-            "--{}: faces that are drawn have no rods' skin",
+            "--{} applies to the skin of the rods, and --faces asks for drawn faces",
             key.replace('_', "-")
         ))
-        .hint("leave it out, or show the rods: --faces rods")),
+        .hint("leave it out, or take --faces rods")),
         (Some(faces), _) => Ok(faces),
         (None, Some(_)) => Ok(FacesChoice::Rods),
         (None, None) => Ok(FacesChoice::Drawn),

@@ -92,7 +92,7 @@ parameters! {
             moisture: f64 = 12.0, number(Unit::Percent, 0.0, 200.0);
             /// Factor on all moduli of elasticity; strains at failure stay the same.
             stiffness: f64 = 1.0, number(Unit::One, 1e-6, 100.0).logarithmic();
-            /// Part of the strength in tension along the grain that brash wood has lost, by decay for one, which weakens shear least.
+            /// Fraction of the tensile strength along the grain that brash wood has lost, by decay for one; other strengths stay.
             brash: f64 = 0.0, number(Unit::Fraction, 0.0, 0.95);
             /// Whether rods and bonds differ as the wood does: earlywood and latewood, juvenile and mature wood, bark, and weak
             /// planes along rings and rays. Otherwise all of the section is the mean of the species' wood.
@@ -327,7 +327,7 @@ parameters! {
             duration: f64 = 1.0, time();
             /// Frames that are recorded.
             frames_per_second: f64 = 25.0, number(Unit::PerSecond, 1e-3, 1e5).logarithmic();
-            /// How many times slower a film goes while rods break, with as many times the frames; 1 for its own pace throughout.
+            /// How many times slower a film runs while rods break, with as many times the frames; 1 for constant speed.
             slow: f64 = 1.0, number(Unit::One, 1.0, 1e4).logarithmic();
             /// Rows of the energy table; of solvers other than explicit at most one per step.
             rows_per_second: f64 = 500.0, number(Unit::PerSecond, 1e-3, 1e6).logarithmic();

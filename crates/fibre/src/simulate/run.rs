@@ -14,7 +14,7 @@ use crate::store::{
 };
 use greenstick_geometry::{Context, Stage};
 
-/// Ticks that a film stays slow behind the last one in which a rod breaks.
+/// Ticks for which a film stays slow after the last one in which a rod breaks.
 const CALM_TICKS: u64 = 2;
 
 /// What to simulate.
@@ -60,7 +60,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Goes back to a checkpoint behind which nothing was recorded.
+    /// Goes back to a checkpoint after which nothing was recorded.
     fn restore(&mut self, checkpoint: Checkpoint) -> Result<(), SimulateError> {
         let assembled = &mut self.assembled;
         assembled.world = checkpoint.world;
@@ -162,7 +162,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Advances by a tick in slow motion: in as many frames as that takes. Goes on so for some ticks behind the last in which
+    /// Advances by a tick in slow motion: in as many frames as that takes. Stays slow for some ticks after the last in which
     /// rods break.
     fn slow_tick(
         &mut self,

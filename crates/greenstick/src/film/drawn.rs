@@ -4,7 +4,7 @@ use super::error::FilmError;
 use crate::pictures::picture_of_moved_break;
 use crate::session::Broken;
 use crate::simulated_faces::{
-    PartlyBroken, SimulatedFaceReport, SimulatedFacesError, simulated_faces,
+    PartlyBroken, SimulatedFaceReport, SimulatedFacesError, faces_of_wood,
 };
 use crate::{Break, Error};
 use greenstick_geometry::{Context, Scene, Stage};
@@ -39,7 +39,10 @@ pub fn film_of_faces(
         (Stage::new("skin"), 2.0),
     ]);
     let last = run.frames().saturating_sub(1);
-    let mut faces = simulated_faces(run, last, PartlyBroken::Hinged, &deciding)?;
+    let observed = run.observed(last).map_err(FilmError::from)?;
+    let source = (run.input(), &run.scene);
+    let wood = (&run.wood(), &observed);
+    let mut faces = faces_of_wood(wood, source, PartlyBroken::Hinged, &deciding)?;
     faces.request.texture_width = options.texture_width;
     for one in &mut faces.request.breaks {
         // Pieces are where they were before anything moved.
@@ -50,7 +53,6 @@ pub fn film_of_faces(
         Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),
         error => SimulatedFacesError::Cut(Box::new(error)),
     })?;
-    let observed = run.observed(last).map_err(FilmError::from)?;
     let drawn = DrawnScene {
         scene: &broken.scene,
         roles: &broken.roles,

@@ -171,7 +171,7 @@ impl fmt::Display for SkinReport {
         if let Some(gape) = &self.gape {
             writeln!(
                 f,
-                "gape     at most {:.3} mm ({:.1} % of the rods' distance, at {:.3} s) between sides of cracks that open later, in glTF",
+                "gape     at most {:.3} mm ({:.1} % of the rods' distance, at {:.3} s) between sides of cracks that open later, with fixed weights, as in glTF",
                 gape.gape_m * 1e3,
                 gape.of_spacing * 1e2,
                 gape.time_s

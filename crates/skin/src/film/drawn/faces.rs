@@ -1,6 +1,5 @@
 //! Vertices on both sides of a face, and how far they gape before it opens there.
 
-use super::lengths::place_key;
 use super::sections::RodFaces;
 use crate::film::error::FilmError;
 use crate::film::motion::RunMotion;
@@ -18,6 +17,12 @@ pub(super) struct FacePair {
     pub vertices: [u32; 2],
     /// The first frame in which the rod there is broken.
     pub until: u32,
+}
+
+/// What points have in common that are in the same place.
+fn place_key(p: DVec3) -> [u64; 3] {
+    // Zero has two signs.
+    p.to_array().map(|x| (x + 0.0).to_bits())
 }
 
 /// Returns the pairs of vertices of `lower` and `upper`, in the stem's world, that a face separated. `rod_at` gives the rod at

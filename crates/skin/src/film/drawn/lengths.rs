@@ -5,7 +5,7 @@ use glam::DVec3;
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::Stem;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BinaryHeap;
 
 /// What is no farther from the axis than this many radii of the stem is part of it.
 const NEAR: f64 = 1.6;
@@ -46,19 +46,23 @@ pub(super) fn lengths_along(mesh: &Mesh, stem: &Stem) -> Vec<f64> {
 /// Gives what is not near the length of the nearest vertex that is, along the edges of the mesh; what no edges lead to keeps
 /// its own.
 fn spread(mesh: &Mesh, along: &[f64], near: &[bool]) -> Vec<f64> {
-    let group = same_place(&mesh.positions);
-    let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); along.len()];
+    let (points, count) = mesh.points();
+    let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
+    let mut places = vec![DVec3::ZERO; count];
+    for (&point, &position) in points.iter().zip(&mesh.positions) {
+        places[point as usize] = position;
+    }
     for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|v| group[v as usize]);
+        let [a, b, c] = triangle.map(|v| points[v as usize]);
         for (p, q) in [(a, b), (b, c), (c, a)] {
             neighbours[p as usize].push(q);
             neighbours[q as usize].push(p);
         }
     }
-    let mut source: Vec<Option<u32>> = vec![None; along.len()];
+    let mut source: Vec<Option<u32>> = vec![None; count];
     let mut queue = BinaryHeap::new();
     for v in (0..along.len()).filter(|&v| near[v]) {
-        queue.push(Reverse((Distance(0.0), group[v], v as u32)));
+        queue.push(Reverse((Distance(0.0), points[v], v as u32)));
     }
     while let Some(Reverse((Distance(far), v, from))) = queue.pop() {
         if source[v as usize].is_some() {
@@ -67,31 +71,14 @@ fn spread(mesh: &Mesh, along: &[f64], near: &[bool]) -> Vec<f64> {
         source[v as usize] = Some(from);
         for &n in &neighbours[v as usize] {
             if source[n as usize].is_none() {
-                let [p, q] = [v, n].map(|v| mesh.positions[v as usize]);
+                let [p, q] = [v, n].map(|v| places[v as usize]);
                 queue.push(Reverse((Distance(far + p.distance(q)), n, from)));
             }
         }
     }
-    let length = |v: usize| match (near[v], source[group[v] as usize]) {
+    let length = |v: usize| match (near[v], source[points[v] as usize]) {
         (false, Some(from)) => along[from as usize],
         _ => along[v],
     };
     (0..along.len()).map(length).collect()
-}
-
-/// For each vertex the first one at the same place.
-pub(super) fn same_place(positions: &[DVec3]) -> Vec<u32> {
-    let mut first: BTreeMap<[u64; 3], u32> = BTreeMap::new();
-    let numbered = positions.iter().enumerate();
-    let place = |(v, p): (usize, &DVec3)| {
-        let key = place_key(*p);
-        *first.entry(key).or_insert(v as u32)
-    };
-    numbered.map(place).collect()
-}
-
-/// What points have in common that are in the same place.
-pub(super) fn place_key(p: DVec3) -> [u64; 3] {
-    // Zero has two signs.
-    p.to_array().map(|x| (x + 0.0).to_bits())
 }

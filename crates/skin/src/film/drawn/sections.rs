@@ -102,7 +102,7 @@ pub(super) struct RodFaces<'a> {
     run: &'a ObservedRun,
     fractures: &'a [SimulatedFracture],
     /// For each face and rod, the length along the axis at which the rod passes it, m.
-    heights: Vec<Vec<f64>>,
+    lengths: Vec<Vec<f64>>,
     /// For each face and rod, the part of the rod before its break there; `None` where it is whole.
     parts_before: Vec<Vec<Option<RodPart>>>,
 }
@@ -113,12 +113,12 @@ impl<'a> RodFaces<'a> {
         run: &'a ObservedRun,
         fractures: &'a [SimulatedFracture],
     ) -> Self {
-        let heights = fractures.iter().map(|f| f.lengths_of_rods(wood)).collect();
+        let lengths = fractures.iter().map(|f| f.lengths_of_rods(wood)).collect();
         RodFaces {
             wood,
             run,
             fractures,
-            heights,
+            lengths,
             parts_before: (fractures.iter().map(|f| f.parts_before().collect())).collect(),
         }
     }
@@ -142,7 +142,7 @@ impl<'a> RodFaces<'a> {
 
     /// The length along the axis at which a rod passes a face, m.
     pub fn length(&self, face: usize, rod: usize) -> f64 {
-        self.heights[face][rod]
+        self.lengths[face][rod]
     }
 
     /// The face nearest to a length along the axis, m.
@@ -164,7 +164,7 @@ impl<'a> RodFaces<'a> {
 
     /// The mean length along the axis at which rods pass a face, m.
     pub fn mean_length(&self, face: usize) -> f64 {
-        let all = &self.heights[face];
+        let all = &self.lengths[face];
         all.iter().sum::<f64>() / all.len().max(1) as f64
     }
 
