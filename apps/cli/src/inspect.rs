@@ -2,7 +2,7 @@
 
 use crate::arguments::{CheckOptions, PictureOptions};
 use crate::break_files::check_png;
-use crate::break_wood::use_threads;
+use crate::break_wood::{file_name, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::Progress;
 use greenstick::files::{self, Output};
@@ -92,6 +92,13 @@ fn format_report(file: &FileReport) -> String {
 
 pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
     check_png(&options.output)?;
+    let parameters = options.picture_parameters.set()?;
+    if parameters.close_up.is_some() {
+        return Err(Failure::request(
+            "--close-up shows a break from near, and a file does not say where it is broken",
+        )
+        .hint("take it with `greenstick break`, `simulate` or `skin`"));
+    }
     use_threads(options.threads)?;
     let progress = Progress::start(options.quiet);
     let [read, work, write] = progress.split([("read", 1.0), ("picture", 8.0), ("write", 0.1)]);
@@ -99,10 +106,12 @@ pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
     let source = files::load(&options.file, options.unit.map(Into::into))?;
     files::check_distinct(&[&options.output], &source.files)?;
     files::check_writable(&options.output)?;
-    let how = options.picture_parameters.set()?.options();
+    let how = parameters.options();
     let picture = greenstick::picture_of_scene(&source.scene, &how, &work)?;
     write.report(0.0)?;
-    let bytes = picture.png();
+    let input = file_name(Some(&options.file));
+    let made = greenstick::provenance("picture", input.as_deref(), &parameters);
+    let bytes = picture.png_with(&made.metadata());
     files::write_all(&[Output {
         path: options.output.clone(),
         bytes,

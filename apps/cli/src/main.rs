@@ -8,6 +8,8 @@ mod break_run;
 mod break_simulated;
 mod break_wood;
 mod cracks;
+#[cfg(test)]
+mod documented_commands;
 mod failure;
 mod fit;
 mod fracture_test;

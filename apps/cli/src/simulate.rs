@@ -11,12 +11,12 @@ use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Output};
 use greenstick::film::open_run;
 use greenstick::formats::LengthUnit;
-use greenstick::geometry::{Context, Provenance, Stage};
+use greenstick::geometry::{Context, Metadata, Provenance, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::provenance;
 use greenstick::simulate::{
     RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, body_shapes,
-    energy_chart, load_chart, simulate,
+    energy_chart, find_break, load_chart, simulate,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -55,11 +55,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let (mut scene, beside) = read(name)?;
     change(&mut scene, options)?;
     if let Some(path) = &options.save_scene {
-        let bytes = scene.to_toml().into_bytes();
-        files::write_all(&[Output {
-            path: path.clone(),
-            bytes,
-        }])?;
+        save(&scene, path)?;
         if options.output.is_none() {
             return Ok(ExitCode::SUCCESS);
         }
@@ -75,8 +71,9 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, work, shots, filming] = progress.split([
+    let [read, finding, work, shots, filming] = progress.split([
         ("read", 0.5),
+        ("find the break", if options.refine { 10.0 } else { 0.0 }),
         ("simulate", 30.0),
         ("pictures", if options.no_pictures { 0.0 } else { 20.0 }),
         ("film", if film.is_some() { 10.0 } else { 0.0 }),
@@ -90,15 +87,19 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     meshes.bodies = read_body_meshes(&scene, &beside)?;
     let named = options.mesh.input.as_deref().map(|path| (path, unit));
-    let mut run = RunFolder::new(folder, Origin::new(named, &beside));
+    let made = run_provenance(name, options, &scene);
+    let mut run = RunFolder::new(folder, Origin::new(named, &beside)).made_by(&made);
     let mut request = SimulateRequest {
         scene,
         meshes,
         resume: options.resume,
     };
+    if options.refine {
+        refine(&mut request, &run, &finding)?;
+    }
     let report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
-    let made = run_provenance(name, options, &request.scene);
-    let pictures = pictures(&run, &request.meshes, options, &shots).map_err(|e| {
+    let metadata = made.metadata();
+    let pictures = pictures(&run, &request.meshes, options, (&metadata, &shots)).map_err(|e| {
         e.or_cancelled(format!(
             "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
             folder.display()
@@ -118,6 +119,28 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         make_film(run, &request.meshes, options, output, (&progress, &filming))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a scene with all its keys.
+fn save(scene: &Scene, path: &Path) -> Result<(), Failure> {
+    let bytes = scene.to_toml().into_bytes();
+    let path = path.to_owned();
+    Ok(files::write_all(&[Output { path, bytes }])?)
+}
+
+/// Sets where the edges of a scene are short: about where it breaks in a coarse run, or as they are in a run that is resumed.
+fn refine(
+    request: &mut SimulateRequest,
+    run: &RunFolder,
+    context: &Context,
+) -> Result<(), Failure> {
+    let fail = |error| failure(error, run.path());
+    request.scene.rods.fine = if request.resume {
+        run.scene().map_err(|e| fail(e.into()))?.rods.fine
+    } else {
+        find_break(request, context).map_err(fail)?
+    };
+    Ok(())
 }
 
 /// Where a run comes from: the scene by its name, the mesh, and what is not at its default.
@@ -240,7 +263,7 @@ fn pictures(
     run: &RunFolder,
     meshes: &SceneMeshes,
     options: &SimulateOptions,
-    context: &Context,
+    (metadata, context): (&Metadata, &Context),
 ) -> Result<Vec<String>, Failure> {
     if options.no_pictures {
         return Ok(Vec::new());
@@ -254,31 +277,35 @@ fn pictures(
     let mut numbers = vec![0, all / 2, all.saturating_sub(1)];
     numbers.retain(|&number| number < all);
     numbers.dedup();
+    let mut shot = PictureOptions {
+        up: greenstick::simulate::UP,
+        ..options.picture_parameters.set()?.options()
+    };
+    if let Some(diameters) = shot.close_up {
+        let (first, events) = (run.frame(0).map_err(fail)?, run.events().map_err(fail)?);
+        shot.zoom = greenstick::simulate::broken_region(&first, &events, diameters);
+    }
     let mut outputs = Vec::new();
     let count = numbers.len();
     for (done, number) in numbers.into_iter().enumerate() {
         let frame = run.frame(number).map_err(fail)?;
         let scene = greenstick::rods_scene(&frame, &shapes);
-        let how = PictureOptions {
-            up: greenstick::simulate::UP,
-            ..options.picture_parameters.set()?.options()
-        };
         let shown = context.item(done, count);
-        let picture = greenstick::picture_of_scene(&scene, &how, &shown)?;
+        let picture = greenstick::picture_of_scene(&scene, &shot, &shown)?;
         outputs.push(Output {
             path: folder.join(format!("frame-{number:05}.png")),
-            bytes: picture.png(),
+            bytes: picture.png_with(metadata),
         });
     }
     let chart = energy_chart(&run.energies().map_err(fail)?);
     outputs.push(Output {
         path: folder.join("energy.png"),
-        bytes: chart.png(),
+        bytes: chart.png_with(metadata),
     });
     if let Some(chart) = load_chart(&run.forces().map_err(fail)?) {
         outputs.push(Output {
             path: folder.join("load-deflection.png"),
-            bytes: chart.png(),
+            bytes: chart.png_with(metadata),
         });
     }
     files::write_all(&outputs)?;

@@ -222,7 +222,7 @@ fn still(
         (Stage::new("write"), 0.3),
     ]);
     let number = frame_number(&run, number)?;
-    let mut still = RunStill::new(&mut run, number, plan.faces, &plan.film, &skin)?;
+    let mut still = RunStill::new(&mut run, number, &plan.shown, &skin)?;
     still.scene().metadata = run_provenance(&run).metadata();
     let mut outputs = Vec::new();
     if let Some(path) = &options.picture {
@@ -258,7 +258,8 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     let [skin, shots, video, write, extras] = context.split(film_stages(plan));
     let (from, to) = plan.frames.unwrap_or((0, run.frames()));
     let Some(path) = &plan.output else {
-        let mut made = RunFilm::new(&mut run, from..to, plan.faces, &plan.film, &skin)?;
+        let mut made = RunFilm::new(&mut run, from..to, &plan.shown, &skin)?;
+        made.skinned().film.metadata = run_provenance(&run).metadata();
         let files = frame_pictures(&run, &mut made, plan, &shots)?;
         return Ok(Made {
             skin: Some(made.into_report()),
@@ -292,7 +293,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = RunFilm::new(&mut run, from..to, plan.faces, &plan.film, &skin)?;
+    let mut made = RunFilm::new(&mut run, from..to, &plan.shown, &skin)?;
     made.skinned().film.metadata = run_provenance(&run).metadata();
     let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {

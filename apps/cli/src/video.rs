@@ -44,18 +44,24 @@ pub fn pictures(
     shot: &PictureOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let shot = PictureOptions {
+    let mut shot = PictureOptions {
         shown: film.skinned().bounds().map_err(Failure::from)?,
         ..shot.clone()
     };
     let count = film.skinned().report.frames;
+    if let (Some(diameters), true) = (shot.close_up, count > 0) {
+        // The camera stays where the wood is going to break.
+        let first = film.skinned().at(0).map_err(Failure::from)?;
+        shot.zoom = greenstick::close_up(&first, &film.inner_materials(), diameters);
+    }
+    let metadata = film.skinned().film.metadata.clone();
     let mut made = Vec::new();
     for number in 0..count {
         let shown = context.item(number, count);
-        let scene = film.skinned().at(number).map_err(Failure::from)?;
+        let scene = film.at(run, number)?;
         let picture = film.picture(run, &scene, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));
-        let bytes = picture.png();
+        let bytes = picture.png_with(&metadata);
         made.push((path.display().to_string(), bytes.len()));
         files::write_all(&[Output { path, bytes }])?;
     }

@@ -30,6 +30,7 @@ fn the_report_is_what_the_curve_says() {
     let part = Folder(folder.0.join("oak"));
     let files = [
         "bend-test.json",
+        "csv-metadata.json",
         "events.csv",
         "load-deflection.csv",
         "load-deflection.png",
@@ -322,7 +323,12 @@ fn specimens_are_the_same_on_one_thread_and_on_two_and_stand_beside_measured_one
     for threads in ["1", "2"] {
         bend(&["--threads", threads, "-o", threads]);
     }
-    let files = ["scatter.png", "specimens.csv", "specimens.json"];
+    let files = [
+        "csv-metadata.json",
+        "scatter.png",
+        "specimens.csv",
+        "specimens.json",
+    ];
     let part = Folder(folder.0.join("1"));
     assert_eq!(part.names(), files);
     for name in files {
@@ -414,23 +420,10 @@ fn scatter_and_correlation_are_those_of_measured_birch() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_stops_the_table_and_leaves_nothing() {
-    use std::process::{Command, Stdio};
     let folder = Folder::new();
-    let child = Command::new(env!("CARGO_BIN_EXE_greenstick"))
-        .args(["bend-test", "--all-species", "-o", "table"])
-        .current_dir(&folder.0)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The table takes minutes; the handler is set within milliseconds.
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    let id = child.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
-    assert!(sent.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    let printed = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(printed, "stopped; nothing was written\n");
+    // The table takes minutes.
+    let run = folder.interrupted(&["bend-test", "--all-species", "-o", "table"]);
+    assert_eq!(run.code, 130);
+    assert_eq!(run.err, "stopped; nothing was written\n");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }

@@ -42,10 +42,85 @@ fn pieces_carry_it_in_all_formats_that_have_a_place() {
         (&extras["command"], &extras["seed"]),
         (&json!("break"), &json!("3"))
     );
-    for (name, says) in [("b.obj", "# seed: 3\n"), ("b.ply", "comment seed: 3\n")] {
+    let says = [
+        ("b.obj", "# seed: 3\n"),
+        ("b.mtl", "# seed: 3\n"),
+        ("b.ply", "comment seed: 3\n"),
+    ];
+    for (name, says) in says {
         let text = String::from_utf8_lossy(&folder.read(name)).into_owned();
         assert!(text.contains(says), "{name}");
     }
+}
+
+/// The commands that the metadata of a folder's tables and a picture beside them name, and the tables' columns with their
+/// units; those of each table are the ones of its heading.
+fn told(folder: &Folder, name: &str, chart: &str) -> [String; 3] {
+    let metadata: Value =
+        serde_json::from_slice(&folder.read(&format!("{name}/csv-metadata.json"))).unwrap();
+    let mut units = Vec::new();
+    for table in metadata["tables"].as_array().unwrap() {
+        let file = table["url"].as_str().unwrap();
+        let csv = String::from_utf8(folder.read(&format!("{name}/{file}"))).unwrap();
+        let columns = table["tableSchema"]["columns"].as_array().unwrap();
+        let names: Vec<&str> = columns.iter().filter_map(|c| c["name"].as_str()).collect();
+        assert_eq!(names.join(","), csv.lines().next().unwrap(), "{file}");
+        for c in columns {
+            units.push(format!("{} {}", c["name"], c["schema:unitText"]));
+        }
+    }
+    // An international text chunk: keyword, five bytes that say that it is plain, text.
+    let png = folder.read(&format!("{name}/{chart}"));
+    let at = png.windows(8).position(|w| w == b"command\0").unwrap();
+    let length = u32::from_be_bytes(png[at - 8..at - 4].try_into().unwrap()) as usize;
+    let text = String::from_utf8_lossy(&png[at + 12..at + length]).into_owned();
+    [
+        metadata["notes"][0]["command"].as_str().unwrap().to_owned(),
+        text,
+        units.join("; "),
+    ]
+}
+
+#[test]
+fn tables_charts_and_pictures_of_runs_and_tests_carry_it() {
+    let folder = Folder::new();
+    folder.write("small.toml", SCENE);
+    let size = ["--picture-size", "40x40", "--samples", "1"];
+    let run = folder.run(&[&["simulate", "small.toml", "-o", "run"][..], &size].concat());
+    assert_eq!(run.code, 0, "{}", run.err);
+    for picture in ["energy.png", "load-deflection.png", "frame-00000.png"] {
+        let [tables, shown, units] = told(&folder, "run", picture);
+        assert_eq!(
+            [&tables, &shown],
+            [&"simulate small.toml", &"simulate small.toml"]
+        );
+        for column in [
+            "\"kinetic_J\" \"J\"",
+            "\"cause\" null",
+            "\"moment_x_Nm\" \"N m\"",
+        ] {
+            assert!(units.contains(column), "{units}");
+        }
+    }
+    let scene = String::from_utf8(folder.read("run/scene.toml")).unwrap();
+    assert!(
+        scene.contains("# command: simulate small.toml\n"),
+        "{scene}"
+    );
+    let test = [
+        "fracture-test",
+        "--species",
+        "Norway spruce",
+        "--spacing",
+        "5mm",
+        "--edge",
+        "5mm",
+    ];
+    let run = folder.run(&[&test[..], &["-o", "opening"]].concat());
+    assert_eq!(run.code, 0, "{}", run.err);
+    let [tables, shown, units] = told(&folder, "opening", "load-deflection.png");
+    assert_eq!([&tables, &shown], [&"fracture-test", &"fracture-test"]);
+    assert!(units.contains("\"compliance_m_per_N\" \"m/N\""), "{units}");
 }
 
 #[test]

@@ -134,6 +134,38 @@ fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
 }
 
 #[test]
+fn stills_hold_the_fields_that_they_show_and_pictures_come_near() {
+    let folder = simulated();
+    let meshes = |file: &str| glb(&folder.read(file))["meshes"].clone();
+    for faces in ["drawn", "rods"] {
+        for (field, attribute) in [("strain", "_STRAIN"), ("damage", "_DAMAGE")] {
+            let arguments = ["--faces", faces, "--frame", "-1", "--show", field];
+            report(&folder, &[&arguments[..], &["-o", "still.glb"]].concat());
+            let made = meshes("still.glb").to_string();
+            assert!(made.contains(attribute), "{faces}: no {attribute}");
+        }
+    }
+    let picture = |name: &str, arguments: &[&str]| {
+        let small = [
+            "--picture-size",
+            "48x36",
+            "--samples",
+            "1",
+            "--picture",
+            name,
+        ];
+        report(
+            &folder,
+            &[&["--frame", "-1"], arguments, &small[..]].concat(),
+        );
+        folder.read(name)
+    };
+    let whole = picture("whole.png", &[]);
+    assert_ne!(picture("near.png", &["--close-up", "3"]), whole);
+    assert_ne!(picture("strain.png", &["--show", "strain"]), whole);
+}
+
+#[test]
 fn engines_get_shapes_levels_and_vertex_textures() {
     let folder = simulated();
     let told = report(

@@ -33,6 +33,7 @@ fn the_report_is_what_the_curve_says() {
     assert_eq!(run.code, 0, "{}", run.err);
     let part = Folder(folder.0.join("spruce"));
     let files = [
+        "csv-metadata.json",
         "fracture-test.json",
         "load-deflection.csv",
         "load-deflection.png",

@@ -196,6 +196,9 @@ fn checks_and_lists_answer_and_refuse() {
     let run = folder.run(&["picture", "open.obj", "--size", "32x24", "-o", "p.png"]);
     assert_eq!(run.code, 0, "{}", run.err);
     assert!(folder.read("p.png").starts_with(b"\x89PNG"));
+    let run = folder.run(&["picture", "open.obj", "--close-up", "3"]);
+    assert_eq!(run.code, 2);
+    assert_says(&run.err, &["does not say where it is broken"]);
     for (arguments, part) in [
         (&["parameters", "high"][..], "high.height"),
         (&["parameters", "--schema"], "json-schema.org"),
@@ -232,23 +235,10 @@ fn checks_and_lists_answer_and_refuse() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_stops_the_work_and_leaves_nothing() {
-    use std::process::{Command, Stdio};
     let folder = Folder::new();
-    let child = Command::new(env!("CARGO_BIN_EXE_greenstick"))
-        .args(["break", "--samples", "400", "--picture-size", "600x900"])
-        .current_dir(&folder.0)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The picture alone takes minutes; the handler is set within milliseconds.
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    let id = child.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
-    assert!(sent.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
-    let printed = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(printed, "stopped; nothing was written\n");
+    // The picture alone takes minutes.
+    let run = folder.interrupted(&["break", "--samples", "400", "--picture-size", "600x900"]);
+    assert_eq!(run.code, 130);
+    assert_eq!(run.err, "stopped; nothing was written\n");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }

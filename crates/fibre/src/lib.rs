@@ -8,7 +8,7 @@
 //! | [`State`] | positions, velocities, frames and plastic strain, apart from the bundle |
 //! | [`energy`] | energies by kind, their forces, and Hessians of single elements |
 //! | [`ForceEvaluator`] | the forces of whole bundles on wide registers and several threads |
-//! | [`Loads`] | clamps, forces, moments, gravity, damping, wind, snow |
+//! | [`Loads`] | clamps, forces, moments, gravity, damping, wind |
 //! | [`FailureCriteria`] | when rods and bonds fail; [`topology`]: what is left then |
 //! | [`bodies`] | rigid bodies, contacts with them and between rods |
 //! | [`solvers`] | methods that move a [`World`] through time |
@@ -76,12 +76,13 @@ pub use failure::{BondCriterion, FailureCriteria};
 pub use forces::Forces;
 pub use loads::{Clamp, ClampForce, Keyframe, Loads, Moment, Motion, PointForce, Pose, Ramp, Wind};
 pub use placement::{
-    Arrangement, EdgeLengths, PlacedRods, PlacementError, PlacementOptions, RodCount, WoodMaterial,
+    Arrangement, EdgeLengths, FineEdges, PlacedRods, PlacementError, PlacementOptions, RodCount,
+    WoodMaterial,
 };
 pub use rod_bundle::{Rod, RodBundle, RodMaterial};
 pub use scene::{Scene, SceneError};
 pub use simd::SimdLevel;
-pub use solvers::{AdvanceReport, Explicit, Implicit, Interactive, QuasiStatic, Solver};
+pub use solvers::{AdvanceReport, Buckling, Explicit, Implicit, Interactive, QuasiStatic, Solver};
 pub use state::State;
 pub use vectors::Vectors;
 pub use world::{Onset, StabilityLimit, World};

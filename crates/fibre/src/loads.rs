@@ -1,4 +1,4 @@
-//! External loads on a bundle: clamps, forces, moments, gravity, damping, wind and snow.
+//! External loads on a bundle: clamps, forces, moments, gravity, damping and wind.
 
 use crate::error::LoadError;
 use crate::forces::Forces;
@@ -165,6 +165,8 @@ pub enum Ramp {
     Constant,
     /// Linear from 0 at time 0 to 1 at this time (s), then constant.
     Linear(f64),
+    /// Linear from 1 at time 0 to 0 at this time (s), then nothing.
+    Falling(f64),
 }
 
 impl Ramp {
@@ -173,6 +175,7 @@ impl Ramp {
         match self {
             Ramp::Constant => 1.0,
             Ramp::Linear(duration) => (time / duration).clamp(0.0, 1.0),
+            Ramp::Falling(duration) => (1.0 - time / duration).clamp(0.0, 1.0),
         }
     }
 }
@@ -211,6 +214,8 @@ pub struct Wind {
     pub drag: f64,
     /// Width of a rod that the wind acts on, m. `None` takes the rod's diameter, which counts rods in the lee as well.
     pub width: Option<f64>,
+    /// Factor on the velocity over time.
+    pub ramp: Ramp,
 }
 
 /// All external loads on a bundle. The default is none.
@@ -228,8 +233,6 @@ pub struct Loads {
     pub moments: Vec<Moment>,
     /// Wind.
     pub wind: Option<Wind>,
-    /// Snow: weight per length of each rod, N/m, along gravity, or along −z without gravity.
-    pub snow: f64,
 }
 
 impl Loads {
@@ -270,10 +273,7 @@ impl Loads {
             })
         };
         finite("gravity (m/s²)", self.gravity)?;
-        let scalars = [
-            ("damping (1/s)", self.damping),
-            ("snow load (N/m)", self.snow),
-        ];
+        let scalars = [("damping (1/s)", self.damping)];
         let wind = self.wind.iter().flat_map(|w| {
             [
                 ("density of air (kg/m³)", w.density),
@@ -325,12 +325,6 @@ impl Loads {
                 linear.add(i, self.gravity * bundle.mass[i]);
             }
         }
-        if self.snow > 0.0 {
-            let down = self.gravity.try_normalize().unwrap_or(DVec3::NEG_Z);
-            for i in 0..bundle.vertices() {
-                linear.add(i, down * (0.5 * self.snow * bundle.both_lengths(i)));
-            }
-        }
         for f in &self.forces {
             linear.add(f.vertex as usize, f.force * f.ramp.at(time));
         }
@@ -343,7 +337,8 @@ impl Loads {
             linear.add(j, -couple);
             moment[j] += applied.dot(e.normalize_or_zero());
         }
-        if let Some(wind) = self.wind {
+        if let Some(mut wind) = self.wind {
+            wind.velocity *= wind.ramp.at(time);
             self.add_wind(bundle, wind, position, velocity, linear);
         }
     }

@@ -261,6 +261,16 @@ impl RodBundle {
         }
     }
 
+    /// Adds a mass per length (kg/m) to each rod: what lies on it and moves along.
+    pub(crate) fn add_line_mass(&mut self, mass: f64) {
+        for j in 0..self.vertices() {
+            if self.is_edge(j) {
+                self.edge_mass[j] += mass * self.rest_length[j];
+            }
+        }
+        (0..self.rods()).for_each(|rod| self.distribute_mass(self.rod(rod)));
+    }
+
     /// Returns the number of rods.
     pub fn rods(&self) -> usize {
         self.rod_offsets.len() - 1

@@ -58,6 +58,12 @@ pub struct StabilityLimit {
 }
 
 impl World {
+    /// Whether the wood has been elastic so far: nothing has broken, softened or yielded, so that the path of equilibria has no gaps
+    /// and the forces have a potential.
+    pub(crate) fn is_elastic(&self) -> bool {
+        self.fracture_loss == 0.0
+    }
+
     /// Returns a world with the bundle at rest, without loads and without failure.
     pub fn new(bundle: RodBundle) -> Self {
         let state = State::at_rest(&bundle);

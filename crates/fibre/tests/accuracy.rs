@@ -4,7 +4,8 @@
 use glam::DVec3;
 use greenstick_fibre::placement::{PlacedRods, fill_stem};
 use greenstick_fibre::scene::{Scene, assemble};
-use greenstick_fibre::simulate::fill_scene_stem;
+use greenstick_fibre::simulate::{SimulateRequest, fill_scene_stem, simulate};
+use greenstick_fibre::store::MemoryRun;
 use greenstick_fibre::{
     EdgeLengths, Explicit, NoContacts, PlacementOptions, PointForce, QuasiStatic, Ramp, RodCount,
     Solver, WoodMaterial, World,
@@ -253,4 +254,72 @@ fn a_held_column_buckles_at_eulers_load() {
         low + (high - low) * a / (a - b) - 1.0
     });
     check_second_order("Euler's load", errors);
+}
+
+/// The load at which `QuasiStatic` finds that a held column buckles, over Euler's, where the load grows to `most` times that.
+/// `aside` is a force across the column, over the load along it.
+fn load_at_buckling(edges: f64, rods: u32, most: f64, aside: f64) -> Option<f64> {
+    let mut stem = Stem::new(rods, edges, End::First);
+    let euler = 0.25 * PI * PI * stem.bend / (stem.free * stem.free);
+    stem.load(DVec3::new(-1.0, 0.0, aside) * (most * euler));
+    let ramp = |force: &mut PointForce| force.ramp = Ramp::Linear(1.0);
+    stem.world.loads.forces.iter_mut().for_each(ramp);
+    let report = (QuasiStatic::stateless(Some(0.05)))
+        .advance(&mut stem.world, &mut NoContacts, 1.0, &Context::quiet())
+        .unwrap();
+    let found = report.buckling?;
+    let tip = stem.world.bundle.origin[stem.tips[0]];
+    assert!(rods > 1 || found.vertex == tip, "{found:?}");
+    assert_eq!(stem.world.state.time, found.time);
+    Some(found.load / euler)
+}
+
+#[test]
+fn a_column_is_said_to_buckle_at_eulers_load_and_not_below() {
+    let errors = [15.0, 30.0, 60.0].map(|n| load_at_buckling(n, 1, 1.2, 0.0).unwrap() - 1.0);
+    println!("load at buckling: {:?} %", errors.map(|e| 100.0 * e));
+    assert!(
+        errors[1].abs() < 2e-3 && errors[2].abs() < 1e-3,
+        "{errors:?}"
+    );
+    // Bonded rods shear besides.
+    let bonded = load_at_buckling(30.0, 7, 1.2, 0.0).unwrap() - 1.0;
+    println!("of 7 rods: {} %", 100.0 * bonded);
+    assert!(bonded.abs() < 5e-3, "{bonded}");
+    assert_eq!(load_at_buckling(30.0, 1, 0.99, 0.0), None);
+    // One that is pushed aside bends ever faster towards that load, to which equilibria can be followed.
+    let pushed = load_at_buckling(30.0, 7, 1.2, 1e-3).unwrap();
+    println!("pushed aside by a thousandth: {pushed}");
+    assert!((0.9..1.0).contains(&pushed), "{pushed}");
+}
+
+#[test]
+fn a_run_ends_where_its_column_buckles_between_two_clamps() {
+    let text = "duration = 1.0\nsolver = \"quasi-static\"\nframes_per_second = 10.0\n\
+         [stem]\nkind = \"cylinder\"\nlength = \"1 m\"\ndiameter = \"1 cm\"\n\
+         [wood]\nspecies = \"white oak\"\nstructure = false\n\
+         [rods]\nnumber = 7\nedge = [\"2.5 cm\", \"2.5 cm\"]\n\
+         [loads]\ngravity = [0, 0, 0]\ndamping = 0.0\n\
+         [[clamp]]\nfrom = 0.0\nto = 0.1\n\
+         [[clamp]]\nfrom = 0.9\nto = 1.0\nvelocity = [-5e-4, 0, 0]\n";
+    let request = SimulateRequest {
+        scene: Scene::read(text).unwrap(),
+        ..SimulateRequest::default()
+    };
+    let quiet = Context::quiet();
+    let report = simulate(&request, &mut MemoryRun::new(), &quiet).unwrap();
+    let found = report.buckling.unwrap();
+    let filled = fill_scene_stem(&request.scene, None, &quiet).unwrap();
+    let b = &filled.placed.bundle;
+    let area: f64 = b.area.iter().sum();
+    let centre = |r: usize| b.rest.get(b.rod(r).start).z;
+    let middle = (0..b.rods()).map(|r| b.area[r] * centre(r)).sum::<f64>() / area;
+    let inertia = (0..b.rods()).fold(0.0, |sum, r| {
+        sum + b.area[r] * ((centre(r) - middle).powi(2) + b.area[r] / (4.0 * PI))
+    });
+    let euler = 4.0 * PI * PI * filled.wood.longitudinal * inertia / 0.64;
+    println!("{found}: {} of Euler's load", found.load_n / euler);
+    assert!((found.load_n / euler - 1.0).abs() < 0.01, "{found:?}");
+    assert!((found.place_m - 0.5).abs() < 0.05, "{found:?}");
+    assert!(report.time_s < 1.0 && report.to_string().contains("the wood buckles at"));
 }

@@ -143,7 +143,11 @@ fn the_work_of_a_growing_load_is_the_energy_of_a_cantilever() {
         let stored = energies(&world.bundle, &world.state);
         assert_near(what, stored.bend, expected, 2e-3);
         assert_near(what, report.work, stored.total(), 1e-6);
-        assert_eq!(report.dissipated, 0.0);
+        // From one equilibrium to the next the method takes nothing but the error of the trapezoidal rule.
+        assert!(
+            report.dissipated.abs() < 1e-6 * stored.total(),
+            "{report:?}"
+        );
     }
 }
 

@@ -3,6 +3,7 @@
 mod common;
 
 use common::data::outside_data;
+use common::modified;
 use glam::DVec3;
 use greenstick_formats::{
     CloudFile, CloudFormat, Content, Format, FormatError, InputFormat, LengthUnit, read_content,
@@ -34,14 +35,6 @@ fn refused(format: InputFormat, bytes: impl AsRef<[u8]>, parts: &[&str]) {
     for part in parts {
         assert!(text.contains(part), "no `{part}` in: {text}");
     }
-}
-
-/// A stateless hash (SplitMix64), so that the modifications are the same on every machine.
-fn hash(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// The points of the LAS samples: integer millimetres around the offset of a survey.
@@ -276,18 +269,7 @@ fn samples_truncated_anywhere() {
 fn samples_with_random_modifications() {
     for (number, (format, bytes)) in samples().into_iter().enumerate() {
         for round in 0..1500 {
-            let mut changed = bytes.clone();
-            let seed = (number as u64) << 32 | round << 8;
-            for k in 0..1 + hash(seed) % 4 {
-                let h = hash(seed + 1 + k);
-                let at = (h >> 16) as usize % changed.len();
-                match h % 4 {
-                    0 => changed[at] = (h >> 8) as u8,
-                    1 => changed[at] ^= 1 << (h >> 8 & 7),
-                    2 => changed[at] = b"0123456789-.eE/ \n{}[]\",:"[(h >> 8) as usize % 24],
-                    _ => drop(changed.remove(at)),
-                }
-            }
+            let changed = modified(&bytes, (number as u64) << 32 | round << 8);
             let _ = read(format, &changed);
         }
     }

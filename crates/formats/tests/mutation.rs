@@ -2,18 +2,10 @@
 
 mod common;
 
-use common::{data, two_cubes};
+use common::{data, hash, modified, two_cubes};
 use greenstick_formats::{Encoded, Format, FormatError, LengthUnit, read, write};
 use greenstick_geometry::Scene;
 use std::io::{Error, ErrorKind};
-
-/// A stateless hash (SplitMix64), so that the modifications are the same on every machine.
-fn hash(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
 
 /// Reads a sample; the buffer of the glTF file is all zeros.
 fn read_alone(format: Format, bytes: &[u8]) -> Result<Scene, FormatError> {
@@ -70,18 +62,7 @@ fn samples_truncated_anywhere() {
 fn samples_with_random_modifications() {
     for (number, (format, bytes)) in samples().into_iter().enumerate() {
         for round in 0..3000 {
-            let mut changed = bytes.clone();
-            let seed = (number as u64) << 32 | round << 8;
-            for k in 0..1 + hash(seed) % 4 {
-                let h = hash(seed + 1 + k);
-                let at = (h >> 16) as usize % changed.len();
-                match h % 4 {
-                    0 => changed[at] = (h >> 8) as u8,
-                    1 => changed[at] ^= 1 << (h >> 8 & 7),
-                    2 => changed[at] = b"0123456789-.eE/ \n{}[]\",:"[(h >> 8) as usize % 24],
-                    _ => drop(changed.remove(at)),
-                }
-            }
+            let changed = modified(&bytes, (number as u64) << 32 | round << 8);
             for other in [format, Format::ALL[round as usize % 6]] {
                 let _ = read_alone(other, &changed);
             }

@@ -1,12 +1,13 @@
 //! Pictures of broken stems and of any scene.
 
 use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_geometry::{Context, Node, Scene};
 use greenstick_picture::{
     Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
     azimuth_of_view, render_scene,
 };
+use greenstick_skin::WoodField;
 use greenstick_skin::broken::{BreakView, ViewedPiece};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
 use greenstick_wood::branch::BARK_MATERIAL_NAME;
@@ -22,6 +23,34 @@ struct StemShader<'a> {
     blank: Vec<bool>,
     /// Whether the wood has moved since it grew, so that the stem's frames no longer give directions.
     moved: bool,
+    /// The field that is shown in place of the wood.
+    field: Option<WoodField>,
+}
+
+/// Returns the field that a scene's nodes hold.
+fn field_of(scene: &Scene) -> Option<WoodField> {
+    let holds = |field: &WoodField| {
+        let name = field.attribute();
+        (scene.nodes.iter()).any(|node| node.mesh.attributes.contains_key(name))
+    };
+    [WoodField::Strain, WoodField::Damage]
+        .into_iter()
+        .find(holds)
+}
+
+/// Roughness of what shows a field.
+const FIELD_ROUGHNESS: f64 = 0.9;
+/// Colours of a field, linear: strain from crushing by none to tearing, damage from whole to broken.
+const CRUSHED: DVec3 = DVec3::new(0.03, 0.13, 0.55);
+const UNLOADED: DVec3 = DVec3::new(0.75, 0.73, 0.68);
+const TORN: DVec3 = DVec3::new(0.62, 0.03, 0.02);
+
+fn field_color(field: WoodField, value: f64) -> [f64; 3] {
+    let end = match field {
+        WoodField::Strain if value < 0.0 => CRUSHED,
+        _ => TORN,
+    };
+    UNLOADED.lerp(end, value.abs().min(1.0)).to_array()
 }
 
 /// The wood inside a stem.
@@ -67,6 +96,15 @@ impl StemShader<'_> {
 
 impl Shader for StemShader<'_> {
     fn shade(&self, hit: &Hit) -> Appearance {
+        if let Some(field) = self.field
+            && let Some(value) = hit.attribute(field.attribute())
+        {
+            return Appearance {
+                color: field_color(field, value[0]),
+                roughness: FIELD_ROUGHNESS,
+                normal: hit.normal,
+            };
+        }
         let point = self.point(hit);
         let material = hit.material();
         let inside = self.woods.iter().find(|w| w.material == material);
@@ -99,9 +137,12 @@ fn blank(scene: &Scene) -> Vec<bool> {
 /// Pieces of less than this share of the wood are splinters, which may fly far: a picture need not show them.
 const SPLINTER_SHARE: f64 = 0.01;
 
+fn is_wood(node: &Node) -> bool {
+    node.mesh.attributes.contains_key("_GRAIN")
+}
+
 /// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
 fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
-    let is_wood = |node: &Node| node.mesh.attributes.contains_key("_GRAIN");
     let wood = scene.nodes.iter().filter(|n| is_wood(n));
     let whole: f64 = wood.map(|n| n.mesh.volume()).sum();
     let is_shown = |node: &&Node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole;
@@ -114,6 +155,36 @@ fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
     };
     let shown = scene.nodes.iter().filter(is_shown);
     shown.flat_map(points).collect()
+}
+
+/// Returns what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the wood inside, whose materials are
+/// `inner`. Splinters do not count; there is none of wood without such faces.
+pub fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<Sphere> {
+    let wood = scene.nodes.iter().filter(|node| is_wood(node));
+    let whole: f64 = wood.clone().map(|n| n.mesh.volume()).sum();
+    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for node in wood.filter(|n| n.mesh.volume() >= SPLINTER_SHARE * whole) {
+        let mesh = &node.mesh;
+        let grain = mesh.attributes.get("_GRAIN")?;
+        for t in (0..mesh.triangles.len()).filter(|&t| inner.contains(&mesh.material(t))) {
+            let [a, b, c] = mesh.corners(t).map(|p| node.transform.transform_point3(p));
+            let own = (b - a).cross(c - a).length();
+            sum += (a + b + c) * (own / 3.0);
+            area += own;
+            for corner in mesh.triangles[t] {
+                let at = corner as usize * grain.width;
+                let point = DVec2::new(grain.data[at].into(), grain.data[at + 1].into());
+                (low, high) = (low.min(point), high.max(point));
+            }
+        }
+    }
+    let sides = high - low;
+    let radius = 0.5 * diameters * (sides.x * sides.y).sqrt();
+    (area > 0.0 && radius > 0.0).then(|| Sphere {
+        centre: sum / area,
+        radius,
+    })
 }
 
 /// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood
@@ -158,19 +229,22 @@ fn picture_of_moved_wood(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
+    let inner: Vec<u32> = woods.iter().map(|wood| wood.material).collect();
     let shader = StemShader {
         woods,
         plain: PlainShader::from_materials(&scene.materials),
         blank: blank(scene),
         moved: true,
+        field: field_of(scene),
     };
-    if options.zoom.is_some() || !options.shown.is_empty() {
-        return render_scene(scene, &shader, options, context);
+    let mut options = options.clone();
+    if let (None, Some(diameters)) = (options.zoom, options.close_up) {
+        options.zoom = close_up(scene, &inner, diameters);
     }
-    let options = PictureOptions {
-        shown: points_without_splinters(scene),
-        ..options.clone()
-    };
+    if options.zoom.is_some() || !options.shown.is_empty() {
+        return render_scene(scene, &shader, &options, context);
+    }
+    options.shown = points_without_splinters(scene);
     render_scene(scene, &shader, &options, context)
 }
 
@@ -188,10 +262,17 @@ pub fn picture_of_break(
         plain: PlainShader::from_materials(&broken.scene.materials),
         blank: blank(&broken.scene),
         moved: false,
+        field: None,
     };
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
-        return render_scene(&broken.scene, &shader, options, context);
+        let mut options = options.clone();
+        if let (None, Some(diameters), Some(first)) =
+            (options.zoom, options.close_up, broken.woods.first())
+        {
+            options.zoom = close_up(&broken.scene, &[first.material], diameters);
+        }
+        return render_scene(&broken.scene, &shader, &options, context);
     };
     let opened = opened(broken, wood);
     let scene = if broken.apart || broken.end.is_some() {
@@ -200,7 +281,10 @@ pub fn picture_of_break(
         &opened
     };
     let mut options = options.clone();
-    if let (Some(end), None) = (broken.end, options.zoom) {
+    if let (None, Some(diameters), None) = (options.zoom, options.close_up, broken.end) {
+        aim(broken, wood, scene, &mut options);
+        options.zoom = close_up(scene, &[wood.material], diameters);
+    } else if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
         options.zoom = Some(Sphere {
             centre: end.middle - end.outward * (0.2 * end.radius),

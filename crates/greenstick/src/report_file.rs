@@ -1,9 +1,30 @@
-//! Reports of tests as JSON files.
+//! Reports of tests as JSON files, and what their tables have no place for.
 
 use crate::Error;
-use greenstick_formats::Encoded;
+use greenstick_formats::{DescribedTable, Encoded, write_csv_metadata};
 use greenstick_geometry::Provenance;
 use serde::Serialize;
+
+/// The columns of the tests' tables that hold texts.
+const TEXT_COLUMNS: [&str; 6] = [
+    "kind",
+    "cause",
+    "species",
+    "scientific_name",
+    "notes",
+    "not_tested_because",
+];
+
+/// Returns tables, CSV files, and after them the file with their units and where they come from.
+pub(crate) fn with_metadata(mut tables: Vec<Encoded>, provenance: &Provenance) -> Vec<Encoded> {
+    let describe = |table: &Encoded| {
+        let text = String::from_utf8_lossy(&table.bytes);
+        DescribedTable::from_heading(&text, &TEXT_COLUMNS, &table.name)
+    };
+    let described: Vec<DescribedTable> = tables.iter().map(describe).collect();
+    tables.push(write_csv_metadata(&described, &provenance.metadata()));
+    tables
+}
 
 /// A report that says where it comes from.
 #[derive(Serialize)]

@@ -6,6 +6,23 @@
 pub use crate::charts::{energy_chart, load_chart};
 pub use greenstick_fibre::simulate::{
     EnergyDrift, FilledStem, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, UP,
-    body_shapes, fill_scene_stem, simulate,
+    body_shapes, fill_scene_stem, find_break, simulate,
 };
 pub use greenstick_fibre::store::{MemoryRun, RunError, RunSink, RunSource, RunStore};
+
+use greenstick_fibre::store::Frame;
+use greenstick_fibre::{Event, EventKind};
+use greenstick_picture::Sphere;
+
+/// Returns what a close-up of `diameters` diameters of a stem shows of a run: a sphere about the places (m) at which rods broke, or
+/// nothing where none did. `first` is the first frame.
+pub fn broken_region(first: &Frame, events: &[Event], diameters: f64) -> Option<Sphere> {
+    let breaks = events.iter().filter(|e| e.kind == EventKind::RodBroke);
+    let places: Vec<_> = breaks.map(|e| e.position).collect();
+    let sum: glam::DVec3 = places.iter().sum();
+    let square: f64 = first.diameter.iter().map(|&d| f64::from(d * d)).sum();
+    (!places.is_empty()).then(|| Sphere {
+        centre: sum / places.len() as f64,
+        radius: 0.5 * diameters * square.sqrt(),
+    })
+}

@@ -9,15 +9,15 @@ pub use greenstick_fibre::fracture_test::{
 };
 
 use crate::Error;
-use crate::report_file::json_file;
+use crate::report_file::{json_file, with_metadata};
 use greenstick_formats::Encoded;
 use greenstick_geometry::Provenance;
 
 /// The name of a test's report.
 pub const FRACTURE_REPORT_FILE: &str = "fracture-test.json";
 
-/// Returns a test, and in its report where it comes from, as `fracture-test.json`, `load-deflection.csv` and
-/// `load-deflection.png`.
+/// Returns a test, and where it comes from, as `fracture-test.json`, `load-deflection.csv`, `load-deflection.png` and
+/// `csv-metadata.json`.
 ///
 /// # Errors
 /// [`Error::Report`] where the report cannot be converted to JSON.
@@ -25,9 +25,11 @@ pub fn fracture_test_files(
     tested: &FractureTested,
     provenance: &Provenance,
 ) -> Result<Vec<Encoded>, Error> {
-    Ok(vec![
+    let chart = fracture_chart(tested).png_with(&provenance.metadata());
+    let first = vec![
         json_file(FRACTURE_REPORT_FILE, &tested.report, provenance)?,
-        Encoded::new("load-deflection.csv", tested.load_table()),
-        Encoded::new("load-deflection.png", fracture_chart(tested).png()),
-    ])
+        Encoded::new("load-deflection.png", chart),
+    ];
+    let tables = vec![Encoded::new("load-deflection.csv", tested.load_table())];
+    Ok([first, with_metadata(tables, provenance)].concat())
 }

@@ -2,11 +2,15 @@
 //! pieces that keep their volume, move as their rods do and stay together where the wood holds.
 
 use glam::DVec3;
+use greenstick::close_up;
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::film::{DrawnFilm, film_of_faces, open_run};
-use greenstick::geometry::{Context, Mesh, Motion, Pose, Scene};
+use greenstick::geometry::{Context, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
-use greenstick::skin::film::{FilmOptions, Run};
+use greenstick::skin::{
+    WoodField,
+    film::{FilmOptions, Run},
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -126,6 +130,62 @@ fn wood_that_is_pulled_apart_is_whole_until_it_breaks_and_then_moves_as_its_rods
     }
     let opened = distances(&moved, &pairs)[pairs.len() / 2];
     assert!(opened > 4e-3, "{opened}");
+}
+
+#[test]
+fn fields_on_the_skin_are_those_of_the_rods_beside_it() {
+    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut film = film(&mut run);
+    let near = run.nearby_rods(&film.skinned.film);
+    let mut at_start = film.skinned.at(0).unwrap();
+    let mut on_skin = |of_rods: &[f64]| {
+        near.set_field(WoodField::Strain, of_rods, &mut at_start.nodes);
+        let nodes = at_start.nodes.iter().take(2);
+        let values = |node: &Node| {
+            let values = node.mesh.attributes["_STRAIN"].data.clone();
+            values.into_iter().zip(node.mesh.positions.clone())
+        };
+        nodes.flat_map(values).collect::<Vec<_>>()
+    };
+    let start = run.frame(0).unwrap();
+    // Positions in frames have single precision: 1e-8 m on edges of 5 mm, and strains at failure of 1 %.
+    for field in [WoodField::Strain, WoodField::Damage] {
+        let values = on_skin(&run.field(field, &start));
+        assert!(values.iter().all(|(v, _)| v.abs() < 1e-3));
+    }
+    // Fields that say where rods are: along the stem to within half an edge of 7 mm, across it to within the distance of rods.
+    let rest = &run.wood().bundle.rest;
+    let ones = on_skin(&vec![1.0; rest.len()]);
+    assert!(ones.iter().all(|(v, _)| (v - 1.0).abs() < 1e-5));
+    let spacing = run.wood().spacing();
+    let along = on_skin(&(0..rest.len()).map(|v| rest.get(v).x).collect::<Vec<_>>());
+    let across = on_skin(&(0..rest.len()).map(|v| rest.get(v).z).collect::<Vec<_>>());
+    for ((x, p), (y, _)) in along.iter().zip(&across) {
+        assert!((f64::from(*x) - p.x).abs() < 3.5e-3, "{x} at {p}");
+        assert!((f64::from(*y) - p.y).abs() < spacing, "{y} at {p}");
+    }
+}
+
+#[test]
+fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break() {
+    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut film = film(&mut run);
+    assert!(film.misplaced_share(&run).unwrap() < 1e-3);
+    let (at_rest, start) = (film.skinned.at(0).unwrap(), run.frame(0).unwrap());
+    let mut moved = at_rest.clone();
+    for node in &mut moved.nodes {
+        // By the diameter of the stem.
+        let mesh = Arc::make_mut(&mut node.mesh);
+        mesh.positions.iter_mut().for_each(|p| p.y += 0.01);
+    }
+    let share = |scene: &Scene| run.misplaced_share(&film.skinned.film, &start, &scene.nodes);
+    assert_eq!((share(&at_rest), share(&moved)), (0.0, 1.0));
+    // A close-up of three diameters of 1 cm about the break.
+    let inner = film.broken.woods[0].material;
+    let near = close_up(&at_rest, &[inner], 3.0).unwrap();
+    assert!((near.radius / 0.015 - 1.0).abs() < 0.05, "{near:?}");
+    let place = film.reports[0].place_m;
+    assert!((near.centre.x - place).abs() < 0.01, "{near:?} {place}");
 }
 
 #[test]

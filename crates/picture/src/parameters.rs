@@ -1,7 +1,7 @@
 //! What is asked of a picture.
 
 use crate::{MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
-use greenstick_schema::{count, parameters, text, text_field};
+use greenstick_schema::{Unit, count, number, parameters, text, text_field};
 use std::str::FromStr;
 
 /// Width and height of a picture, pixels.
@@ -88,6 +88,8 @@ parameters! {
             samples: u32 = 16, count(1, MAX_SAMPLES as i128).logarithmic();
             /// Direction from which the picture is taken, degrees; "auto" chooses one that suits.
             view: Option<ViewDirection> = None, text(VIEW).auto();
+            /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
+            close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
         }
     }
 }
@@ -103,6 +105,7 @@ impl PictureParameters {
                 azimuth: view.azimuth.to_radians(),
                 elevation: view.elevation.to_radians(),
             }),
+            close_up: self.close_up,
             ..PictureOptions::everything()
         }
     }

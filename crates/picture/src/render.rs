@@ -26,6 +26,8 @@ pub struct PictureOptions {
     pub view: View,
     /// Sphere that fills the picture; `None` to show everything.
     pub zoom: Option<Sphere>,
+    /// How much whoever knows where the wood is broken shows of it as `zoom`, in diameters of the stem; [`render`] does not look at it.
+    pub close_up: Option<f64>,
     /// Points in the world that fit into the picture if `zoom` is `None`, m; empty for all vertices.
     pub shown: Vec<DVec3>,
     /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
@@ -51,6 +53,7 @@ impl PictureOptions {
             samples: 0,
             view: View::Automatic,
             zoom: None,
+            close_up: None,
             shown: Vec::new(),
             up: DVec3::Y,
             floor: true,

@@ -25,5 +25,7 @@ pub mod simulated;
 mod source;
 pub mod stages;
 pub mod texture;
+mod wood_field;
 
 pub use error::BreakError;
+pub use wood_field::WoodField;

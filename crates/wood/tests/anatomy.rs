@@ -7,7 +7,8 @@ use glam::DVec3;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::anatomy::{
     AddressMapping, Anatomy, AnatomyError, AnatomyOptions, GrainAddress, LayerOptions,
-    ParticleLayers, SectorDivision, SpringDirection, StemSections, SurfaceColouring,
+    MappingComparison, ParticleLayers, SectorDivision, SpringDirection, StemSections,
+    SurfaceColouring,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
@@ -446,6 +447,34 @@ fn the_published_mapping_is_within_half_a_cell_of_the_continuous_one() {
         };
         assert!(layers.particle_at(&beyond).is_none());
     }
+}
+
+#[test]
+fn mappings_differ_by_what_cells_of_a_cylinder_leave() {
+    // A cylinder of 2 cm about z: rings 2 mm apart, 24 sectors, layers 5 mm apart. In a cell points are off its particle evenly.
+    let (radius, width, turn, spacing) = (0.02_f64, 0.002_f64, TAU / 24.0, 0.005_f64);
+    let mesh = cylinder(radius, 0.2, 256);
+    let found = found(&mesh);
+    let options = LayerOptions {
+        sectors: 24,
+        layers: Some((0.2 / spacing).round() as u32),
+        division: SectorDivision::EqualAngle,
+    };
+    let (anatomy, layers) = with_layers(&found, &mesh, 10, &options);
+    assert!((layers.spacing / spacing - 1.0).abs() < 0.01);
+    let compared = MappingComparison::new(&anatomy, &layers, &Context::quiet()).unwrap();
+    let count = compared.addresses.len();
+    assert!(count > 9_900, "{count}");
+    let squares: f64 = compared
+        .addresses
+        .iter()
+        .map(|m| m.distance().powi(2))
+        .sum();
+    let arc = 0.5 * radius.powi(2) * turn.powi(2);
+    let expected = ((width.powi(2) + arc + spacing.powi(2)) / 12.0).sqrt();
+    let found = (squares / count as f64).sqrt();
+    assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    assert_eq!(compared.table().rows(), count);
 }
 
 #[test]

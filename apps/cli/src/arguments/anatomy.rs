@@ -7,14 +7,17 @@ use greenstick::scanning::ScanParameters;
 use std::path::PathBuf;
 
 const ANATOMY_EXAMPLES: &str = "\
-What is written (--only takes a list of the first words; all but springs by default)
+What is written (--only takes a list of the first words; all but springs and mapping by default)
   sections      section_LENGTH_contour.png, ..._rings.png and ..._zones.png
   longitudinal  longitudinal.png, the stem cut in half along its pith, straightened, in strips from the base on
   volume        volume.vti, or volume.vtm with a volume_NNN.vti for each segment: ring, zone, colour of every voxel
   particles     particles.ply, .vtp, .csv and .parquet: place, ring, sector, layer, zone, colour, bundle area
   surface       surface_rings.glb and surface_sectors.glb, rebuilt from the particles
   measures      sections.csv: diameters, ovality, pith and volumes over and under bark along the stem, with errors
+  cores         ring_widths.csv, rings.rwl and rings_inwards.rwl: ring widths along radii
+  elements      stem.vtu and stem.inp: hexahedra with the axes of the wood
   springs       springs.vtp, .csv and .parquet: each particle to its neighbours, with rest length, direction and zone
+  mapping       mapping.csv: addresses with their points by the continuous and by the discrete mapping
   cleaned       cleaned.ply: the points of a scan that were left after cleaning
   and always    anatomy.json: centreline, pith, girth and rings of every layer
 

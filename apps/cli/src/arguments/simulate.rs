@@ -13,7 +13,7 @@ Examples
   greenstick simulate three-blocks -o run --seed 2 --resume    goes on where it was stopped
   greenstick simulate three-blocks -o film.glb                 the run in film.run, and its skin as a film
   greenstick simulate bend pole.ply -o bent                    the scene on a mesh
-  greenstick simulate bend pole.ply --rings-from inside -o bent with the annual rings that `anatomy` found in it
+  greenstick simulate bend pole.ply --rings-from inside -o bent   with the rings that `anatomy` found in it
   greenstick simulate bend --save-scene mine.toml              to change it";
 
 #[derive(Debug, Args)]
@@ -30,6 +30,9 @@ pub struct SimulateOptions {
     /// Go on from the folder's checkpoint
     #[arg(long)]
     pub resume: bool,
+    /// Simulate twice: coarsely, to find where the wood breaks, then with edges half as long within three diameters of that
+    #[arg(long)]
+    pub refine: bool,
     /// List the scenes that come with the program
     #[arg(long)]
     pub list: bool,

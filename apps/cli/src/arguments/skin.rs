@@ -3,9 +3,9 @@
 use super::faces::FacesChoice;
 use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use crate::values;
-use clap::{Arg, Args};
+use clap::{Arg, Args, ValueEnum};
 use greenstick::picture::PictureParameters;
-use greenstick::skin::film::FilmParameters;
+use greenstick::skin::{WoodField, film::FilmParameters};
 use std::path::PathBuf;
 
 const SKIN_EXAMPLES: &str = "\
@@ -20,9 +20,29 @@ Examples
   greenstick skin run --pictures frames --picture-size 640x480 --samples 8
   greenstick skin run -o broken.glb --frame -1         the last frame as a still
   greenstick skin run --picture broken.png --frame 45
+  greenstick skin run -o near.mp4 --close-up 6         six diameters of the stem around the break
+  greenstick skin run -o strain.mp4 --show strain      red where fibres tear, blue where they are crushed
   greenstick skin run pole.ply -o film.glb             where it was simulated on a mesh
   greenstick skin run -o film.glb --collision film.collision.glb --lod 0.5,0.25
   greenstick skin run -o film.glb --vat film.vat.png   for shaders that move vertices";
+
+/// A field of the wood.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum FieldChoice {
+    /// Strain along the grain over that at failure: red in tension, blue in compression
+    Strain,
+    /// Share of the bonds that are broken: red
+    Damage,
+}
+
+impl From<FieldChoice> for WoodField {
+    fn from(choice: FieldChoice) -> Self {
+        match choice {
+            FieldChoice::Strain => WoodField::Strain,
+            FieldChoice::Damage => WoodField::Damage,
+        }
+    }
+}
 
 #[derive(Debug, Args)]
 #[command(after_help = SKIN_EXAMPLES)]
@@ -95,6 +115,9 @@ pub struct SkinOptions {
         help_heading = "Picture"
     )]
     pub picture: Option<PathBuf>,
+    /// Colours of pictures, videos and stills in place of the wood's own
+    #[arg(long, value_enum, value_name = "FIELD", help_heading = "Picture")]
+    pub show: Option<FieldChoice>,
     #[command(flatten)]
     pub picture_parameters: Declared<PictureParameters>,
 

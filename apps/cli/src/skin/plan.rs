@@ -1,12 +1,13 @@
 //! What is made of a run, in the terms of the libraries: from the options of `greenstick skin`, or for the film of a
 //! simulation.
 
+use super::film::ShownAs;
 use crate::arguments::{FacesChoice, SkinOptions};
 use crate::failure::Failure;
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
-use greenstick::skin::film::{FilmOptions, FilmParameters};
+use greenstick::skin::{WoodField, film::FilmParameters};
 use std::path::PathBuf;
 
 /// What is made of a run.
@@ -16,10 +17,8 @@ pub struct FilmPlan {
     pub output: Option<PathBuf>,
     /// The range of frames in the film; `None` for all.
     pub frames: Option<(usize, usize)>,
-    /// Which faces broken wood has.
-    pub faces: FacesChoice,
-    /// How the skin is made.
-    pub film: FilmOptions,
+    /// How the run is shown.
+    pub shown: ShownAs,
     /// How a glTF film is written.
     pub glb: GlbOptions,
     /// Files for game engines.
@@ -52,7 +51,7 @@ const RODS_ONLY: [&str; 6] = [
 ];
 
 /// Returns which faces are meant: an option that only the skin of rods has asks for that.
-fn faces(options: &SkinOptions) -> Result<FacesChoice, Failure> {
+fn faces(options: &SkinOptions) -> Result<Option<FacesChoice>, Failure> {
     let rods_only = (RODS_ONLY.iter()).find(|key| options.parameters.text(key).is_some());
     match (options.faces, rods_only) {
         (Some(FacesChoice::Drawn), Some(key)) => Err(Failure::request(format!(
@@ -60,9 +59,9 @@ fn faces(options: &SkinOptions) -> Result<FacesChoice, Failure> {
             key.replace('_', "-")
         ))
         .hint("leave it out, or take --faces rods")),
-        (Some(faces), _) => Ok(faces),
-        (None, Some(_)) => Ok(FacesChoice::Rods),
-        (None, None) => Ok(FacesChoice::Drawn),
+        (Some(faces), _) => Ok(Some(faces)),
+        (None, Some(_)) => Ok(Some(FacesChoice::Rods)),
+        (None, None) => Ok(None),
     }
 }
 
@@ -73,8 +72,11 @@ impl FilmPlan {
         FilmPlan {
             output: Some(output),
             frames: None,
-            faces: FacesChoice::Drawn,
-            film: parameters.film_options(seed),
+            shown: ShownAs {
+                faces: None,
+                field: None,
+                film: parameters.film_options(seed),
+            },
             glb: glb_options(&parameters),
             engines: EnginePlan::default(),
             pictures: None,
@@ -88,8 +90,11 @@ impl FilmPlan {
         Ok(FilmPlan {
             output: options.output.clone(),
             frames: options.frames,
-            faces: faces(options)?,
-            film: parameters.film_options(seed),
+            shown: ShownAs {
+                faces: faces(options)?,
+                field: options.show.map(WoodField::from),
+                film: parameters.film_options(seed),
+            },
             glb: glb_options(&parameters),
             engines: EnginePlan {
                 collision: (options.collision.clone())

@@ -246,7 +246,8 @@ fn thinned(points: Vec<DVec2>, count: usize, seed: u64) -> Vec<DVec2> {
 
 /// Returns the lengths along the axis of one rod's vertices.
 fn vertices_along(options: &PlacementOptions, rod: usize, range: AxisRange) -> Vec<f64> {
-    if options.edges.least == options.edges.greatest && !options.clamp_ends.is_empty() {
+    let is_even = options.edges.least == options.edges.greatest && options.fine.is_none();
+    if is_even && !options.clamp_ends.is_empty() {
         return even_vertices(&options.clamp_ends, options.edges.least, range);
     }
     let (least, greatest) = (options.edges.least, options.edges.greatest);
@@ -256,7 +257,7 @@ fn vertices_along(options: &PlacementOptions, rod: usize, range: AxisRange) -> V
     while sum < length {
         let draw = lengths.len() as i64;
         let random = unit(options.seed ^ 0xed6e, rod as i64, draw, 0);
-        let edge = least + (greatest - least) * random;
+        let edge = (least + (greatest - least) * random) / options.times_shorter(range.from + sum);
         // The last edge is left out where the sum then misses the length by less.
         if sum + edge - length > length - sum && !lengths.is_empty() {
             break;
@@ -339,7 +340,9 @@ fn build(
         let vertices: Vec<DVec3> = lengths.iter().map(position).collect();
         let strength = |k: usize| {
             let uniform = unit(options.seed ^ 0x57e6, number as i64, k as i64, 0);
-            weibull(options.weibull, uniform).max(MIN_RELATIVE_STRENGTH)
+            // The weakest of several short edges is as strong as the one that they take the place of.
+            let size = libm::pow(options.times_shorter(lengths[k]), 1.0 / options.weibull);
+            (size * weibull(options.weibull, uniform)).max(MIN_RELATIVE_STRENGTH)
         };
         rods.push(Rod {
             relative_strength: (0..vertices.len()).map(strength).collect(),

@@ -36,7 +36,7 @@ pub use fill::{PlacedRods, fill_stem, fill_structured_stem};
 pub(crate) use material::RelativeWood;
 pub use material::{WoodMaterial, strength_at};
 pub use options::{
-    Arrangement, EdgeLengths, Neighbours, PlacementError, PlacementOptions, RodCount,
+    Arrangement, EdgeLengths, FineEdges, Neighbours, PlacementError, PlacementOptions, RodCount,
 };
 pub(crate) use points::poisson_disk;
 pub(crate) use scatter::weibull;

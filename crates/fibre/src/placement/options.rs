@@ -61,6 +61,8 @@ pub struct PlacementOptions {
     pub rods: RodCount,
     /// Length of edges, m.
     pub edges: EdgeLengths,
+    /// Where edges are shorter; `None` for nowhere.
+    pub fine: Option<FineEdges>,
     /// Range along the stem's axis, m; its usable part where `None`.
     pub range: Option<(f64, f64)>,
     /// Lengths along the stem's axis (m) at which clamps end. Where edges are equal one is centred on each, since the bending at
@@ -88,6 +90,15 @@ pub struct EdgeLengths {
     pub greatest: f64,
 }
 
+/// A part of the stem in which edges are shorter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FineEdges {
+    /// Range along the stem's axis, m.
+    pub range: (f64, f64),
+    /// How many times shorter, 1 or more.
+    pub times: f64,
+}
+
 impl EdgeLengths {
     /// Returns edges of one length, m.
     pub fn even(length: f64) -> Self {
@@ -109,6 +120,7 @@ impl Default for PlacementOptions {
                 least: 4e-3,
                 greatest: 6e-3,
             },
+            fine: None,
             range: None,
             clamp_ends: Vec::new(),
             reach: 2.5,
@@ -163,6 +175,14 @@ pub enum PlacementError {
 
 impl PlacementOptions {
     /// Checks that all numbers are in range.
+    /// How many times shorter edges are at a length along the axis, m.
+    pub(super) fn times_shorter(&self, along: f64) -> f64 {
+        let fine = self
+            .fine
+            .filter(|f| (f.range.0..=f.range.1).contains(&along));
+        fine.map_or(1.0, |f| f.times)
+    }
+
     pub(super) fn check(&self) -> Result<(), PlacementError> {
         let EdgeLengths { least, greatest } = self.edges;
         let spacing = match self.rods {
@@ -189,6 +209,16 @@ impl PlacementOptions {
                 what: "the greatest edge (m)",
                 value: greatest,
                 right: "no less than the least edge",
+            });
+        }
+        if let Some(fine) = self
+            .fine
+            .filter(|f| !(f.times >= 1.0 && f.times.is_finite()))
+        {
+            return Err(PlacementError::Value {
+                what: "how many times shorter edges are in a part",
+                value: fine.times,
+                right: "1 or more and finite",
             });
         }
         if self.weibull.is_nan() || self.weibull < 1.0 {

@@ -3,7 +3,7 @@
 use super::arc;
 use super::choices::{BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice};
 use super::error::SceneError;
-use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, RodKeys, Scene};
+use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, LoadKeys, RodKeys, Scene};
 use super::start::{align_with_axes, bend, rotation};
 use crate::bodies::{Bodies, Body, BodyError, BodyMotion, ContactOptions, Shape, clearance};
 use crate::failure::{BondCriterion, FailureCriteria};
@@ -30,6 +30,8 @@ pub struct AssembledScene {
 
 /// Distance at which a body counts as touching the stem, m.
 const TOUCH_TOLERANCE: f64 = 1e-8;
+/// Acceleration of free fall by which weights are turned into masses where a scene has no gravity, m/s².
+const STANDARD_GRAVITY: f64 = 9.80665;
 /// Largest number of moves of a body towards the stem.
 const MAX_MOVES: usize = 2000;
 
@@ -125,6 +127,33 @@ fn ramp(seconds: f64) -> Ramp {
     }
 }
 
+/// Lays snow on all rods alike. Its mass is there from the start, so that what breaks off falls with its snow and no faster than
+/// that; while its weight rises, the rest of it is held up.
+fn snow(keys: &LoadKeys, bundle: &mut RodBundle, forces: &mut Vec<PointForce>) {
+    if keys.snow <= 0.0 {
+        return;
+    }
+    let gravity = DVec3::from_array(keys.gravity);
+    let weightless = gravity == DVec3::ZERO;
+    let acceleration = if weightless {
+        STANDARD_GRAVITY
+    } else {
+        gravity.length()
+    };
+    let weight = keys.snow / bundle.rods() as f64;
+    bundle.add_line_mass(weight / acceleration);
+    let (direction, ramp) = match (weightless, keys.snow_rise > 0.0) {
+        (true, _) => (DVec3::NEG_Z, ramp(keys.snow_rise)),
+        (false, true) => (-gravity / acceleration, Ramp::Falling(keys.snow_rise)),
+        (false, false) => return,
+    };
+    forces.extend((0..bundle.vertices()).map(|i| PointForce {
+        vertex: i as u32,
+        force: direction * (0.5 * weight * bundle.both_lengths(i)),
+        ramp,
+    }));
+}
+
 fn loads(
     scene: &Scene,
     world: &mut World,
@@ -141,18 +170,7 @@ fn loads(
     loads.gravity = DVec3::from_array(keys.gravity);
     loads.damping = keys.damping;
     let rods = bundle.rods() as f64;
-    if keys.snow_rise > 0.0 {
-        let down = loads.gravity.try_normalize().unwrap_or(DVec3::NEG_Z);
-        for i in 0..bundle.vertices() {
-            loads.forces.push(PointForce {
-                vertex: i as u32,
-                force: down * (0.5 * keys.snow / rods * bundle.both_lengths(i)),
-                ramp: ramp(keys.snow_rise),
-            });
-        }
-    } else {
-        loads.snow = keys.snow / rods;
-    }
+    snow(keys, bundle, &mut loads.forces);
     let velocity = DVec3::from_array(keys.wind);
     if velocity != DVec3::ZERO {
         let area: f64 = bundle.area.iter().sum();
@@ -162,6 +180,7 @@ fn loads(
             drag: keys.drag,
             // The stem's width divided among its rods, so that rods in the lee do not count again.
             width: Some(2.0 * (area / std::f64::consts::PI).sqrt() / rods),
+            ramp: ramp(keys.wind_rise),
         });
     }
     for (number, clamp) in scene.clamp.iter().enumerate() {
@@ -350,9 +369,25 @@ fn shape(number: usize, keys: &BodyKeys, mesh: Option<&Shape>) -> Result<Shape, 
             half_length: 0.5 * size.y,
             radius,
         },
+        ShapeChoice::Wedge => wedge(0.5 * size),
         ShapeChoice::Hull => file("hull")?,
         ShapeChoice::Mesh => file("mesh")?,
     })
+}
+
+/// Returns a wedge of half these sides (m).
+fn wedge(half: DVec3) -> Shape {
+    let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * half;
+    let sides = [-1.0, 1.0].map(|y| {
+        [
+            corner(-1.0, y, 0.0),
+            corner(1.0, y, -1.0),
+            corner(1.0, y, 1.0),
+        ]
+    });
+    Shape::Hull {
+        points: sides.concat(),
+    }
 }
 
 impl BodyKeys {

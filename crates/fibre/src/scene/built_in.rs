@@ -30,10 +30,15 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "bend",
     "twist",
     "pull",
+    "strip",
     "fall",
+    "falling-trunk",
     "snow",
+    "gust",
     "knee",
     "short-beam",
+    "green-twig",
+    "wedge",
     "as-published"
 ];
 

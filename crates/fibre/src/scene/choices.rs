@@ -74,6 +74,8 @@ choices! {
         Capsule = "capsule",
         /// A cylinder along the body's y.
         Cylinder = "cylinder",
+        /// A wedge of the given size, whose edge is along y and points to −x.
+        Wedge = "wedge",
         /// The hull of a mesh file's vertices.
         Hull = "hull",
         /// A closed mesh file.

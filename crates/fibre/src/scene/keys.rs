@@ -128,6 +128,10 @@ parameters! {
             /// Least and greatest length of edges. Where both are equal, vertices are placed so that wood is free exactly from the
             /// ends of clamps.
             edge: [f64; 2] = [4e-3, 6e-3], range(&EDGE);
+            /// Part of the stem's length on which edges are shorter, as fractions; "auto" is none.
+            fine: Option<[f64; 2]> = None, range(&PART).auto();
+            /// How many times shorter edges are there. Their scatter of strength is that of wood of the same length.
+            fineness: f64 = 2.0, number(Unit::One, 1.0, 16.0);
             /// Whether rods resist twist.
             twist: TwistChoice = TwistChoice::Auto, choice(TwistChoice::CHOICES);
             /// Reach of bonds, in mean distances of rods.
@@ -140,9 +144,12 @@ parameters! {
             weibull: Option<f64> = None, number(Unit::One, 1.0, 1e6).logarithmic().auto();
         }
     }
-    check |keys| match keys.edge {
-        [least, greatest] if least > greatest => Err(ParameterError::Conflict(format!(
+    check |keys| match (keys.edge, keys.fine) {
+        ([least, greatest], _) if least > greatest => Err(ParameterError::Conflict(format!(
             "edge is from {least} to {greatest} m, but the first must not be above the second"
+        ))),
+        (_, Some([from, to])) if from >= to => Err(ParameterError::Conflict(format!(
+            "fine is from {from} to {to}, but the first must be below the second"
         ))),
         _ => Ok(()),
     };
@@ -168,15 +175,18 @@ parameters! {
             gravity: [f64; 3] = [0.0; 3], vector(&ACCELERATION);
             /// Damping: the rate at which velocities decay.
             damping: f64 = 0.0, number(Unit::PerSecond, 0.0, 1e6);
-            /// Snow on the stem, weight per length.
+            /// Snow on the stem, weight per length. It has the mass of its weight, and stays on what breaks off.
             snow: f64 = 0.0, number(Unit::NewtonPerMetre, 0.0, 1e6);
             /// Time over which the snow load grows; 0 for at once.
             snow_rise: f64 = 0.0, time();
             /// Velocity of the wind.
             wind: [f64; 3] = [0.0; 3], vector(&SPEED);
+            /// Time over which the wind rises; 0 for at once.
+            wind_rise: f64 = 0.0, time();
             /// Density of the air.
             air: f64 = 1.2, number(Unit::KilogramPerCubicMetre, 0.0, 1e4);
-            /// Drag coefficient.
+            /// Drag coefficient, about 1 for a bare stem. What twigs and leaves catch is added to it: 10 for nine times the area of the stem's
+            /// own side.
             drag: f64 = 1.0, number(Unit::One, 0.0, 100.0);
         }
     }
@@ -279,7 +289,7 @@ parameters! {
             name: String = String::new(), text(Format::ANY);
             /// Shape.
             shape: ShapeChoice = ShapeChoice::Box, choice(ShapeChoice::CHOICES);
-            /// Size of a box; length (y) of a capsule or cylinder.
+            /// Size of a box or wedge; length (y) of a capsule or cylinder.
             size: [f64; 3] = [0.02; 3], vector(&SIZE);
             /// Diameter of a sphere, capsule or cylinder.
             diameter: f64 = 0.02, length(1e-6, 1e3);

@@ -32,6 +32,7 @@ mod curves;
 mod error;
 mod meshes;
 mod prepare;
+mod refine;
 mod report;
 mod run;
 mod tissue_report;
@@ -40,7 +41,8 @@ pub use curves::{LoadCurves, energy_curves};
 pub use error::SimulateError;
 pub use meshes::{SceneMeshes, body_shapes};
 pub use prepare::{FilledStem, PositionedBundle, fill_scene_stem, position_bundle};
-pub use report::{EnergyDrift, SimulateReport};
+pub use refine::find_break;
+pub use report::{Buckled, EnergyDrift, SimulateReport};
 pub use run::{SimulateRequest, simulate};
 pub use tissue_report::TissueReport;
 

@@ -4,8 +4,8 @@ use super::error::SimulateError;
 use super::meshes::{SceneMeshes, StemScene, mesh_shapes, stem_scene};
 use super::tissue_report::TissueReport;
 use crate::placement::{
-    Arrangement, EdgeLengths, Neighbours, PlacedRods, PlacementOptions, RodCount, WoodMaterial,
-    fill_stem, fill_structured_stem,
+    Arrangement, EdgeLengths, FineEdges, Neighbours, PlacedRods, PlacementOptions, RodCount,
+    WoodMaterial, fill_stem, fill_structured_stem,
 };
 use crate::rod_bundle::RodBundle;
 use crate::scene::{
@@ -195,6 +195,13 @@ fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOption
             least: keys.edge[0],
             greatest: keys.edge[1],
         },
+        fine: keys.fine.map(|part| {
+            let [from, to] = part.map(|fraction| range.0 + fraction * (range.1 - range.0));
+            FineEdges {
+                range: (from, to),
+                times: keys.fineness,
+            }
+        }),
         range: Some(range),
         clamp_ends: (scene.clamp.iter())
             .filter(|clamp| clamp.to > clamp.from)

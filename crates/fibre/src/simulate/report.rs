@@ -5,6 +5,7 @@ use super::tissue_report::TissueReport;
 use crate::event::{Event, EventKind};
 use crate::outcome::{Outcome, OutcomeRecords, WoodAtStart};
 use crate::scene::{AssembledScene, Scene};
+use crate::solvers::Buckling;
 use crate::store::{EnergyRow, RunStore};
 use crate::world::World;
 use serde::Serialize;
@@ -21,8 +22,22 @@ pub struct EnergyDrift {
     pub drift_j: f64,
     /// Largest difference of the balance from its start, J.
     pub largest_j: f64,
+    /// Largest fall of what the solver's method takes from the motion: so much energy it has made, J.
+    pub made_j: f64,
 }
 
+/// Returns by how much a sequence falls most below what it was before.
+fn largest_fall(values: impl Iterator<Item = f64>) -> f64 {
+    let (mut highest, mut fall) = (f64::NEG_INFINITY, 0.0);
+    for value in values {
+        highest = f64::max(highest, value);
+        fall = f64::max(fall, highest - value);
+    }
+    fall
+}
+
+/// A method that makes more than this fraction of the energy there is is said to.
+const MADE_FRACTION: f64 = 1e-3;
 /// Less energy than this, J, is rounding: no fraction of it means anything.
 const ROUNDING_ENERGY: f64 = 1e-9;
 
@@ -42,7 +57,45 @@ impl EnergyDrift {
             largest_j: balance
                 .iter()
                 .fold(0.0, |m, b| f64::max(m, (b - start).abs())),
+            made_j: largest_fall(rows.iter().map(|r| r.ledger.dissipated)),
         }
+    }
+}
+
+/// The end of a run in which the wood buckles. Only the quasi-static solver ends there: the others follow the motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Buckled {
+    /// Time of the last stable equilibrium, s.
+    pub time_s: f64,
+    /// The largest force of a clamp then, N.
+    pub load_n: f64,
+    /// Where the wood moves most as it buckles, in m from the stem's base.
+    pub place_m: f64,
+}
+
+impl Buckled {
+    pub(super) fn new(buckling: &Buckling, fraction: &[f64], length: f64) -> Self {
+        Buckled {
+            time_s: buckling.time,
+            load_n: buckling.load,
+            place_m: length
+                * fraction
+                    .get(buckling.vertex as usize)
+                    .copied()
+                    .unwrap_or(0.0),
+        }
+    }
+}
+
+impl std::fmt::Display for Buckled {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "the wood buckles at {:.4} s, under {:.5} N (the largest force of a clamp), and gives way most at {:.3} m: under \
+             more load it would not stay in its equilibrium, and the run ends here; to see where it goes, take the solver \
+             interactive or implicit, and push it a little to the side, as no wood is quite straight",
+            self.time_s, self.load_n, self.place_m
+        )
     }
 }
 
@@ -59,6 +112,8 @@ pub struct SimulateReport {
     pub bonds: usize,
     /// Length of the stem, m.
     pub length_m: f64,
+    /// Area of the rods' section, m².
+    pub section_m2: f64,
     /// Whether rods resist twist.
     pub twist: bool,
     /// Name of the solver.
@@ -81,6 +136,8 @@ pub struct SimulateReport {
     pub fracture_loss_j: f64,
     /// How well energy was conserved.
     pub energy: EnergyDrift,
+    /// Where the wood buckles; the run then ends before its duration.
+    pub buckling: Option<Buckled>,
     /// What became of the wood; `None` until the run is complete.
     pub outcome: Option<Outcome>,
     /// Files written; none for a run in memory.
@@ -139,7 +196,18 @@ impl std::fmt::Display for SimulateReport {
                 100.0 * energy.largest_j / energy.most_j
             )?;
         }
+        if energy.most_j > ROUNDING_ENERGY && energy.made_j > MADE_FRACTION * energy.most_j {
+            writeln!(
+                f,
+                "note     the solver's method made {:.4} J, {:.2} % of the energy; shorter steps make less",
+                energy.made_j,
+                100.0 * energy.made_j / energy.most_j
+            )?;
+        }
         writeln!(f, "time     {:.4} s in {} frames", self.time_s, self.frames)?;
+        if let Some(buckling) = &self.buckling {
+            writeln!(f, "note     {buckling}")?;
+        }
         for note in &self.notes {
             writeln!(f, "note     {note}")?;
         }
@@ -160,6 +228,7 @@ pub(super) fn begin_report(
         vertices: bundle.vertices(),
         bonds: bundle.bonds.len(),
         length_m: assembled.length,
+        section_m2: assembled.world.bundle.area.iter().sum(),
         twist: bundle.twisting,
         solver: scene.solver.word().to_owned(),
         step_s: 0.0,
@@ -171,6 +240,7 @@ pub(super) fn begin_report(
         first_break_s: None,
         fracture_loss_j: 0.0,
         energy: EnergyDrift::default(),
+        buckling: None,
         outcome: None,
         files: Vec::new(),
         wood,

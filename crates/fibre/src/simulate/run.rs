@@ -3,7 +3,7 @@
 use super::error::SimulateError;
 use super::meshes::SceneMeshes;
 use super::prepare::{PreparedScene, prepare};
-use super::report::{SimulateReport, begin_report, finish_report};
+use super::report::{Buckled, SimulateReport, begin_report, finish_report};
 use crate::error::SolverError;
 use crate::event::EventKind;
 use crate::outcome::WoodAtStart;
@@ -120,7 +120,7 @@ impl Run<'_> {
         let ticks = ((scene.duration * rows).round() as u64).max(u64::from(scene.duration > 0.0));
         let frame_of =
             |tick: u64| (tick as f64 * scene.frames_per_second / rows + 1e-9).floor() as u64;
-        while self.progress.ticks < ticks {
+        while self.progress.ticks < ticks && self.progress.buckling.is_none() {
             let tick = self.progress.ticks + 1;
             let item = context.item(self.progress.ticks as usize, ticks as usize);
             if scene.slow > 1.0 && tick <= self.progress.slow_until {
@@ -153,6 +153,8 @@ impl Run<'_> {
         report: &mut SimulateReport,
     ) -> Result<(), SimulateError> {
         self.progress.ledger.add(advanced);
+        self.progress.buckling = advanced.buckling;
+        let frame = frame || advanced.buckling.is_some();
         report.step_s = advanced.step;
         report.limit_s = advanced.limit.is_finite().then_some(advanced.limit);
         self.record(frame, self.scene.solver.velocity_lag() * advanced.step)?;
@@ -193,6 +195,9 @@ impl Run<'_> {
                 self.progress.ticks = tick;
             }
             self.complete(&advanced, frame, report)?;
+            if advanced.buckling.is_some() {
+                break;
+            }
         }
         self.progress.ticks = tick;
         Ok(())
@@ -295,6 +300,10 @@ pub fn simulate(
     }
     run.advance(&mut report, &moving)?;
     run.save()?;
+    let AssembledScene {
+        fraction, length, ..
+    } = &run.assembled;
+    report.buckling = (run.progress.buckling.as_ref()).map(|b| Buckled::new(b, fraction, *length));
     finish_report(
         &mut report,
         (&start, &run.assembled.world),

@@ -15,6 +15,7 @@ use crate::material_frame;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
+use crate::world::World;
 use glam::DVec3;
 use greenstick_geometry::{Cancelled, Context};
 
@@ -59,6 +60,24 @@ pub(super) struct EquilibriumProblem<'a> {
     pub lost: f64,
     /// Work of forces that were left unbalanced so far, J.
     pub unbalanced_work: f64,
+}
+
+impl<'a> EquilibriumProblem<'a> {
+    /// The equilibrium of a world at a time (s), without inertia.
+    pub fn at_rest(world: &'a World, time: f64) -> Self {
+        EquilibriumProblem {
+            bundle: &world.bundle,
+            loads: &world.loads,
+            yielding: world.failure.rods_yield,
+            softening: world.failure.is_cohesive(),
+            lost: world.fracture_loss,
+            unbalanced_work: world.unbalanced_work,
+            start: &world.state,
+            base: &world.state,
+            inertia: None,
+            time,
+        }
+    }
 }
 
 /// The unbalanced forces of a trial state.
@@ -256,23 +275,9 @@ impl Balance {
 
     /// Returns the largest unbalanced force, N; infinite where one is NaN. Moments count as couples one [`MOMENT_ARM`] apart.
     pub fn largest_residual(&self) -> f64 {
-        self.largest_residual_but(|_| false)
-    }
-
-    /// Returns the largest unbalanced force (N), as above, of those at vertices without contact. Friction depends on the way in
-    /// a step, so that in a state by itself forces in contact are not balanced.
-    pub fn largest_residual_without_contact(&self) -> f64 {
-        let mut touched = vec![false; self.residual.len() / self.block];
-        for (v, _) in self.springs.iter().flat_map(ContactSpring::shares) {
-            touched[v] = true;
-        }
-        self.largest_residual_but(|vertex| touched[vertex])
-    }
-
-    fn largest_residual_but(&self, excluded: impl Fn(usize) -> bool) -> f64 {
         let mut largest = 0.0f64;
         for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
-            if *h || excluded(f / self.block) {
+            if *h {
                 continue;
             }
             let size = if f % self.block == 3 {

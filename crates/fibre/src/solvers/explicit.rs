@@ -415,7 +415,6 @@ fn has_forces(loads: &Loads) -> bool {
         || !loads.forces.is_empty()
         || !loads.moments.is_empty()
         || loads.wind.is_some()
-        || loads.snow != 0.0
 }
 
 /// Returns the power of the forces on vertices at these velocities, W. That of moments follows when frames turn.

@@ -7,12 +7,14 @@
 //! | `implicit` | [`Implicit`]: time steps of animation at real stiffness |
 //! | `interactive` | [`Interactive`]: one step per frame, short ones while wood breaks |
 //! | `quasi_static` | [`QuasiStatic`]: load steps to equilibrium, and breaks one by one |
+//! | `buckling` | [`Buckling`]: the load at which an equilibrium stops being stable |
 //! | `newton` | Newton's method on all energies, loads and inertia, with yielding and grips; `balance`: its unbalanced forces |
 //! | `limit_step` | limits Newton steps |
 //! | `grip` | `Grip`: springs on the mean displacement of some vertices |
 //! | `linear` | linear systems of a Newton step |
 
 mod balance;
+mod buckling;
 mod crack;
 mod explicit;
 mod grip;
@@ -35,4 +37,4 @@ pub use implicit::Implicit;
 pub(crate) use interactive::DEFAULT_STEP as INTERACTIVE_STEP;
 pub use interactive::{Interactive, InteractiveEffort};
 pub use quasi_static::{QuasiStatic, QuasiStaticEffort};
-pub use solver::{AdvanceReport, Solver};
+pub use solver::{AdvanceReport, Buckling, Solver};

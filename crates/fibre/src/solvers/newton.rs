@@ -38,9 +38,6 @@ const MIN_TOLERANCE_RATIO: f64 = 0.01;
 const AHEAD_RATIO: f64 = 0.1;
 /// Iterations before the work of unbalanced forces counts: the first steps do not see how stiff rods become as they turn.
 const MIN_WORK_ITERATIONS: usize = 2;
-/// A state counts as balanced at the start of a step up to this multiple of the tolerance with which it was found: contacts
-/// that have ended since, and the friction of others, differ by a little.
-const START_TOLERANCE_RATIO: f64 = 10.0;
 
 /// An equilibrium.
 pub(super) struct Equilibrium {
@@ -56,27 +53,19 @@ pub(super) struct Equilibrium {
     pub unbalanced_work: f64,
 }
 
-/// The forces in the state from which a load step starts.
-pub(super) struct StartBalance {
-    /// Forces of clamps on vertices, and their moments on edges.
-    pub reaction: Forces,
-    /// Whether all other forces are balanced.
-    pub balanced: bool,
-}
-
 /// The method, with what it retains between steps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Newton {
     generation: Option<u64>,
-    balance: Balance,
-    linear: LinearSolver,
-    options: NewtonOptions,
+    pub(super) balance: Balance,
+    pub(super) linear: LinearSolver,
+    pub(super) options: NewtonOptions,
     detector: FailureDetector,
 }
 
 /// How linear systems are solved.
 #[derive(Debug, Clone)]
-enum LinearSolver {
+pub(super) enum LinearSolver {
     /// With a retained Cholesky factor.
     Direct(Box<DirectSolver>),
     /// Anew for every step, with three degrees of freedom at a vertex.
@@ -262,25 +251,21 @@ impl Newton {
         }
     }
 
-    /// Returns the forces in the state from which `problem` starts, which is at the time of that state.
+    /// Returns the forces of clamps in the state from which `problem` starts, which is at the time of that state.
     ///
     /// # Errors
     /// [`Cancelled`] where the caller cancels the work.
-    pub fn balance_at_start(
+    pub fn reaction_at_start(
         &mut self,
         problem: &EquilibriumProblem,
         contacts: &mut dyn Contacts,
         context: &Context,
-    ) -> Result<StartBalance, Cancelled> {
+    ) -> Result<Forces, Cancelled> {
         let mut state = problem.start.clone();
         let balance = &mut self.balance;
         balance.apply_clamps(problem, &state);
         balance.evaluate(problem, contacts, &mut state, context)?;
-        let tolerance = START_TOLERANCE_RATIO * self.options.tolerance * balance.scale;
-        Ok(StartBalance {
-            reaction: balance.reaction(problem.bundle),
-            balanced: balance.largest_residual_without_contact() <= tolerance,
-        })
+        Ok(balance.reaction(problem.bundle))
     }
 
     /// Finds the equilibrium of `problem`, starting the search from `first`.

@@ -5,13 +5,16 @@
 //! Time only measures how far loads have gone. A step in which something would be overstressed by more than
 //! [`MAX_OVERSTRESS`] is repeated with a shorter length, so that the load at a break does not depend on the steps.
 //!
-//! Work is that along the path of equilibria. Where a step starts out of balance, after a break or under a load that is
-//! suddenly there, more work is done than is stored; the difference is reported as [`AdvanceReport::dissipated`].
+//! Work is that along the path of equilibria, by the trapezoidal rule. What the potential falls more than its forces work by the
+//! same rule is reported as [`AdvanceReport::dissipated`]: hardly anything from one equilibrium to the next, and where a step
+//! starts out of balance, after a break or under a load that is suddenly there, what would have become motion and heat. The
+//! balance of energy is a check: what is left of it is the work of forces that are not balanced at the end of a step.
 
 use super::balance::{EquilibriumProblem, Inertia};
 use super::grip::Grip;
-use super::newton::{Equilibrium, Newton, NewtonOptions, StartBalance};
+use super::newton::{Equilibrium, Newton, NewtonOptions};
 use super::solver::{AdvanceReport, Solver};
+use super::step_energy::{contact_work, work_between};
 use super::stepwise::{check_duration, given_step};
 use crate::contact::Contacts;
 use crate::energy::energies;
@@ -21,6 +24,7 @@ use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{Overstressed, find_overstressed, largest_demand};
 use crate::failure::yielding::record_yielding;
 use crate::forces::Forces;
+use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::world::World;
 use greenstick_geometry::{Cancelled, Context};
@@ -49,14 +53,17 @@ const NEARLY_STATIC_RATIO: f64 = 64.0;
 pub struct QuasiStatic {
     given: Option<f64>,
     grips: Vec<Grip>,
-    newton: Newton,
+    pub(super) newton: Newton,
     queue: Vec<Overstressed>,
     iterations: u64,
+    /// Load steps in a row that hardly advanced ([`super::buckling`]).
+    pub(super) short_steps: u32,
 }
 
 /// A step from the world's state to an equilibrium.
 struct LoadStep {
-    start: StartBalance,
+    /// Forces of clamps at the start.
+    reaction: Forces,
     end: Equilibrium,
     /// Time at the end, s.
     time: f64,
@@ -127,27 +134,34 @@ impl QuasiStatic {
         context: &Context,
     ) -> Result<Equilibrium, SolverError> {
         self.newton.prepare(&world.bundle, &self.grips);
-        let problem = EquilibriumProblem {
-            bundle: &world.bundle,
-            loads: &world.loads,
-            yielding: world.failure.rods_yield,
-            softening: world.failure.is_cohesive(),
-            lost: world.fracture_loss,
-            unbalanced_work: world.unbalanced_work,
-            start: &world.state,
-            base: &world.state,
-            inertia: None,
-            time,
-        };
+        let problem = EquilibriumProblem::at_rest(world, time);
         let found = match self.newton.solve(&problem, &world.state, contacts, context) {
             // A load step may be shortened; after a break there is no shorter step.
             Err(SolverError::NotConverged { .. }) if time == world.state.time => {
                 self.relax(&problem, contacts, context)?
             }
+            Err(SolverError::NotConverged { .. }) if world.is_elastic() => {
+                self.solve_far(&problem, contacts, context)?
+            }
             other => other?,
         };
         self.iterations += found.iterations as u64;
         Ok(found)
+    }
+
+    /// Solves with steps that may be longer than the linear systems give. These leave out what makes wood under pressure softer,
+    /// so that near the critical load of a column they would come to rest only after hundreds of iterations.
+    fn solve_far(
+        &mut self,
+        problem: &EquilibriumProblem,
+        contacts: &mut dyn Contacts,
+        context: &Context,
+    ) -> Result<Equilibrium, SolverError> {
+        let options = self.newton.options;
+        self.newton.options.lengthen_steps = true;
+        let found = self.newton.solve(problem, problem.start, contacts, context);
+        self.newton.options = options;
+        found
     }
 
     /// Comes to rest after a break by backward Euler steps that start without velocity: what has snapped loose moves to a new
@@ -273,10 +287,7 @@ impl QuasiStatic {
         match self.equilibrium(world, contacts, time, context) {
             Ok(end) => Ok(LoadStep {
                 // Clamps do not move, whatever their forces were.
-                start: StartBalance {
-                    reaction: Forces::zeros(world.bundle.vertices()),
-                    balanced: false,
-                },
+                reaction: Forces::zeros(world.bundle.vertices()),
                 end,
                 time,
             }),
@@ -295,7 +306,7 @@ impl QuasiStatic {
         time: f64,
         context: &Context,
     ) -> Result<LoadStep, SolverError> {
-        let balance = self.balance_at_start(world, contacts, context)?;
+        let reaction = self.reaction_at_start(world, contacts, context)?;
         let start = world.state.time;
         let failure = world.failure.sudden();
         let demand = |state: &State| largest_demand(&failure, &world.bundle, state);
@@ -308,7 +319,7 @@ impl QuasiStatic {
                     let after = demand(&end.state);
                     if after <= 1.0 + MAX_OVERSTRESS || trials > MAX_TRIALS {
                         return Ok(LoadStep {
-                            start: balance,
+                            reaction,
                             end,
                             time: target,
                         });
@@ -325,88 +336,89 @@ impl QuasiStatic {
         }
     }
 
-    /// Finds the forces of clamps in the world as it is, and whether it is in equilibrium.
-    fn balance_at_start(
+    /// Finds the forces of clamps in the world as it is.
+    fn reaction_at_start(
         &mut self,
         world: &World,
         contacts: &mut dyn Contacts,
         context: &Context,
-    ) -> Result<StartBalance, Cancelled> {
+    ) -> Result<Forces, Cancelled> {
         self.newton.prepare(&world.bundle, &self.grips);
-        let problem = EquilibriumProblem {
-            bundle: &world.bundle,
-            loads: &world.loads,
-            yielding: world.failure.rods_yield,
-            softening: world.failure.is_cohesive(),
-            lost: world.fracture_loss,
-            unbalanced_work: world.unbalanced_work,
-            start: &world.state,
-            base: &world.state,
-            inertia: None,
-            time: world.state.time,
-        };
-        self.newton.balance_at_start(&problem, contacts, context)
+        let problem = EquilibriumProblem::at_rest(world, world.state.time);
+        self.newton.reaction_at_start(&problem, contacts, context)
     }
 
     fn accept(
         &mut self,
         world: &mut World,
         contacts: &mut dyn Contacts,
-        LoadStep { start, end, time }: LoadStep,
+        LoadStep {
+            reaction,
+            end,
+            time,
+        }: LoadStep,
         report: &mut AdvanceReport,
     ) {
         let stored = energies(&world.bundle, &world.state).potential() + contacts.stored_energy();
+        let mut internal = Forces::zeros(world.bundle.vertices());
+        (self.newton).internal_forces(&world.bundle, &end.state, &mut internal);
         let old = std::mem::replace(&mut world.state, end.state);
-        let step = time - old.time;
         world.state.time = time;
         world.state.step += 1;
         world.state.velocity.fill_zero();
         world.state.spin.fill(0.0);
         let lost = record_yielding(world, &old) + take_damage(world, &end.softened);
         world.fracture_loss += lost;
-        let mut work = work(world, &old, [&start.reaction, &end.reaction]);
-        let grips = [&old, &world.state]
-            .map(|state| (self.newton).grip_forces(&world.bundle, state, state.time));
-        for (k, grip) in self.grips.iter().enumerate() {
-            work += 0.5 * (grips[0][k] + grips[1][k]) * grip.speed * step;
-        }
-        report.work += work;
+        let before = external_work(world, &old, &old, reaction);
+        let after = external_work(world, &old, &world.state, end.reaction);
+        report.work += before + after;
+        let (drawn, held) = self.grip_work(world, &old);
+        report.work += drawn;
+        let mut own = half_work(&world.bundle, [&old, &world.state], &internal);
+        own += 0.5 * contact_work(&old, &world.state, &end.springs);
         let contact = contacts.accept(&old, time, &end.springs);
         let now = energies(&world.bundle, &world.state).potential() + contact.stored;
-        if !start.balanced {
-            // What a break or a load that is suddenly there releases would have become motion and heat.
-            let given = work + contact.work - contact.dissipated;
-            report.dissipated += (stored + given - now - lost).max(0.0);
-        }
+        let given = contact.work - contact.dissipated;
+        // At the start, forces of the wood are taken as those of loads and clamps, with which they were balanced or will be.
+        report.dissipated += stored + given - now - lost - own + before + held;
         report.steps += 1;
+    }
+
+    /// Returns the work with which grips are moved on the way from `old` to the world's state, and half of the work that they do on
+    /// the wood with their forces at its start, J.
+    fn grip_work(&self, world: &World, old: &State) -> (f64, f64) {
+        let World { bundle, state, .. } = world;
+        let forces = [old, state].map(|s| self.newton.grip_forces(bundle, s, s.time));
+        let places = [old, state].map(|s| self.newton.grip_displacements(bundle, s));
+        let step = state.time - old.time;
+        let (mut drawn, mut held) = (0.0, 0.0);
+        for (k, grip) in self.grips.iter().enumerate() {
+            drawn += 0.5 * (forces[0][k] + forces[1][k]) * grip.speed * step;
+            held += 0.5 * forces[0][k] * (places[1][k] - places[0][k]);
+        }
+        (drawn, held)
     }
 }
 
-/// Returns the work of loads and clamps between two equilibria, from `old` to that of the world, J: by the trapezoidal rule,
-/// which is exact for dead loads, and for all loads where the wood is linear. `reactions` are the forces of clamps in both.
-fn work(world: &World, old: &State, reactions: [&Forces; 2]) -> f64 {
+/// Returns half of the work of loads and clamps with their forces in the state `at` on the way from `old` to the world's state,
+/// J.
+fn external_work(world: &World, old: &State, at: &State, reaction: Forces) -> f64 {
     let World {
         bundle,
         state,
         loads,
         ..
     } = world;
-    let loads_on = |state: &State| {
-        let mut forces = Forces::zeros(bundle.vertices());
-        let (x, v) = (&state.position, &state.velocity);
-        loads.add_forces(bundle, state.time, x, v, &mut forces);
-        forces
-    };
-    let (before, after) = (loads_on(old), loads_on(state));
-    let all = [&before, &after, reactions[0], reactions[1]];
-    (0..bundle.vertices()).fold(0.0, |work, v| {
-        let way = state.position.get(v) - old.position.get(v);
-        let turn = state.angle[v] - old.angle[v];
-        let both = all.iter().fold(0.0, |sum, forces| {
-            sum + forces.linear.get(v).dot(way) + forces.moment[v] * turn
-        });
-        work + 0.5 * both
-    })
+    let mut forces = reaction;
+    let (x, v) = (&at.position, &at.velocity);
+    loads.add_forces(bundle, at.time, x, v, &mut forces);
+    half_work(bundle, [old, state], &forces)
+}
+
+/// Returns half of the work of forces on the way from one state to another, J: their part of the trapezoidal rule, which is
+/// exact along a straight path of a linear system.
+fn half_work(bundle: &RodBundle, [from, to]: [&State; 2], forces: &Forces) -> f64 {
+    0.5 * work_between(bundle, from, to, forces)
 }
 
 /// Returns the shortest period of an edge over 2π, s.
@@ -455,10 +467,11 @@ impl Solver for QuasiStatic {
             if time > end - 1e-9 * full {
                 time = end;
             }
-            let one = self.next_equilibrium(world, contacts, time, context)?;
-            report.steps += one.steps;
-            report.work += one.work;
-            report.dissipated += one.dissipated;
+            let one = self.next_stable(world, contacts, time, context)?;
+            report.add(&one);
+            if report.buckling.is_some() {
+                break;
+            }
         }
         Ok(report)
     }

@@ -6,6 +6,17 @@ use crate::world::World;
 use greenstick_geometry::Context;
 use serde::{Deserialize, Serialize};
 
+/// The end of a path of stable equilibria.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Buckling {
+    /// Time at which the last stable equilibrium was found, s.
+    pub time: f64,
+    /// The largest force of a clamp then, N.
+    pub load: f64,
+    /// The vertex that moves most as the wood buckles, by its number in the unbroken bundle.
+    pub vertex: u32,
+}
+
 /// What a solver did in a call of [`Solver::advance`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct AdvanceReport {
@@ -21,6 +32,27 @@ pub struct AdvanceReport {
     pub dissipated: f64,
     /// Work of clamps and loads, J: of forces along ways, and of moments along angles.
     pub work: f64,
+    /// Where the wood buckles, at which [`QuasiStatic`](super::QuasiStatic) stops.
+    pub buckling: Option<Buckling>,
+}
+
+impl AdvanceReport {
+    /// A step that could not be taken, because the wood buckles.
+    pub(super) fn buckled(buckling: Buckling) -> Self {
+        AdvanceReport {
+            buckling: Some(buckling),
+            ..AdvanceReport::default()
+        }
+    }
+
+    /// Adds what was done in a part of the time.
+    pub(super) fn add(&mut self, part: &AdvanceReport) {
+        self.steps += part.steps;
+        self.damped += part.damped;
+        self.dissipated += part.dissipated;
+        self.work += part.work;
+        self.buckling = self.buckling.or(part.buckling);
+    }
 }
 
 /// A method that moves a world through time.
@@ -52,7 +84,7 @@ pub trait Solver: Send {
     fn step(&mut self, world: &World, context: &Context) -> Result<f64, SolverError>;
 
     /// Moves the world by `duration` seconds, in whole steps of equal length no longer than [`Solver::step`], and appends
-    /// what breaks to [`World::events`].
+    /// what breaks to [`World::events`]. Where the report has a [`Buckling`], it stopped there.
     ///
     /// # Errors
     /// [`SolverError`], [`SolverError::Cancelled`] among them. World and contacts are then as after the last complete step.

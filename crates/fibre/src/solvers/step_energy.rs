@@ -100,7 +100,7 @@ fn set_velocities(world: &mut World, old: &State, dt: f64) -> f64 {
 }
 
 /// Returns the work of forces on the way from one state to another, J.
-fn work_between(bundle: &RodBundle, from: &State, to: &State, forces: &Forces) -> f64 {
+pub(super) fn work_between(bundle: &RodBundle, from: &State, to: &State, forces: &Forces) -> f64 {
     let mut work = 0.0;
     for v in 0..bundle.vertices() {
         let way = to.position.get(v) - from.position.get(v);
@@ -113,7 +113,7 @@ fn work_between(bundle: &RodBundle, from: &State, to: &State, forces: &Forces) -
 }
 
 /// Returns the work of contacts on rods, J.
-fn contact_work(from: &State, to: &State, springs: &[ContactSpring]) -> f64 {
+pub(super) fn contact_work(from: &State, to: &State, springs: &[ContactSpring]) -> f64 {
     let mut work = 0.0;
     for spring in springs {
         for (v, share) in spring.shares() {

@@ -5,11 +5,12 @@ use super::checksum::checksum;
 use super::error::StoreError;
 use super::tables::EnergyLedger;
 use crate::bodies::BodiesState;
+use crate::solvers::Buckling;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
 const MAGIC: &[u8; 8] = b"GSPOINT\0";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const HEAD: usize = 24;
 
 /// Lengths of a run's records, in the unit of what holds them: bytes in files, rows in memory.
@@ -40,6 +41,8 @@ pub struct Progress {
     pub lengths: RecordLengths,
     /// Energy that solvers and loads have taken and given so far.
     pub ledger: EnergyLedger,
+    /// Where the wood buckled, which ends the run.
+    pub buckling: Option<Buckling>,
 }
 
 /// A run between two steps.

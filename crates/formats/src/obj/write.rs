@@ -32,11 +32,11 @@ pub(crate) fn write(
     let library = companions.with_extension("mtl");
     let names = material::names(scene);
     let triangles: usize = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
+    let comments: String = (scene.metadata.lines())
+        .map(|line| format!("# {line}\n"))
+        .collect();
     let mut out = Vec::with_capacity(64 * triangles);
-    out.extend_from_slice(format!("# by Greenstick, in {unit}\n").as_bytes());
-    for line in scene.metadata.lines() {
-        out.extend_from_slice(format!("# {line}\n").as_bytes());
-    }
+    out.extend_from_slice(format!("# by Greenstick, in {unit}\n{comments}").as_bytes());
     if !names.is_empty() {
         let safe = library.replace(char::is_control, "_");
         out.extend_from_slice(format!("mtllib {safe}\n").as_bytes());
@@ -57,7 +57,8 @@ pub(crate) fn write(
     if !names.is_empty() {
         let mut textures = Vec::new();
         let paths = image_paths(&scene.images, &mut companions, &mut textures);
-        let bytes = material::write(scene, &names, &paths);
+        let mut bytes = comments.into_bytes();
+        bytes.append(&mut material::write(scene, &names, &paths));
         files.push(Encoded {
             name: library,
             bytes,

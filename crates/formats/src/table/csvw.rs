@@ -24,6 +24,49 @@ impl DescribedTable {
             columns: table.columns.iter().map(describe).collect(),
         }
     }
+
+    /// Describes a table in the file `file` by its heading, the first line of `csv`: units are those that columns' names end
+    /// in, and all columns are numbers but `texts`.
+    pub fn from_heading(csv: &str, texts: &[&str], file: &str) -> Self {
+        let names = csv.lines().next().unwrap_or_default().split(',');
+        let column = |name: &str| {
+            let is_text = texts.contains(&name);
+            let datatype = if is_text { "string" } else { "double" };
+            let mut description = json!({ "name": name, "titles": name, "datatype": datatype });
+            if let Some(unit) = unit_of(name).filter(|_| !is_text) {
+                description["schema:unitText"] = json!(unit);
+            }
+            description
+        };
+        DescribedTable {
+            file: file.to_owned(),
+            columns: names.map(column).collect(),
+        }
+    }
+}
+
+/// Endings of the names of columns, the longer ones of two that fit first, with their units.
+const UNIT_ENDINGS: [(&str, &str); 14] = [
+    ("_J_per_m3", "J/m3"),
+    ("_J_per_m2", "J/m2"),
+    ("_kg_per_m3", "kg/m3"),
+    ("_m_per_N", "m/N"),
+    ("_percent", "%"),
+    ("_deg", "°"),
+    ("_Nms", "N m s"),
+    ("_Nm", "N m"),
+    ("_Ns", "N s"),
+    ("_N", "N"),
+    ("_Pa", "Pa"),
+    ("_J", "J"),
+    ("_m", "m"),
+    ("_s", "s"),
+];
+
+/// The unit that the name of a column ends in.
+fn unit_of(name: &str) -> Option<&'static str> {
+    let ending = UNIT_ENDINGS.iter().find(|(end, _)| name.ends_with(end));
+    ending.map(|(_, unit)| *unit)
 }
 
 fn describe(column: &Column) -> Value {
@@ -70,5 +113,26 @@ pub fn write_csv_metadata(tables: &[DescribedTable], metadata: &Metadata) -> Enc
     Encoded {
         name: CSVW_FILE.to_owned(),
         bytes: format!("{group:#}\n").into_bytes(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_gives_names_units_and_texts() {
+        let heading = "time_s,holder,force_x_N,moment_x_Nm,angular_x_Nms,compliance_m_per_N,rods_broken\n0,press,1,2\n";
+        let table = DescribedTable::from_heading(heading, &["holder"], "forces.csv");
+        let read = |key: &str| -> Vec<Value> {
+            let columns = table.columns.as_array().unwrap();
+            columns.iter().map(|c| c[key].clone()).collect()
+        };
+        assert_eq!(read("name").len(), 7);
+        assert_eq!(
+            json!(read("schema:unitText")),
+            json!(["s", null, "N", "N m", "N m s", "m/N", null])
+        );
+        assert_eq!(json!(read("datatype")[1..3]), json!(["string", "double"]));
     }
 }

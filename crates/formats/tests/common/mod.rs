@@ -191,3 +191,28 @@ pub fn unhex(text: &str) -> Vec<u8> {
         .collect();
     digits.chunks_exact(2).map(|d| d[0] << 4 | d[1]).collect()
 }
+
+/// A stateless hash (SplitMix64), so that modifications are the same on every machine.
+pub fn hash(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// The bytes with one to four of them changed, at random: replaced, with a flipped bit, by a character that means
+/// something in files of text, or removed.
+pub fn modified(bytes: &[u8], seed: u64) -> Vec<u8> {
+    let mut changed = bytes.to_vec();
+    for k in 0..1 + hash(seed) % 4 {
+        let h = hash(seed + 1 + k);
+        let at = (h >> 16) as usize % changed.len();
+        match h % 4 {
+            0 => changed[at] = (h >> 8) as u8,
+            1 => changed[at] ^= 1 << (h >> 8 & 7),
+            2 => changed[at] = b"0123456789-.eE/ \n{}[]\",:"[(h >> 8) as usize % 24],
+            _ => drop(changed.remove(at)),
+        }
+    }
+    changed
+}

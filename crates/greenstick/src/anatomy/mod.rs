@@ -23,8 +23,8 @@ use greenstick_geometry::{Context, Mesh, PointCloud, Provenance, Scene, Stage};
 use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyFindings, AnatomyReport, CoordinateChoice, ElementsReport, LimbReport,
-    MassReport, MeasurementErrors, ParticleLayers, SegmentReport, StemMeasures, SurfaceColouring,
-    WoodMass, limb_table,
+    MappingComparison, MassReport, MeasurementErrors, ParticleLayers, SegmentReport, StemMeasures,
+    SurfaceColouring, WoodMass, limb_table,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
@@ -199,6 +199,12 @@ fn make_files<E: From<Error>>(
     if request.wants(AnatomyOutput::Springs) {
         springs::write(&layers, &stages.joining, outputs)?;
     }
+    if request.wants(AnatomyOutput::Mapping) {
+        let compared = MappingComparison::new(anatomy, &layers, &stages.mapping);
+        let compared = compared.map_err(Error::from)?;
+        outputs.table(compared.table(), "mapping", TableFormat::Csv)?;
+        notes.push(compared.to_string());
+    }
     if let (Some(cloud), true) = (input.cleaned, request.wants(AnatomyOutput::Cleaned)) {
         outputs.table(cleaned_table(cloud), "cleaned", TableFormat::Ply)?;
     }
@@ -251,6 +257,7 @@ struct Stages {
     encoding: Context,
     surface: Context,
     joining: Context,
+    mapping: Context,
     volume: Context,
     sections: Context,
     longitudinal: Context,
@@ -273,6 +280,7 @@ impl Stages {
             encoding,
             surface,
             joining,
+            mapping,
             volume,
             sections,
             longitudinal,
@@ -286,6 +294,7 @@ impl Stages {
             output(AnatomyOutput::Particles, "encode", 1.0),
             output(AnatomyOutput::Surface, "surface", 1.0),
             output(AnatomyOutput::Springs, "springs", 2.0),
+            output(AnatomyOutput::Mapping, "mapping", 0.2),
             output(AnatomyOutput::Volume, "volume", 4.0),
             output(AnatomyOutput::Sections, "sections", 4.0),
             output(AnatomyOutput::Longitudinal, "longitudinal", 1.0),
@@ -300,6 +309,7 @@ impl Stages {
             encoding,
             surface,
             joining,
+            mapping,
             volume,
             sections,
             longitudinal,

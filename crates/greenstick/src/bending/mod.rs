@@ -14,7 +14,7 @@ pub use greenstick_fibre::bend_test::{
 pub use measured::{MeasuredColumns, MeasuredError, UnitColumn, parse_measured};
 
 use crate::Error;
-use crate::report_file::json_file;
+use crate::report_file::{json_file, with_metadata};
 use greenstick_formats::Encoded;
 use greenstick_geometry::Provenance;
 
@@ -23,35 +23,38 @@ pub const BEND_REPORT_FILE: &str = "bend-test.json";
 /// The name of the table of all species.
 pub const BEND_TABLE_FILE: &str = "species.csv";
 
-/// Returns a test, and in its report where it comes from, as `bend-test.json`, `load-deflection.csv`, `load-deflection.png` and `events.csv`.
+/// Returns a test, and where it comes from, as `bend-test.json`, `load-deflection.csv`, `load-deflection.png`, `events.csv` and
+/// `csv-metadata.json`.
 ///
 /// # Errors
 /// [`Error::Report`] where the report cannot be converted to JSON.
 pub fn bend_test_files(bent: &Bent, provenance: &Provenance) -> Result<Vec<Encoded>, Error> {
-    Ok(vec![
-        json_file(BEND_REPORT_FILE, &bent.report, provenance)?,
+    let report = json_file(BEND_REPORT_FILE, &bent.report, provenance)?;
+    let chart = bend_chart(bent).png_with(&provenance.metadata());
+    let tables = vec![
         Encoded::new("load-deflection.csv", bent.load_table()),
-        Encoded::new("load-deflection.png", bend_chart(bent).png()),
         Encoded::new("events.csv", bent.event_table()),
-    ])
+    ];
+    let first = vec![report, Encoded::new("load-deflection.png", chart)];
+    Ok([first, with_metadata(tables, provenance)].concat())
 }
 
-/// Returns the tests of all species, and where they come from, as `species.csv` and `species.json`, with the summary.
+/// Returns the tests of all species, and where they come from, as `species.csv`, `species.json`, with the summary, and
+/// `csv-metadata.json`.
 ///
 /// # Errors
 /// [`Error::Report`] where the table cannot be converted to JSON.
 pub fn bend_table_files(table: &BendTable, provenance: &Provenance) -> Result<Vec<Encoded>, Error> {
-    Ok(vec![
-        Encoded::new(BEND_TABLE_FILE, table.csv()),
-        json_file("species.json", table, provenance)?,
-    ])
+    let report = json_file("species.json", table, provenance)?;
+    let tables = vec![Encoded::new(BEND_TABLE_FILE, table.csv())];
+    Ok([vec![report], with_metadata(tables, provenance)].concat())
 }
 
 /// The name of the table of specimens.
 pub const SPECIMENS_FILE: &str = "specimens.csv";
 
-/// Returns the tests of many specimens, and where they come from, as `specimens.csv`, `specimens.json`, with the summary, and
-/// `scatter.png`, beside measured specimens where there are such.
+/// Returns the tests of many specimens, and where they come from, as `specimens.csv`, `specimens.json`, with the summary,
+/// `scatter.png`, beside measured specimens where there are such, and `csv-metadata.json`.
 ///
 /// # Errors
 /// [`Error::Report`] where the report cannot be converted to JSON.
@@ -60,9 +63,11 @@ pub fn specimens_files(
     measured: Option<&MeasuredSpecimens>,
     provenance: &Provenance,
 ) -> Result<Vec<Encoded>, Error> {
-    Ok(vec![
-        Encoded::new(SPECIMENS_FILE, report.csv()),
+    let chart = scatter_chart(report, measured).png_with(&provenance.metadata());
+    let first = vec![
         json_file("specimens.json", report, provenance)?,
-        Encoded::new("scatter.png", scatter_chart(report, measured).png()),
-    ])
+        Encoded::new("scatter.png", chart),
+    ];
+    let tables = vec![Encoded::new(SPECIMENS_FILE, report.csv())];
+    Ok([first, with_metadata(tables, provenance)].concat())
 }

@@ -1,4 +1,5 @@
-//! Runs in folders: `scene.toml`, `energy.csv`, `events.csv`, `forces.csv`, `frames.gsf`, `checkpoint.bin` and `origin.json`.
+//! Runs in folders: `scene.toml`, `energy.csv`, `events.csv`, `forces.csv`, `frames.gsf`, `checkpoint.bin`, `origin.json` and
+//! `csv-metadata.json`.
 //!
 //! Tables and frames are only appended to. The checkpoint, which is written beside its place and renamed, says how long they
 //! were when it was made.
@@ -11,7 +12,8 @@ use greenstick_fibre::store::{
     Record, RecordLengths, RunError, RunSink, RunSource, SCENE_FILE, StoreError, event_line,
     parse_energies, parse_events, parse_forces,
 };
-use greenstick_formats::LengthUnit;
+use greenstick_formats::{CSVW_FILE, DescribedTable, LengthUnit, write_csv_metadata};
+use greenstick_geometry::{Metadata, Provenance};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufReader, BufWriter, Write};
@@ -19,6 +21,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const ORIGIN_FILE: &str = "origin.json";
+/// The columns of a run's tables that hold texts.
+const TEXT_COLUMNS: [&str; 3] = ["kind", "cause", "holder"];
 
 /// Where the files of a run came from, so that what is made of the run later finds them again.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -161,6 +165,8 @@ type OpenFrames = IndexedFrames<BufReader<File>>;
 pub struct RunFolder {
     path: PathBuf,
     origin: Origin,
+    /// Where the run comes from.
+    metadata: Metadata,
     /// Open while the run is recorded.
     records: Option<Records>,
     /// Open while frames are read.
@@ -173,9 +179,33 @@ impl RunFolder {
         RunFolder {
             path: path.into(),
             origin,
+            metadata: Metadata::default(),
             records: None,
             frames: Mutex::new(None),
         }
+    }
+
+    /// Returns the same folder; a run that begins there says in its scene and beside its tables where it comes from.
+    #[must_use]
+    pub fn made_by(mut self, provenance: &Provenance) -> Self {
+        self.metadata = provenance.metadata();
+        self
+    }
+
+    /// Returns the scene as it is written, after comments that say where it comes from.
+    fn scene_text(&self, scene: &Scene) -> String {
+        let lines = self.metadata.lines().map(|line| format!("# {line}\n"));
+        lines.chain([scene.to_toml()]).collect()
+    }
+
+    /// Returns the units of all tables and where they come from.
+    fn table_metadata(&self) -> Vec<u8> {
+        let tables = [Record::Energies, Record::Events, Record::Forces].map(|record| {
+            let header = record.header();
+            let heading = String::from_utf8_lossy(&header);
+            DescribedTable::from_heading(&heading, &TEXT_COLUMNS, record.file_name())
+        });
+        write_csv_metadata(&tables, &self.metadata).bytes
     }
 
     /// Returns the folder.
@@ -235,8 +265,9 @@ impl RunSink for RunFolder {
         // Paths and words always fit.
         let origin = serde_json::to_vec_pretty(&self.origin).unwrap_or_default();
         let outputs = [
-            (SCENE_FILE, scene.to_toml().into_bytes()),
+            (SCENE_FILE, self.scene_text(scene).into_bytes()),
             (ORIGIN_FILE, origin),
+            (CSVW_FILE, self.table_metadata()),
         ];
         let outputs = outputs.map(|(name, bytes)| Output {
             path: self.path.join(name),
@@ -287,7 +318,7 @@ impl RunSink for RunFolder {
 
     fn outputs(&self) -> Vec<String> {
         let records = Record::ALL.map(Record::file_name).into_iter();
-        let names = records.chain([CHECKPOINT_FILE, SCENE_FILE]);
+        let names = records.chain([CHECKPOINT_FILE, SCENE_FILE, CSVW_FILE]);
         names
             .map(|name| self.path.join(name).display().to_string())
             .collect()

@@ -71,6 +71,18 @@ pub fn film_of_faces(
 }
 
 impl DrawnFilm {
+    /// Returns which share of the wood's surface is not where its rods are in the film's last frame: wood that is split lengthwise
+    /// without a face between.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the frame cannot be read.
+    pub fn misplaced_share(&mut self, run: &Run) -> Result<f64, FilmError> {
+        let last = self.skinned.report.frames.saturating_sub(1);
+        let shown = self.skinned.at(last)?;
+        let frame = run.frame(self.skinned.report.first_frame + last)?;
+        Ok(run.misplaced_share(&self.skinned.film, &frame, &shown.nodes))
+    }
+
     /// Takes a picture of a frame of the film.
     ///
     /// # Errors

@@ -83,6 +83,12 @@ pub struct SkinReport {
     pub parted: [usize; 2],
     /// The crack opening before the break in a film whose weights are fixed; `None` where there is none.
     pub gape: Option<GapeReport>,
+    /// Share of the surface that is not where its rods are with drawn faces, where somebody looked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub misplaced_share: Option<f64>,
+    /// Why rods are shown where drawn faces would have been the choice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rods_because: Option<String>,
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
     /// What the rods do not fill, where it is carried along.
@@ -138,6 +144,8 @@ impl SkinReport {
             joints,
             parted: [0; 2],
             gape: None,
+            misplaced_share: None,
+            rods_because: None,
             pieces,
             rest: RestReport::default(),
         }
@@ -176,6 +184,9 @@ impl fmt::Display for SkinReport {
                 gape.of_spacing * 1e2,
                 gape.time_s
             )?;
+        }
+        if let Some(reason) = &self.rods_because {
+            writeln!(f, "note     shown by its rods: {reason}")?;
         }
         for piece in self.pieces.iter().take(MAX_LISTED_PIECES) {
             writeln!(

@@ -29,7 +29,7 @@ impl Anatomy<'_> {
         }
         let rings = self.rings();
         let wood: Vec<usize> = (0..rings.ring_count())
-            .filter(|&k| rings.tissues()[k] <= Zone::Sapwood)
+            .filter(|&k| rings.tissues()[k] <= Zone::Sapwood && rings.unfinished() != Some(k))
             .collect();
         (0..count)
             .map(|k| {
@@ -87,7 +87,11 @@ pub fn core_table(cores: &[Core], last_year: Option<i32>) -> Table {
         let meaning = "calendar year in which it grew";
         columns.push(Column::new("year", "", meaning, Values::F64(years)));
     }
-    let inner = |core: &Core, ring: usize| core.widths[..ring].iter().sum::<f64>();
+    let inner = |core: &Core, ring: usize| {
+        core.widths[..ring]
+            .iter()
+            .fold(0.0, |sum, width| sum + width)
+    };
     columns.extend([
         Column::new(
             "inner_radius",

@@ -68,7 +68,7 @@ pub use error::AnatomyError;
 pub use layers::{BundleSpread, LayerOptions, ParticleLayer, ParticleLayers};
 pub use limb_report::{LimbReport, limb_table};
 pub use limits::{MAX_PARTICLES, RESOLUTION_RANGE};
-pub use mapping::{AddressMapping, GrainAddress};
+pub use mapping::{AddressMapping, GrainAddress, MappedAddress, MappingComparison};
 pub use measures::{RingMeasures, SectionMeasures};
 pub use mensuration::{
     BreastHeightReport, Log, LogOptions, LogReport, MassReport, MeasurementErrors,

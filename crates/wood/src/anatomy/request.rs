@@ -45,6 +45,8 @@ choices! {
         Elements = "elements",
         /// The springs between neighbouring particles as VTK lines, CSV and Parquet.
         Springs = "springs",
+        /// Addresses with their points by the continuous and by the published discrete mapping, as a table.
+        Mapping = "mapping",
         /// The points of a scan that were left after cleaning, as PLY.
         Cleaned = "cleaned",
     }
@@ -52,8 +54,9 @@ choices! {
 
 impl AnatomyOutput {
     /// Number of kinds.
-    const COUNT: usize = 10;
-    /// Those that are made where none is chosen: all but the springs, of which there are three for each particle.
+    const COUNT: usize = 11;
+    /// Those that are made where none is chosen: all but the springs, of which there are three for each particle, and the
+    /// comparison of mappings.
     pub const DEFAULT: [AnatomyOutput; 9] = [
         AnatomyOutput::Sections,
         AnatomyOutput::Longitudinal,

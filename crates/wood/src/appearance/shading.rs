@@ -119,7 +119,13 @@ impl StemAppearance {
 
 /// Returns whether the skin at a point is sawn wood.
 fn is_sawn(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
-    let along = stem.grain.axis().frame(grain.z).tangent;
-    let end = !point.moved && point.geometric_normal.dot(along).abs() > SAWN_COSINE;
-    stem.kind == StemKind::Board || end
+    let end = || match point.grain_gradients {
+        // Along a face that lies across the grain the length along the grain does not change, wherever it has moved.
+        Some([_, _, rise]) => rise.length_squared() < 1.0 - SAWN_COSINE * SAWN_COSINE,
+        None => {
+            let along = stem.grain.axis().frame(grain.z).tangent;
+            !point.moved && point.geometric_normal.dot(along).abs() > SAWN_COSINE
+        }
+    };
+    stem.kind == StemKind::Board || end()
 }

@@ -18,6 +18,8 @@ pub struct ConcentricRings {
     tissues: Vec<Zone>,
     /// Number of rings that are complete.
     complete: usize,
+    /// The one, counted from 0, that stands for wood whose years are not known.
+    unfinished: Option<usize>,
     /// Part of each ring's width that is latewood.
     latewood: f64,
 }
@@ -33,6 +35,7 @@ impl ConcentricRings {
                 .collect(),
             tissues: (1..=rings).map(tissue).collect(),
             complete: rings.into(),
+            unfinished: None,
             latewood: LATEWOOD_FRACTION,
         }
     }
@@ -61,6 +64,7 @@ impl ConcentricRings {
             tissues: tissues.collect(),
             edges,
             complete,
+            unfinished: None,
             latewood: LATEWOOD_FRACTION,
         }
     }
@@ -70,6 +74,19 @@ impl ConcentricRings {
     pub fn with_latewood(mut self, fraction: f64) -> Self {
         self.latewood = fraction.clamp(0.0, 1.0);
         self
+    }
+
+    /// The same where one of them, counted from 0, is not an annual ring but wood whose years are not known.
+    #[must_use]
+    pub fn with_unfinished(mut self, ring: Option<usize>) -> Self {
+        self.unfinished = ring;
+        self
+    }
+
+    /// The one of them, counted from 0, that stands for wood whose years are not known: outside the last ring that was
+    /// measured, below the bark.
+    pub fn unfinished(&self) -> Option<usize> {
+        self.unfinished
     }
 
     /// Ring coordinates of the outer edge of each ring, from the pith.

@@ -95,11 +95,16 @@ impl RingDivision {
             }
             RingDivision::Series(series) => {
                 let mut edges = field.coordinates(series)?;
-                // What lies outside the last ring counts as one: the bark, or a year that is not over.
-                if edges.last().is_none_or(|&last| last < 1.0) {
+                let last = edges.last().copied().unwrap_or(0.0);
+                // Outside the last ring lies bark no thicker than usual, and below it wood: a year that is not over, or
+                // rings that were not measured.
+                let bark = 1.0 - proportions.phloem;
+                let unfinished = (last < bark).then_some(edges.len());
+                edges.extend(unfinished.map(|_| bark));
+                if last < 1.0 {
                     edges.push(1.0);
                 }
-                ConcentricRings::with_edges(edges, proportions)
+                ConcentricRings::with_edges(edges, proportions).with_unfinished(unfinished)
             }
         };
         Ok(if board { rings.of_sapwood() } else { rings })
@@ -141,6 +146,7 @@ impl fmt::Debug for StemRings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tissue::Zone;
     use glam::DVec2;
 
     const TISSUE: Proportions = Proportions {
@@ -197,12 +203,15 @@ mod tests {
         for parameters in given {
             let series = parameters.series().unwrap();
             let rings = RingDivision::Series(series).rings(&field, &TISSUE, false);
-            let edges = rings.unwrap().edges().to_vec();
-            assert_eq!(edges.len(), 3);
-            for (edge, radius) in edges.iter().zip([0.006, 0.015, 0.03]) {
+            let rings = rings.unwrap();
+            // The wood that nobody measured, up to bark of a tenth of the radius, is no annual ring.
+            assert_eq!((rings.edges().len(), rings.unfinished()), (4, Some(2)));
+            for (edge, radius) in rings.edges().iter().zip([0.006, 0.015, 0.027, 0.03]) {
                 let off = field.mean_radius(*edge) - radius;
                 assert!(off.abs() < 1e-5, "{edge}: {off}");
             }
+            let bark = rings.tissues().iter().filter(|&&t| t > Zone::Sapwood);
+            assert_eq!(bark.count(), 1);
         }
         let both = RingSeriesParameters {
             ring_radii: Some(vec![0.006]),

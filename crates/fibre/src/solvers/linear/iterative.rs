@@ -31,7 +31,7 @@ use std::ops::Range;
 
 /// Largest number of tasks of a pass over all vertices, and of parts of a sum.
 const MAX_TASKS: usize = 16;
-const MAX_ITERATIONS: usize = 400;
+pub(super) const MAX_ITERATIONS: usize = 400;
 
 /// The matrix of a bundle with `B` degrees of freedom at a vertex, and its preconditioner.
 #[derive(Debug, Clone, Default)]
@@ -50,9 +50,9 @@ pub(crate) struct IterativeSolver<const B: usize> {
     /// Forces on pieces of cross-sections, then their displacements.
     pieces: Vec<PieceVector>,
     /// Per vertex: 1 for degrees of freedom that no clamp holds, else 0.
-    free: Vec<PaddedVec3>,
-    iterations: u64,
-    buffers: Buffers,
+    pub(super) free: Vec<PaddedVec3>,
+    pub(super) iterations: u64,
+    pub(super) buffers: Buffers,
 }
 
 /// Rods of one task.
@@ -69,12 +69,12 @@ struct Task {
 
 /// Vectors of the iteration: solution, residual, preconditioned residual, direction, and matrix × direction.
 #[derive(Debug, Clone, Default)]
-struct Buffers {
-    x: Vec<PaddedVec3>,
+pub(super) struct Buffers {
+    pub(super) x: Vec<PaddedVec3>,
     r: Vec<PaddedVec3>,
     z: Vec<PaddedVec3>,
-    p: Vec<PaddedVec3>,
-    q: Vec<PaddedVec3>,
+    pub(super) p: Vec<PaddedVec3>,
+    pub(super) q: Vec<PaddedVec3>,
 }
 
 /// Splits an array over vertices into those of the tasks.
@@ -138,6 +138,27 @@ impl<const B: usize> IterativeSolver<B> {
         evaluator: &mut ForceEvaluator,
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
+        let mut buffers = std::mem::take(&mut self.buffers);
+        self.begin(problem, evaluator, &mut buffers, context)?;
+        self.conjugate_gradients(problem, evaluator, &mut buffers, context)?;
+        let mut step = Vec::with_capacity(buffers.x.len() * B);
+        buffers
+            .x
+            .iter()
+            .for_each(|x| step.extend_from_slice(&x.0[..B]));
+        self.buffers = buffers;
+        Ok(step)
+    }
+
+    /// Linearises everything, makes the preconditioner where it is to be made anew, and begins with the prescribed displacements
+    /// and the forces that they leave.
+    pub(super) fn begin(
+        &mut self,
+        problem: &LinearProblem,
+        evaluator: &mut ForceEvaluator,
+        buffers: &mut Buffers,
+        context: &Context,
+    ) -> Result<(), Cancelled> {
         let n = problem.bundle.vertices();
         let padded = |dofs: &[f64], v: usize| {
             let mut vector = PaddedVec3::ZERO;
@@ -152,8 +173,7 @@ impl<const B: usize> IterativeSolver<B> {
         self.free.clear();
         self.free.extend((0..n).map(free));
         self.assemble(problem, evaluator);
-        let mut buffers = std::mem::take(&mut self.buffers);
-        let Buffers { x, r, z, p, q } = &mut buffers;
+        let Buffers { x, r, z, p, q } = buffers;
         x.clear();
         x.extend((0..n).map(|v| padded(problem.prescribed, v)));
         r.clear();
@@ -169,14 +189,7 @@ impl<const B: usize> IterativeSolver<B> {
         if problem.update_preconditioner {
             self.factor(problem, evaluator, context)?;
         }
-        self.conjugate_gradients(problem, evaluator, &mut buffers, context)?;
-        let mut step = Vec::with_capacity(n * B);
-        buffers
-            .x
-            .iter()
-            .for_each(|x| step.extend_from_slice(&x.0[..B]));
-        self.buffers = buffers;
-        Ok(step)
+        Ok(())
     }
 
     fn conjugate_gradients(
@@ -209,7 +222,7 @@ impl<const B: usize> IterativeSolver<B> {
 
     /// Moves `length` along the direction, and applies both levels of the preconditioner to the residual there: rods into z,
     /// cross-sections into the pieces. Returns the product of the residual and the preconditioned residual.
-    fn precondition(&mut self, length: f64, buffers: &mut Buffers) -> f64 {
+    pub(super) fn precondition(&mut self, length: f64, buffers: &mut Buffers) -> f64 {
         let ranges = self.ranges();
         let Buffers { x, r, z, p, q } = buffers;
         let own = (split(&ranges, x).into_iter())
@@ -257,7 +270,7 @@ impl<const B: usize> IterativeSolver<B> {
     }
 
     /// Sets the next direction: the preconditioned residual, and `factor` times the last direction.
-    fn update_direction(&mut self, factor: f64, buffers: &mut Buffers) {
+    pub(super) fn update_direction(&mut self, factor: f64, buffers: &mut Buffers) {
         let ranges = self.ranges();
         let own = (split(&ranges, &mut buffers.z).into_iter()).zip(split(&ranges, &mut buffers.p));
         let (coarse, pieces, free) = (&self.coarse, &self.pieces, &self.free);
@@ -276,7 +289,7 @@ impl<const B: usize> IterativeSolver<B> {
     }
 
     /// Sets `out` to matrix × `x`, with zeros for held degrees of freedom. Returns the product of both.
-    fn multiply(
+    pub(super) fn multiply(
         &mut self,
         problem: &LinearProblem,
         evaluator: &mut ForceEvaluator,
@@ -420,7 +433,7 @@ fn add_same_rod<const B: usize>(same_rod: &[SameRodBlocks], band: &mut [RodBlock
 }
 
 #[inline(always)]
-fn mask(vectors: &mut [PaddedVec3], free: &[PaddedVec3]) {
+pub(super) fn mask(vectors: &mut [PaddedVec3], free: &[PaddedVec3]) {
     vectors
         .iter_mut()
         .zip(free)
@@ -428,7 +441,7 @@ fn mask(vectors: &mut [PaddedVec3], free: &[PaddedVec3]) {
 }
 
 #[inline(always)]
-fn dot(a: &[PaddedVec3], b: &[PaddedVec3]) -> f64 {
+pub(super) fn dot(a: &[PaddedVec3], b: &[PaddedVec3]) -> f64 {
     let mut lanes = [0.0; 4];
     for (a, b) in a.iter().zip(b) {
         (0..4).for_each(|l| lanes[l] += a.0[l] * b.0[l]);
