@@ -28,7 +28,8 @@ fn decoded(file: &Encoded) -> (usize, usize, Vec<DVec3>) {
 
 #[test]
 fn a_shader_reproduces_the_skinned_vertices() {
-    let film = film(9, 40, 4);
+    let mut film = film(9, 40, 4);
+    film.metadata.push("program", "greenstick");
     let mut motion = Bend::new(&film, 7);
     // Narrower than a frame, so that frames have several rows.
     let (about, files) =
@@ -37,6 +38,7 @@ fn a_shader_reproduces_the_skinned_vertices() {
     assert_eq!(names[0], "stick.png");
     let json = files.iter().find(|f| f.name == "stick.json").unwrap();
     let json: Value = serde_json::from_slice(&json.bytes).unwrap();
+    assert_eq!(json["metadata"]["program"], "greenstick");
     let corner = |key: &str| {
         let three = json[key].as_array().unwrap();
         DVec3::from_array([0, 1, 2].map(|k| three[k].as_f64().unwrap()))
@@ -53,6 +55,7 @@ fn a_shader_reproduces_the_skinned_vertices() {
     let unit = Some(LengthUnit::Metre);
     let scene = greenstick_formats::read(Format::Glb, &mesh.bytes, "stick.glb", unit, &none);
     let scene = scene.unwrap();
+    assert_eq!(scene.metadata, film.metadata);
     let names: Vec<&str> = scene.nodes.iter().map(|n| n.name.as_str()).collect();
     assert_eq!(names, ["stick", "half", "hammer", "anvil"]);
     let mut poses = vec![Pose::IDENTITY; film.joints.len()];

@@ -317,6 +317,17 @@ fn a_limb_has_its_place_direction_and_size() {
 }
 
 #[test]
+fn the_other_limb_of_a_fork_is_as_thick_as_it_is() {
+    let mesh = welded_fork();
+    // The thicker limb is taken for the stem's; the other has a radius of 0.08 m.
+    let stem = at(std::slice::from_ref(&mesh), "0.25").unwrap();
+    let left_out = find_left_out(&mesh, &stem, &Context::quiet()).unwrap();
+    let limb = left_out.unwrap().limbs[0];
+    let diameter = if limb.centre.x < 0.0 { 0.16 } else { 0.18 };
+    assert!((limb.diameter_m / diameter - 1.0).abs() < 0.05, "{limb:?}");
+}
+
+#[test]
 fn a_welded_fork_is_refused_inside_and_limbs_are_told_apart() {
     let mesh = welded_fork();
     let inside = at(std::slice::from_ref(&mesh), "0.0,1.15,0.1").unwrap_err();

@@ -9,7 +9,8 @@ use glam::{DQuat, DVec3};
 use std::io::{self, Read};
 
 const MAGIC: &[u8; 8] = b"GSFRAMES";
-const VERSION: u32 = 1;
+/// Since 2, frames have the rest lengths of the edges at the ends of rods.
+const VERSION: u32 = 2;
 /// Longest valid record, bytes.
 const MAX_RECORD_LENGTH: u64 = 1 << 36;
 
@@ -35,6 +36,9 @@ pub struct Frame {
     pub parent: Vec<u32>,
     /// Per rod: diameter, m.
     pub diameter: Vec<f32>,
+    /// Per rod: lengths at rest of its first and its last edge, m, which a break between vertices changes; empty in frames
+    /// stored by versions up to 0.1.
+    pub end_rest_lengths: Vec<[f32; 2]>,
     /// Per vertex: its vertex in the unbroken bundle.
     pub origin: Vec<u32>,
     /// Per vertex: position, m.
@@ -66,6 +70,9 @@ impl Frame {
             rod_offsets: bundle.rod_offsets.clone(),
             parent: bundle.parent.clone(),
             diameter: bundle.diameter.iter().map(|&d| d as f32).collect(),
+            end_rest_lengths: (bundle.rod_offsets.windows(2))
+                .map(|ends| [ends[0], ends[1] - 2].map(|e| bundle.rest_length[e as usize] as f32))
+                .collect(),
             origin: bundle.origin.clone(),
             position: state.position.iter().map(single).collect(),
             director: (0..bundle.vertices())
@@ -101,6 +108,7 @@ impl Frame {
         put(&mut self.rod_offsets.iter().copied());
         put(&mut self.parent.iter().copied());
         put(&mut self.diameter.iter().map(|d| d.to_bits()));
+        put(&mut (self.end_rest_lengths.iter().flatten()).map(|l| l.to_bits()));
         put(&mut self.origin.iter().copied());
         put(&mut self.position.iter().flatten().map(|d| d.to_bits()));
         put(&mut self.director.iter().flatten().map(|d| d.to_bits()));
@@ -130,9 +138,11 @@ impl Frame {
         let mut count = || Some(u32::from_le_bytes(take(&mut at)?) as usize);
         let (rods, vertices, bonds, bodies) = (count()?, count()?, count()?, count()?);
         let expected = 4 * (3 * rods + 1) + 28 * vertices + 8 * bonds + 56 * bodies;
-        if at.len() != expected {
-            return None;
-        }
+        let ends = match at.len().checked_sub(expected)? {
+            0 => 0,
+            more if more == 8 * rods => rods,
+            _ => return None,
+        };
         let mut words = |n: usize| -> Option<Vec<u32>> {
             (0..n)
                 .map(|_| take(&mut at).map(u32::from_le_bytes))
@@ -145,6 +155,13 @@ impl Frame {
         };
         let (rod_offsets, parent) = (words(rods + 1)?, words(rods)?);
         let diameter = words(rods)?.into_iter().map(f32::from_bits).collect();
+        let end_rest_lengths: Vec<[f32; 2]> = (words(2 * ends)?.chunks_exact(2))
+            .map(|c| [c[0], c[1]].map(f32::from_bits))
+            .collect();
+        let is_length = |l: &f32| l.is_finite() && *l > 0.0;
+        if !end_rest_lengths.iter().flatten().all(is_length) {
+            return None;
+        }
         let origin = words(vertices)?;
         let (position, director) = (triples(words(3 * vertices)?), triples(words(3 * vertices)?));
         let bonds = words(2 * bonds)?
@@ -165,6 +182,7 @@ impl Frame {
             rod_offsets,
             parent,
             diameter,
+            end_rest_lengths,
             origin,
             position,
             director,

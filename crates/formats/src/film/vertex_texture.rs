@@ -17,6 +17,7 @@ use greenstick_geometry::{
     Attribute, Binding, Context, Film, Motion, Node, RigidBody, Scene, SkinnedMesh,
 };
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
 
@@ -53,6 +54,9 @@ pub struct VertexTexture {
     pub high: [f64; 3],
     /// Pieces and moving bodies with their vertices.
     pub pieces: Vec<TexturePiece>,
+    /// Where the film comes from, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub metadata: BTreeMap<String, String>,
 }
 
 /// The range of a piece's vertices.
@@ -253,6 +257,9 @@ fn describe(
         low: [0.0; 3],
         high: [0.0; 3],
         pieces,
+        metadata: (film.metadata.entries.iter())
+            .map(|entry| (entry.name.clone(), entry.text.clone()))
+            .collect(),
     })
 }
 
@@ -339,6 +346,7 @@ fn at_rest(film: &Film, description: &VertexTexture) -> Scene {
         materials: film.materials.clone(),
         textures: film.textures.clone(),
         images: film.images.clone(),
+        metadata: film.metadata.clone(),
         ..Scene::default()
     }
 }

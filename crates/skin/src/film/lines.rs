@@ -45,10 +45,15 @@ impl Run {
     /// Returns the mean strain of each vertex's edges.
     fn strains(&self, frame: &Frame, points: &[DVec3]) -> Vec<f64> {
         let mut strains = vec![0.0; points.len()];
-        for ends in frame.rod_offsets.windows(2) {
+        for (rod, ends) in frame.rod_offsets.windows(2).enumerate() {
             let (from, to) = (ends[0] as usize, ends[1] as usize);
             for i in from..to - 1 {
-                let rest = self.wood.bundle.rest_length[frame.origin[i] as usize];
+                let own = frame.end_rest_lengths.get(rod);
+                let rest = match own {
+                    Some(&[first, _]) if i == from => first.into(),
+                    Some(&[_, last]) if i + 2 == to => last.into(),
+                    _ => self.wood.bundle.rest_length[frame.origin[i] as usize],
+                };
                 let strain = points[i].distance(points[i + 1]) / rest - 1.0;
                 for v in [i, i + 1] {
                     let edges = if v == from || v + 1 == to { 1.0 } else { 2.0 };

@@ -15,7 +15,7 @@ pub struct LimbReport {
     pub direction: [f64; 3],
     /// Angle between it and the stem, rad.
     pub angle_rad: f64,
-    /// Diameter of its mouth, m.
+    /// Diameter where it is free of the stem all round: of the circle with the area of its section, m.
     pub diameter_m: f64,
     /// How far it reaches from its mouth along its direction, m.
     pub length_m: f64,
@@ -57,7 +57,12 @@ pub fn limb_table(limbs: &[LimbReport]) -> Table {
             column("direction_y", "", direction, &|l| l.direction[1]),
             column("direction_z", "", direction, &|l| l.direction[2]),
             column("angle", "rad", "between it and the stem", &|l| l.angle_rad),
-            column("diameter", "m", "of its mouth", &|l| l.diameter_m),
+            column(
+                "diameter",
+                "m",
+                "where it is free of the stem all round",
+                &|l| l.diameter_m,
+            ),
             column("length", "m", "from its mouth along its direction", &|l| {
                 l.length_m
             }),

@@ -1,8 +1,8 @@
 //! What of a stem's own shell does not belong to it: the other limb of a fork, branches that are welded to it.
 
 use super::{FoundStem, StemKind};
-use glam::DVec3;
-use greenstick_geometry::{Cancelled, Context, Mesh};
+use glam::{DMat3, DVec3};
+use greenstick_geometry::{Cancelled, Context, Mesh, symmetric_eigen};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -26,7 +26,7 @@ pub struct Limb {
     pub direction: DVec3,
     /// Angle between this direction and the stem, rad.
     pub angle: f64,
-    /// Diameter of the mouth: twice the mean distance of its rim from the limb's axis, m.
+    /// Diameter where it is free of the stem all round: of the circle with the area of its section, m.
     pub diameter_m: f64,
     /// How far it reaches from its mouth along its direction, m.
     pub length_m: f64,
@@ -119,20 +119,63 @@ fn limb(mesh: &Mesh, found: &FoundStem, part: &Part) -> Limb {
     let at_m = at_m.clamp(0.0, found.stem.length);
     let stem = found.stem.grain.axis().frame(at_m).tangent;
     let direction = (centre - part.mouth).normalize_or(stem);
+    let surface: Vec<[DVec3; 3]> = part.triangles.iter().map(corners).collect();
     let reach = part.triangles.iter().flat_map(corners);
     let reach = reach.map(|p| (p - part.mouth).dot(direction));
-    let distances = part.rim.iter();
-    let distances = distances.map(|p| (*p - part.mouth).reject_from_normalized(direction).length());
     Limb {
         at_m,
         mouth: part.mouth,
         direction,
         angle: direction.dot(stem).clamp(-1.0, 1.0).acos(),
-        diameter_m: 2.0 * distances.sum::<f64>() / part.rim.len().max(1) as f64,
+        diameter_m: free_diameter(part, &surface, direction),
         length_m: reach.fold(0.0, f64::max),
         volume_m3: volume(part.triangles.iter().map(corners), part.mouth),
         centre,
     }
+}
+
+/// Returns the diameter of a limb where it is free of the stem all round, m; of a stub that never is, that of its mouth seen
+/// along it. At a fork the mouth itself is several times as long as wide.
+fn free_diameter(part: &Part, triangles: &[[DVec3; 3]], direction: DVec3) -> f64 {
+    let widest = part.rim.iter().map(|edge| edge[0].distance(part.mouth));
+    let widest = widest.fold(0.0, f64::max);
+    let free = |axis: DVec3| {
+        let along = part.rim.iter().map(|edge| edge[0].dot(axis));
+        along.fold(f64::NEG_INFINITY, f64::max)
+    };
+    // The surface tells the limb's direction there, which bent limbs do not keep.
+    let mut normals = DMat3::ZERO;
+    let place = part.mouth + direction * (free(direction) - part.mouth.dot(direction));
+    for [a, b, c] in triangles {
+        if ((a + b + c) / 3.0).distance(place) < widest {
+            let n = (b - a).cross(c - a);
+            let unit = n.normalize_or_zero();
+            normals += DMat3::from_cols(unit * n.x, unit * n.y, unit * n.z);
+        }
+    }
+    let axis = symmetric_eigen(normals)[0].1;
+    let axis = axis * axis.dot(direction).signum();
+    let level = free(axis);
+    let section = triangles.iter().filter_map(|t| cut(t, axis, level));
+    let swept = |[a, b]: [DVec3; 2]| 0.5 * (a - part.mouth).cross(b - part.mouth).dot(axis);
+    let mut area = section.map(swept).sum::<f64>().abs();
+    if area == 0.0 {
+        area = part.rim.iter().map(|edge| swept(*edge)).sum::<f64>().abs();
+    }
+    2.0 * (area / std::f64::consts::PI).sqrt()
+}
+
+/// Returns where a triangle meets the plane at `level` along `axis`, from where it rises through the plane to where it falls.
+fn cut(triangle: &[DVec3; 3], axis: DVec3, level: f64) -> Option<[DVec3; 2]> {
+    let height = triangle.map(|p| p.dot(axis) - level);
+    let crossing = |from: usize| {
+        let to = (from + 1) % 3;
+        let part = height[from] / (height[from] - height[to]);
+        triangle[from].lerp(triangle[to], part)
+    };
+    let rises = (0..3).find(|&k| height[k] < 0.0 && height[(k + 1) % 3] >= 0.0)?;
+    let falls = (0..3).find(|&k| height[k] >= 0.0 && height[(k + 1) % 3] < 0.0)?;
+    Some([crossing(rises), crossing(falls)])
 }
 
 /// Whether a point of the surface is not the stem's.
@@ -155,9 +198,9 @@ fn volume(triangles: impl Iterator<Item = [DVec3; 3]>, apex: DVec3) -> f64 {
 /// A connected part of the surface.
 struct Part {
     triangles: Vec<u32>,
-    /// Points of its open rim.
-    rim: Vec<DVec3>,
-    /// Their middle; a point of the part where it has no rim.
+    /// Edges of its open rim.
+    rim: Vec<[DVec3; 2]>,
+    /// The middle of their ends; a point of the part where it has no rim.
     mouth: DVec3,
 }
 
@@ -190,9 +233,10 @@ fn parts(mesh: &Mesh, triangles: &[u32]) -> Vec<Part> {
     let rim = edges
         .iter()
         .filter(|(a, b)| edges.binary_search(&(*b, *a)).is_err());
-    let mut rims: Vec<Vec<DVec3>> = vec![Vec::new(); vertices.len()];
-    for (a, _) in rim {
-        rims[root(&mut parent, *a)].push(mesh.positions[vertices[*a] as usize]);
+    let mut rims: Vec<Vec<[DVec3; 2]>> = vec![Vec::new(); vertices.len()];
+    for (a, b) in rim {
+        let ends = [*a, *b].map(|v| mesh.positions[vertices[v] as usize]);
+        rims[root(&mut parent, *a)].push(ends);
     }
     let mut numbered: Vec<(usize, u32)> = corners
         .iter()
@@ -203,7 +247,7 @@ fn parts(mesh: &Mesh, triangles: &[u32]) -> Vec<Part> {
     let part = |group: &[(usize, u32)]| {
         let rim = rims[group[0].0].clone();
         let first = mesh.triangles[group[0].1 as usize][0];
-        let middle = rim.iter().sum::<DVec3>() / rim.len().max(1) as f64;
+        let middle = rim.iter().map(|edge| edge[0]).sum::<DVec3>() / rim.len().max(1) as f64;
         Part {
             triangles: group.iter().map(|g| g.1).collect(),
             mouth: if rim.is_empty() {
