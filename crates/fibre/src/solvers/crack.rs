@@ -7,7 +7,7 @@
 //! which equilibria follow.
 //!
 //! A crack that is released at once rings: without inner friction its waves break several times as much wood. Friction is that
-//! of [`DAMPING`] on velocities.
+//! of [`DAMPING`] on velocities: all of what clamps hold, those beside the rigid motion of what flies or falls.
 
 use super::explicit::Explicit;
 use super::solver::Solver;
@@ -69,7 +69,9 @@ pub(super) fn run(
     let interval = std::mem::replace(&mut failure.check_interval, CHECK_INTERVAL);
     // Edges that are cut short would need shorter steps.
     let between_vertices = std::mem::replace(&mut failure.between_vertices, false);
-    let result = follow(explicit, world, contacts, span, context);
+    let undamped = world.loads.damping - damping;
+    let result = follow(explicit, world, contacts, (span, undamped), context);
+    explicit.leave_undamped(world, None);
     world.loads.damping = damping;
     world.failure.check_interval = interval;
     world.failure.between_vertices = between_vertices;
@@ -82,7 +84,7 @@ fn follow(
     explicit: &mut Explicit,
     world: &mut World,
     contacts: &mut dyn Contacts,
-    Span { least, end }: Span,
+    (Span { least, end }, undamped): (Span, f64),
     context: &Context,
 ) -> Result<(Crack, StepEnergy), SolverError> {
     let mut energy = StepEnergy::default();
@@ -92,6 +94,7 @@ fn follow(
     while (crack == Crack::Running || world.state.time < least) && world.state.time < end {
         let duration = INTERVAL.min(end - world.state.time);
         let loss = world.fracture_loss;
+        explicit.leave_undamped(world, Some(undamped));
         let done = explicit.advance(world, contacts, duration, &context.silenced())?;
         energy.work += done.work;
         energy.damped += done.damped;

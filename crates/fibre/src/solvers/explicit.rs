@@ -3,6 +3,7 @@
 //! v ← (v + Δt a(x)) / (1 + c Δt), x ← x + Δt v. The step is a fraction of the stability limit 2/ω_max. Without damping the
 //! method conserves a quantity close to the energy for all times: it dissipates nothing.
 
+use super::free_motion::FreeMotion;
 use super::solver::{AdvanceReport, Solver};
 use super::stability;
 use super::stepwise::check_duration;
@@ -64,13 +65,15 @@ pub struct Explicit {
     position: Vectors,
     /// External loads, and with twist the forces in material frames.
     external: Forces,
-    /// Loads alone.
+    /// Loads alone, where there are any.
     loads: Forces,
     inverse_inertia: Vec<f64>,
     sums: Vec<f64>,
     /// Energy of a strain of rounding, J.
     rounding_energy: f64,
     detector: FailureDetector,
+    /// What damping does not act on.
+    undamped: Option<FreeMotion>,
 }
 
 impl Explicit {
@@ -90,6 +93,7 @@ impl Explicit {
             sums: Vec::new(),
             rounding_energy: 0.0,
             detector: FailureDetector::default(),
+            undamped: None,
         }
     }
 
@@ -150,6 +154,19 @@ impl Explicit {
         }
     }
 
+    /// Takes `rate` (1/s) of the damping back from the motion of parts that nothing holds, as it is now, or no longer does so.
+    pub(super) fn leave_undamped(&mut self, world: &World, rate: Option<f64>) {
+        self.undamped = rate.map(|rate| {
+            let World {
+                bundle,
+                state,
+                loads,
+                ..
+            } = world;
+            FreeMotion::new(bundle, state, loads, rate)
+        });
+    }
+
     /// Moves velocities by half a step of `dt` seconds against positions, forwards or, with a negative one, back: between
     /// solvers that have them at the same time and this one, which has them half a step behind.
     pub(super) fn shift_velocities(&mut self, world: &mut World, dt: f64) {
@@ -180,17 +197,23 @@ impl Explicit {
             ..
         } = world;
         let loaded = has_forces(loads);
-        let has_external = loaded || bundle.twisting;
+        if let Some(undamped) = self.undamped.as_mut().filter(|u| !u.fits(bundle)) {
+            *undamped = FreeMotion::new(bundle, state, loads, undamped.rate());
+        }
+        let has_external = loaded || bundle.twisting || self.undamped.is_some();
         if has_external {
             self.external.clear();
             let (x, v) = (&state.position, &state.velocity);
             loads.add_forces(bundle, state.time, x, v, &mut self.external);
         }
+        if loaded {
+            self.loads.clone_from(&self.external);
+        }
         if bundle.twisting {
-            if loaded {
-                self.loads.clone_from(&self.external);
-            }
             evaluator.add_bend_twist(bundle, state, &mut self.external);
+        }
+        if let Some(undamped) = &self.undamped {
+            undamped.add_forces(bundle, &mut self.external);
         }
         let damping_factor = 1.0 / (1.0 + loads.damping * dt);
         let step = ExplicitStep {
@@ -210,12 +233,15 @@ impl Explicit {
         let clamps = self.apply_clamps(world, dt, damping_factor);
         kinetic += clamps.kinetic_change;
         let load_work = if loaded {
-            dt * power(self.load_forces(world.bundle.twisting), &self.next)
+            dt * power(&self.loads, &self.next)
         } else {
             0.0
         };
         // The work of −c m v along v Δt.
         account.report.damped += 2.0 * kinetic * (1.0 / damping_factor - 1.0);
+        if let Some(undamped) = &self.undamped {
+            account.report.damped -= dt * undamped.power(&world.bundle, &self.next);
+        }
         account.report.work += clamps.work + load_work;
         account.budget += clamps.work + load_work;
         if !kinetic.is_finite()
@@ -224,15 +250,6 @@ impl Explicit {
             return Err(self.blow_up(world, dt));
         }
         self.finish_step(world, contacts, dt, account, context)
-    }
-
-    /// Returns the forces of the loads alone, where there are any.
-    fn load_forces(&self, twisting: bool) -> &Forces {
-        if twisting {
-            &self.loads
-        } else {
-            &self.external
-        }
     }
 
     /// Sets the velocities of clamped vertices, on which damping had the factor `damping_factor`.
@@ -317,6 +334,9 @@ impl Explicit {
             });
             account.report.damped += loads.damping * dt * twice_kinetic;
         }
+        if let Some(undamped) = &self.undamped {
+            account.report.damped -= dt * undamped.turning_power(bundle, &state.spin);
+        }
         if loaded {
             let power = self.loads.moment.iter().zip(&state.spin);
             work += dt * power.fold(0.0, |s, (m, w)| s + m * w);
@@ -357,6 +377,10 @@ impl Explicit {
             return Ok(());
         };
         account.budget += given.max(0.0);
+        if let Some(undamped) = &self.undamped {
+            let power = |velocity| undamped.power(bundle, velocity);
+            account.report.damped -= dt * (power(&self.next) - power(&self.free));
+        }
         let loaded = has_forces(loads);
         for i in 0..bundle.vertices() {
             let (free, new) = (self.free.get(i), self.next.get(i));
@@ -367,7 +391,7 @@ impl Explicit {
                 let damped = loads.damping * dt * bundle.mass[i] * free.dot(change);
                 account.report.damped += damped;
                 if loaded {
-                    let force = self.load_forces(bundle.twisting).linear.get(i);
+                    let force = self.loads.linear.get(i);
                     account.report.work += dt * force.dot(change);
                 }
             }

@@ -4,52 +4,16 @@
 //! back many times in the step: how far it goes is left to a line search.
 
 use super::limit_step::connected_parts;
+use super::rigid_parts::{RigidPart, motion_of_parts};
 use crate::rod_bundle::RodBundle;
 use crate::rotation::from_rotation_vector;
 use crate::state::State;
-use glam::{DMat3, DQuat, DVec3};
+use glam::DQuat;
 
 /// Largest displacement of a vertex within its part, in the part's shortest edge.
 const MAX_DISPLACEMENT: f64 = 0.5;
 /// Largest turn of a material frame, rad.
 const MAX_TURN: f64 = 0.5;
-/// What is added to the moments of inertia of a part, as a fraction of their sum: a straight rod has none about itself.
-const INERTIA_FLOOR: f64 = 1e-6;
-
-/// The motion of a connected part.
-#[derive(Debug, Clone, Copy)]
-struct Part {
-    mass: f64,
-    /// Sums of mass times position and velocity, then the centre of mass (m) and its velocity (m/s).
-    centre: DVec3,
-    velocity: DVec3,
-    angular_momentum: DVec3,
-    inertia: DMat3,
-    /// Angular velocity, rad/s.
-    angular_velocity: DVec3,
-    shortest: f64,
-    /// Largest velocity beside that of the rigid body, m/s.
-    fastest: f64,
-}
-
-impl Part {
-    const ZERO: Part = Part {
-        mass: 0.0,
-        centre: DVec3::ZERO,
-        velocity: DVec3::ZERO,
-        angular_momentum: DVec3::ZERO,
-        inertia: DMat3::ZERO,
-        angular_velocity: DVec3::ZERO,
-        shortest: 0.0,
-        fastest: 0.0,
-    };
-
-    /// Returns the velocity beside that of the rigid body, m/s.
-    fn own_velocity(&self, position: DVec3, velocity: DVec3) -> DVec3 {
-        velocity - self.velocity - self.angular_velocity.cross(position - self.centre)
-    }
-}
-
 /// Where a search for an equilibrium starts.
 pub(super) struct Prediction {
     /// The state to which connected parts move as rigid bodies.
@@ -63,7 +27,7 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction 
     let part = connected_parts(bundle);
     let parts = motion_of_parts(bundle, state, &part);
     // Implicit Euler turns a rigid body by the angle whose tangent is ω dt.
-    let turn = |p: &Part| {
+    let turn = |p: &RigidPart| {
         let axis = p.angular_velocity.normalize_or_zero();
         from_rotation_vector(axis * libm::atan(p.angular_velocity.length() * dt))
     };
@@ -99,52 +63,11 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction 
     }
 }
 
-/// Returns the motion of each part, by the number of its first vertex.
-fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize]) -> Vec<Part> {
-    let n = bundle.vertices();
-    let mut parts = vec![Part::ZERO; n];
-    for v in 0..n {
-        let p = &mut parts[part[v]];
-        p.mass += bundle.mass[v];
-        p.centre += state.position.get(v) * bundle.mass[v];
-        p.velocity += state.velocity.get(v) * bundle.mass[v];
-    }
-    for p in parts.iter_mut().filter(|p| p.mass > 0.0) {
-        p.centre /= p.mass;
-        p.velocity /= p.mass;
-        p.shortest = f64::INFINITY;
-    }
-    for v in 0..n {
-        let p = &mut parts[part[v]];
-        let arm = state.position.get(v) - p.centre;
-        let momentum = (state.velocity.get(v) - p.velocity) * bundle.mass[v];
-        p.angular_momentum += arm.cross(momentum);
-        let along = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-        p.inertia +=
-            (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - along) * bundle.mass[v];
-        if bundle.is_edge(v) {
-            p.shortest = p.shortest.min(bundle.rest_length[v]);
-        }
-    }
-    for p in &mut parts {
-        let trace = p.inertia.x_axis.x + p.inertia.y_axis.y + p.inertia.z_axis.z;
-        if trace > 0.0 {
-            let inertia = p.inertia + DMat3::from_diagonal(DVec3::splat(INERTIA_FLOOR * trace));
-            p.angular_velocity = inertia.inverse() * p.angular_momentum;
-        }
-    }
-    for v in 0..n {
-        let p = &mut parts[part[v]];
-        let own = p.own_velocity(state.position.get(v), state.velocity.get(v));
-        p.fastest = p.fastest.max(own.length());
-    }
-    parts
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::rod_bundle::{Rod, RodMaterial};
+    use glam::DVec3;
 
     #[test]
     fn a_body_that_turns_freely_is_predicted_without_strain() {
