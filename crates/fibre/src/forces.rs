@@ -3,12 +3,27 @@
 use crate::vectors::Vectors;
 
 /// Forces on vertices (N) and, with twist, moments on the angles of edges (N m).
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Forces {
     /// Per vertex, N.
     pub linear: Vectors,
     /// Per edge, N m.
     pub moment: Vec<f64>,
+}
+
+impl Clone for Forces {
+    fn clone(&self) -> Self {
+        Forces {
+            linear: self.linear.clone(),
+            moment: self.moment.clone(),
+        }
+    }
+
+    // Solvers copy in every step, and allocate in none.
+    fn clone_from(&mut self, source: &Self) {
+        self.linear.clone_from(&source.linear);
+        self.moment.clone_from(&source.moment);
+    }
 }
 
 impl Forces {

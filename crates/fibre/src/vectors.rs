@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Vectors as one array for each axis. The three arrays always have the same length.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vectors {
     /// First components.
     pub x: Vec<f64>,
@@ -12,6 +12,23 @@ pub struct Vectors {
     pub y: Vec<f64>,
     /// Third components.
     pub z: Vec<f64>,
+}
+
+impl Clone for Vectors {
+    fn clone(&self) -> Self {
+        Vectors {
+            x: self.x.clone(),
+            y: self.y.clone(),
+            z: self.z.clone(),
+        }
+    }
+
+    // Solvers copy in every step, and allocate in none.
+    fn clone_from(&mut self, source: &Self) {
+        self.x.clone_from(&source.x);
+        self.y.clone_from(&source.y);
+        self.z.clone_from(&source.z);
+    }
 }
 
 impl Vectors {
