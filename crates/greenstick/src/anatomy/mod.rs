@@ -2,16 +2,15 @@
 //! reconstructed from them, and their numbers.
 
 mod cores;
+mod elements;
 mod outputs;
 mod pictures;
-mod solid;
 mod springs;
 mod stems;
 mod volume;
 
-pub use stems::{StemOutcome, stems_files};
-
-pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
+pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest, StemOutcome};
+pub use stems::stems_files;
 
 use crate::Error;
 use crate::anatomy::outputs::Outputs;
@@ -227,7 +226,7 @@ fn make_files<E: From<Error>>(
     }
     let mut elements = None;
     if request.wants(AnatomyOutput::Elements) {
-        let written = solid::write(anatomy, &measures, request, &stages.meshing, outputs)?;
+        let written = elements::write(anatomy, &measures, request, &stages.meshing, outputs)?;
         notes.extend(written.notes);
         elements = written.report;
     }
