@@ -4,7 +4,6 @@ mod face;
 mod inner_wood;
 mod pieces;
 mod spiral;
-mod view;
 
 pub use crate::source::Source;
 pub use face::Face;
@@ -13,7 +12,6 @@ pub(crate) use face::side_grain;
 pub use inner_wood::InnerWood;
 pub use pieces::{Patch, PatchVertex, lacks_material};
 pub use spiral::SpiralRepair;
-pub use view::{BreakView, ViewedPiece};
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
