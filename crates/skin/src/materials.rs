@@ -25,6 +25,12 @@ pub fn without_color(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(without).collect()
 }
 
+/// Returns the number of the next material of a scene, once its triangles without one have bark.
+pub fn next_material(scene: &Scene) -> u32 {
+    let lacks_bark = scene.nodes.iter().any(|n| lacks_material(&n.mesh));
+    scene.materials.len() as u32 + u32::from(lacks_bark)
+}
+
 /// Gives bark to the triangles of a scene that have no material.
 pub fn add_missing_bark(scene: &mut Scene) {
     if !scene.nodes.iter().any(|n| lacks_material(&n.mesh)) {

@@ -20,6 +20,16 @@ pub struct ScannedReport {
     pub notes: Vec<String>,
 }
 
+/// The error of a section's outline in a scan's cells, m: the points' noise over the root of their number in a cell that
+/// was seen. `None` where the bark was not laid in cells.
+pub fn outline_error(report: &ScannedReport) -> Option<f64> {
+    let bark = report.bark.as_ref()?;
+    let seen = bark.cells.iter().product::<usize>() as f64 * (1.0 - bark.completed);
+    let points_per_cell = (bark.points as f64 / seen).max(1.0);
+    let error = bark.noise_m / points_per_cell.sqrt();
+    (seen > 0.0 && error.is_finite()).then_some(error)
+}
+
 impl fmt::Display for ScannedReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let c = &self.clean;
