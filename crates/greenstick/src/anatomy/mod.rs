@@ -22,8 +22,8 @@ use greenstick_geometry::{Context, Mesh, PointCloud, Provenance, Scene, Stage};
 use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyFindings, AnatomyReport, CoordinateChoice, ElementsReport, LimbReport,
-    MappingComparison, MassReport, MeasurementErrors, ParticleLayers, SegmentReport, StemMeasures,
-    SurfaceColouring, WoodMass, limb_table,
+    MappingComparison, MassReport, ParticleLayers, SegmentReport, StemMeasures, SurfaceColouring,
+    WoodMass, limb_table,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
@@ -217,7 +217,9 @@ fn make_files<E: From<Error>>(
     if request.wants(AnatomyOutput::Longitudinal) {
         pictures::longitudinal(anatomy, &stages.longitudinal, outputs)?;
     }
-    let measures = measure(anatomy, input, request, &stages.measuring)?;
+    let measures = request
+        .measures(anatomy, input.scan, &stages.measuring)
+        .map_err(Error::from)?;
     if request.wants(AnatomyOutput::Measures) {
         outputs.table(measures.table(), "sections", TableFormat::Csv)?;
     }
@@ -341,27 +343,6 @@ fn mass(measures: &StemMeasures, request: &AnatomyRequest) -> Result<Option<Mass
     };
     let wood = WoodMass::new(Species::find(name)?, request.mensuration.moisture)?;
     Ok(wood.map(|wood| measures.mass(&wood)))
-}
-
-/// Measures the stem, with standard errors where it comes from a scan.
-fn measure(
-    anatomy: &Anatomy,
-    input: &AnatomyInput,
-    request: &AnatomyRequest,
-    context: &Context,
-) -> Result<StemMeasures, Error> {
-    let errors = input
-        .scan
-        .and_then(|scan| MeasurementErrors::from_scan(scan.bark.as_ref()?));
-    let pith_is_known = request.stem.pith.is_some();
-    let measures = StemMeasures::new(
-        anatomy,
-        &request.mensuration,
-        errors,
-        pith_is_known,
-        context,
-    )?;
-    Ok(measures)
 }
 
 fn write_particles<E: From<Error>>(

@@ -1,6 +1,6 @@
 //! Measured specimens from tables of others.
 
-use greenstick_fibre::bend_test::MeasuredSpecimens;
+use greenstick_fibre::bend_test::{MeasuredSpecimens, TooFewSpecimens};
 use greenstick_formats::{MeasurementError, UnitColumn, read_measurements};
 
 /// Units of density with their size in kg/m³.
@@ -19,8 +19,6 @@ const STRESS_UNITS: [(&str, f64); 6] = [
     ("N/mm2", 1e6),
     ("N/mm²", 1e6),
 ];
-/// Fewer pairs have no correlation.
-const MIN_SPECIMENS: usize = 3;
 
 /// The columns of a table of measured specimens. The default is that of the table of simulated ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,15 +45,8 @@ pub enum MeasuredError {
     #[error(transparent)]
     Table(#[from] MeasurementError),
     /// Too few specimens to speak of scatter.
-    #[error(
-        "{file}: {found} rows have density and modulus of rupture; expected at least {MIN_SPECIMENS}"
-    )]
-    TooFew {
-        /// Name of the file.
-        file: String,
-        /// Number of rows with both.
-        found: usize,
-    },
+    #[error(transparent)]
+    TooFew(#[from] TooFewSpecimens),
 }
 
 /// Reads measured specimens from comma-separated values. Rows without one of both values are counted and left out.
@@ -88,21 +79,5 @@ pub fn parse_measured(
         (&columns.modulus_of_rupture, &STRESS_UNITS),
     ];
     let rows = read_measurements(bytes, file, wanted)?;
-    let both = rows
-        .iter()
-        .filter_map(|[density, rupture]| density.zip(*rupture));
-    let (density, modulus_of_rupture): (Vec<f64>, Vec<f64>) = both.unzip();
-    let found = density.len();
-    if found < MIN_SPECIMENS {
-        return Err(MeasuredError::TooFew {
-            file: file.to_owned(),
-            found,
-        });
-    }
-    Ok(MeasuredSpecimens {
-        source: file.to_owned(),
-        incomplete: rows.len() - found,
-        density,
-        modulus_of_rupture,
-    })
+    Ok(MeasuredSpecimens::from_rows(file, &rows)?)
 }

@@ -4,6 +4,7 @@
 mod break_stage;
 mod cracks;
 mod lowest_above;
+mod order;
 mod species_relief;
 mod spiral_grain;
 mod values;
@@ -11,6 +12,7 @@ mod values;
 pub use break_stage::BreakStage;
 pub use cracks::{CrackRequest, Cracks};
 pub use lowest_above::LowestAbove;
+pub use order::{SeveralStems, order_from_tip};
 pub use species_relief::SpeciesRelief;
 pub use spiral_grain::{SpiralGrain, has_spiral_grain};
 pub use values::{BreakStages, CutStage, HeightStage, StemStage, inner_wood};

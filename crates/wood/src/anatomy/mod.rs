@@ -42,6 +42,7 @@ mod mapping;
 mod measures;
 mod mensuration;
 mod model;
+mod other_rings;
 mod outline;
 mod painting;
 mod palette;
@@ -78,6 +79,7 @@ pub use mensuration::{
     MensurationParameters, MensurationReport, SectionSize, StemMeasures, WoodMass,
 };
 pub use model::{Anatomy, AnatomyOptions, RingMethod};
+pub use other_rings::{OtherRings, OtherRingsError};
 pub use outline::Outline;
 pub use painting::{ScaledImage, SectionPictures};
 pub use palette::RingColouring;
