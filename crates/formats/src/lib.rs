@@ -41,13 +41,15 @@ pub mod usd;
 pub mod vtk;
 
 pub use cloud::{CloudFile, Content, read_content};
-pub use companions::{Encoded, Resolve, embeddable_image_type};
+pub use companions::{
+    Encoded, RefusedReference, Resolve, embeddable_image_type, relative_reference,
+};
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat};
 pub use mesh::{read, write};
 pub use table::{
-    CSVW_FILE, DescribedTable, MeasurementError, TableFormat, TextRow, TextTable, UnitColumn,
-    read_csv, read_measurements, write_csv_metadata, write_table,
+    CSVW_FILE, DENSITY_UNITS, DescribedTable, MeasurementError, STRESS_UNITS, TableFormat, TextRow,
+    TextTable, UnitColumn, read_csv, read_measurements, write_csv_metadata, write_table,
 };
 pub use unit::{LengthUnit, UnknownUnit};
 pub use uri::percent_decoded;

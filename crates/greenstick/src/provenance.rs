@@ -5,6 +5,7 @@ use crate::request::RequestFile;
 use crate::scanning::ScannedReport;
 use greenstick_geometry::Provenance;
 use greenstick_schema::{Parameters, Value};
+use greenstick_wood::scan::with_scan;
 
 /// The key of the input, which has a place of its own.
 const INPUT_KEY: &str = "input";
@@ -41,15 +42,6 @@ pub fn provenance(command: &str, input: Option<&str>, parameters: &dyn Parameter
         seed,
         ..Provenance::default()
     }
-}
-
-/// What is known of a scan.
-fn with_scan(mut provenance: Provenance, scan: Option<&ScannedReport>) -> Provenance {
-    let bark = scan.and_then(|s| s.bark.as_ref());
-    provenance.origin_m = scan.map_or([0.0; 3], |s| s.origin_m);
-    provenance.coverage = bark.map(|b| b.mean_coverage);
-    provenance.residual_m = bark.map(|b| b.noise_m);
-    provenance
 }
 
 impl AnatomyFile {

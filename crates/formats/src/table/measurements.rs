@@ -4,6 +4,23 @@ use super::read_csv::read_csv;
 use crate::error::FormatError;
 use std::str::FromStr;
 
+/// Units of density with their size in kg/m³.
+pub const DENSITY_UNITS: &[(&str, f64)] = &[
+    ("kg/m3", 1.0),
+    ("kg/m³", 1.0),
+    ("g/cm3", 1e3),
+    ("g/cm³", 1e3),
+];
+/// Units of stress with their size in Pa.
+pub const STRESS_UNITS: &[(&str, f64)] = &[
+    ("Pa", 1.0),
+    ("kPa", 1e3),
+    ("MPa", 1e6),
+    ("GPa", 1e9),
+    ("N/mm2", 1e6),
+    ("N/mm²", 1e6),
+];
+
 /// Cells that say that a value is missing.
 const MISSING: [&str; 4] = ["", "NA", "NaN", "-"];
 
@@ -92,11 +109,11 @@ pub enum MeasurementError {
 /// and their size. Returns them for each row in the unit of size 1; `None` where the cell says that the value is missing.
 ///
 /// ```
-/// use greenstick_formats::{UnitColumn, read_measurements};
+/// use greenstick_formats::{DENSITY_UNITS, UnitColumn, read_measurements};
 ///
 /// let density: UnitColumn = "Density:g/cm3".parse()?;
-/// let units = [("kg/m3", 1.0), ("g/cm3", 1e3)];
-/// let rows = read_measurements(b"tree,Density\n7,0.51\n8,NA\n", "birch.csv", [(&density, &units)])?;
+/// let text = b"tree,Density\n7,0.51\n8,NA\n";
+/// let rows = read_measurements(text, "birch.csv", [(&density, DENSITY_UNITS)])?;
 /// assert_eq!(rows, [[Some(510.0)], [None]]);
 /// # Ok::<(), greenstick_formats::MeasurementError>(())
 /// ```
@@ -156,11 +173,8 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         let read = |density: &str, rupture: &str, text: &str| {
-            let densities = [("kg/m3", 1.0), ("g/cm3", 1e3)];
-            let stresses = [("Pa", 1.0), ("MPa", 1e6), ("N/mm2", 1e6)];
             let columns = [density.parse::<UnitColumn>()?, rupture.parse()?];
-            let wanted: [(&UnitColumn, &[(&str, f64)]); 2] =
-                [(&columns[0], &densities), (&columns[1], &stresses)];
+            let wanted = [(&columns[0], DENSITY_UNITS), (&columns[1], STRESS_UNITS)];
             read_measurements(text.as_bytes(), "t.csv", wanted)
         };
         let good = "d,r\n500,80\n510,90\n520,-\n";

@@ -11,7 +11,9 @@ mod positions;
 mod read_csv;
 
 pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
-pub use measurements::{MeasurementError, UnitColumn, read_measurements};
+pub use measurements::{
+    DENSITY_UNITS, MeasurementError, STRESS_UNITS, UnitColumn, read_measurements,
+};
 pub(crate) use positions::positions;
 pub use read_csv::{TextRow, TextTable, read_csv};
 

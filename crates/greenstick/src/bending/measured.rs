@@ -1,24 +1,9 @@
 //! Measured specimens from tables of others.
 
 use greenstick_fibre::bend_test::{MeasuredSpecimens, TooFewSpecimens};
-use greenstick_formats::{MeasurementError, UnitColumn, read_measurements};
-
-/// Units of density with their size in kg/m³.
-const DENSITY_UNITS: [(&str, f64); 4] = [
-    ("kg/m3", 1.0),
-    ("kg/m³", 1.0),
-    ("g/cm3", 1e3),
-    ("g/cm³", 1e3),
-];
-/// Units of stress with their size in Pa.
-const STRESS_UNITS: [(&str, f64); 6] = [
-    ("Pa", 1.0),
-    ("kPa", 1e3),
-    ("MPa", 1e6),
-    ("GPa", 1e9),
-    ("N/mm2", 1e6),
-    ("N/mm²", 1e6),
-];
+use greenstick_formats::{
+    DENSITY_UNITS, MeasurementError, STRESS_UNITS, UnitColumn, read_measurements,
+};
 
 /// The columns of a table of measured specimens. The default is that of the table of simulated ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -74,9 +59,9 @@ pub fn parse_measured(
     file: &str,
     columns: &MeasuredColumns,
 ) -> Result<MeasuredSpecimens, MeasuredError> {
-    let wanted: [(&UnitColumn, &[(&str, f64)]); 2] = [
-        (&columns.density, &DENSITY_UNITS),
-        (&columns.modulus_of_rupture, &STRESS_UNITS),
+    let wanted = [
+        (&columns.density, DENSITY_UNITS),
+        (&columns.modulus_of_rupture, STRESS_UNITS),
     ];
     let rows = read_measurements(bytes, file, wanted)?;
     Ok(MeasuredSpecimens::from_rows(file, &rows)?)
