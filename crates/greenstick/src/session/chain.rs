@@ -6,11 +6,11 @@ use super::slot::{Ids, Slot, SlotValue};
 use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
 use greenstick_fracture::cut::CutWorkspace;
-use greenstick_fracture::heights::{self, HeightCache, HeightSource};
+use greenstick_fracture::heights::{HeightCache, HeightSource};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Scene};
-use greenstick_skin::broken::{FaceLayout, LayoutKey, break_site};
+use greenstick_skin::broken::{FaceLayout, LayoutKey};
 use greenstick_skin::cracks::{OpenedEnd, open_end};
 use greenstick_skin::materials::next_material;
 use greenstick_skin::prepared::PreparedStem;
@@ -246,9 +246,7 @@ impl Chain {
         let stem = found.stage.stem();
         let key = (found.id, LayoutKey::new(stem, p, &found.stage.rings));
         let layout = layout(&mut self.layout, stem, key, ids)?;
-        let site = break_site(stem, p, 1.0);
-        let bundles = &layout.value.bundles;
-        Ok(heights::relief_range(bundles, p, &site, &mut self.cache))
+        Ok((layout.value).relief_range((stem, 1.0), p, &mut self.cache))
     }
 
     /// Returns the stem with the grain and the cracked end that a break requests, and the relief of the species.
@@ -373,14 +371,8 @@ impl Chain {
     ) -> Result<SlotValue<PreparedStem>, Error> {
         let p = &requested.recipe.face;
         let layout = self.found_layout((found, rings), p, true, ids)?;
-        let site = break_site(&found.value, p, relief);
-        let heights = heights::heights(
-            &layout.value.bundles,
-            p,
-            &site,
-            &requested.heights,
-            &mut self.found_cache,
-        );
+        let (stem, cache) = ((&*found.value, relief), &mut self.found_cache);
+        let heights = layout.value.heights(stem, p, &requested.heights, cache);
         let SpiralGrain { turn, between } = SpiralGrain::around(&found.value, p, heights.range);
         self.spiral.get((found.id, turn, between), ids, |_| {
             Ok(found.value.with_spiral_grain(turn, between))
@@ -409,13 +401,7 @@ impl Chain {
             } else {
                 &mut self.cache
             };
-            let site = break_site(&found.value, p, factor);
-            Ok(heights::relief_range(
-                &layout.value.bundles,
-                p,
-                &site,
-                cache,
-            ))
+            Ok((layout.value).relief_range((&found.value, factor), p, cache))
         })
     }
 
@@ -437,10 +423,9 @@ impl Chain {
         };
         let cache = &mut self.cache;
         self.heights.get(key, ids, |_| {
-            let site = break_site(stem.stem(), p, relief.factor);
-            let bundles = &layout.value.bundles;
+            let stem = (stem.stem(), relief.factor);
             Ok(HeightStage {
-                heights: heights::heights(bundles, p, &site, &requested.heights, cache),
+                heights: layout.value.heights(stem, p, &requested.heights, cache),
                 relief,
             })
         })

@@ -16,7 +16,7 @@ pub use spiral::SpiralRepair;
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
 use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
-use greenstick_fracture::heights::BreakSite;
+use greenstick_fracture::heights::{self, BreakSite, HeightCache, HeightSource, Heights};
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
@@ -84,10 +84,37 @@ impl FaceLayout {
             bundles: Arc::new(bundles),
         }
     }
+
+    /// Makes the heights of a face in this layout on a stem. `relief` is the factor of the species on the torn relief.
+    pub fn heights(
+        &self,
+        (stem, relief): (&PreparedStem, f64),
+        p: &BreakParameters,
+        source: &HeightSource,
+        cache: &mut HeightCache,
+    ) -> Heights {
+        heights::heights(
+            &self.bundles,
+            p,
+            &break_site(stem, p, relief),
+            source,
+            cache,
+        )
+    }
+
+    /// Returns the range of heights from the 5th to the 95th percentile over the corners of such a face, m.
+    pub fn relief_range(
+        &self,
+        (stem, relief): (&PreparedStem, f64),
+        p: &BreakParameters,
+        cache: &mut HeightCache,
+    ) -> f64 {
+        heights::relief_range(&self.bundles, p, &break_site(stem, p, relief), cache)
+    }
 }
 
 /// Returns the stem as heights are made for it. `relief` is the factor of the species on the torn relief.
-pub fn break_site(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> BreakSite {
+fn break_site(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> BreakSite {
     let found = &stem.found.stem;
     BreakSite {
         radius: found.radius,
