@@ -15,7 +15,7 @@ pub use spiral::SpiralRepair;
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
-use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
+use greenstick_fracture::cut::{Cut, CutWorkspace, FacetGrid, Skin, cut_again};
 use greenstick_fracture::heights::{self, BreakSite, HeightCache, HeightSource, Heights};
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
@@ -25,13 +25,13 @@ use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
 
-/// The layout of a section: its fibre bundles, and how their facets lie on the skin.
+/// The layout of a section: its fibre bundles, and which of their facets lie near the skin.
 #[derive(Debug, Clone)]
 pub struct FaceLayout {
     /// The fibre bundles.
     pub bundles: Arc<FibreBundles>,
-    /// Their facets on the skin.
-    pub ground: Ground,
+    /// The grid of their facets near the skin.
+    pub facet_grid: FacetGrid,
 }
 
 /// Everything that a layout depends on besides the stem.
@@ -80,7 +80,7 @@ impl FaceLayout {
             Style::Fibrous => layout::fibrous(rings, &key.options),
         };
         FaceLayout {
-            ground: Ground::new(&stem.skin, &bundles.layout),
+            facet_grid: FacetGrid::new(&stem.skin, &bundles.layout),
             bundles: Arc::new(bundles),
         }
     }
@@ -152,8 +152,8 @@ pub struct Cutter<'a> {
     pub stem: &'a PreparedStem,
     /// Its sorted skin, within whose reach the surface lies.
     pub skin: &'a Skin,
-    /// The facets of the surface on that skin.
-    pub ground: &'a Ground,
+    /// The grid of the facets of the surface near that skin.
+    pub facet_grid: &'a FacetGrid,
     /// Whether parts of one piece that hang in the air are given to the other.
     pub absorb_chips: bool,
 }
@@ -170,10 +170,10 @@ impl Cutter<'_> {
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
         let solid = self.stem.solid();
-        let mut cut = cut_again(&solid, self.skin, self.ground, surface, workspace)
+        let mut cut = cut_again(&solid, self.skin, self.facet_grid, surface, workspace)
             .map_err(|error| self.stem.locate(error))?;
         let chips = if self.absorb_chips {
-            cut.absorb_chips(&solid, self.skin, self.ground)
+            cut.absorb_chips(&solid, self.skin, self.facet_grid)
         } else {
             0
         };

@@ -71,7 +71,7 @@ impl CutStage {
         let cutter = Cutter {
             stem,
             skin: &stem.skin,
-            ground: &layout.ground,
+            facet_grid: &layout.facet_grid,
             absorb_chips: true,
         };
         let face = if stem.layers.has_spiral_grain() {
