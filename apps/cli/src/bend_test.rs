@@ -8,8 +8,9 @@ use crate::test_output::TestOutput;
 use greenstick::ErrorKind;
 use greenstick::bending::{
     BEND_REPORT_FILE, BEND_TABLE_FILE, BendRequest, BendSettings, BendingError, END_AT_MAXIMUM,
-    MeasuredColumns, MeasuredError, MeasuredSpecimens, SPECIMENS_FILE, SpecimensRequest, bend,
-    bend_all, bend_specimens, bend_table_files, bend_test_files, specimens_files,
+    MeasuredColumns, MeasuredError, MeasuredSpecimens, MeasurementError, SPECIMENS_FILE,
+    SpecimensRequest, bend, bend_all, bend_specimens, bend_table_files, bend_test_files,
+    specimens_files,
 };
 use greenstick::fibre::BendTest;
 use greenstick::files::{self, FileError};
@@ -100,8 +101,11 @@ fn measured(options: &BendTestOptions) -> Result<Option<MeasuredSpecimens>, Fail
         columns.modulus_of_rupture = column.clone();
     }
     let missing_column = |error: FileError| match &error {
-        FileError::Measured(MeasuredError::NoColumn { .. }) => Failure::from(error)
-            .hint("--density-column and --rupture-column name the columns, such as Density:g/cm3"),
+        FileError::Measured(MeasuredError::Table(MeasurementError::NoColumn { .. })) => {
+            Failure::from(error).hint(
+                "--density-column and --rupture-column name the columns, such as Density:g/cm3",
+            )
+        }
         _ => error.into(),
     };
     files::read_measured(path, &columns)

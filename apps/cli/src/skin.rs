@@ -71,6 +71,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     if let Some(path) = &options.picture {
         check_png(path)?;
     }
+    let frame = options.parameters.set()?.frame;
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
@@ -81,7 +82,7 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
         &read,
     )?;
     let plan = FilmPlan::from_options(options, run.scene.seed)?;
-    let made = match options.frame {
+    let made = match frame {
         Some(number) => still(run, number, options, &plan, &work)?,
         None => film(run, &plan, &work)?,
     };
@@ -256,9 +257,9 @@ fn still(
 
 fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failure> {
     let [skin, shots, video, write, extras] = context.split(film_stages(plan));
-    let (from, to) = plan.frames.unwrap_or((0, run.frames()));
+    let frames = plan.frames.clone().unwrap_or(0..run.frames());
     let Some(path) = &plan.output else {
-        let mut made = RunFilm::new(&mut run, from..to, &plan.shown, &skin)?;
+        let mut made = RunFilm::new(&mut run, frames, &plan.shown, &skin)?;
         made.skinned().film.metadata = run_provenance(&run).metadata();
         let files = frame_pictures(&run, &mut made, plan, &shots)?;
         return Ok(Made {
@@ -288,12 +289,12 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
             ))
             .hint("name a film, such as -o film.glb"));
         }
-        return series(run, from..to, path, context);
+        return series(run, frames, path, context);
     }
     if is_video(&ending) {
         check_ffmpeg()?;
     }
-    let mut made = RunFilm::new(&mut run, from..to, &plan.shown, &skin)?;
+    let mut made = RunFilm::new(&mut run, frames, &plan.shown, &skin)?;
     made.skinned().film.metadata = run_provenance(&run).metadata();
     let mut shown = frame_pictures(&run, &mut made, plan, &shots)?;
     if is_video(&ending) {

@@ -1,4 +1,4 @@
-//! Parsing of option values: locations, piths, ranges. Errors say what would be right; clap puts the option's name before
+//! Parsing of option values: locations, piths, lengths. Errors say what would be right; clap puts the option's name before
 //! them.
 
 use greenstick::formats::LengthUnit;
@@ -23,36 +23,14 @@ pub fn metres(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses two whole numbers with `..` between them, the first below the second.
-pub fn range(text: &str) -> Result<(usize, usize), String> {
-    let parts = text.split_once("..").and_then(|(from, to)| {
-        let from = if from.is_empty() {
-            0
-        } else {
-            from.parse().ok()?
-        };
-        Some((from, to.parse().ok()?))
-    });
-    match parts {
-        Some((from, to)) if from < to => Ok((from, to)),
-        _ => Err("expected two whole numbers, the first below the second, such as 30..60".into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn piths_and_ranges_are_read() {
+    fn piths_are_read() {
         let section = pith("1,-2", LengthUnit::Millimetre).unwrap();
         assert!(matches!(section, PithPosition::Section(p) if (p.y + 0.002).abs() < 1e-12));
         assert!(pith("1cm", LengthUnit::Metre).is_err());
-        assert_eq!((range("3..7"), range("..2")), (Ok((3, 7)), Ok((0, 2))));
-        assert!(
-            ["7..3", "3", "a..b", "2..2"]
-                .iter()
-                .all(|t| range(t).is_err())
-        );
     }
 }

@@ -2,10 +2,41 @@
 
 use greenstick_geometry::{Image, ImageSource};
 use std::collections::BTreeSet;
+use std::path::{Component, Path, PathBuf};
 
 /// Reads a companion of the main file (a `.bin`, a `.mtl`), given its reference relative to the main file. The caller
 /// decides which references it allows (`../`, absolute paths).
 pub type Resolve<'a> = &'a dyn Fn(&str) -> std::io::Result<Vec<u8>>;
+
+/// Why a reference to a companion is not followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum RefusedReference {
+    /// An address, or a path from the root of a file system.
+    #[error("only references relative to the file are followed")]
+    NotRelative,
+    /// A reference to a folder.
+    #[error("the reference names no file")]
+    NoFile,
+}
+
+/// Returns the path of a companion relative to the folder of the main file. References may leave that folder
+/// (`../textures/bark.png`) but must be relative and name a file.
+///
+/// # Errors
+/// [`RefusedReference`].
+pub fn relative_reference(reference: &str) -> Result<PathBuf, RefusedReference> {
+    // Files from Windows have backslashes, which names on other systems hardly ever have.
+    let reference = reference.replace('\\', "/");
+    let path = Path::new(&reference);
+    let drive = reference.as_bytes().get(1) == Some(&b':');
+    if reference.contains("://") || drive || path.is_absolute() {
+        return Err(RefusedReference::NotRelative);
+    }
+    if path.components().all(|c| c == Component::CurDir) {
+        return Err(RefusedReference::NoFile);
+    }
+    Ok(path.to_owned())
+}
 
 /// A file in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -146,5 +177,20 @@ fn image_extension(media_type: &str) -> &'static str {
         "image/avif" => "avif",
         "image/png" => "png",
         _ => "bin",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_are_relative_and_name_a_file() {
+        for followed in ["bark.png", "../bark.png", "..\\bark.png"] {
+            assert!(relative_reference(followed).is_ok(), "{followed}");
+        }
+        for refused in ["/bark.png", "file:///bark.png", "C:/bark.png", ".", ""] {
+            assert!(relative_reference(refused).is_err(), "{refused}");
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! Readers and writers of mesh files (bytes in, a [`Scene`](greenstick_geometry::Scene) out, and back), readers of point
-//! clouds, and writers of tables, VTK files and films.
+//! clouds, tables and photographs, and writers of tables, VTK files and films.
 //!
 //! No function here opens a file: companion files (a `.bin`, a `.mtl`) are requested through [`Resolve`] and returned as
 //! [`Encoded`]. The same scene always gives the same bytes.
 //!
 //! # Features
 //!
-//! `laz` (compressed point clouds), `parquet` (tables as Parquet) and `usd` (scenes and films as USD) are on by default.
+//! `laz` (compressed point clouds), `parquet` (tables as Parquet), `photograph` (photographs as JPEG and PNG) and `usd` (scenes
+//! and films as USD) are on by default.
 #![deny(missing_docs)]
 
 mod attribute;
@@ -22,6 +23,8 @@ mod gltf;
 mod mesh;
 mod obj;
 mod off;
+#[cfg(feature = "photograph")]
+pub mod photograph;
 mod ply;
 mod polygon;
 mod position;
@@ -38,13 +41,15 @@ pub mod usd;
 pub mod vtk;
 
 pub use cloud::{CloudFile, Content, read_content};
-pub use companions::{Encoded, Resolve, embeddable_image_type};
+pub use companions::{
+    Encoded, RefusedReference, Resolve, embeddable_image_type, relative_reference,
+};
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat};
 pub use mesh::{read, write};
 pub use table::{
-    CSVW_FILE, DescribedTable, TableFormat, TextRow, TextTable, read_csv, write_csv_metadata,
-    write_table,
+    CSVW_FILE, DENSITY_UNITS, DescribedTable, MeasurementError, STRESS_UNITS, TableFormat, TextRow,
+    TextTable, UnitColumn, read_csv, read_measurements, write_csv_metadata, write_table,
 };
 pub use unit::{LengthUnit, UnknownUnit};
 pub use uri::percent_decoded;

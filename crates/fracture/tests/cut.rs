@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use greenstick_fracture::cut::{
-    Cut, CutWorkspace, Ground, Host, Side, Skin, Solid, cut, cut_again,
+    Cut, CutWorkspace, FacetGrid, Host, Side, Skin, Solid, cut, cut_again,
 };
 use greenstick_fracture::surface::{FractureSurface, SectionLayout};
 use std::collections::HashMap;
@@ -200,13 +200,13 @@ fn a_cut_does_not_depend_on_those_made_before_on_the_same_ground() {
     let skin = Skin::new(&solid, (0.0, 10.0));
     for smooth in [false, true] {
         let surface = bricks(5, 14, 1.5, smooth, 3);
-        let ground = Ground::new(&skin, &surface.layout);
+        let grid = FacetGrid::new(&skin, &surface.layout);
         let made = |heights: Vec<[f64; 3]>, workspace: &mut CutWorkspace| {
             let surface = FractureSurface {
                 layout: surface.layout.clone(),
                 heights,
             };
-            let cut = cut_again(&solid, &skin, &ground, &surface, workspace).expect("cuts");
+            let cut = cut_again(&solid, &skin, &grid, &surface, workspace).expect("cuts");
             (cut.vertices, cut.inside, cut.skin, cut.cap, cut.walls)
         };
         let mut workspace = CutWorkspace::default();

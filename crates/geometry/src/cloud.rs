@@ -10,6 +10,7 @@ mod normals;
 mod poisson;
 mod report;
 mod sample;
+mod table;
 mod tetrahedra;
 
 pub use clean::clean;
@@ -20,6 +21,7 @@ pub use normals::{normals, orient_along_tree, orient_from, try_normals};
 pub use poisson::{MAX_NODES, PoissonError, poisson};
 pub use report::{CleanError, CleanOptions, CleanReport, CleanStep};
 pub use sample::sample_meshes;
+pub use table::points_table;
 
 use glam::DVec3;
 

@@ -1,4 +1,5 @@
-//! Meshes with named attributes, scenes of them, and checks of their soundness; point clouds, tables and films.
+//! Meshes with named attributes, scenes of them, and checks of their soundness; point clouds, tables, films and
+//! solids for finite elements.
 //!
 //! Positions are `f64`; other attributes (normals, texture coordinates, colours) are `f32`, as in files.
 #![deny(missing_docs)]
@@ -20,6 +21,7 @@ pub mod provenance;
 pub mod repair;
 pub mod scene;
 pub mod simplify;
+mod solid_model;
 pub mod table;
 mod triangle;
 pub mod triangulate;
@@ -42,6 +44,7 @@ pub use mesh::{Attribute, Mesh};
 pub use provenance::{Metadata, MetadataEntry, Provenance};
 pub use scene::{Node, Scene};
 pub use simplify::{Simplified, simplify};
+pub use solid_model::{ElementSet, NodeSet, OrthotropicMaterial, SolidModel};
 pub use table::{Column, Table, Values};
 pub use triangle::closest_point_on_triangle;
 pub use unions::Unions;

@@ -1,6 +1,10 @@
 //! Tables: rows of numbers in named columns with units.
 
 use crate::provenance::Metadata;
+use glam::DVec3;
+
+/// Endings of the names of columns that hold coordinates.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The values of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,6 +99,22 @@ impl Table {
         self.columns.iter().find(|c| c.name == name)
     }
 
+    /// Adds an offset (m) to the coordinates: the columns `x`, `y` and `z` in metres, and those that end in `_x`, `_y` and `_z`.
+    pub fn translate(&mut self, offset: DVec3) {
+        if offset == DVec3::ZERO {
+            return;
+        }
+        for column in &mut self.columns {
+            let axis = column.name.rsplit('_').next().unwrap_or_default();
+            let place = AXES.iter().position(|a| *a == axis);
+            if let (Some(k), "m", Values::F64(values)) =
+                (place, column.unit.as_str(), &mut column.values)
+            {
+                values.iter_mut().for_each(|v| *v += offset[k]);
+            }
+        }
+    }
+
     /// Describes the first fault: a column of another length than the first, a name or unit that is not made of letters,
     /// digits and `_`, or a name that occurs twice.
     pub fn fault(&self) -> Option<String> {
@@ -119,5 +139,28 @@ impl Table {
             }
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_moved_and_nothing_else() {
+        let column = |name: &str, unit: &str| Column::new(name, unit, "", Values::F64(vec![1.0]));
+        let mut table = Table {
+            columns: vec![
+                column("x", "m"),
+                column("pith_y", "m"),
+                column("direction_z", ""),
+                column("length", "m"),
+            ],
+            ..Table::default()
+        };
+        table.translate(DVec3::new(10.0, 20.0, 30.0));
+        let values: Vec<&Values> = table.columns.iter().map(|c| &c.values).collect();
+        let expected = [11.0, 21.0, 1.0, 1.0].map(|x| Values::F64(vec![x]));
+        assert_eq!(values, expected.iter().collect::<Vec<_>>());
     }
 }

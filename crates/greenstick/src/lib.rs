@@ -62,7 +62,6 @@ mod provenance;
 mod report_file;
 mod request;
 pub mod scanning;
-mod section_rings;
 pub mod session;
 #[cfg(feature = "simulate")]
 pub mod simulate;
@@ -87,13 +86,13 @@ pub use greenstick_skin::report::{
 #[cfg(feature = "simulate")]
 pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
+pub use greenstick_wood::anatomy::SectionRingSettings;
 pub use greenstick_wood::branch::built_in_branch;
 pub use pictures::{
     close_up, picture_of_break, picture_of_moved_break, picture_of_scene, picture_of_skin,
 };
 pub use provenance::provenance;
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
-pub use section_rings::SectionRingSettings;
 pub use session::{BreakSession, Broken, break_scene};
 
 /// Keeps the example in the README one that compiles.

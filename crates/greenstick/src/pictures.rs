@@ -1,18 +1,16 @@
 //! Pictures of broken stems and of any scene.
 
-use crate::session::{Broken, BrokenWood, NodeRole, PieceRole};
-use glam::{DVec2, DVec3};
-use greenstick_geometry::{Context, Node, Scene};
+use crate::session::{Broken, BrokenWood};
+use glam::DVec3;
+use greenstick_geometry::{Context, Scene};
 use greenstick_picture::{
     Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
     azimuth_of_view, render_scene,
 };
-use greenstick_skin::WoodField;
-use greenstick_skin::broken::{BreakView, ViewedPiece};
+use greenstick_skin::view::{self, BreakView, Sight};
+use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
-use greenstick_wood::branch::BARK_MATERIAL_NAME;
 use greenstick_wood::stem::Stem;
-use std::sync::Arc;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour.
 struct StemShader<'a> {
@@ -27,31 +25,8 @@ struct StemShader<'a> {
     field: Option<WoodField>,
 }
 
-/// Returns the field that a scene's nodes hold.
-fn field_of(scene: &Scene) -> Option<WoodField> {
-    let holds = |field: &WoodField| {
-        let name = field.attribute();
-        (scene.nodes.iter()).any(|node| node.mesh.attributes.contains_key(name))
-    };
-    [WoodField::Strain, WoodField::Damage]
-        .into_iter()
-        .find(holds)
-}
-
 /// Roughness of what shows a field.
 const FIELD_ROUGHNESS: f64 = 0.9;
-/// Colours of a field, linear: strain from crushing by none to tearing, damage from whole to broken.
-const CRUSHED: DVec3 = DVec3::new(0.03, 0.13, 0.55);
-const UNLOADED: DVec3 = DVec3::new(0.75, 0.73, 0.68);
-const TORN: DVec3 = DVec3::new(0.62, 0.03, 0.02);
-
-fn field_color(field: WoodField, value: f64) -> [f64; 3] {
-    let end = match field {
-        WoodField::Strain if value < 0.0 => CRUSHED,
-        _ => TORN,
-    };
-    UNLOADED.lerp(end, value.abs().min(1.0)).to_array()
-}
 
 /// The wood inside a stem.
 #[derive(Clone, Copy)]
@@ -100,7 +75,7 @@ impl Shader for StemShader<'_> {
             && let Some(value) = hit.attribute(field.attribute())
         {
             return Appearance {
-                color: field_color(field, value[0]),
+                color: field.color(value[0]),
                 roughness: FIELD_ROUGHNESS,
                 normal: hit.normal,
             };
@@ -123,68 +98,11 @@ impl Shader for StemShader<'_> {
     }
 }
 
-/// Returns for each material whether it has no colour to show: our own bark, materials without a colour, and those whose
-/// colour is in a texture.
-fn blank(scene: &Scene) -> Vec<bool> {
-    let blank = |m: &greenstick_geometry::Material| {
-        m.name == BARK_MATERIAL_NAME
-            || m.base_color_texture.is_some()
-            || m.base_color[..3] == [1.0; 3]
-    };
-    scene.materials.iter().map(blank).collect()
-}
-
-/// Pieces of less than this share of the wood are splinters, which may fly far: a picture need not show them.
-const SPLINTER_SHARE: f64 = 0.01;
-
-fn is_wood(node: &Node) -> bool {
-    node.mesh.attributes.contains_key("_GRAIN")
-}
-
-/// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
-fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
-    let wood = scene.nodes.iter().filter(|n| is_wood(n));
-    let whole: f64 = wood.map(|n| n.mesh.volume()).sum();
-    let is_shown = |node: &&Node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole;
-    let points = |node: &Node| {
-        let transform = node.transform;
-        let positions = node.mesh.positions.clone();
-        positions
-            .into_iter()
-            .map(move |p| transform.transform_point3(p))
-    };
-    let shown = scene.nodes.iter().filter(is_shown);
-    shown.flat_map(points).collect()
-}
-
 /// Returns what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the wood inside, whose materials are
 /// `inner`. Splinters do not count; there is none of wood without such faces.
 pub fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<Sphere> {
-    let wood = scene.nodes.iter().filter(|node| is_wood(node));
-    let whole: f64 = wood.clone().map(|n| n.mesh.volume()).sum();
-    let (mut sum, mut area) = (DVec3::ZERO, 0.0);
-    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for node in wood.filter(|n| n.mesh.volume() >= SPLINTER_SHARE * whole) {
-        let mesh = &node.mesh;
-        let grain = mesh.attributes.get("_GRAIN")?;
-        for t in (0..mesh.triangles.len()).filter(|&t| inner.contains(&mesh.material(t))) {
-            let [a, b, c] = mesh.corners(t).map(|p| node.transform.transform_point3(p));
-            let own = (b - a).cross(c - a).length();
-            sum += (a + b + c) * (own / 3.0);
-            area += own;
-            for corner in mesh.triangles[t] {
-                let at = corner as usize * grain.width;
-                let point = DVec2::new(grain.data[at].into(), grain.data[at + 1].into());
-                (low, high) = (low.min(point), high.max(point));
-            }
-        }
-    }
-    let sides = high - low;
-    let radius = 0.5 * diameters * (sides.x * sides.y).sqrt();
-    (area > 0.0 && radius > 0.0).then(|| Sphere {
-        centre: sum / area,
-        radius,
-    })
+    let (centre, radius) = view::close_up(scene, inner, diameters)?;
+    Some(Sphere { centre, radius })
 }
 
 /// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood
@@ -233,9 +151,9 @@ fn picture_of_moved_wood(
     let shader = StemShader {
         woods,
         plain: PlainShader::from_materials(&scene.materials),
-        blank: blank(scene),
+        blank: materials::without_color(scene),
         moved: true,
-        field: field_of(scene),
+        field: WoodField::of(scene),
     };
     let mut options = options.clone();
     if let (None, Some(diameters)) = (options.zoom, options.close_up) {
@@ -244,7 +162,7 @@ fn picture_of_moved_wood(
     if options.zoom.is_some() || !options.shown.is_empty() {
         return render_scene(scene, &shader, &options, context);
     }
-    options.shown = points_without_splinters(scene);
+    options.shown = view::points_without_splinters(scene);
     render_scene(scene, &shader, &options, context)
 }
 
@@ -260,7 +178,7 @@ pub fn picture_of_break(
     let shader = StemShader {
         woods: broken.woods.iter().map(Inside::new).collect(),
         plain: PlainShader::from_materials(&broken.scene.materials),
-        blank: blank(&broken.scene),
+        blank: materials::without_color(&broken.scene),
         moved: false,
         field: None,
     };
@@ -274,7 +192,7 @@ pub fn picture_of_break(
         }
         return render_scene(&broken.scene, &shader, &options, context);
     };
-    let opened = opened(broken, wood);
+    let opened = view(broken, wood).opened(&broken.scene, &broken.roles);
     let scene = if broken.apart || broken.end.is_some() {
         &broken.scene
     } else {
@@ -303,11 +221,6 @@ pub fn picture_of_break(
     render_scene(scene, &shader, &options, context)
 }
 
-/// How steeply an opened break is looked down on, rad.
-const ELEVATION: f64 = 0.5;
-/// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
-const HANGING_ELEVATION: f64 = 0.22;
-const HANGING_TURN: f64 = 0.45;
 /// A break as a picture shows it.
 fn view<'a>(broken: &Broken, wood: &'a BrokenWood) -> BreakView<'a> {
     BreakView {
@@ -320,60 +233,26 @@ fn view<'a>(broken: &Broken, wood: &'a BrokenWood) -> BreakView<'a> {
 
 /// Aims the camera at both faces and a stub of stem behind each.
 fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureOptions) {
-    let lower = NodeRole::Piece(PieceRole::Lower);
-    let Some(at) = broken.roles.iter().position(|&role| role == lower) else {
+    let view = view(broken, wood);
+    let Some(points) = view.points(scene, &broken.scene, &broken.roles) else {
         return;
     };
-    let nodes = scene.nodes.iter().zip(&broken.roles);
-    let pieces = nodes.filter_map(|(node, role)| match role {
-        NodeRole::Piece(role) => Some(ViewedPiece {
-            node,
-            is_upper: *role == PieceRole::Upper,
-            is_splinter: matches!(role, PieceRole::Splinter(_)),
-        }),
-        NodeRole::Carried | NodeRole::Untouched => None,
-    });
-    let (view, at_rest) = (view(broken, wood), &broken.scene.nodes[at].transform);
-    options.shown = view.points(pieces, at_rest);
-    let frame = view.frame();
-    let (up, view) = match broken.hinge {
-        None if broken.apart => return,
-        // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
-        None => (
-            frame.tangent,
-            (azimuth_of_view(frame.tangent, frame.y), ELEVATION),
-        ),
-        // Nearly along the hinge, from the side that opened.
-        Some(axis) => {
-            let opened = axis.cross(frame.tangent) * -1.0;
-            let (sin, cos) = libm::sincos(HANGING_TURN);
-            let back = axis * cos + opened * sin;
-            let azimuth = azimuth_of_view(frame.tangent, -back);
-            (frame.tangent, (azimuth, HANGING_ELEVATION))
-        }
-    };
+    options.shown = points;
+    if broken.hinge.is_none() && broken.apart {
+        return;
+    }
+    let Sight {
+        up,
+        direction,
+        elevation,
+    } = view.sight(broken.hinge);
     (options.up, options.floor) = (up, false);
     if options.view == View::Automatic {
-        let (azimuth, elevation) = view;
-        options.view = View::Direction { azimuth, elevation };
+        options.view = View::Direction {
+            azimuth: azimuth_of_view(up, direction),
+            elevation,
+        };
     }
-}
-
-/// The scene with the upper piece turned over and set beside the lower, both faces up.
-fn opened(broken: &Broken, wood: &BrokenWood) -> Scene {
-    let about = view(broken, wood).opened();
-    let mut scene = broken.scene.clone();
-    for (node, role) in scene.nodes.iter_mut().zip(&broken.roles) {
-        match role {
-            NodeRole::Piece(PieceRole::Upper) | NodeRole::Carried => {
-                node.transform = about * node.transform;
-            }
-            NodeRole::Piece(_) => {}
-            // It would hide the faces.
-            NodeRole::Untouched => node.mesh = Arc::default(),
-        }
-    }
-    scene
 }
 
 /// Renders any scene in the plain colours of its materials.

@@ -5,13 +5,14 @@ use crate::request::RequestFile;
 use crate::scanning::ScannedReport;
 use greenstick_geometry::Provenance;
 use greenstick_schema::{Parameters, Value};
+use greenstick_wood::scan::with_scan;
 
 /// The key of the input, which has a place of its own.
 const INPUT_KEY: &str = "input";
 
 /// Whether a key is that of what random numbers are drawn from, at the top or in a table.
 fn is_seed(key: &str) -> bool {
-    key.rsplit('.').next() == Some("seed")
+    key.rsplit('.').next() == Some("seed") && !key.contains('[')
 }
 
 /// Returns where a result of a command comes from: an input, by its name, and parameters, of which those that are not at
@@ -26,48 +27,21 @@ fn is_seed(key: &str) -> bool {
 /// # Ok::<(), greenstick::RequestFileError>(())
 /// ```
 pub fn provenance(command: &str, input: Option<&str>, parameters: &dyn Parameters) -> Provenance {
-    let list = parameters.list();
-    let seed = list.iter().find_map(|p| match p.value {
+    let seed = parameters.list().iter().find_map(|p| match p.value {
         Value::Integer(seed) if is_seed(&p.key) => u64::try_from(seed).ok(),
         _ => None,
     });
+    let changed = parameters.changed().into_iter();
+    let changed = changed.filter(|p| p.key != INPUT_KEY && !is_seed(&p.key));
     Provenance {
         program: "greenstick".to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         command: command.to_owned(),
         input: input.map(str::to_owned),
-        parameters: changed_parameters(parameters),
+        parameters: changed.map(|p| format!("{}={}", p.key, p.value)).collect(),
         seed,
         ..Provenance::default()
     }
-}
-
-/// The parameters that are not at their defaults, as `key=value` in SI units; those of the entries of a list after its name
-/// and their number, from 0.
-fn changed_parameters(parameters: &dyn Parameters) -> Vec<String> {
-    let changed = |parameters: &dyn Parameters, prefix: &str| -> Vec<String> {
-        let list = parameters.list().into_iter();
-        let changed = list.filter(|p| p.value != p.default && p.key != INPUT_KEY);
-        let own = changed.filter(|p| !prefix.is_empty() || !is_seed(&p.key));
-        own.map(|p| format!("{prefix}{}={}", p.key, p.value))
-            .collect()
-    };
-    let mut all = changed(parameters, "");
-    for list in parameters.lists() {
-        for (number, entry) in parameters.entries(list.key).into_iter().enumerate() {
-            all.extend(changed(entry, &format!("{}[{number}].", list.key)));
-        }
-    }
-    all
-}
-
-/// What is known of a scan.
-fn with_scan(mut provenance: Provenance, scan: Option<&ScannedReport>) -> Provenance {
-    let bark = scan.and_then(|s| s.bark.as_ref());
-    provenance.origin_m = scan.map_or([0.0; 3], |s| s.origin_m);
-    provenance.coverage = bark.map(|b| b.mean_coverage);
-    provenance.residual_m = bark.map(|b| b.noise_m);
-    provenance
 }
 
 impl AnatomyFile {

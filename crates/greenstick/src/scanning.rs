@@ -1,12 +1,15 @@
 //! Reconstruction of a stem's bark from a point cloud, or from a mesh that is treated as one.
 
-pub use greenstick_wood::scan::{ScanParameters, ScanRequest, ScannedReport, ScanningError};
+pub use greenstick_geometry::cloud::points_table as cleaned_table;
+pub use greenstick_wood::scan::{
+    ScanParameters, ScanRequest, ScannedReport, ScanningError, outline_error,
+};
 
 use crate::Error;
 use glam::{DAffine3, DVec3};
 use greenstick_formats::CloudFile;
 use greenstick_geometry::cloud::sample_meshes;
-use greenstick_geometry::{Column, Context, Mesh, Node, PointCloud, Scene, Table, Values};
+use greenstick_geometry::{Context, Mesh, Node, PointCloud, Scene};
 use greenstick_wood::scan::clean_and_reconstruct;
 use greenstick_wood::stem::StemLocation;
 
@@ -59,44 +62,6 @@ pub fn scan_to_scene(
         cleaned,
         report,
     })
-}
-
-/// Returns points with what was measured at each as a table.
-pub fn cleaned_table(cloud: &PointCloud) -> Table {
-    let coordinates = |names: [&str; 3], meaning: &str, unit: &str, vectors: &[DVec3]| {
-        let values = |k: usize| Values::F64(vectors.iter().map(|v| v[k]).collect());
-        [0, 1, 2].map(|k| Column::new(names[k], unit, meaning, values(k)))
-    };
-    let mut columns =
-        coordinates(["x", "y", "z"], "place in the world", "m", &cloud.points).to_vec();
-    if !cloud.normals.is_empty() {
-        columns.extend(coordinates(
-            ["nx", "ny", "nz"],
-            "normal",
-            "",
-            &cloud.normals,
-        ));
-    }
-    if !cloud.colours.is_empty() {
-        for (k, name) in ["red", "green", "blue"].into_iter().enumerate() {
-            let values = Values::U8(cloud.colours.iter().map(|c| c[k]).collect());
-            columns.push(Column::new(name, "", "colour, sRGB", values));
-        }
-    }
-    Table {
-        columns,
-        ..Table::default()
-    }
-}
-
-/// The error of a section's outline in a scan's cells, m: the points' noise over the root of their number in a cell that
-/// was seen. `None` where the bark was not laid in cells.
-pub fn outline_error(report: &ScannedReport) -> Option<f64> {
-    let bark = report.bark.as_ref()?;
-    let seen = bark.cells.iter().product::<usize>() as f64 * (1.0 - bark.completed);
-    let points_per_cell = (bark.points as f64 / seen).max(1.0);
-    let error = bark.noise_m / points_per_cell.sqrt();
-    (seen > 0.0 && error.is_finite()).then_some(error)
 }
 
 /// Approximate number of points sampled on a scene; more if it has more triangles.

@@ -10,19 +10,14 @@ pub use greenstick_fibre::simulate::{
 };
 pub use greenstick_fibre::store::{MemoryRun, RunError, RunSink, RunSource, RunStore};
 
+use greenstick_fibre::Event;
+use greenstick_fibre::outcome::broken_region as region_of_breaks;
 use greenstick_fibre::store::Frame;
-use greenstick_fibre::{Event, EventKind};
 use greenstick_picture::Sphere;
 
 /// Returns what a close-up of `diameters` diameters of a stem shows of a run: a sphere about the places (m) at which rods broke, or
 /// nothing where none did. `first` is the first frame.
 pub fn broken_region(first: &Frame, events: &[Event], diameters: f64) -> Option<Sphere> {
-    let breaks = events.iter().filter(|e| e.kind == EventKind::RodBroke);
-    let places: Vec<_> = breaks.map(|e| e.position).collect();
-    let sum: glam::DVec3 = places.iter().sum();
-    let square: f64 = first.diameter.iter().map(|&d| f64::from(d * d)).sum();
-    (!places.is_empty()).then(|| Sphere {
-        centre: sum / places.len() as f64,
-        radius: 0.5 * diameters * square.sqrt(),
-    })
+    let (centre, radius) = region_of_breaks(first, events, diameters)?;
+    Some(Sphere { centre, radius })
 }

@@ -13,7 +13,7 @@ use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene};
 use greenstick_skin::film::Run;
 use greenstick_skin::rods::Wood;
 pub use greenstick_skin::simulated::{
-    ModeShare, ObservedRun, SimulatedFaceReport, SimulatedFracture,
+    ModeShare, ObservedRun, PartlyBroken, SimulatedFaceReport, SimulatedFracture, WoodHolds,
 };
 use greenstick_wood::stem::{StemError, StemLocation, StemOptions};
 use std::sync::Arc;
@@ -24,29 +24,9 @@ pub enum SimulatedFacesError {
     /// The run cannot be read.
     #[error(transparent)]
     Run(#[from] FilmError),
-    /// Nothing broke.
-    #[error(
-        "no rod is broken at {time:.4} s, so there is no face to draw; take a later frame, or simulate longer or harder"
-    )]
-    NoBreak {
-        /// Time of the frame, s.
-        time: f64,
-    },
-    /// Too little broke: the wood holds.
-    #[error(
-        "only {:.0} % of the section is broken at {time:.4} s and the wood holds, so there is no face to draw; it takes {:.0} %: \
-         take a later frame, or simulate longer or harder",
-        100.0 * share,
-        100.0 * least
-    )]
-    Holds {
-        /// Share of the section that is broken, 0 to 1.
-        share: f64,
-        /// The least that would do.
-        least: f64,
-        /// Time of the frame, s.
-        time: f64,
-    },
+    /// The wood holds together.
+    #[error(transparent)]
+    Holds(#[from] WoodHolds),
     /// No break can be drawn where the rods broke.
     #[error("the rods broke at {at} of the stem, where no break can be drawn: {error}")]
     Location {
@@ -69,10 +49,7 @@ pub enum SimulatedFacesError {
 impl SimulatedFacesError {
     /// Whether there is no face because the wood holds together.
     pub fn wood_holds(&self) -> bool {
-        matches!(
-            self,
-            SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. }
-        )
+        matches!(self, SimulatedFacesError::Holds(_))
     }
 
     /// Returns the kind of the error.
@@ -80,9 +57,7 @@ impl SimulatedFacesError {
         match self {
             SimulatedFacesError::Cancelled(_) => ErrorKind::Cancelled,
             SimulatedFacesError::Run(error) => error.kind(),
-            SimulatedFacesError::NoBreak { .. } | SimulatedFacesError::Holds { .. } => {
-                ErrorKind::Request
-            }
+            SimulatedFacesError::Holds(_) => ErrorKind::Request,
             SimulatedFacesError::Cut(error) => error.kind(),
             SimulatedFacesError::Location { .. } | SimulatedFacesError::Heights(_) => {
                 ErrorKind::Work
@@ -123,25 +98,6 @@ impl SimulatedFaces {
     }
 }
 
-/// How much of the section must be broken for a face in wood that still hangs together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PartlyBroken {
-    /// Half: the pieces are moved apart.
-    Separated,
-    /// A tenth: the pieces stay together at what is whole, a hinge.
-    Hinged,
-}
-
-impl PartlyBroken {
-    /// Least share of the section, 0 to 1.
-    fn least_share(self) -> f64 {
-        match self {
-            PartlyBroken::Separated => 0.5,
-            PartlyBroken::Hinged => 0.1,
-        }
-    }
-}
-
 /// Returns the faces of the wood in frame `number` of a run, from the base of the stem to its tip.
 ///
 /// # Errors
@@ -169,7 +125,7 @@ pub fn faces_of_wood(
     partly: PartlyBroken,
     context: &Context,
 ) -> Result<SimulatedFaces, SimulatedFacesError> {
-    let fractures = drawable_fractures(wood, observed, partly)?;
+    let fractures = SimulatedFracture::find_drawable(wood, observed, partly)?;
     let by_point = matches!(setting.stem.at, StemLocation::Point(_));
     let mut request = BreakRequest {
         stem: StemOptions {
@@ -214,32 +170,6 @@ pub fn faces_of_wood(
         reports,
         fractures,
     })
-}
-
-/// Returns the fractures that faces are drawn for.
-fn drawable_fractures(
-    wood: &Wood,
-    observed: &ObservedRun,
-    partly: PartlyBroken,
-) -> Result<Vec<SimulatedFracture>, SimulatedFacesError> {
-    let mut fractures = SimulatedFracture::find(wood, observed);
-    let time = observed.time;
-    if fractures.is_empty() {
-        return Err(SimulatedFacesError::NoBreak { time });
-    }
-    // Beside a fracture that gapes, one that hardly opens need not be seen.
-    let partly = match fractures.iter().any(|f| f.parted) {
-        true => PartlyBroken::Separated,
-        false => partly,
-    };
-    let least = partly.least_share();
-    let shares = fractures.iter().map(|f| f.broken_share(wood));
-    let share = shares.fold(0.0, f64::max);
-    fractures.retain(|f| f.parted || f.broken_share(wood) >= least);
-    if fractures.is_empty() {
-        return Err(SimulatedFacesError::Holds { share, least, time });
-    }
-    Ok(fractures)
 }
 
 /// The error of a stem that cannot be broken at a place.

@@ -10,7 +10,7 @@ use greenstick::fibre::{Cause, Event, EventKind};
 use greenstick::fracture::surface::FractureSurface;
 use greenstick::geometry::Context;
 use greenstick::simulated_faces::{
-    ObservedRun, PartlyBroken, SimulatedFaces, SimulatedFacesError, faces_of_wood,
+    ObservedRun, PartlyBroken, SimulatedFaces, SimulatedFacesError, WoodHolds, faces_of_wood,
 };
 use greenstick::wood::noise::unit;
 use support::Grown;
@@ -263,7 +263,10 @@ fn wood_that_holds_has_no_face() {
         held: false,
     });
     let error = faces(&grown, &none).unwrap_err();
-    assert!(matches!(error, SimulatedFacesError::NoBreak { time: 1.0 }));
+    assert!(matches!(
+        error,
+        SimulatedFacesError::Holds(WoodHolds::NoBreak { time: 1.0 })
+    ));
     let some = broken(&grown, |_, at| Broken {
         lengths: if at.x > 0.6 {
             vec![0.5 * LENGTH]

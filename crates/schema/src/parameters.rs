@@ -81,6 +81,22 @@ pub trait Parameters {
         Self::default().list()
     }
 
+    /// Every parameter that is not at its default, in the order of declaration; those of the entries of a list after its name
+    /// and their number, from 0: `breaks[1].fray`.
+    fn changed(&self) -> Vec<ParameterInfo> {
+        let changed = |list: Vec<ParameterInfo>| list.into_iter().filter(|p| p.value != p.default);
+        let mut all: Vec<ParameterInfo> = changed(self.list()).collect();
+        for list in self.lists() {
+            for (number, entry) in self.entries(list.key).into_iter().enumerate() {
+                all.extend(changed(entry.list()).map(|p| ParameterInfo {
+                    key: format!("{}[{number}].{}", list.key, p.key),
+                    ..p
+                }));
+            }
+        }
+        all
+    }
+
     /// Sets one parameter. The set is unchanged where this fails.
     ///
     /// # Errors

@@ -25,6 +25,7 @@ pub mod simulated;
 mod source;
 pub mod stages;
 pub mod texture;
+pub mod view;
 mod wood_field;
 
 pub use error::BreakError;

@@ -8,11 +8,28 @@ use greenstick_geometry::{
     Context, Image, ImageSource, Material, Scene, Texture, TextureReference,
 };
 use greenstick_wood::appearance::StemAppearance;
-use greenstick_wood::branch::bark_material;
+use greenstick_wood::branch::{BARK_MATERIAL_NAME, bark_material};
 use greenstick_wood::stem::Stem;
 
 /// Name of the material of the wood inside.
 const INNER_WOOD_NAME: &str = "inner_wood";
+
+/// Returns for each material of a scene whether it has no colour to show: our own bark, materials without a colour, and those
+/// whose colour is in a texture.
+pub fn without_color(scene: &Scene) -> Vec<bool> {
+    let without = |m: &Material| {
+        m.name == BARK_MATERIAL_NAME
+            || m.base_color_texture.is_some()
+            || m.base_color[..3] == [1.0; 3]
+    };
+    scene.materials.iter().map(without).collect()
+}
+
+/// Returns the number of the next material of a scene, once its triangles without one have bark.
+pub fn next_material(scene: &Scene) -> u32 {
+    let lacks_bark = scene.nodes.iter().any(|n| lacks_material(&n.mesh));
+    scene.materials.len() as u32 + u32::from(lacks_bark)
+}
 
 /// Gives bark to the triangles of a scene that have no material.
 pub fn add_missing_bark(scene: &mut Scene) {

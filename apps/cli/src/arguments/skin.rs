@@ -2,7 +2,6 @@
 
 use super::faces::FacesChoice;
 use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
-use crate::values;
 use clap::{Arg, Args, ValueEnum};
 use greenstick::picture::PictureParameters;
 use greenstick::skin::{WoodField, film::FilmParameters};
@@ -54,20 +53,9 @@ pub struct SkinOptions {
     /// File for the film or the frame
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// One frame, counted from 0; negative from the end
-    #[arg(
-        long,
-        value_name = "NUMBER",
-        allow_hyphen_values = true,
-        conflicts_with = "frames"
-    )]
-    pub frame: Option<i64>,
     /// Faces of broken wood; wood that holds is shown by its rods [default: drawn, or rods with options of their skin]
     #[arg(long, value_enum, value_name = "FACES")]
     pub faces: Option<FacesChoice>,
-    /// Frames of the film, from the first to before the last [default: all]
-    #[arg(long, value_name = "FROM..TO", value_parser = values::range)]
-    pub frames: Option<(usize, usize)>,
 
     #[command(flatten)]
     pub parameters: Declared<FilmParameters>,
@@ -80,16 +68,6 @@ pub struct SkinOptions {
         help_heading = "For engines"
     )]
     pub collision: Option<PathBuf>,
-    /// Levels of detail: shares of the triangles, in files beside the film, film_lod1.glb and so on
-    #[arg(
-        long,
-        value_name = "SHARE,SHARE",
-        value_delimiter = ',',
-        value_parser = share,
-        conflicts_with = "frame",
-        help_heading = "For engines"
-    )]
-    pub lod: Vec<f64>,
     /// Vertex animation texture: positions and normals in each frame as 16-bit pictures, with the mesh that they move as
     /// FILE.glb and how to read them as FILE.json
     #[arg(
@@ -125,17 +103,11 @@ pub struct SkinOptions {
     pub reporting: ReportingOptions,
 }
 
-/// A share of triangles: above 0, up to 1.
-fn share(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x > 0.0 && x <= 1.0 => Ok(x),
-        _ => Err("expected shares above 0 and up to 1 with commas between them: 0.5,0.25".into()),
-    }
-}
-
 impl OptionSet for FilmParameters {
     fn adjust(option: Arg) -> Arg {
         match option.get_id().as_str() {
+            "frame" => option.conflicts_with("frames"),
+            "lod" => option.value_name("SHARE,SHARE").conflicts_with("frame"),
             "collision_shapes" | "collision_vertices" => option.requires("collision"),
             "vat_width" => option.requires("vat"),
             _ => option,

@@ -8,6 +8,7 @@ use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
 use greenstick::skin::{WoodField, film::FilmParameters};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// What is made of a run.
@@ -16,7 +17,7 @@ pub struct FilmPlan {
     /// File of the film or the frame.
     pub output: Option<PathBuf>,
     /// The range of frames in the film; `None` for all.
-    pub frames: Option<(usize, usize)>,
+    pub frames: Option<Range<usize>>,
     /// How the run is shown.
     pub shown: ShownAs,
     /// How a glTF film is written.
@@ -89,7 +90,7 @@ impl FilmPlan {
         let parameters = options.parameters.set()?;
         Ok(FilmPlan {
             output: options.output.clone(),
-            frames: options.frames,
+            frames: parameters.frames.map(Range::from),
             shown: ShownAs {
                 faces: faces(options)?,
                 field: options.show.map(WoodField::from),
@@ -99,7 +100,7 @@ impl FilmPlan {
             engines: EnginePlan {
                 collision: (options.collision.clone())
                     .map(|path| (path, parameters.convex_options())),
-                levels: options.lod.clone(),
+                levels: parameters.lod.clone(),
                 vertex_texture: (options.vat.clone())
                     .map(|path| (path, parameters.vat_width as usize)),
             },

@@ -31,7 +31,46 @@ pub struct MeasuredSummary {
     pub rupture_with_density: Option<Correlation>,
 }
 
+/// Fewer pairs have no correlation.
+const MIN_SPECIMENS: usize = 3;
+
+/// Too few specimens to speak of scatter.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{name}: {found} rows have density and modulus of rupture; expected at least {MIN_SPECIMENS}"
+)]
+pub struct TooFewSpecimens {
+    /// Where they come from.
+    pub name: String,
+    /// Number of rows with both.
+    pub found: usize,
+}
+
 impl MeasuredSpecimens {
+    /// Returns specimens from rows of density (kg/m³) and modulus of rupture (Pa). Rows without one of both are counted and left
+    /// out.
+    ///
+    /// # Errors
+    /// [`TooFewSpecimens`].
+    pub fn from_rows(source: &str, rows: &[[Option<f64>; 2]]) -> Result<Self, TooFewSpecimens> {
+        let pair = |[density, rupture]: &[Option<f64>; 2]| density.zip(*rupture);
+        let (density, modulus_of_rupture): (Vec<f64>, Vec<f64>) =
+            rows.iter().filter_map(pair).unzip();
+        let found = density.len();
+        if found < MIN_SPECIMENS {
+            return Err(TooFewSpecimens {
+                name: source.to_owned(),
+                found,
+            });
+        }
+        Ok(MeasuredSpecimens {
+            source: source.to_owned(),
+            incomplete: rows.len() - found,
+            density,
+            modulus_of_rupture,
+        })
+    }
+
     /// Returns them in numbers.
     pub fn summary(&self) -> MeasuredSummary {
         MeasuredSummary {

@@ -44,7 +44,7 @@ mod variation;
 pub use all_species::{BendRow, BendTable, Summary, bend_all};
 pub use error::{BendError, BendingError};
 pub use grain::SlopedGrain;
-pub use measured::{MeasuredSpecimens, MeasuredSummary};
+pub use measured::{MeasuredSpecimens, MeasuredSummary, TooFewSpecimens};
 pub use outcome::{BendEvent, BendOutcome, BendPoint};
 pub use parameters::{BendParameters, BendSettings};
 pub(crate) use report::short;

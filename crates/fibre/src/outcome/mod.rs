@@ -10,10 +10,12 @@
 
 mod capacity;
 mod mode;
+mod region;
 #[cfg(test)]
 mod tests;
 
 pub use mode::Mode;
+pub use region::broken_region;
 
 use crate::event::{Event, EventKind};
 use crate::rod_bundle::RodBundle;

@@ -1,8 +1,9 @@
-//! Tables: writers of comma-separated values, of Parquet and, for tables with positions, of points in PLY and VTK; a reader of
-//! comma-separated values.
+//! Tables: writers of comma-separated values, of Parquet and, for tables with positions, of points in PLY and VTK; readers of
+//! comma-separated values and of measurements in them.
 
 mod csv;
 mod csvw;
+mod measurements;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod points;
@@ -10,6 +11,9 @@ mod positions;
 mod read_csv;
 
 pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
+pub use measurements::{
+    DENSITY_UNITS, MeasurementError, STRESS_UNITS, UnitColumn, read_measurements,
+};
 pub(crate) use positions::positions;
 pub use read_csv::{TextRow, TextTable, read_csv};
 

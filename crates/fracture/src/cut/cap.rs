@@ -9,8 +9,8 @@ mod line;
 mod walls;
 
 use super::error::CutError;
+use super::facet_grid::{FacetGrid, NEAR};
 use super::follow::{Chains, follow};
-use super::ground::{Ground, NEAR};
 use super::overlay::outline::Overlay;
 use super::parts::CapFace;
 use super::polygon;
@@ -33,7 +33,7 @@ pub(super) struct Cap {
 
 pub(super) struct Builder<'a, 'b> {
     surface: &'a FractureSurface,
-    ground: &'a Ground,
+    grid: &'a FacetGrid,
     overlay: &'b Overlay<'a>,
     /// Number of the first vertex in [`Cap::inside`].
     first: u32,
@@ -89,7 +89,7 @@ const INSIDE: u8 = 2;
 /// Builds the broken face from the outline found by `overlay`; `heights` are those of [`one_height_each`].
 pub(super) fn build<'a>(
     surface: &'a FractureSurface,
-    ground: &'a Ground,
+    grid: &'a FacetGrid,
     overlay: &mut Overlay<'a>,
     heights: Option<Vec<f64>>,
 ) -> Result<Cap, CutError> {
@@ -120,7 +120,7 @@ pub(super) fn build<'a>(
     }
     let mut builder = Builder {
         surface,
-        ground,
+        grid,
         first: (overlay.points() + overlay.vertices.len()) as u32,
         overlay,
         stepped: heights.is_none(),
@@ -265,7 +265,7 @@ impl<'a> Builder<'a, '_> {
 
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
-        let (layout, ground, surface) = (self.layout(), self.ground, self.surface);
+        let (layout, grid, surface) = (self.layout(), self.grid, self.surface);
         self.corners = vec![[0; 3]; layout.facets.len()];
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.cap.inside.reserve(layout.nodes.len() * 4);
@@ -274,8 +274,8 @@ impl<'a> Builder<'a, '_> {
         for (n, node) in layout.nodes.iter().enumerate() {
             let start = self.cap.inside.len();
             self.starts.push(start as u32);
-            let list = ground.node_starts[n] as usize..ground.node_starts[n + 1] as usize;
-            let around = &ground.around[list];
+            let list = grid.node_starts[n] as usize..grid.node_starts[n + 1] as usize;
+            let around = &grid.around[list];
             let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
             let mut column = [0.0; MAX_COUNTED];
             let count = rank_heights(around.iter().map(height), &mut column, &mut ranks);
@@ -443,7 +443,7 @@ impl<'a> Builder<'a, '_> {
     /// below, a whole region of the layout has one status.
     fn spread_status(&mut self) -> Result<(), CutError> {
         let layout = self.layout();
-        let mut regions = vec![0u8; self.ground.rims.len()];
+        let mut regions = vec![0u8; self.grid.rims.len()];
         // In the order of facets, most of which border on one before; what lies behind waits.
         let mut queue = Vec::new();
         for f in 0..layout.facets.len() as u32 {
@@ -454,7 +454,7 @@ impl<'a> Builder<'a, '_> {
         while let Some(f) = queue.pop() {
             self.carry_status(f, NONE, &mut regions, &mut queue);
         }
-        for (status, &region) in self.status.iter_mut().zip(&self.ground.regions) {
+        for (status, &region) in self.status.iter_mut().zip(&self.grid.regions) {
             if status[0] == 0 {
                 let known = regions.get(region as usize).copied().unwrap_or(0);
                 if known == 0 {
@@ -468,7 +468,7 @@ impl<'a> Builder<'a, '_> {
 
     /// Carries the status of a facet to those beside it; up to number `passed` they go to the queue.
     fn carry_status(&mut self, f: u32, passed: u32, regions: &mut [u8], queue: &mut Vec<u32>) {
-        let (layout, ground) = (self.layout(), self.ground);
+        let (layout, grid) = (self.layout(), self.grid);
         for k in 0..3usize {
             let edge = &layout.edges[layout.sides[f as usize][k] as usize];
             let other = edge.facets[usize::from(edge.facets[0].0 == f)];
@@ -476,7 +476,7 @@ impl<'a> Builder<'a, '_> {
             if g == NONE || self.status[g as usize][0] != 0 {
                 continue;
             }
-            let region = ground.regions[g as usize];
+            let region = grid.regions[g as usize];
             if region != NEAR && regions[region as usize] != 0 {
                 continue;
             }
@@ -499,7 +499,7 @@ impl<'a> Builder<'a, '_> {
                 set(g);
             } else {
                 regions[region as usize] = status;
-                ground.rims[region as usize].iter().for_each(|&f| set(f));
+                grid.rims[region as usize].iter().for_each(|&f| set(f));
             }
         }
     }

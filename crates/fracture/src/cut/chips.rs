@@ -3,7 +3,7 @@
 //! Where the skin bulges or the surface runs out steeply, a sliver of one piece may not be joined to the rest of it. It is
 //! joined to the other piece by the face between them; that face is removed and the chip changes sides.
 
-use super::{Cut, Ground, Side, Skin, Solid};
+use super::{Cut, FacetGrid, Side, Skin, Solid};
 use crate::surface::NONE;
 use greenstick_geometry::Unions;
 
@@ -17,18 +17,18 @@ struct WholeTriangle {
 
 impl Cut {
     /// Gives every part of a piece that is not joined to the rest of it to the other piece. `skin` is the sorted skin of
-    /// `solid` and `ground` the layout's on it. Returns how many.
-    pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin, ground: &Ground) -> usize {
+    /// `solid` and `grid` that of the facets near it. Returns how many.
+    pub fn absorb_chips(&mut self, solid: &Solid, skin: &Skin, grid: &FacetGrid) -> usize {
         // One closed outline splits a stem into two pieces and no more.
         if self.outlines <= 1 {
             return 0;
         }
-        let joined = self.joined_by_face(ground);
+        let joined = self.joined_by_face(grid);
         let chips = self.absorb(solid, skin, false, joined.clone());
         let joined = if chips == 0 {
             joined
         } else {
-            self.joined_by_face(ground)
+            self.joined_by_face(grid)
         };
         chips + self.absorb(solid, skin, true, joined)
     }
@@ -108,13 +108,13 @@ impl Cut {
     }
 
     /// The vertices as the broken face joins them.
-    fn joined_by_face(&self, ground: &Ground) -> Unions {
+    fn joined_by_face(&self, grid: &FacetGrid) -> Unions {
         let mut joined = Unions::new(self.beyond() as usize + 1);
         // No skin lies over the facets of a region, so that the face joins all of them.
-        let mut first_of = vec![NONE; ground.rims.len()];
+        let mut first_of = vec![NONE; grid.rims.len()];
         let first = (self.points + self.vertices.len()) as u32;
         for (vertex, &node) in (first..).zip(&self.nodes) {
-            let region = ground.node_regions.get(node as usize);
+            let region = grid.node_regions.get(node as usize);
             if let Some(known) = region.and_then(|&r| first_of.get_mut(r as usize)) {
                 *known = vertex.min(*known);
                 joined.attach(vertex, *known);

@@ -3,16 +3,18 @@
 mod cap;
 mod chips;
 mod error;
+mod facet_grid;
 mod follow;
-mod ground;
 mod layers;
 mod overlay;
 mod parts;
 mod polygon;
+mod skin;
 
 pub use error::CutError;
-pub use ground::{Ground, Sides, Skin};
+pub use facet_grid::FacetGrid;
 pub use parts::{CapFace, CutVertex, Host, Side, SkinTriangle, Solid};
+pub use skin::{Sides, Skin};
 
 use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
@@ -54,8 +56,8 @@ pub struct Cut {
 /// [`CutError`] where the skin is not a closed surface around the break.
 pub fn cut(solid: &Solid, surface: &FractureSurface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
-    let ground = Ground::new(&skin, &surface.layout);
-    cut_again(solid, &skin, &ground, surface, &mut CutWorkspace::default())
+    let grid = FacetGrid::new(&skin, &surface.layout);
+    cut_again(solid, &skin, &grid, surface, &mut CutWorkspace::default())
 }
 
 /// The cache that one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as
@@ -83,14 +85,14 @@ impl CutWorkspace {
 }
 
 /// [`cut`] with what stays the same from cut to cut: the sorted `skin` of `solid`, within whose reach the surface must
-/// lie, the `ground` of the surface's layout on it, and the workspace that earlier cuts have left.
+/// lie, the `grid` of the surface's facets near it, and the workspace that earlier cuts have left.
 ///
 /// # Errors
 /// As [`cut`].
 pub fn cut_again(
     solid: &Solid,
     skin: &Skin,
-    ground: &Ground,
+    grid: &FacetGrid,
     surface: &FractureSurface,
     workspace: &mut CutWorkspace,
 ) -> Result<Cut, CutError> {
@@ -101,10 +103,10 @@ pub fn cut_again(
         solid.points,
         clips.made + clips.made / 4,
     );
-    let sides = overlay_skin(solid, skin, ground, surface, clips, &mut overlay)?;
+    let sides = overlay_skin(solid, skin, grid, surface, clips, &mut overlay)?;
     clips.made = overlay.vertices.len();
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, ground, &mut overlay, heights)?;
+    let cap = cap::build(surface, grid, &mut overlay, heights)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -123,13 +125,13 @@ pub fn cut_again(
 fn overlay_skin(
     solid: &Solid,
     skin: &Skin,
-    ground: &Ground,
+    grid: &FacetGrid,
     surface: &FractureSurface,
     clips: &mut Clips,
     overlay: &mut Overlay,
 ) -> Result<Sides, CutError> {
     let band = surface.range();
-    let mut relief = ground::Relief::new(skin, ground, surface);
+    let mut relief = facet_grid::Relief::new(skin, grid, surface);
     let mut memory = SplitMemory::default();
     let window = skin.window(band);
     let mut sides = Sides::new(skin, window);
@@ -148,7 +150,7 @@ fn overlay_skin(
             match relief.meet(rank) {
                 Side::Split => {
                     let corners = solid.triangles[t as usize];
-                    let parts = clips.of(rank, skin, ground, solid);
+                    let parts = clips.of(rank, skin, grid, solid);
                     let facets = clips.facets(parts);
                     match relief.compare((low, high), facets) {
                         // No facet at all.

@@ -2,16 +2,15 @@
 //! reconstructed from them, and their numbers.
 
 mod cores;
+mod elements;
 mod outputs;
 mod pictures;
-mod solid;
 mod springs;
 mod stems;
 mod volume;
 
-pub use stems::{StemOutcome, stems_files};
-
-pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest};
+pub use greenstick_wood::anatomy::{AnatomyOutput, AnatomyRequest, StemOutcome};
+pub use stems::stems_files;
 
 use crate::Error;
 use crate::anatomy::outputs::Outputs;
@@ -23,8 +22,8 @@ use greenstick_geometry::{Context, Mesh, PointCloud, Provenance, Scene, Stage};
 use greenstick_schema::{FILE_NAME, Parameters, choice, parameters, text};
 use greenstick_wood::anatomy::{
     Anatomy, AnatomyFindings, AnatomyReport, CoordinateChoice, ElementsReport, LimbReport,
-    MappingComparison, MassReport, MeasurementErrors, ParticleLayers, SegmentReport, StemMeasures,
-    SurfaceColouring, WoodMass, limb_table,
+    MappingComparison, MassReport, ParticleLayers, SegmentReport, StemMeasures, SurfaceColouring,
+    WoodMass, limb_table,
 };
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::Species;
@@ -218,7 +217,9 @@ fn make_files<E: From<Error>>(
     if request.wants(AnatomyOutput::Longitudinal) {
         pictures::longitudinal(anatomy, &stages.longitudinal, outputs)?;
     }
-    let measures = measure(anatomy, input, request, &stages.measuring)?;
+    let measures = request
+        .measures(anatomy, input.scan, &stages.measuring)
+        .map_err(Error::from)?;
     if request.wants(AnatomyOutput::Measures) {
         outputs.table(measures.table(), "sections", TableFormat::Csv)?;
     }
@@ -227,7 +228,7 @@ fn make_files<E: From<Error>>(
     }
     let mut elements = None;
     if request.wants(AnatomyOutput::Elements) {
-        let written = solid::write(anatomy, &measures, request, &stages.meshing, outputs)?;
+        let written = elements::write(anatomy, &measures, request, &stages.meshing, outputs)?;
         notes.extend(written.notes);
         elements = written.report;
     }
@@ -342,27 +343,6 @@ fn mass(measures: &StemMeasures, request: &AnatomyRequest) -> Result<Option<Mass
     };
     let wood = WoodMass::new(Species::find(name)?, request.mensuration.moisture)?;
     Ok(wood.map(|wood| measures.mass(&wood)))
-}
-
-/// Measures the stem, with standard errors where it comes from a scan.
-fn measure(
-    anatomy: &Anatomy,
-    input: &AnatomyInput,
-    request: &AnatomyRequest,
-    context: &Context,
-) -> Result<StemMeasures, Error> {
-    let errors = input
-        .scan
-        .and_then(|scan| MeasurementErrors::from_scan(scan.bark.as_ref()?));
-    let pith_is_known = request.stem.pith.is_some();
-    let measures = StemMeasures::new(
-        anatomy,
-        &request.mensuration,
-        errors,
-        pith_is_known,
-        context,
-    )?;
-    Ok(measures)
 }
 
 fn write_particles<E: From<Error>>(

@@ -6,13 +6,10 @@ use greenstick_formats::vtk::{Image, write_image};
 use greenstick_formats::{
     DescribedTable, Encoded, Format, LengthUnit, TableFormat, write_csv_metadata, write_table,
 };
-use greenstick_geometry::{Metadata, Scene, Table, Values};
+use greenstick_geometry::{Metadata, Scene, Table};
 use greenstick_picture::Picture;
 use greenstick_wood::anatomy::ScaledImage;
 use greenstick_wood::colour::RgbImage;
-
-/// Endings of the names of columns that hold coordinates.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Where files go, and what all of them carry.
 pub(super) struct Outputs<'a, E> {
@@ -55,7 +52,7 @@ impl<'a, E: From<Error>> Outputs<'a, E> {
 
     /// Adds a table as `stem` with the ending of a format.
     pub fn table(&mut self, mut table: Table, stem: &str, format: TableFormat) -> Result<(), E> {
-        shift_table(&mut table, self.offset);
+        table.translate(self.offset);
         table.metadata = self.metadata.clone();
         let name = format!("{stem}.{}", format.extension());
         if format == TableFormat::Csv {
@@ -99,45 +96,5 @@ impl<'a, E: From<Error>> Outputs<'a, E> {
         }
         let file = write_csv_metadata(&self.tables, &self.metadata);
         self.add(file)
-    }
-}
-
-/// Adds an offset to the coordinates of a table: its columns `x`, `y` and `z`, and those that end in `_x`, `_y` and `_z`.
-fn shift_table(table: &mut Table, offset: DVec3) {
-    if offset == DVec3::ZERO {
-        return;
-    }
-    for column in &mut table.columns {
-        let axis = column.name.rsplit('_').next().unwrap_or_default();
-        let place = AXES.iter().position(|a| *a == axis);
-        if let (Some(k), "m", Values::F64(values)) =
-            (place, column.unit.as_str(), &mut column.values)
-        {
-            values.iter_mut().for_each(|v| *v += offset[k]);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use greenstick_geometry::Column;
-
-    #[test]
-    fn places_are_shifted_and_nothing_else() {
-        let column = |name: &str, unit: &str| Column::new(name, unit, "", Values::F64(vec![1.0]));
-        let mut table = Table {
-            columns: vec![
-                column("x", "m"),
-                column("pith_y", "m"),
-                column("direction_z", ""),
-                column("length", "m"),
-            ],
-            ..Table::default()
-        };
-        shift_table(&mut table, DVec3::new(10.0, 20.0, 30.0));
-        let values: Vec<&Values> = table.columns.iter().map(|c| &c.values).collect();
-        let expected = [11.0, 21.0, 1.0, 1.0].map(|x| Values::F64(vec![x]));
-        assert_eq!(values, expected.iter().collect::<Vec<_>>());
     }
 }

@@ -11,7 +11,8 @@ pub use greenstick_fibre::bend_test::{
     MeasuredSpecimens, MeasuredSummary, Phase, SpecimenResult, SpecimenRow, SpecimensReport,
     SpecimensRequest, SpecimensSummary, Statistics, Summary, bend, bend_all, bend_specimens,
 };
-pub use measured::{MeasuredColumns, MeasuredError, UnitColumn, parse_measured};
+pub use greenstick_formats::{MeasurementError, UnitColumn};
+pub use measured::{MeasuredColumns, MeasuredError, parse_measured};
 
 use crate::Error;
 use crate::report_file::{json_file, with_metadata};

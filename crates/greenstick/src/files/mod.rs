@@ -12,8 +12,6 @@ mod rings;
 #[cfg(feature = "simulate")]
 pub mod run;
 mod staged;
-#[cfg(test)]
-mod tests;
 mod write;
 
 pub use error::FileError;

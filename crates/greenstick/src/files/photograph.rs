@@ -1,18 +1,9 @@
-//! Photographs: PNG and JPEG.
+//! Photographs from files.
 
 use super::error::FileError;
+use greenstick_formats::photograph::{self, Photograph};
 use greenstick_wood::colour::RgbImage;
-use png::{ColorType, Transformations};
 use std::path::Path;
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
-
-/// First bytes of a JPEG file.
-const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
-/// Most pixels of a photograph: twice the largest camera sensors.
-const MAX_PIXELS: usize = 300_000_000;
 
 /// Reads a photograph: JPEG as the pixels are stored, whatever orientation the camera noted, or PNG of any depth and colour
 /// type, of which what is transparent is white.
@@ -21,134 +12,10 @@ const MAX_PIXELS: usize = 300_000_000;
 /// [`FileError`] where there is no such file, or it is neither.
 pub fn read_photograph(path: &Path) -> Result<RgbImage, FileError> {
     let bytes = std::fs::read(path).map_err(FileError::unreadable(path))?;
-    let image = if bytes.starts_with(&JPEG) {
-        decode_jpeg(&bytes)
-    } else {
-        decode_png(&bytes)
-    };
-    image.map_err(|problem| FileError::Photograph {
+    let read = photograph::read_photograph(&bytes);
+    let Photograph { width, height, rgb } = read.map_err(|problem| FileError::Photograph {
         path: path.to_owned(),
-        problem,
-    })
-}
-
-fn check_size(width: usize, height: usize) -> Result<(), String> {
-    if width.saturating_mul(height) <= MAX_PIXELS {
-        return Ok(());
-    }
-    Err(format!(
-        "it has {width} × {height} pixels; at most {} million are read",
-        MAX_PIXELS / 1_000_000
-    ))
-}
-
-fn decode_jpeg(bytes: &[u8]) -> Result<RgbImage, String> {
-    let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(|e| e.to_string())?;
-    let (width, height) = decoder.dimensions().ok_or("it has no size")?;
-    check_size(width, height)?;
-    let rgb = decoder.decode().map_err(|e| e.to_string())?;
-    Ok(RgbImage {
-        width: width as u32,
-        height: height as u32,
-        rgb,
-    })
-}
-
-fn decode_png(bytes: &[u8]) -> Result<RgbImage, String> {
-    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
-    decoder.set_transformations(Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
-    let (width, height) = reader.info().size();
-    check_size(width as usize, height as usize)?;
-    let size = reader.output_buffer_size().ok_or("it is too large")?;
-    let mut samples = vec![0; size];
-    let info = reader.next_frame(&mut samples).map_err(|e| e.to_string())?;
-    samples.truncate(info.buffer_size());
-    let over_white = |rgb: [u8; 3], alpha: u8| {
-        let alpha = u32::from(alpha);
-        rgb.map(|c| ((u32::from(c) * alpha + 255 * (255 - alpha) + 127) / 255) as u8)
-    };
-    let pixels = samples.chunks_exact(info.color_type.samples());
-    let rgb = pixels.flat_map(|c| match info.color_type {
-        ColorType::Grayscale => [c[0]; 3],
-        ColorType::GrayscaleAlpha => over_white([c[0]; 3], c[1]),
-        ColorType::Rgba => over_white([c[0], c[1], c[2]], c[3]),
-        ColorType::Rgb | ColorType::Indexed => [c[0], c[1], c[2]],
-    });
-    Ok(RgbImage {
-        width,
-        height,
-        rgb: rgb.collect(),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn png(color: ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
-        encoder.set_color(color);
-        encoder.set_depth(depth);
-        let mut writer = encoder.write_header().unwrap();
-        writer.write_image_data(data).unwrap();
-        writer.finish().unwrap();
-        bytes
-    }
-
-    fn two_pixels(rgb: [u8; 6]) -> Result<RgbImage, String> {
-        Ok(RgbImage {
-            width: 2,
-            height: 1,
-            rgb: rgb.to_vec(),
-        })
-    }
-
-    #[test]
-    fn png_files_of_any_kind_are_read() {
-        let eight = png::BitDepth::Eight;
-        let black_white = two_pixels([0, 0, 0, 255, 255, 255]);
-        let grey = png(ColorType::Grayscale, eight, &[0, 255]);
-        assert_eq!(decode_png(&grey), black_white);
-        let wide = png(
-            ColorType::Grayscale,
-            png::BitDepth::Sixteen,
-            &[0, 0, 255, 255],
-        );
-        assert_eq!(decode_png(&wide), black_white);
-        let clear = png(ColorType::Rgba, eight, &[0, 0, 0, 255, 9, 9, 9, 0]);
-        assert_eq!(decode_png(&clear), black_white);
-        let red = png(ColorType::Rgb, eight, &[255, 0, 0, 0, 0, 255]);
-        assert_eq!(decode_png(&red), two_pixels([255, 0, 0, 0, 0, 255]));
-        assert!(decode_png(b"nothing").is_err());
-    }
-
-    #[test]
-    fn jpeg_files_are_read() {
-        // 16 × 8 pixels, the left half red and the right half blue, by Pillow at quality 95.
-        let bytes = include_bytes!("../../tests/data/red_and_blue.jpg");
-        let image = decode_jpeg(bytes).unwrap();
-        assert_eq!((image.width, image.height), (16, 8));
-        let at = |x: usize, y: usize| &image.rgb[3 * (16 * y + x)..][..3];
-        for (x, expected) in [(2, [255u8, 0, 0]), (13, [0, 0, 255])] {
-            for (found, expected) in at(x, 4).iter().zip(expected) {
-                assert!(found.abs_diff(expected) < 12, "{x}: {found}, {expected}");
-            }
-        }
-        assert!(decode_jpeg(&bytes[..200]).is_err());
-        assert!(decode_jpeg(b"\xff\xd8\xff\xe0").is_err());
-    }
-
-    #[test]
-    fn sizes_beyond_any_camera_are_refused_before_they_are_decoded() {
-        assert!(check_size(20_000, 15_000).is_ok());
-        assert!(
-            check_size(usize::MAX, 2)
-                .unwrap_err()
-                .contains("300 million")
-        );
-    }
+        problem: problem.to_string(),
+    })?;
+    Ok(RgbImage { width, height, rgb })
 }

@@ -1,12 +1,14 @@
 //! Reading of mesh files and point clouds with their companions.
 
 use super::error::FileError;
-use greenstick_formats::{CloudFormat, Content, Format, InputFormat, LengthUnit};
+use greenstick_formats::{
+    CloudFormat, Content, Format, InputFormat, LengthUnit, relative_reference,
+};
 use greenstick_geometry::Scene;
 use std::cell::RefCell;
 use std::fs;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Lists the endings of mesh files for messages.
 pub fn mesh_endings() -> String {
@@ -94,20 +96,11 @@ fn fetch<T>(
 /// Returns the file that `main` refers to. References may leave the folder of `main` (`../textures/bark.png`) but must be
 /// relative and name a regular file, so that no mesh file causes a device or a system folder to be read.
 pub(super) fn companion(main: &Path, reference: &str) -> io::Result<PathBuf> {
-    let refuse = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why.to_owned());
-    // Files from Windows have backslashes, which names on other systems hardly ever have.
-    let reference = reference.replace('\\', "/");
-    let relative = Path::new(&reference);
-    let drive = reference.as_bytes().get(1) == Some(&b':');
-    if reference.contains("://") || drive || relative.is_absolute() {
-        return Err(refuse("only references relative to the file are followed"));
-    }
-    if relative.components().all(|c| c == Component::CurDir) {
-        return Err(refuse("the reference names no file"));
-    }
+    let refuse = |why: &dyn ToString| io::Error::new(io::ErrorKind::InvalidInput, why.to_string());
+    let relative = relative_reference(reference).map_err(|error| refuse(&error))?;
     let path = main.parent().unwrap_or(Path::new("")).join(relative);
     if !fs::metadata(&path)?.is_file() {
-        return Err(refuse("it is not a plain file"));
+        return Err(refuse(&"it is not a plain file"));
     }
     Ok(path)
 }

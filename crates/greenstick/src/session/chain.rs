@@ -6,46 +6,22 @@ use super::slot::{Ids, Slot, SlotValue};
 use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
 use greenstick_fracture::cut::CutWorkspace;
-use greenstick_fracture::heights::{self, HeightCache, HeightSource};
-use greenstick_fracture::parameters::{BreakParameters, CrackParameters};
+use greenstick_fracture::heights::{HeightCache, HeightSource};
+use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Scene};
-use greenstick_skin::broken::{
-    Cutter, FaceLayout, InnerWood, LayoutKey, break_site, lacks_material,
-};
-use greenstick_skin::cracks::{OpenedEnd, crack_faces, open_end};
+use greenstick_skin::broken::{FaceLayout, LayoutKey};
+use greenstick_skin::cracks::{OpenedEnd, open_end};
+use greenstick_skin::materials::next_material;
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_skin::stages::{
-    BreakStages, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief, SpiralGrain, StemStage,
-    has_spiral_grain, inner_wood,
+    BreakStages, CrackRequest, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief,
+    SpiralGrain, StemStage, has_spiral_grain,
 };
 use greenstick_wood::anatomy::BreakRingParameters;
-use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::{StemLocation, StemOptions};
 use greenstick_wood::tissue::Proportions;
-
-/// Everything that determines the cracks of a break.
-#[derive(Debug, Clone, PartialEq)]
-struct CrackKey {
-    cracks: CrackParameters,
-    species: Option<String>,
-    moisture: Option<f64>,
-    rings: u32,
-    seed: u64,
-}
-
-impl CrackKey {
-    fn new(recipe: &Recipe) -> Self {
-        CrackKey {
-            cracks: recipe.cracks.clone(),
-            species: recipe.species.clone(),
-            moisture: recipe.moisture,
-            rings: recipe.face.rings,
-            seed: recipe.face.seed,
-        }
-    }
-}
 
 /// Everything that determines which stem is found.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +46,7 @@ struct RingKey {
 #[derive(Debug, Clone, PartialEq)]
 struct OpenedKey {
     stem: u64,
-    cracks: CrackKey,
+    cracks: CrackRequest,
     proportions: Proportions,
     material: u32,
 }
@@ -89,7 +65,7 @@ struct HeightKey {
 #[derive(Debug, Clone, PartialEq)]
 struct CutKey {
     heights: u64,
-    cracks: Option<CrackKey>,
+    cracks: Option<CrackRequest>,
     material: u32,
 }
 
@@ -226,14 +202,13 @@ impl Chain {
         let at_break = cracks.as_ref().filter(|c| !c.sawn);
         let key = CutKey {
             heights: heights.id,
-            cracks: at_break.map(|_| CrackKey::new(recipe)),
+            cracks: at_break.map(|_| CrackRequest::new(recipe)),
             material: stem.inner_material,
         };
         let workspace = &mut self.workspace;
         let cut = self.cut.get(key, ids, |_| {
-            let inner = inner_wood(&stem, &layout.value, p);
             let surface = &heights.value.heights.surface;
-            cut_stage(&stem, &layout.value, surface, at_break, &inner, workspace)
+            CutStage::new((&stem, &layout.value, p), surface, at_break, workspace)
         })?;
         changes.note(BreakStage::Cut, cut.is_new);
         cut_context.report(1.0)?;
@@ -271,9 +246,7 @@ impl Chain {
         let stem = found.stage.stem();
         let key = (found.id, LayoutKey::new(stem, p, &found.stage.rings));
         let layout = layout(&mut self.layout, stem, key, ids)?;
-        let site = break_site(stem, p, 1.0);
-        let bundles = &layout.value.bundles;
-        Ok(heights::relief_range(bundles, p, &site, &mut self.cache))
+        Ok((layout.value).relief_range((stem, 1.0), p, &mut self.cache))
     }
 
     /// Returns the stem with the grain and the cracked end that a break requests, and the relief of the species.
@@ -316,10 +289,7 @@ impl Chain {
             self.spiral.clear();
             found
         };
-        let bare = |n: &greenstick_geometry::Node| lacks_material(&n.mesh);
-        let scene = &sound.value.scene;
-        let before = u32::from(scene.nodes.iter().any(bare)) + input.inner_wood_before;
-        let inner_material = scene.materials.len() as u32 + before;
+        let inner_material = next_material(&sound.value.scene) + input.inner_wood_before;
         let mut stage = StemStage {
             sound: sound.value,
             rings,
@@ -332,7 +302,7 @@ impl Chain {
             Some(cracks) => {
                 let key = OpenedKey {
                     stem: sound.id,
-                    cracks: CrackKey::new(&requested.recipe),
+                    cracks: CrackRequest::new(&requested.recipe),
                     proportions: p.proportions(),
                     material: inner_material,
                 };
@@ -365,7 +335,7 @@ impl Chain {
             species: recipe.species.clone(),
         };
         let rings = self.rings.get(key, ids, |_| {
-            let wood = wood_appearance(&found.value, recipe)?;
+            let wood = found.value.wood_appearance(recipe)?;
             let stem = &found.value.found;
             let mesh = || found.value.scene.world_meshes().swap_remove(stem.node);
             let silent = context.silenced();
@@ -401,14 +371,8 @@ impl Chain {
     ) -> Result<SlotValue<PreparedStem>, Error> {
         let p = &requested.recipe.face;
         let layout = self.found_layout((found, rings), p, true, ids)?;
-        let site = break_site(&found.value, p, relief);
-        let heights = heights::heights(
-            &layout.value.bundles,
-            p,
-            &site,
-            &requested.heights,
-            &mut self.found_cache,
-        );
+        let (stem, cache) = ((&*found.value, relief), &mut self.found_cache);
+        let heights = layout.value.heights(stem, p, &requested.heights, cache);
         let SpiralGrain { turn, between } = SpiralGrain::around(&found.value, p, heights.range);
         self.spiral.get((found.id, turn, between), ids, |_| {
             Ok(found.value.with_spiral_grain(turn, between))
@@ -437,13 +401,7 @@ impl Chain {
             } else {
                 &mut self.cache
             };
-            let site = break_site(&found.value, p, factor);
-            Ok(heights::relief_range(
-                &layout.value.bundles,
-                p,
-                &site,
-                cache,
-            ))
+            Ok((layout.value).relief_range((&found.value, factor), p, cache))
         })
     }
 
@@ -465,27 +423,13 @@ impl Chain {
         };
         let cache = &mut self.cache;
         self.heights.get(key, ids, |_| {
-            let site = break_site(stem.stem(), p, relief.factor);
-            let bundles = &layout.value.bundles;
+            let stem = (stem.stem(), relief.factor);
             Ok(HeightStage {
-                heights: heights::heights(bundles, p, &site, &requested.heights, cache),
+                heights: layout.value.heights(stem, p, &requested.heights, cache),
                 relief,
             })
         })
     }
-}
-
-/// Returns what the wood of a stem looks like.
-pub(super) fn wood_appearance(
-    stem: &PreparedStem,
-    recipe: &Recipe,
-) -> Result<WoodAppearance, Error> {
-    let (face, bark) = (&recipe.face, stem.extent.bark);
-    let (tissues, species) = (face.proportions(), recipe.species()?);
-    let stem = &stem.found.stem;
-    Ok(WoodAppearance::of_stem(
-        stem, &tissues, face.seed, species, bark,
-    ))
 }
 
 fn layout(
@@ -496,31 +440,4 @@ fn layout(
 ) -> Result<SlotValue<FaceLayout>, Error> {
     let made = key.1.clone();
     slot.get(key, ids, |_| Ok(FaceLayout::new(stem, &made)))
-}
-
-fn cut_stage(
-    stage: &StemStage,
-    layout: &FaceLayout,
-    surface: &greenstick_fracture::surface::FractureSurface,
-    cracks: Option<&Cracks>,
-    inner: &InnerWood,
-    workspace: &mut CutWorkspace,
-) -> Result<CutStage, Error> {
-    let stem = stage.stem();
-    let cutter = Cutter {
-        stem,
-        skin: &stem.skin,
-        ground: &layout.ground,
-        absorb_chips: true,
-    };
-    let face = if stem.layers.has_spiral_grain() {
-        cutter.break_spiral_grain(surface, inner, workspace)?
-    } else {
-        cutter.break_along(surface, inner, workspace)?
-    };
-    let cracked = match cracks {
-        Some(cracks) => Some(Box::new(crack_faces(stem, surface, &cracks.plan, inner)?)),
-        None => None,
-    };
-    Ok(CutStage { face, cracked })
 }

@@ -18,7 +18,7 @@ pub use greenstick_skin::stages::{
 
 use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
-use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes, wood_appearance};
+use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
@@ -355,7 +355,7 @@ impl BreakSession {
         let prepared = one.stages.stem.stem();
         let (stem, square) = (&prepared.found.stem, prepared.square);
         let rings = one.stages.stem.rings.clone();
-        let appearance = StemAppearance::new(stem, wood_appearance(prepared, recipe)?, rings);
+        let appearance = StemAppearance::new(stem, prepared.wood_appearance(recipe)?, rings);
         let baked = if width > 0 {
             let key = TextureKey {
                 stem: stem.clone(),

@@ -4,6 +4,7 @@
 use crate::Error;
 use crate::request::{Break, BreakRequest};
 use greenstick_geometry::{Context, Scene};
+use greenstick_skin::stages::order_from_tip;
 use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
 
@@ -45,23 +46,10 @@ impl BreakOrder {
             }]);
         }
         let found = self.locate(scene, request, context)?;
-        let Some(first) = found.first() else {
+        if found.is_empty() {
             return Err(no_breaks());
-        };
-        let shell = |f: &FoundStem| (f.node, f.shell.first().copied());
-        if let Some(other) = found.iter().position(|f| shell(f) != shell(first)) {
-            return Err(Error::Amount(format!(
-                "breaks on several stems: break 1 is at {:.3} m of one, break {} at {:.3} m of another; expected all on one",
-                first.stem.location,
-                other + 1,
-                found[other].stem.location
-            )));
         }
-        let mut order: Vec<usize> = (0..found.len()).collect();
-        order.sort_by(|&a, &b| {
-            let (a, b) = (&found[a].stem, &found[b].stem);
-            b.location.total_cmp(&a.location)
-        });
+        let order = order_from_tip(&found).map_err(|error| Error::Amount(error.to_string()))?;
         let placed = order.into_iter().map(|number| {
             let stem = &found[number].stem;
             let point = stem.grain.axis().frame(stem.location).origin;

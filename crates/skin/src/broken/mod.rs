@@ -4,7 +4,6 @@ mod face;
 mod inner_wood;
 mod pieces;
 mod spiral;
-mod view;
 
 pub use crate::source::Source;
 pub use face::Face;
@@ -13,12 +12,11 @@ pub(crate) use face::side_grain;
 pub use inner_wood::InnerWood;
 pub use pieces::{Patch, PatchVertex, lacks_material};
 pub use spiral::SpiralRepair;
-pub use view::{BreakView, ViewedPiece};
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
-use greenstick_fracture::cut::{Cut, CutWorkspace, Ground, Skin, cut_again};
-use greenstick_fracture::heights::BreakSite;
+use greenstick_fracture::cut::{Cut, CutWorkspace, FacetGrid, Skin, cut_again};
+use greenstick_fracture::heights::{self, BreakSite, HeightCache, HeightSource, Heights};
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
@@ -27,13 +25,13 @@ use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
 
-/// The layout of a section: its fibre bundles, and how their facets lie on the skin.
+/// The layout of a section: its fibre bundles, and which of their facets lie near the skin.
 #[derive(Debug, Clone)]
 pub struct FaceLayout {
     /// The fibre bundles.
     pub bundles: Arc<FibreBundles>,
-    /// Their facets on the skin.
-    pub ground: Ground,
+    /// The grid of their facets near the skin.
+    pub facet_grid: FacetGrid,
 }
 
 /// Everything that a layout depends on besides the stem.
@@ -82,14 +80,41 @@ impl FaceLayout {
             Style::Fibrous => layout::fibrous(rings, &key.options),
         };
         FaceLayout {
-            ground: Ground::new(&stem.skin, &bundles.layout),
+            facet_grid: FacetGrid::new(&stem.skin, &bundles.layout),
             bundles: Arc::new(bundles),
         }
+    }
+
+    /// Makes the heights of a face in this layout on a stem. `relief` is the factor of the species on the torn relief.
+    pub fn heights(
+        &self,
+        (stem, relief): (&PreparedStem, f64),
+        p: &BreakParameters,
+        source: &HeightSource,
+        cache: &mut HeightCache,
+    ) -> Heights {
+        heights::heights(
+            &self.bundles,
+            p,
+            &break_site(stem, p, relief),
+            source,
+            cache,
+        )
+    }
+
+    /// Returns the range of heights from the 5th to the 95th percentile over the corners of such a face, m.
+    pub fn relief_range(
+        &self,
+        (stem, relief): (&PreparedStem, f64),
+        p: &BreakParameters,
+        cache: &mut HeightCache,
+    ) -> f64 {
+        heights::relief_range(&self.bundles, p, &break_site(stem, p, relief), cache)
     }
 }
 
 /// Returns the stem as heights are made for it. `relief` is the factor of the species on the torn relief.
-pub fn break_site(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> BreakSite {
+fn break_site(stem: &PreparedStem, p: &BreakParameters, relief: f64) -> BreakSite {
     let found = &stem.found.stem;
     BreakSite {
         radius: found.radius,
@@ -127,8 +152,8 @@ pub struct Cutter<'a> {
     pub stem: &'a PreparedStem,
     /// Its sorted skin, within whose reach the surface lies.
     pub skin: &'a Skin,
-    /// The facets of the surface on that skin.
-    pub ground: &'a Ground,
+    /// The grid of the facets of the surface near that skin.
+    pub facet_grid: &'a FacetGrid,
     /// Whether parts of one piece that hang in the air are given to the other.
     pub absorb_chips: bool,
 }
@@ -145,10 +170,10 @@ impl Cutter<'_> {
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
         let solid = self.stem.solid();
-        let mut cut = cut_again(&solid, self.skin, self.ground, surface, workspace)
+        let mut cut = cut_again(&solid, self.skin, self.facet_grid, surface, workspace)
             .map_err(|error| self.stem.locate(error))?;
         let chips = if self.absorb_chips {
-            cut.absorb_chips(&solid, self.skin, self.ground)
+            cut.absorb_chips(&solid, self.skin, self.facet_grid)
         } else {
             0
         };

@@ -7,7 +7,7 @@ use glam::DVec2;
 use greenstick_fracture::cracks::{
     CrackPlan, CrackSite, Direction, GroovedSurface, PlannedCrack, grooves,
 };
-use greenstick_fracture::cut::{CutWorkspace, Ground, Skin};
+use greenstick_fracture::cut::{CutWorkspace, FacetGrid, Skin};
 use greenstick_fracture::layout::FibreBundles;
 use greenstick_fracture::parameters::CrackKind;
 use greenstick_fracture::surface::FractureSurface;
@@ -97,7 +97,7 @@ pub(super) fn cut_along(
 ) -> Result<CrackedFace, BreakError> {
     let (low, high) = grooves.surface.range();
     let skin = Skin::new(&stem.solid(), (low, high));
-    let ground = Ground::new(&skin, &grooves.surface.layout);
+    let facet_grid = FacetGrid::new(&skin, &grooves.surface.layout);
     let mut bundles = inner.bundles.clone();
     let new = &grooves.surface.layout.nodes[grooves.first_node..];
     let rings = &stem.found.stem.rings;
@@ -108,7 +108,7 @@ pub(super) fn cut_along(
     let cutter = Cutter {
         stem,
         skin: &skin,
-        ground: &ground,
+        facet_grid: &facet_grid,
         absorb_chips,
     };
     let inner = InnerWood {

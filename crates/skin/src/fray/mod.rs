@@ -124,7 +124,7 @@ impl FrayedBreak<'_> {
         Cutter {
             stem: self.stem,
             skin: &self.stem.skin,
-            ground: &self.layout.ground,
+            facet_grid: &self.layout.facet_grid,
             absorb_chips: true,
         }
     }
@@ -203,7 +203,7 @@ impl FrayedBreak<'_> {
         }
         let cells = &self.heights.surface.layout.cells;
         for (f, &cell) in cells.iter().enumerate() {
-            if self.layout.ground.is_near(f as u32) {
+            if self.layout.facet_grid.is_near(f as u32) {
                 loose[cell as usize] = false;
             }
         }

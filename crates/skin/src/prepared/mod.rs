@@ -14,7 +14,10 @@ use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
+use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, Node, Scene};
+use greenstick_wood::appearance::WoodAppearance;
+use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
 };
@@ -170,6 +173,19 @@ impl PreparedStem {
     pub fn with_spiral_grain(&self, turn: f64, between: (f64, f64)) -> PreparedStem {
         let layers = self.layers.clone().with_spiral(turn, between);
         PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers)
+    }
+
+    /// Returns what the wood of a recipe looks like in it.
+    ///
+    /// # Errors
+    /// A name that is no species.
+    pub fn wood_appearance(&self, recipe: &Recipe) -> Result<WoodAppearance, UnknownSpecies> {
+        let (face, bark) = (&recipe.face, self.extent.bark);
+        let (tissues, species) = (face.proportions(), recipe.species()?);
+        let stem = &self.found.stem;
+        Ok(WoodAppearance::of_stem(
+            stem, &tissues, face.seed, species, bark,
+        ))
     }
 
     /// The node that will be cut.

@@ -4,12 +4,14 @@
 //!
 //! [`SimulatedFracture::find`] says where a run parted the stem; [`SimulatedFracture::face`] is the face there.
 
+mod drawable;
 mod face;
 mod fractures;
 mod observed;
 mod report;
 mod section_field;
 
+pub use drawable::{PartlyBroken, WoodHolds};
 pub use face::SimulatedFace;
 pub use fractures::SimulatedFracture;
 pub(crate) use fractures::main_pieces;

@@ -1,7 +1,7 @@
 //! The cracks of a break, planned for a stem.
 
 use greenstick_fracture::cracks::{CrackPlan, plan};
-use greenstick_fracture::parameters::CrackEnd;
+use greenstick_fracture::parameters::{CrackEnd, CrackParameters};
 use greenstick_fracture::recipe::{CrackShrinkage, Recipe, ShrinkageError};
 
 /// The cracks of a break, planned for a stem.
@@ -15,6 +15,29 @@ pub struct Cracks {
     pub shrinkage: CrackShrinkage,
     /// The number of tangential cracks that were moved to a ring boundary.
     pub moved: usize,
+}
+
+/// Everything of a recipe that determines the cracks of a break.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CrackRequest {
+    cracks: CrackParameters,
+    species: Option<String>,
+    moisture: Option<f64>,
+    rings: u32,
+    seed: u64,
+}
+
+impl CrackRequest {
+    /// Returns what a recipe says of them.
+    pub fn new(recipe: &Recipe) -> Self {
+        CrackRequest {
+            cracks: recipe.cracks.clone(),
+            species: recipe.species.clone(),
+            moisture: recipe.moisture,
+            rings: recipe.face.rings,
+            seed: recipe.face.seed,
+        }
+    }
 }
 
 impl Cracks {

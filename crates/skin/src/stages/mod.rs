@@ -1,14 +1,18 @@
 //! The stages of one break up to the cut: stem → layout → heights → cut, each a value that is made of the one before, and
 //! what decides how they are made.
 
+mod break_stage;
 mod cracks;
 mod lowest_above;
+mod order;
 mod species_relief;
 mod spiral_grain;
 mod values;
 
-pub use cracks::Cracks;
+pub use break_stage::BreakStage;
+pub use cracks::{CrackRequest, Cracks};
 pub use lowest_above::LowestAbove;
+pub use order::{SeveralStems, order_from_tip};
 pub use species_relief::SpeciesRelief;
 pub use spiral_grain::{SpiralGrain, has_spiral_grain};
 pub use values::{BreakStages, CutStage, HeightStage, StemStage, inner_wood};

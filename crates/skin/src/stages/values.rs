@@ -2,11 +2,14 @@
 
 use super::cracks::Cracks;
 use super::species_relief::SpeciesRelief;
-use crate::broken::{BrokenFace, FaceLayout, InnerWood};
-use crate::cracks::{CrackedFace, OpenedEnd};
+use crate::broken::{BrokenFace, Cutter, FaceLayout, InnerWood};
+use crate::cracks::{CrackedFace, OpenedEnd, crack_faces};
+use crate::error::BreakError;
 use crate::prepared::PreparedStem;
+use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
+use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::rings::StemRings;
 use std::sync::Arc;
@@ -50,6 +53,38 @@ pub struct CutStage {
     pub face: BrokenFace,
     /// The faces of the lower and the upper piece with cracks, if the break requests them there.
     pub cracked: Option<Box<[CrackedFace; 2]>>,
+}
+
+impl CutStage {
+    /// Cuts a stem with this layout along a surface, whose face has `cracks`, if any. The face shows what `p` asks for.
+    ///
+    /// # Errors
+    /// [`BreakError`] where the stem cannot be cut there.
+    pub fn new(
+        (stage, layout, p): (&StemStage, &FaceLayout, &BreakParameters),
+        surface: &FractureSurface,
+        cracks: Option<&Cracks>,
+        workspace: &mut CutWorkspace,
+    ) -> Result<Self, BreakError> {
+        let stem = stage.stem();
+        let inner = inner_wood(stage, layout, p);
+        let cutter = Cutter {
+            stem,
+            skin: &stem.skin,
+            facet_grid: &layout.facet_grid,
+            absorb_chips: true,
+        };
+        let face = if stem.layers.has_spiral_grain() {
+            cutter.break_spiral_grain(surface, &inner, workspace)?
+        } else {
+            cutter.break_along(surface, &inner, workspace)?
+        };
+        let cracked = match cracks {
+            Some(cracks) => Some(Box::new(crack_faces(stem, surface, &cracks.plan, &inner)?)),
+            None => None,
+        };
+        Ok(CutStage { face, cracked })
+    }
 }
 
 /// All stages of one break up to the cut.

@@ -1,9 +1,10 @@
 //! The numbers of a stem's inside: `anatomy.json`, and a few lines for people.
 
+use super::elements::StemElements;
 use super::layers::ParticleLayers;
 use super::limb_report::LimbReport;
 use super::measures::SectionMeasures;
-use super::mensuration::{MassReport, MensurationReport};
+use super::mensuration::{MassReport, MensurationReport, StemMeasures};
 use super::model::{Anatomy, RingMethod};
 use super::segment_report::SegmentReport;
 use crate::stem::{FoundStem, LeftOut};
@@ -94,6 +95,20 @@ pub struct ElementsReport {
     pub sections_volume_m3: f64,
     /// Sum of the volumes of those that are wood, m³.
     pub wood_volume_m3: f64,
+}
+
+impl ElementsReport {
+    /// Returns the report on the elements of a stem beside its measures.
+    pub fn new(stem: &StemElements, anatomy: &Anatomy, measures: &StemMeasures) -> Self {
+        let (low, high) = anatomy.sections().whole;
+        ElementsReport {
+            nodes: stem.nodes.len(),
+            hexahedra: stem.elements.len(),
+            volume_m3: stem.volume(|_| true),
+            sections_volume_m3: measures.volume_between(low, high),
+            wood_volume_m3: stem.volume(|e| e.tissue <= Zone::Sapwood),
+        }
+    }
 }
 
 /// A section.

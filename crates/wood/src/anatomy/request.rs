@@ -3,7 +3,7 @@
 use super::error::AnatomyError;
 use super::layers::LayerOptions;
 use super::limits::{MAX_PARTICLES, RESOLUTION_RANGE};
-use super::mensuration::MensurationParameters;
+use super::mensuration::{MeasurementErrors, MensurationParameters, StemMeasures};
 use super::model::{Anatomy, AnatomyOptions, RingMethod};
 use super::palette::RingColouring;
 use super::parameters::RingParameters;
@@ -11,10 +11,11 @@ use super::sectors::SectorDivision;
 use super::stem_rings::ring_division;
 use crate::appearance::WoodAppearance;
 use crate::rings::{RingDivision, RingSeriesParameters};
+use crate::scan::ScannedReport;
 use crate::species::SPECIES_NAME;
 use crate::stem::{FoundStem, LOCATION, StemLocation, StemOptions};
 use crate::tissue::Proportions;
-use greenstick_geometry::{Context, Mesh};
+use greenstick_geometry::{Cancelled, Context, Mesh};
 use greenstick_schema::{Kind, Unit, choice, choices, count, list, number, parameters, text};
 
 choices! {
@@ -184,6 +185,22 @@ impl AnatomyRequest {
         let anatomy = Anatomy::new(found, mesh, &options, wood, context)?;
         self.check_rings(anatomy.ring_count())?;
         Ok(anatomy)
+    }
+
+    /// Measures the stem, with standard errors where it comes from a scan.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn measures(
+        &self,
+        anatomy: &Anatomy,
+        scan: Option<&ScannedReport>,
+        context: &Context,
+    ) -> Result<StemMeasures, Cancelled> {
+        let bark = scan.and_then(|scan| scan.bark.as_ref());
+        let errors = bark.and_then(MeasurementErrors::from_scan);
+        let pith_is_known = self.stem.pith.is_some();
+        StemMeasures::new(anatomy, &self.mensuration, errors, pith_is_known, context)
     }
 
     /// Refuses a number of rings that is out of range or does not suit the other numbers.

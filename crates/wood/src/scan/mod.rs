@@ -26,7 +26,7 @@ mod traced;
 pub use cleaned::{ScanRequest, ScanningError, clean_and_reconstruct};
 pub use parameters::ScanParameters;
 pub use report::{Coverage, PlaceMeasures, ScanError, ScanOptions, ScanReport, ScannedBark};
-pub use scanned::ScannedReport;
+pub use scanned::{ScannedReport, outline_error, with_scan};
 
 use crate::noise;
 use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};

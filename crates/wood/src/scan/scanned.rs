@@ -1,6 +1,7 @@
 //! The report on a scan, from its points to the surface.
 
 use super::report::ScanReport;
+use greenstick_geometry::Provenance;
 use greenstick_geometry::cloud::CleanReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -18,6 +19,25 @@ pub struct ScannedReport {
     pub origin_m: [f64; 3],
     /// How the file was read and what was assumed; one sentence each.
     pub notes: Vec<String>,
+}
+
+/// Returns the provenance of what was made of a scan, if of one.
+pub fn with_scan(mut provenance: Provenance, scan: Option<&ScannedReport>) -> Provenance {
+    let bark = scan.and_then(|s| s.bark.as_ref());
+    provenance.origin_m = scan.map_or([0.0; 3], |s| s.origin_m);
+    provenance.coverage = bark.map(|b| b.mean_coverage);
+    provenance.residual_m = bark.map(|b| b.noise_m);
+    provenance
+}
+
+/// The error of a section's outline in a scan's cells, m: the points' noise over the root of their number in a cell that
+/// was seen. `None` where the bark was not laid in cells.
+pub fn outline_error(report: &ScannedReport) -> Option<f64> {
+    let bark = report.bark.as_ref()?;
+    let seen = bark.cells.iter().product::<usize>() as f64 * (1.0 - bark.completed);
+    let points_per_cell = (bark.points as f64 / seen).max(1.0);
+    let error = bark.noise_m / points_per_cell.sqrt();
+    (seen > 0.0 && error.is_finite()).then_some(error)
 }
 
 impl fmt::Display for ScannedReport {

@@ -1,8 +1,9 @@
 //! What of an overlay of the skin and a layout does not depend on heights: which part of a triangle lies over which
 //! facet. It is computed once for each triangle near a break and cached for the next break.
 
-use super::super::ground::{Ground, Skin};
+use super::super::facet_grid::FacetGrid;
 use super::super::parts::{Host, Solid};
+use super::super::skin::Skin;
 use crate::surface::{NONE, SectionLayout};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::intersect::orient2d as orientation;
@@ -59,7 +60,7 @@ pub(super) struct Fixed {
     pub node: u32,
 }
 
-/// Parts of the triangles met so far. Only of use with the solid, skin and ground that it was made with.
+/// Parts of the triangles met so far. Only of use with the solid, skin and grid that it was made with.
 #[derive(Debug, Default)]
 pub(in super::super) struct Clips {
     /// By rank of the triangle: 1 + its number in `lists`, or 0.
@@ -105,7 +106,7 @@ impl Clips {
     }
 
     /// The parts of the limb triangle of a rank over all facets, from and to in `parts`.
-    pub fn of(&mut self, rank: usize, skin: &Skin, ground: &Ground, solid: &Solid) -> (u32, u32) {
+    pub fn of(&mut self, rank: usize, skin: &Skin, grid: &FacetGrid, solid: &Solid) -> (u32, u32) {
         if let Some(i) = self.known[rank].checked_sub(1) {
             return self.lists[i as usize];
         }
@@ -114,10 +115,10 @@ impl Clips {
         let flat = points.map(|p| solid.points[p as usize].truncate());
         let mut found = std::mem::take(&mut self.found);
         self.turn += 1;
-        ground.candidates(rank, skin, flat, (&mut self.marks, self.turn), &mut found);
+        grid.candidates(rank, skin, flat, (&mut self.marks, self.turn), &mut found);
         let from = self.parts.len() as u32;
         let over = Over {
-            layout: &ground.layout,
+            layout: &grid.layout,
             points,
             flat,
         };
@@ -150,7 +151,7 @@ impl Clips {
             });
         }
         self.found = found;
-        self.join(from as usize, &ground.layout);
+        self.join(from as usize, &grid.layout);
         let list = (from, self.parts.len() as u32);
         self.lists.push(list);
         self.known[rank] = self.lists.len() as u32;

@@ -1,8 +1,10 @@
-use super::read::companion;
-use super::staged::Staged;
-use super::*;
-use greenstick_formats::LengthUnit;
-use greenstick_geometry::ErrorKind;
+//! Files: all of an output or none of it, and meshes with their companions.
+#![cfg(feature = "files")]
+
+use greenstick::ErrorKind;
+use greenstick::files::{Output, carry_images, check_distinct, encode, load, read, write_all};
+use greenstick::formats::LengthUnit;
+use greenstick::geometry::{Image, ImageSource, Scene};
 use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -59,28 +61,6 @@ fn all_files_are_written_or_none() {
 }
 
 #[test]
-fn a_name_that_cannot_be_taken_puts_the_others_back() {
-    let folder = Folder::new();
-    for name in ["a", "b", "c"] {
-        fs::write(folder.0.join(name), "old").unwrap();
-    }
-    fs::remove_file(folder.0.join("c")).unwrap();
-    let mut staged: Vec<Staged> = ["a", "b", "c"]
-        .iter()
-        .map(|name| Staged::new(&folder.0.join(name), b"new").unwrap())
-        .collect();
-    staged[2].rename().unwrap();
-    staged[1].rename().unwrap();
-    assert_eq!(fs::read(folder.0.join("b")).unwrap(), b"new");
-    staged.iter_mut().for_each(Staged::undo);
-    drop(staged);
-    assert_eq!(folder.names(), ["a", "b"]);
-    for name in ["a", "b"] {
-        assert_eq!(fs::read(folder.0.join(name)).unwrap(), b"old");
-    }
-}
-
-#[test]
 fn no_output_replaces_an_input_or_another_output() {
     let folder = Folder::new();
     fs::write(folder.0.join("in.obj"), "x").unwrap();
@@ -96,14 +76,33 @@ fn no_output_replaces_an_input_or_another_output() {
 #[test]
 fn companions_are_followed_by_relative_reference_only() {
     let folder = Folder::new();
-    fs::create_dir(folder.0.join("meshes")).unwrap();
-    fs::write(folder.0.join("bark.png"), "x").unwrap();
-    let main = folder.0.join("meshes").join("tree.obj");
-    assert!(companion(&main, "../bark.png").is_ok());
-    assert!(companion(&main, "..\\bark.png").is_ok());
+    for name in ["meshes", "out"] {
+        fs::create_dir(folder.0.join(name)).unwrap();
+    }
+    let png = b"\x89PNG\r\n\x1a\n";
+    fs::write(folder.0.join("bark.png"), png).unwrap();
+    let source = folder.0.join("meshes").join("tree.obj");
+    let target = folder.0.join("out").join("tree.obj");
+    let is_read = |reference: &str| {
+        let image = Image {
+            name: String::new(),
+            mime_type: String::new(),
+            source: ImageSource::Reference(reference.to_owned()),
+        };
+        let mut scene = Scene {
+            images: vec![image],
+            ..Scene::default()
+        };
+        carry_images(&mut scene, &source, &target);
+        let is_read = matches!(&scene.images[0].source, ImageSource::Bytes(bytes) if bytes == png);
+        assert_eq!(is_read, scene.notes.is_empty());
+        is_read
+    };
+    assert!(is_read("../bark.png"));
+    assert!(is_read("..\\bark.png"));
     let absolute = folder.0.join("bark.png").to_string_lossy().into_owned();
-    for refused in [&absolute, "file:///bark.png", "C:/bark.png", "..", ".", ""] {
-        assert!(companion(&main, refused).is_err(), "{refused}");
+    for refused in [&absolute, "file:///bark.png", "C:/bark.png", "..", "."] {
+        assert!(!is_read(refused), "{refused}");
     }
 }
 

@@ -1,8 +1,10 @@
 //! What a picture of a break shows: both faces and a stub of stem behind each.
 
+use crate::finish::{NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_geometry::Node;
+use greenstick_geometry::{Node, Scene};
 use greenstick_wood::stem::{Frame, Stem};
+use std::sync::Arc;
 
 /// Length of stem that is shown behind each face: in radii, and as a part of the face's height.
 const STUB_RADII: f64 = 0.9;
@@ -13,6 +15,11 @@ const OUTER_RING: f64 = 0.85;
 const STUB_QUANTILE: f64 = 0.85;
 /// Distance to which the opened upper piece is moved, in widths of the section.
 const OPENED_DISTANCE: f64 = 1.2;
+/// How steeply an opened break is looked down on, rad.
+const ELEVATION: f64 = 0.5;
+/// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
+const HANGING_ELEVATION: f64 = 0.22;
+const HANGING_TURN: f64 = 0.45;
 
 /// A break, as a picture shows it.
 #[derive(Debug, Clone, Copy)]
@@ -29,28 +36,48 @@ pub struct BreakView<'a> {
 
 /// A piece in a picture of a break.
 #[derive(Debug, Clone, Copy)]
-pub struct ViewedPiece<'a> {
+struct ViewedPiece<'a> {
     /// Its node where the picture shows it.
-    pub node: &'a Node,
+    node: &'a Node,
     /// Whether it lies beyond the break.
-    pub is_upper: bool,
+    is_upper: bool,
     /// Whether it is a splinter, behind which no stem is shown.
-    pub is_splinter: bool,
+    is_splinter: bool,
+}
+
+/// How a camera looks at a break.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// What is up in the picture.
+    pub up: DVec3,
+    /// The direction it looks in, seen from above.
+    pub direction: DVec3,
+    /// How steeply it looks down, rad.
+    pub elevation: f64,
 }
 
 impl BreakView<'_> {
     /// Returns the frame of the stem at the break.
-    pub fn frame(&self) -> Frame {
+    fn frame(&self) -> Frame {
         self.stem.grain.axis().frame(self.stem.location)
     }
 
-    /// Returns the points that a picture of both faces and their stubs has to show, in the world. Before they were moved
-    /// apart, all pieces had the transform `at_rest`.
-    pub fn points<'a>(
-        &self,
-        pieces: impl Iterator<Item = ViewedPiece<'a>>,
-        at_rest: &DAffine3,
-    ) -> Vec<DVec3> {
+    /// Returns the points of `scene` that a picture of both faces and their stubs has to show, in the world; `None` where there
+    /// is no lower piece. The nodes are those of the `broken` scene, in which the lower piece is where it was before the
+    /// break, and have these roles.
+    pub fn points(&self, scene: &Scene, broken: &Scene, roles: &[NodeRole]) -> Option<Vec<DVec3>> {
+        let lower = NodeRole::Piece(PieceRole::Lower);
+        let at = roles.iter().position(|&role| role == lower)?;
+        let at_rest = &broken.nodes[at].transform;
+        let nodes = scene.nodes.iter().zip(roles);
+        let pieces = nodes.filter_map(|(node, role)| match role {
+            NodeRole::Piece(role) => Some(ViewedPiece {
+                node,
+                is_upper: *role == PieceRole::Upper,
+                is_splinter: matches!(role, PieceRole::Splinter(_)),
+            }),
+            NodeRole::Carried | NodeRole::Untouched => None,
+        });
         let mut points = Vec::new();
         for piece in pieces {
             let depths = self.face_depths(&piece, at_rest, &mut points);
@@ -58,7 +85,7 @@ impl BreakView<'_> {
                 points.extend(self.stub_corners(&piece, depths, at_rest));
             }
         }
-        points
+        Some(points)
     }
 
     /// Adds the points of a piece's face that stand out beyond the location. Returns how far down the outside the break can
@@ -113,8 +140,46 @@ impl BreakView<'_> {
             .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach))
     }
 
+    /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction.
+    pub fn sight(&self, hinge: Option<DVec3>) -> Sight {
+        let frame = self.frame();
+        let (direction, elevation) = match hinge {
+            // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
+            None => (frame.y, ELEVATION),
+            // Nearly along the hinge, from the side that opened.
+            Some(axis) => {
+                let opened = axis.cross(frame.tangent) * -1.0;
+                let (sin, cos) = libm::sincos(HANGING_TURN);
+                (-(axis * cos + opened * sin), HANGING_ELEVATION)
+            }
+        };
+        Sight {
+            up: frame.tangent,
+            direction,
+            elevation,
+        }
+    }
+
+    /// Returns a broken scene, whose nodes have these roles, with the upper piece turned over and set beside the lower, both
+    /// faces up.
+    pub fn opened(&self, broken: &Scene, roles: &[NodeRole]) -> Scene {
+        let about = self.opening();
+        let mut scene = broken.clone();
+        for (node, role) in scene.nodes.iter_mut().zip(roles) {
+            match role {
+                NodeRole::Piece(PieceRole::Upper) | NodeRole::Carried => {
+                    node.transform = about * node.transform;
+                }
+                NodeRole::Piece(_) => {}
+                // It would hide the faces.
+                NodeRole::Untouched => node.mesh = Arc::default(),
+            }
+        }
+        scene
+    }
+
     /// Returns the map that turns the upper piece over and sets it beside the lower, so that both faces look up.
-    pub fn opened(&self) -> DAffine3 {
+    fn opening(&self) -> DAffine3 {
         let frame = self.frame();
         let [low, high] = self.range;
         let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);

@@ -1,8 +1,10 @@
 //! What is wanted of the rings of one section: their number or measured series, the pith, and a picture.
 
+use super::limits::RESOLUTION_RANGE;
+use super::model::RingMethod;
+use super::parameters::RingParameters;
+use crate::rings::{ONSET_RANGE, RingSeries, SectionRingMethod};
 use greenstick_schema::{Kind, ParameterError, Unit, count, list, number, parameters};
-use greenstick_wood::anatomy::{RESOLUTION_RANGE, RingMethod, RingParameters};
-use greenstick_wood::rings::{ONSET_RANGE, RingSeries, SectionRingMethod};
 
 /// Number of rings where nothing says it.
 const DEFAULT_RINGS: usize = 20;

@@ -1,0 +1,7 @@
+//! What pictures show: of a break both faces and a stub of stem behind each, of wood in pieces all but splinters.
+
+mod broken;
+mod wood;
+
+pub use broken::{BreakView, Sight};
+pub use wood::{close_up, points_without_splinters};
