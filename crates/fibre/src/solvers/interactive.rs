@@ -190,16 +190,10 @@ impl Interactive {
             angle_behind: old.angle.clone(),
         };
         let problem = EquilibriumProblem {
-            bundle: &world.bundle,
-            loads: &world.loads,
-            yielding: world.failure.rods_yield,
-            softening: world.failure.is_cohesive(),
-            lost: world.fracture_loss,
-            unbalanced_work: world.unbalanced_work,
             start: old,
             base: old,
             inertia: Some(&inertia),
-            time: old.time + dt,
+            ..EquilibriumProblem::at_rest(world, old.time + dt)
         };
         let first = predict(&world.bundle, old, dt);
         let found = self

@@ -31,7 +31,7 @@ use std::ops::Range;
 
 /// Largest number of tasks of a pass over all vertices, and of parts of a sum.
 const MAX_TASKS: usize = 16;
-pub(super) const MAX_ITERATIONS: usize = 400;
+const MAX_ITERATIONS: usize = 400;
 
 /// The matrix of a bundle with `B` degrees of freedom at a vertex, and its preconditioner.
 #[derive(Debug, Clone, Default)]
@@ -66,6 +66,9 @@ struct Task {
     /// Its part of a dot product.
     product: f64,
 }
+
+/// Sets the second vector to a matrix times the first, and returns their scalar product.
+pub(super) type Product<'a, S> = dyn FnMut(&mut S, &[PaddedVec3], &mut [PaddedVec3]) -> f64 + 'a;
 
 /// Vectors of the iteration: solution, residual, preconditioned residual, direction, and matrix × direction.
 #[derive(Debug, Clone, Default)]
@@ -140,7 +143,10 @@ impl<const B: usize> IterativeSolver<B> {
     ) -> Result<Vec<f64>, Cancelled> {
         let mut buffers = std::mem::take(&mut self.buffers);
         self.begin(problem, evaluator, &mut buffers, context)?;
-        self.conjugate_gradients(problem, evaluator, &mut buffers, context)?;
+        let mut product = |solver: &mut Self, p: &[PaddedVec3], q: &mut [PaddedVec3]| {
+            solver.multiply(problem, evaluator, p, q)
+        };
+        self.conjugate_gradients(problem.tolerance, &mut product, &mut buffers, context)?;
         let mut step = Vec::with_capacity(buffers.x.len() * B);
         buffers
             .x
@@ -192,32 +198,35 @@ impl<const B: usize> IterativeSolver<B> {
         Ok(())
     }
 
-    fn conjugate_gradients(
+    /// Solves for the residual by conjugate gradients, with the product of the matrix and a direction that `multiply` sets and
+    /// whose scalar product with the direction it returns. Returns the curvature of a direction, which `p` then is, where it is
+    /// not positive.
+    pub(super) fn conjugate_gradients(
         &mut self,
-        problem: &LinearProblem,
-        evaluator: &mut ForceEvaluator,
+        tolerance: f64,
+        multiply: &mut Product<Self>,
         buffers: &mut Buffers,
         context: &Context,
-    ) -> Result<(), Cancelled> {
+    ) -> Result<Option<f64>, Cancelled> {
         buffers.p.fill(PaddedVec3::ZERO);
         let mut rz = self.precondition(0.0, buffers);
         self.update_direction(0.0, buffers);
-        let goal = problem.tolerance * problem.tolerance * rz;
+        let goal = tolerance * tolerance * rz;
         for _ in 0..MAX_ITERATIONS {
             context.check()?;
             if rz <= goal || !rz.is_finite() {
-                return Ok(());
+                break;
             }
             self.iterations += 1;
-            let curvature = self.multiply(problem, evaluator, &buffers.p, &mut buffers.q);
+            let curvature = multiply(self, &buffers.p, &mut buffers.q);
             if curvature.is_nan() || curvature <= 0.0 {
-                return Ok(());
+                return Ok(Some(curvature));
             }
             let next = self.precondition(rz / curvature, buffers);
             self.update_direction(next / rz, buffers);
             rz = next;
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Moves `length` along the direction, and applies both levels of the preconditioner to the residual there: rods into z,

@@ -6,7 +6,7 @@
 //! matrix is not positive definite (Nocedal and Wright, *Numerical Optimization*, section 7.1); otherwise their solution is
 //! mostly the softest direction, the more so the softer that is.
 
-use super::iterative::{Buffers, IterativeSolver, MAX_ITERATIONS, dot, mask};
+use super::iterative::{Buffers, IterativeSolver, dot, mask};
 use super::problem::LinearProblem;
 use crate::evaluator::ForceEvaluator;
 use crate::simd::lanes::PaddedVec3;
@@ -72,31 +72,19 @@ impl<const B: usize> IterativeSolver<B> {
         buffers: &mut Buffers,
         context: &Context,
     ) -> Result<f64, Cancelled> {
-        let mut product = |free: &[PaddedVec3], p: &[PaddedVec3], q: &mut Vec<PaddedVec3>| {
+        let mut product = |solver: &mut Self, p: &[PaddedVec3], q: &mut [PaddedVec3]| {
             variation.multiply(evaluator, p, q);
-            mask(q, free);
+            mask(q, &solver.free);
             dot(p, q)
         };
-        buffers.p.fill(PaddedVec3::ZERO);
-        let mut rz = self.precondition(0.0, buffers);
-        self.update_direction(0.0, buffers);
-        let goal = problem.tolerance * problem.tolerance * rz;
-        for _ in 0..MAX_ITERATIONS {
-            context.check()?;
-            if rz <= goal || !rz.is_finite() {
-                break;
-            }
-            self.iterations += 1;
-            let curvature = product(&self.free, &buffers.p, &mut buffers.q);
-            if curvature.is_nan() || curvature <= 0.0 {
-                return Ok(curvature);
-            }
-            let next = self.precondition(rz / curvature, buffers);
-            self.update_direction(next / rz, buffers);
-            rz = next;
+        let tolerance = problem.tolerance;
+        if let Some(curvature) =
+            self.conjugate_gradients(tolerance, &mut product, buffers, context)?
+        {
+            return Ok(curvature);
         }
         buffers.p.clone_from(&buffers.x);
-        Ok(product(&self.free, &buffers.p, &mut buffers.q))
+        Ok(product(self, &buffers.p, &mut buffers.q))
     }
 }
 
