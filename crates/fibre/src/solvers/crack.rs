@@ -111,3 +111,82 @@ fn follow(
     explicit.shift_velocities(world, step);
     Ok((crack, energy))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::NoContacts;
+    use crate::loads::Loads;
+    use crate::rod_bundle::{Rod, RodBundle, RodMaterial};
+    use glam::DVec3;
+
+    /// A rod that flies, turns and vibrates.
+    fn world(damping: f64) -> World {
+        let material = RodMaterial::solid(1e-5, 1e10, 1e9, 600.0);
+        let vertices = (0..7).map(|i| DVec3::new(0.0, 0.0, 5e-3 * f64::from(i)));
+        let bundle = RodBundle::new(&[Rod::new(vertices.collect(), material)], false).unwrap();
+        let mut world = World::new(bundle);
+        world.loads = Loads {
+            damping,
+            gravity: DVec3::new(0.0, 0.0, -10.0),
+            ..Loads::default()
+        };
+        for v in 0..7 {
+            let arm = world.state.position.get(v) - DVec3::new(0.0, 0.0, 0.015);
+            let turn = DVec3::new(30.0, 40.0, 0.0).cross(arm);
+            let vibration = DVec3::new(0.5 * f64::from((v as i32 % 2) * 2 - 1), 0.0, 0.0);
+            world
+                .state
+                .velocity
+                .set(v, DVec3::new(20.0, 0.0, -3.0) + turn + vibration);
+        }
+        world
+    }
+
+    fn momentum(world: &World) -> (DVec3, DVec3) {
+        let (bundle, state) = (&world.bundle, &world.state);
+        let sum = |of: &dyn Fn(usize) -> DVec3| {
+            (0..bundle.vertices()).fold(DVec3::ZERO, |s, v| s + of(v) * bundle.mass[v])
+        };
+        let mass: f64 = bundle.mass.iter().sum();
+        let centre = sum(&|v| state.position.get(v)) / mass;
+        let velocity = sum(&|v| state.velocity.get(v)) / mass;
+        let spin =
+            sum(&|v| (state.position.get(v) - centre).cross(state.velocity.get(v) - velocity));
+        (velocity * mass, spin)
+    }
+
+    #[test]
+    fn what_flies_is_not_braked_and_what_vibrates_in_it_is() {
+        let (mut world, context) = (world(1000.0), Context::quiet());
+        let mut explicit = Explicit::new(None);
+        let (linear, angular) = momentum(&world);
+        let kinetic = |w: &World| crate::energy::energies(&w.bundle, &w.state).kinetic;
+        let start = kinetic(&world);
+        let (mut damped, mut work) = (0.0, 0.0);
+        for _ in 0..100 {
+            explicit.leave_undamped(&world, Some(1000.0));
+            let done = explicit
+                .advance(&mut world, &mut NoContacts, 5e-5, &context)
+                .unwrap();
+            (damped, work) = (damped + done.damped, work + done.work);
+        }
+        let mass: f64 = world.bundle.mass.iter().sum();
+        let (after, turning) = momentum(&world);
+        // Of what gravity adds within 50 µs, damping takes a twentieth half of that time.
+        let fallen = DVec3::new(0.0, 0.0, -10.0 * 5e-3 * mass);
+        assert!((after - linear - fallen).length() < 0.03 * fallen.length());
+        assert!(
+            (turning - angular).length() < 0.01 * angular.length(),
+            "{angular} {turning}"
+        );
+        // Half of 7 · 0.25 kg m²/s² a kilogram of vertices, less what of it was rigid motion.
+        let rigid = start - damped + work;
+        assert!(
+            (kinetic(&world) / rigid - 1.0).abs() < 1e-3,
+            "{} {rigid}",
+            kinetic(&world)
+        );
+        assert!(damped > 0.8 * 0.125 * mass, "{damped}");
+    }
+}
