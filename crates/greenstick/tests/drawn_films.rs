@@ -12,21 +12,34 @@ use greenstick::skin::{
     film::{FilmOptions, Run},
 };
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
+
+const NO_MESHES: SceneMeshes = SceneMeshes {
+    input: None,
+    bodies: Vec::new(),
+};
 
 /// Simulates a scene in memory.
-fn run(setting: Setting) -> Run {
+fn recorded(scene: Setting) -> Arc<MemoryRun> {
     let request = SimulateRequest {
-        scene: setting,
-        meshes: SceneMeshes {
-            input: None,
-            bodies: Vec::new(),
-        },
+        scene,
+        meshes: NO_MESHES,
         resume: false,
     };
-    let (context, mut store) = (Context::quiet(), MemoryRun::new());
-    simulate(&request, &mut store, &context).unwrap();
-    open_run(Arc::new(store), &request.meshes, &context).unwrap()
+    let mut store = MemoryRun::new();
+    simulate(&request, &mut store, &Context::quiet()).unwrap();
+    Arc::new(store)
+}
+
+fn opened(store: Arc<MemoryRun>) -> Run {
+    open_run(store, &NO_MESHES, &Context::quiet()).unwrap()
+}
+
+/// The built-in `pull`.
+fn pulled() -> Run {
+    static STORE: LazyLock<Arc<MemoryRun>> =
+        LazyLock::new(|| recorded(Setting::built_in("pull").unwrap()));
+    opened(STORE.clone())
 }
 
 fn options() -> FilmOptions {
@@ -77,7 +90,7 @@ fn first_break(run: &Run) -> usize {
 
 #[test]
 fn wood_that_is_pulled_apart_is_whole_until_it_breaks_and_then_moves_as_its_rods() {
-    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut run = pulled();
     let (first, last) = (first_break(&run), run.frames() - 1);
     assert!(first > 2);
     let mut film = film(&mut run);
@@ -134,7 +147,7 @@ fn wood_that_is_pulled_apart_is_whole_until_it_breaks_and_then_moves_as_its_rods
 
 #[test]
 fn fields_on_the_skin_are_those_of_the_rods_beside_it() {
-    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut run = pulled();
     let mut film = film(&mut run);
     let near = run.nearby_rods(&film.skinned.film);
     let mut at_start = film.skinned.at(0).unwrap();
@@ -168,7 +181,7 @@ fn fields_on_the_skin_are_those_of_the_rods_beside_it() {
 
 #[test]
 fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break() {
-    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut run = pulled();
     let mut film = film(&mut run);
     assert!(film.misplaced_share(&run).unwrap() < 1e-3);
     let (at_rest, start) = (film.skinned.at(0).unwrap(), run.frame(0).unwrap());
@@ -190,7 +203,7 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
 
 #[test]
 fn a_range_of_frames_has_the_same_pieces_and_shows_the_same() {
-    let mut run = run(Setting::built_in("pull").unwrap());
+    let mut run = pulled();
     let number = first_break(&run) + 1;
     let mut whole = film(&mut run);
     let mut one =
@@ -208,7 +221,7 @@ fn a_range_of_frames_has_the_same_pieces_and_shows_the_same() {
 fn wood_that_is_broken_in_part_stays_together_at_a_hinge() {
     let mut setting = Setting::built_in("bend").unwrap();
     setting.duration = 0.2;
-    let mut run = run(setting);
+    let mut run = opened(recorded(setting));
     let mut film = film(&mut run);
     let report = &film.reports[0];
     assert!(!report.parted && report.broken > 4, "{report:?}");
