@@ -457,6 +457,26 @@ fn static_scenes_in_text_and_binary_are_equal() {
 }
 
 #[test]
+fn meshes_of_several_nodes_are_stored_once() {
+    let mut scene = two_cubes();
+    scene.nodes.truncate(1);
+    let mut again = scene.nodes[0].clone();
+    scene.nodes[0].name = "a".into();
+    again.name = "b".into();
+    again.transform.translation += DVec3::new(5.0, 0.0, 0.0);
+    scene.nodes.push(again);
+    let files = write(UsdFormat::Usdc, &scene, "x.usdc").unwrap();
+    let layer = Layer::new(&files[0].bytes);
+    let value = |path: &str| layer.specs[path]["default"];
+    for name in ["points", "faceVertexIndices", "primvars:st"] {
+        let [a, b] = ["a", "b"].map(|node| value(&format!("/x/{node}.{name}")));
+        assert_eq!(a, b, "{name}");
+    }
+    let [a, b] = ["a", "b"].map(|node| value(&format!("/x/{node}.xformOp:transform")));
+    assert_ne!(a, b);
+}
+
+#[test]
 fn output_is_deterministic_and_text_films_are_refused() {
     let film = film(4, 5, 2);
     for format in [UsdFormat::Usdc, UsdFormat::Usdz] {

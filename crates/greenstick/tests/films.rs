@@ -152,7 +152,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
     let frames = run.frames();
     let mut film = run.film(0..frames, &options(true), &context).unwrap();
     let rest = film.report.rest.clone();
-    let told: Vec<(&str, &str, bool)> = (rest.pieces.iter())
+    let reported: Vec<(&str, &str, bool)> = (rest.pieces.iter())
         .map(|p| (p.name.as_str(), p.input.as_str(), p.closed))
         .collect();
     let wanted = [
@@ -160,7 +160,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
         ("twig_000", "leaf", true),
         ("standing_000", "stone", true),
     ];
-    assert_eq!(told, wanted, "{rest:?}");
+    assert_eq!(reported, wanted, "{rest:?}");
 
     // At rest all is there: exactly but for the stretch of the rods, whose outline has its own corners.
     let area = 12.0 * (std::f64::consts::TAU / 24.0).sin() * RADIUS * RADIUS;
@@ -301,7 +301,7 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
     let film = run.film(0..frames, &options(true), &context).unwrap().film;
     let made = collision(&film, &ConvexOptions::default(), &context).unwrap();
     assert_eq!(made.pieces.len(), film.pieces.len());
-    for (piece, told) in film.pieces.iter().zip(&made.pieces) {
+    for (piece, report) in film.pieces.iter().zip(&made.pieces) {
         let own = format!("UCX_{}_", piece.name);
         let number = |name: &str| {
             name.strip_prefix(&own)
@@ -311,7 +311,7 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
             .filter(|n| number(&n.name).is_some())
             .map(|n| &*n.mesh)
             .collect();
-        assert_eq!(shapes.len(), told.shapes, "{}", piece.name);
+        assert_eq!(shapes.len(), report.shapes, "{}", piece.name);
         assert!(
             shapes
                 .iter()
@@ -320,8 +320,8 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
         let volume: f64 = shapes.iter().map(|s| s.volume()).sum();
         let ratio = volume / piece.mesh.volume();
         assert!(
-            (ratio / told.volume_ratio - 1.0).abs() < 1e-6,
-            "{ratio} {told:?}"
+            (ratio / report.volume_ratio - 1.0).abs() < 1e-6,
+            "{ratio} {report:?}"
         );
         let out = piece.mesh.positions.iter().map(|&p| {
             let each = shapes.iter().map(|s| beyond(s, p));
@@ -329,7 +329,10 @@ fn collision_shapes_are_convex_and_hold_the_pieces_as_far_as_is_told() {
         });
         let farthest = out.fold(0.0, f64::max);
         // The nearest face is no farther than the nearest point.
-        assert!(farthest <= told.uncovered_m + 1e-9, "{farthest} {told:?}");
+        assert!(
+            farthest <= report.uncovered_m + 1e-9,
+            "{farthest} {report:?}"
+        );
     }
 }
 
@@ -339,12 +342,15 @@ fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
     let context = Context::quiet();
     let frames = run.frames();
     let mut made = run.film(0..frames, &options(true), &context).unwrap();
-    let (simpler, told) = level(&mut made, 0.5, &context).unwrap();
+    let (simpler, report) = level(&mut made, 0.5, &context).unwrap();
     let count = |film: &greenstick::geometry::Film| -> usize {
         film.pieces.iter().map(|p| p.mesh.triangles.len()).sum()
     };
-    assert_eq!(told.triangles, [count(&made.film), count(&simpler)]);
-    assert!(told.triangles[1] < told.triangles[0] * 3 / 4, "{told:?}");
+    assert_eq!(report.triangles, [count(&made.film), count(&simpler)]);
+    assert!(
+        report.triangles[1] < report.triangles[0] * 3 / 4,
+        "{report:?}"
+    );
     assert_eq!(simpler.fault(), None);
     let mut most = 0.0f64;
     for (before, after) in made.film.pieces.iter().zip(&simpler.pieces) {
@@ -377,8 +383,8 @@ fn levels_are_some_of_the_vertices_and_as_near_as_is_told() {
         }
     }
     assert!(
-        most <= told.error_m && told.error_m > 0.0,
-        "{most} {told:?}"
+        most <= report.error_m && report.error_m > 0.0,
+        "{most} {report:?}"
     );
 }
 

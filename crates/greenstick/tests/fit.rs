@@ -175,7 +175,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     assert!((ductile.angle - 180.0).abs() <= 20.0, "{report}");
     let shelf = fit.recipe.face.compression_shelf;
     assert!((shelf - 0.5).abs() < 0.1, "{report}");
-    // From the 5th to the 95th hundredth both are told, and alike.
+    // From the 5th to the 95th hundredth both are reported, and alike.
     let part = report.face_m / report.relief_m;
     assert!((0.95..1.05).contains(&part), "{report}");
     // From end to end the drawn face, with its few long splinters among many short ones, reaches up to three times as far
@@ -199,7 +199,10 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
 #[test]
 fn wood_that_is_whole_is_refused_with_what_to_do() {
     let (fit, _) = fitted(&Grown::new(RADIUS, EDGE * RADIUS), |_, _, _, _| None);
-    let told = fit.unwrap_err().to_string();
-    assert!(told.contains("no rod is broken at 0.2500 s"), "{told}");
-    assert!(told.contains("later frame"), "{told}");
+    let message = fit.unwrap_err().to_string();
+    assert!(
+        message.contains("no rod is broken at 0.2500 s"),
+        "{message}"
+    );
+    assert!(message.contains("later frame"), "{message}");
 }

@@ -109,8 +109,8 @@ fn clear_wood(stem: &Stem, species: &Species, seed: u64) -> WoodStructure {
         heartwood: 0.0,
         phloem: 0.0,
     };
-    let looks = WoodAppearance::of_stem(stem, &proportions, seed, Some(species), BARK_START);
-    let rings = StemRings::new(looks.usual_rings().of_sapwood());
+    let appearance = WoodAppearance::of_stem(stem, &proportions, seed, Some(species), BARK_START);
+    let rings = StemRings::new(appearance.usual_rings().of_sapwood());
     WoodStructure::new(species, AIR_DRY_PERCENT, rings, TissueBoundaries::SAPWOOD).mature()
 }
 

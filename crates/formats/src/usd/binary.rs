@@ -8,7 +8,8 @@ use super::layer::{Content, Layer, Metadatum, Prim, Property, Samples, Stored, V
 use super::paths::PathTable;
 use crate::sink::Sink;
 use flate2::Crc;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::{DefaultHasher, Hasher};
 use std::io::{Result, SeekFrom};
 
 const IDENTITY: &[u8; 8] = b"PXR-USDC";
@@ -90,6 +91,21 @@ pub(super) struct CrateWriter<'a> {
     specs: [Vec<i32>; 3],
     /// Numbers of paths.
     paths: BTreeMap<String, u32>,
+    /// Where values are stored, by the fingerprint of their bytes.
+    stored: HashMap<Fingerprint, u64>,
+}
+
+/// Length and two hashes of bytes: different bytes have the same by chance once in 2¹²⁸ pairs.
+type Fingerprint = (usize, u64, u64);
+
+fn fingerprint(bytes: &[u8]) -> Fingerprint {
+    let hash = |salt: u8| {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_u8(salt);
+        hasher.write(bytes);
+        hasher.finish()
+    };
+    (bytes.len(), hash(0), hash(1))
 }
 
 /// Distinct items in the order in which they were added.
@@ -136,6 +152,7 @@ impl<'a> CrateWriter<'a> {
             field_sets: Vec::new(),
             specs: Default::default(),
             paths: BTreeMap::new(),
+            stored: HashMap::new(),
         })
     }
 
@@ -147,13 +164,18 @@ impl<'a> CrateWriter<'a> {
         Ok(())
     }
 
-    /// Appends a value that cannot be inlined.
+    /// Appends a value that cannot be inlined. Equal ones, as those of instances, are stored once.
     fn append_value(&mut self, code: u64, bytes: &[u8]) -> Result<Stored> {
+        let fingerprint = fingerprint(bytes);
+        if let Some(&offset) = self.stored.get(&fingerprint) {
+            return Ok(Stored(code << 48 | offset));
+        }
         // Readers can use arrays in place only if they are aligned.
         let gap = self.at.next_multiple_of(8) - self.at;
         self.put(&[0; 8][..gap as usize])?;
         let offset = self.at;
         self.put(bytes)?;
+        self.stored.insert(fingerprint, offset);
         Ok(Stored(code << 48 | offset))
     }
 
