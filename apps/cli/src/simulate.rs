@@ -5,13 +5,14 @@ use crate::break_wood::{file_name, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
+use crate::scan::load;
 use crate::skin::{self, FilmPlan, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
-use greenstick::files::{self, Output};
+use greenstick::files::{self, FileError, Output};
 use greenstick::film::open_run;
-use greenstick::formats::LengthUnit;
-use greenstick::geometry::{Context, Metadata, Provenance, Stage};
+use greenstick::formats::{self, Format, LengthUnit};
+use greenstick::geometry::{Context, Metadata, Provenance, Scene as Mesh, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::provenance;
 use greenstick::simulate::{
@@ -80,15 +81,21 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     ]);
     let unit = options.mesh.unit.map(LengthUnit::from);
     let mut meshes = SceneMeshes::default();
+    let mut stem = None;
     if let Some(path) = &options.mesh.input {
-        read.report(0.0)?;
-        scene.stem.kind = StemChoice::Input;
-        meshes.input = Some(files::read(path, unit)?);
+        let found = read_stem(path, &mut scene, options, &read)?;
+        meshes.input = Some(found.scene.clone());
+        stem = Some(found);
     }
     meshes.bodies = read_body_meshes(&scene, &beside)?;
     let named = options.mesh.input.as_deref().map(|path| (path, unit));
     let made = run_provenance(name, options, &scene);
     let mut run = RunFolder::new(folder, Origin::new(named, &beside)).made_by(&made);
+    let mut notes = Vec::new();
+    if let Some((bark, of_scan)) = stem.and_then(|stem| stem.scan) {
+        run = run.of_scan(bark);
+        notes = of_scan;
+    }
     let mut request = SimulateRequest {
         scene,
         meshes,
@@ -97,7 +104,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     if options.refine {
         refine(&mut request, &run, &finding)?;
     }
-    let report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
+    let mut report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
+    report.notes.splice(0..0, notes);
     let metadata = made.metadata();
     let pictures = pictures(&run, &request.meshes, options, (&metadata, &shots)).map_err(|e| {
         e.or_cancelled(format!(
@@ -119,6 +127,42 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         make_film(run, &request.meshes, options, output, (&progress, &filming))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the stem is found in.
+struct StemInput {
+    scene: Mesh,
+    /// Of a scan: its bark as the GLB file that `scene` was read from, and how it was made.
+    scan: Option<(Vec<u8>, Vec<String>)>,
+}
+
+/// Reads the mesh, or the scan whose bark is one, and places the scene's stem in it.
+fn read_stem(
+    path: &Path,
+    scene: &mut Scene,
+    options: &SimulateOptions,
+    context: &Context,
+) -> Result<StemInput, Failure> {
+    let unit = options.mesh.unit.map(LengthUnit::from);
+    let loaded = load(path, scene.stem.at, unit, &options.scan.set()?, context)?;
+    (scene.stem.kind, scene.stem.at) = (StemChoice::Input, loaded.place);
+    let Some(scan) = loaded.scan else {
+        return Ok(StemInput {
+            scene: loaded.scene,
+            scan: None,
+        });
+    };
+    // What is made of the run later reads the file, with its rounding.
+    let (name, metre) = ("scan.glb", LengthUnit::Metre);
+    let failed = |error| Failure::from(FileError::Content(error));
+    let files = formats::write(Format::Glb, &loaded.scene, name, metre).map_err(failed)?;
+    let bark = files.into_iter().next().map_or(Vec::new(), |f| f.bytes);
+    let none = |_: &str| Err(std::io::Error::other("a scan has no textures"));
+    let read = formats::read(Format::Glb, &bark, name, Some(metre), &none).map_err(failed)?;
+    Ok(StemInput {
+        scene: read,
+        scan: Some((bark, scan.notes)),
+    })
 }
 
 /// Writes a scene with all its keys.

@@ -104,3 +104,45 @@ fn a_board_as_a_scan_is_squared_timber() {
     );
     assert_eq!(report["place"]["kind"], "board");
 }
+
+#[test]
+fn a_cloud_is_simulated_and_its_run_needs_no_other_file() {
+    let folder = Folder::new();
+    folder.write("a.xyz", cylinder(1.0));
+    let scene = "duration = 0.02\n[rods]\nnumber = 12\nedge = [\"25 mm\", \"30 mm\"]\n[[clamp]]\nto = 0.2\n";
+    folder.write("s.toml", scene);
+    let run = folder.run(&[
+        "simulate",
+        "s.toml",
+        "a.xyz",
+        "-o",
+        "run",
+        "--no-pictures",
+        "--json",
+    ]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let report: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let length = report["length_m"].as_f64().unwrap();
+    assert!((length - 0.6).abs() < 0.03, "{length}");
+    assert_eq!(report["provenance"]["input"], "a.xyz");
+    assert!(report["files"].to_string().contains("scan.glb"));
+    let notes = report["notes"].to_string();
+    assert!(notes.contains("subtracted"), "{notes}");
+    // Moved, and without the cloud.
+    std::fs::rename(folder.0.join("run"), folder.0.join("moved")).unwrap();
+    std::fs::remove_file(folder.0.join("a.xyz")).unwrap();
+    let skin = folder.run(&[
+        "skin",
+        "moved",
+        "--frame",
+        "-1",
+        "-o",
+        "s.ply",
+        "--texture-size",
+        "64",
+    ]);
+    assert_eq!(skin.code, 0, "{}", skin.err);
+    let refused = folder.run(&["simulate", "s.toml", "s.toml", "-o", "other"]);
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(!folder.0.join("other").exists());
+}

@@ -4,6 +4,7 @@ use super::{Declared, MeshOptions, OptionSet, ReportingOptions};
 use clap::{Arg, Args};
 use greenstick::fibre::scene::Scene;
 use greenstick::picture::PictureParameters;
+use greenstick::scanning::ScanParameters;
 use std::path::PathBuf;
 
 const SIMULATE_EXAMPLES: &str = "\
@@ -13,6 +14,7 @@ Examples
   greenstick simulate three-blocks -o run --seed 2 --resume    goes on where it was stopped
   greenstick simulate three-blocks -o film.glb                 the run in film.run, and its skin as a film
   greenstick simulate bend pole.ply -o bent                    the scene on a mesh
+  greenstick simulate bend tree.laz -o bent                    the scene on the bark of a scan
   greenstick simulate bend pole.ply --rings-from inside -o bent   with the rings that `anatomy` found in it
   greenstick simulate bend --save-scene mine.toml              to change it";
 
@@ -54,6 +56,8 @@ pub struct SimulateOptions {
 
     #[command(flatten)]
     pub changes: Declared<Scene>,
+    #[command(flatten)]
+    pub scan: Declared<ScanParameters>,
 
     /// Take no pictures of the first, middle and last frame
     #[arg(long, help_heading = "Picture")]

@@ -21,13 +21,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const ORIGIN_FILE: &str = "origin.json";
+/// The bark of the scan that the run is of, where it is of one.
+const SCAN_FILE: &str = "scan.glb";
 /// The columns of a run's tables that hold texts.
 const TEXT_COLUMNS: [&str; 3] = ["kind", "cause", "holder"];
 
 /// Where the files of a run came from, so that what is made of the run later finds them again.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
-    /// The mesh that the run is of, where it is of one.
+    /// The mesh that the run is of, where it is of one; relative to the run's folder.
     pub input: Option<PathBuf>,
     /// Unit of length in the mesh, `mm`, `cm` or `m`, where one was named.
     pub unit: Option<String>,
@@ -40,11 +42,8 @@ impl Origin {
     /// paths are absolute.
     pub fn new(input: Option<(&Path, Option<LengthUnit>)>, beside: &Path) -> Self {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let beside = if beside.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            beside
-        };
+        let is_here = beside.as_os_str().is_empty();
+        let beside = if is_here { Path::new(".") } else { beside };
         Origin {
             input: input.map(|(path, _)| absolute(path)),
             unit: input.and_then(|(_, unit)| unit).map(|u| u.to_string()),
@@ -63,13 +62,15 @@ impl Origin {
         }
         let unreadable = FileError::unreadable(&path);
         let text = fs::read_to_string(&path).map_err(&unreadable)?;
-        serde_json::from_str(&text).map_err(|e| unreadable(e.into()))
+        let mut origin: Origin = serde_json::from_str(&text).map_err(|e| unreadable(e.into()))?;
+        origin.input = origin.input.map(|input| folder.join(input));
+        Ok(origin)
     }
 
     /// Returns the mesh file and its unit.
     pub fn input_file(&self) -> Option<(PathBuf, Option<LengthUnit>)> {
-        let unit = self.unit.as_deref().and_then(|u| u.parse().ok());
-        self.input.clone().map(|path| (path, unit))
+        let unit = || self.unit.as_deref()?.parse().ok();
+        Some((self.input.clone()?, unit()))
     }
 }
 
@@ -99,8 +100,8 @@ impl GrowingFile {
     /// Opens a file for appending, cut to `length`.
     fn open(path: PathBuf, length: u64) -> Result<Self, RunError> {
         let fail = |source| unwritable(&path, source);
-        let mut options = OpenOptions::new();
-        let file = (options.create(true).append(true).open(&path)).map_err(fail)?;
+        let file = OpenOptions::new().create(true).append(true).open(&path);
+        let file = file.map_err(fail)?;
         let found = file.metadata().map_err(fail)?.len();
         if found < length {
             return Err(RunError::Short {
@@ -167,6 +168,8 @@ pub struct RunFolder {
     origin: Origin,
     /// Where the run comes from.
     metadata: Metadata,
+    /// The bark of the scan that it is of, as a GLB file.
+    scan: Option<Vec<u8>>,
     /// Open while the run is recorded.
     records: Option<Records>,
     /// Open while frames are read.
@@ -180,6 +183,7 @@ impl RunFolder {
             path: path.into(),
             origin,
             metadata: Metadata::default(),
+            scan: None,
             records: None,
             frames: Mutex::new(None),
         }
@@ -189,6 +193,14 @@ impl RunFolder {
     #[must_use]
     pub fn made_by(mut self, provenance: &Provenance) -> Self {
         self.metadata = provenance.metadata();
+        self
+    }
+
+    /// Returns the same folder; a run that begins there is of the bark of a scan, a GLB file, which is written into it.
+    #[must_use]
+    pub fn of_scan(mut self, bark: Vec<u8>) -> Self {
+        (self.origin.input, self.origin.unit) = (Some(SCAN_FILE.into()), None);
+        self.scan = Some(bark);
         self
     }
 
@@ -269,11 +281,12 @@ impl RunSink for RunFolder {
             (ORIGIN_FILE, origin),
             (CSVW_FILE, self.table_metadata()),
         ];
-        let outputs = outputs.map(|(name, bytes)| Output {
+        let scan = self.scan.take().map(|bark| (SCAN_FILE, bark));
+        let outputs = outputs.into_iter().chain(scan).map(|(name, bytes)| Output {
             path: self.path.join(name),
             bytes,
         });
-        super::write_all(&outputs).map_err(not_written)?;
+        super::write_all(&outputs.collect::<Vec<_>>()).map_err(not_written)?;
         self.forget_frames();
         let mut records = Records::open(&self.path, &RecordLengths::default())?;
         for record in Record::ALL {
@@ -318,7 +331,11 @@ impl RunSink for RunFolder {
 
     fn outputs(&self) -> Vec<String> {
         let records = Record::ALL.map(Record::file_name).into_iter();
-        let names = records.chain([CHECKPOINT_FILE, SCENE_FILE, CSVW_FILE]);
+        let scan =
+            (self.origin.input.as_deref() == Some(Path::new(SCAN_FILE))).then_some(SCAN_FILE);
+        let names = records
+            .chain([CHECKPOINT_FILE, SCENE_FILE, CSVW_FILE])
+            .chain(scan);
         names
             .map(|name| self.path.join(name).display().to_string())
             .collect()
