@@ -72,29 +72,19 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     }
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
-    let [read, finding, work, shots, filming] = progress.split([
-        ("read", 0.5),
-        ("find the break", if options.refine { 10.0 } else { 0.0 }),
-        ("simulate", 30.0),
-        ("pictures", if options.no_pictures { 0.0 } else { 20.0 }),
-        ("film", if film.is_some() { 10.0 } else { 0.0 }),
-    ]);
+    let [read, finding, work, shots, filming] = stages(&progress, options, film.is_some());
     let unit = options.mesh.unit.map(LengthUnit::from);
-    let mut meshes = SceneMeshes::default();
-    let mut stem = None;
-    if let Some(path) = &options.mesh.input {
-        let found = read_stem(path, &mut scene, options, &read)?;
-        meshes.input = Some(found.scene.clone());
-        stem = Some(found);
-    }
-    meshes.bodies = read_body_meshes(&scene, &beside)?;
-    let named = options.mesh.input.as_deref().map(|path| (path, unit));
+    let path = options.mesh.input.as_deref();
+    let stem = path.map(|path| read_stem(path, &mut scene, options, &read));
+    let (input, scan) = stem.transpose()?.map(|s| (s.scene, s.scan)).unzip();
+    let bodies = read_body_meshes(&scene, &beside)?;
+    let meshes = SceneMeshes { input, bodies };
     let made = run_provenance(name, options, &scene);
-    let mut run = RunFolder::new(folder, Origin::new(named, &beside)).made_by(&made);
-    let mut notes = Vec::new();
-    if let Some((bark, of_scan)) = stem.and_then(|stem| stem.scan) {
+    let origin = Origin::new(path.map(|path| (path, unit)), &beside);
+    let mut run = RunFolder::new(folder, origin).made_by(&made);
+    let (bark, notes) = scan.flatten().unzip();
+    if let Some(bark) = bark {
         run = run.of_scan(bark);
-        notes = of_scan;
     }
     let mut request = SimulateRequest {
         scene,
@@ -105,7 +95,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         refine(&mut request, &run, &finding)?;
     }
     let mut report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
-    report.notes.splice(0..0, notes);
+    report.notes.splice(0..0, notes.unwrap_or_default());
     let metadata = made.metadata();
     let pictures = pictures(&run, &request.meshes, options, (&metadata, &shots)).map_err(|e| {
         e.or_cancelled(format!(
@@ -127,6 +117,17 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         make_film(run, &request.meshes, options, output, (&progress, &filming))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The parts of the work, each with its weight.
+fn stages(progress: &Progress, options: &SimulateOptions, film: bool) -> [Context; 5] {
+    progress.split([
+        ("read", 0.5),
+        ("find the break", if options.refine { 10.0 } else { 0.0 }),
+        ("simulate", 30.0),
+        ("pictures", if options.no_pictures { 0.0 } else { 20.0 }),
+        ("film", if film { 10.0 } else { 0.0 }),
+    ])
 }
 
 /// What the stem is found in.
