@@ -15,10 +15,12 @@ use greenstick::formats::{self, Format, LengthUnit};
 use greenstick::geometry::{Context, Metadata, Provenance, Scene as Mesh, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::provenance;
+use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
     RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, body_shapes,
     energy_chart, find_break, load_chart, simulate,
 };
+use greenstick::wood::scan::with_scan;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -79,10 +81,10 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let (input, scan) = stem.transpose()?.map(|s| (s.scene, s.scan)).unzip();
     let bodies = read_body_meshes(&scene, &beside)?;
     let meshes = SceneMeshes { input, bodies };
-    let made = run_provenance(name, options, &scene);
+    let (bark, scan) = scan.flatten().unzip();
+    let made = with_scan(run_provenance(name, options, &scene), scan.as_ref());
     let origin = Origin::new(path.map(|path| (path, unit)), &beside);
     let mut run = RunFolder::new(folder, origin).made_by(&made);
-    let (bark, notes) = scan.flatten().unzip();
     if let Some(bark) = bark {
         run = run.of_scan(bark);
     }
@@ -95,6 +97,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         refine(&mut request, &run, &finding)?;
     }
     let mut report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
+    let notes = scan.map(|scan| scan.notes);
     report.notes.splice(0..0, notes.unwrap_or_default());
     let metadata = made.metadata();
     let pictures = pictures(&run, &request.meshes, options, (&metadata, &shots)).map_err(|e| {
@@ -134,7 +137,7 @@ fn stages(progress: &Progress, options: &SimulateOptions, film: bool) -> [Contex
 struct StemInput {
     scene: Mesh,
     /// Of a scan: its bark as the GLB file that `scene` was read from, and how it was made.
-    scan: Option<(Vec<u8>, Vec<String>)>,
+    scan: Option<(Vec<u8>, ScannedReport)>,
 }
 
 /// Reads the mesh, or the scan whose bark is one, and places the scene's stem in it.
@@ -162,7 +165,7 @@ fn read_stem(
     let read = formats::read(Format::Glb, &bark, name, Some(metre), &none).map_err(failed)?;
     Ok(StemInput {
         scene: read,
-        scan: Some((bark, scan.notes)),
+        scan: Some((bark, scan)),
     })
 }
 

@@ -125,6 +125,8 @@ fn a_cloud_is_simulated_and_its_run_needs_no_other_file() {
     let length = report["length_m"].as_f64().unwrap();
     assert!((length - 0.6).abs() < 0.03, "{length}");
     assert_eq!(report["provenance"]["input"], "a.xyz");
+    assert_eq!(report["provenance"]["origin_m"][0], 5000.0);
+    assert!(report["provenance"]["coverage"].as_f64().unwrap() > 0.95);
     assert!(report["files"].to_string().contains("scan.glb"));
     let notes = report["notes"].to_string();
     assert!(notes.contains("subtracted"), "{notes}");
