@@ -164,7 +164,8 @@ pub struct BreakOptions {
     /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off), or a point cloud (.ply, .xyz, .txt, .asc, .pts, .las or
     /// .laz) whose bark is made first; without it, a branch that comes with the program
     pub input: Option<PathBuf>,
-    /// File for the pieces, in the format of its ending [default: broken.glb, without --picture]
+    /// File for the pieces, in the format of its ending (.glb, .gltf, .obj, .ply, .stl, .off, .usda, .usdc or .usdz)
+    /// [default: broken.glb, without --picture]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// File for a picture of the break [default: broken.png, without --output]
@@ -196,9 +197,13 @@ pub struct BreakOptions {
     #[arg(long, value_enum, value_name = "FACES", help_heading = "How it breaks", requires = "simulate", default_value_t = FacesChoice::Drawn)]
     pub faces: FacesChoice,
 
+    /// Let the scene name files outside of its folder (../block.stl)
+    #[arg(long, help_heading = "How it breaks", requires = "simulate")]
+    pub allow_outside: bool,
+
     /// Break it where and as a run of `greenstick simulate` did, in its folder; the input is the mesh of the run
     #[arg(long, value_name = "RUN", help_heading = "How it breaks",
-        conflicts_with_all = ["simulate", "preset", "recipe", "species", "moisture", "save_recipe", "pith", "kind", "at"])]
+        conflicts_with_all = ["simulate", "preset", "recipe", "species", "moisture", "pith", "kind", "at"])]
     pub from_run: Option<PathBuf>,
     /// The frame of the run, counted from 0; negative from the end [default: -1]
     #[arg(

@@ -6,7 +6,7 @@ use crate::outcome::{Written, spent};
 use crate::progress::{StageTime, split};
 use greenstick::RequestFile;
 use greenstick::files::{self, Output};
-use greenstick::formats::{Format, LengthUnit};
+use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::picture::{Picture, PictureError};
 use std::fmt::Write;
@@ -37,11 +37,8 @@ impl Targets {
             picture: options.picture.clone().or_else(|| default(DEFAULT_PICTURE)),
             recipe: options.save_recipe.clone(),
         };
-        if let Some(path) = &targets.pieces
-            && Format::from_path(path).is_none()
-        {
-            let (path, expected) = (path.clone(), files::mesh_endings());
-            return Err(files::FileError::UnknownEnding { path, expected }.into());
+        if let Some(path) = &targets.pieces {
+            files::output_format(path)?;
         }
         if let Some(path) = &targets.picture {
             check_png(path)?;

@@ -1,13 +1,14 @@
 //! `greenstick break --from-run`: the mesh of a run, cut along the faces that the run decided.
 
 use crate::arguments::BreakOptions;
-use crate::break_files::{Targets, format_end};
+use crate::break_files::{Targets, format_end, recipe_text};
 use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::skin;
+use crate::skin::{self, NamedMesh};
 use greenstick::fibre::scene::StemChoice;
+use greenstick::files::run::Origin;
 use greenstick::geometry::{Context, Provenance};
 use greenstick::simulated_faces::{
     PartlyBroken, SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
@@ -40,7 +41,8 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     let inputs: Vec<PathBuf> = request.input.iter().cloned().collect();
     targets.check(&inputs)?;
     let named = request.input.clone().map(|path| (path, request.file.unit));
-    let run = skin::open(folder, named, targets.pieces.as_deref(), &read)?;
+    let mesh = named.or(Origin::read(folder).map_err(Failure::request)?.input_file());
+    let run = skin::open(folder, mesh.clone(), targets.pieces.as_deref(), &read)?;
     if let Some(input) = &request.input
         && run.scene.stem.kind != StemChoice::Input
     {
@@ -53,13 +55,17 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     }
     let number = skin::frame_number(&run, options.frame.unwrap_or(-1))?;
     let (mut broken, faces) = draw(&run, number, options, &request, &work)?;
+    let recipe = match &targets.recipe {
+        Some(path) => Some(recipe_of_faces(&request, &faces, mesh, path)?),
+        None => None,
+    };
     let provenance = provenance(&run, &request);
     broken.scene.metadata = provenance.metadata();
     let shot = request.file.picture.options();
     let outputs = targets.write(
         (&broken.scene, request.file.unit),
         |context| greenstick::picture_of_break(&broken, &shot, context),
-        None,
+        recipe,
         &inputs,
         &write,
     )?;
@@ -105,6 +111,24 @@ pub fn draw(
         .broken(&cutting)
         .map_err(|error| DrawError::Other(error.into()))?;
     Ok((broken, faces))
+}
+
+/// Returns the recipe at `path` that breaks `mesh`, which was simulated, along the same faces.
+fn recipe_of_faces(
+    request: &ResolvedRequest,
+    faces: &SimulatedFaces,
+    mesh: NamedMesh,
+    path: &Path,
+) -> Result<String, Failure> {
+    let Some((mesh, unit)) = mesh else {
+        return Err(Failure::request(
+            "--save-recipe: the scene makes a stem of its own, and a recipe breaks the mesh of a file",
+        )
+        .hint("simulate the scene on a mesh: greenstick simulate SCENE MESH -o FOLDER"));
+    };
+    let mut file = request.file.clone().with_request(&faces.request);
+    file.unit = unit;
+    recipe_text(&file, Some(&mesh), path)
 }
 
 /// Where the pieces come from: the scene that was simulated.

@@ -158,7 +158,7 @@ pub fn run(options: &BreakOptions, name: &str) -> Result<ExitCode, Failure> {
     let (mesh, scan) = read_mesh(options, &request, &mut setting, &targets, &read)?;
     let meshes = SceneMeshes {
         input: mesh,
-        bodies: read_body_meshes(&setting, &beside)?,
+        bodies: read_body_meshes(&setting, &beside, simulate::reach(options.allow_outside))?,
     };
     let (report, mut run) = simulate_in_memory(setting, meshes, &simulation)?;
     let mut made = match options.faces {
@@ -240,6 +240,7 @@ fn read_mesh(
     let loaded = scan::load(path, at, request.file.unit, &request.file.scan, context)?;
     setting.stem.at = loaded.place;
     setting.stem.kind = StemChoice::Input;
+    setting.stem.up = setting.stem.up.or(simulate::up_axis(path));
     let mut scene = loaded.scene;
     if let Some(pieces) = &targets.pieces {
         files::carry_images(&mut scene, path, pieces);

@@ -150,9 +150,8 @@ pub fn resolve_request(options: &BreakOptions) -> Result<ResolvedRequest, Failur
         .recipe
         .as_ref()
         .map(|path| {
-            std::fs::read_to_string(path).map_err(|e| {
-                Failure::request(format!("{}: cannot be read: {e}", path.display()))
-                    .hint("--save-recipe FILE.toml writes a recipe to start from")
+            files::read_text(path).map_err(|e| {
+                Failure::from(e).hint("--save-recipe FILE.toml writes a recipe to start from")
             })
         })
         .transpose()?;

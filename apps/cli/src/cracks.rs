@@ -3,7 +3,7 @@
 use crate::arguments::CracksOptions;
 use crate::break_wood::file_name;
 use crate::failure::{Failure, print};
-use crate::outcome::{check_recipe, comment_lines, one_line};
+use crate::outcome::{check_recipe, comment_lines};
 use greenstick::files::{self, Output, read_photograph};
 use greenstick::fracture::cracks::measure::{
     MeasuredCracks, PhotographedSection, SectionPhotograph, measure_cracks,
@@ -11,6 +11,7 @@ use greenstick::fracture::cracks::measure::{
 use greenstick::fracture::parameters::CrackKind;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::Provenance;
+use greenstick::geometry::text::one_line;
 use greenstick::provenance;
 use greenstick::wood::polygon::area_and_centroid;
 use greenstick::wood::rings::SectionFile;
@@ -91,7 +92,7 @@ fn section(
         Some(path) => {
             let about =
                 |e: &dyn std::fmt::Display| Failure::request(format!("{}: {e}", path.display()));
-            let text = std::fs::read_to_string(path).map_err(|e| about(&e))?;
+            let text = files::read_text(path)?;
             let file = SectionFile::parse(&text).map_err(|e| about(&e))?;
             let outline = file.outline();
             let height = photograph.size().1 as f64;

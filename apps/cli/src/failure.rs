@@ -4,9 +4,10 @@
 use greenstick::ErrorKind;
 use greenstick::files::FileError;
 use greenstick::film::FilmError;
-use greenstick::formats::FormatError;
+use greenstick::formats::{FormatError, RefusedReference};
 use greenstick::fracture::cracks::CrackError;
 use greenstick::geometry::Cancelled;
+use greenstick::geometry::text::{one_line, printable};
 use greenstick::picture::PictureError;
 use greenstick::scanning::ScanningError;
 use greenstick::schema::{ParameterError, closest_names};
@@ -18,6 +19,9 @@ use greenstick::wood::stem::{StemError, StemLocation};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
+
+/// What helps where lengths are absurd.
+const UNIT_HINT: &str = "--unit mm, cm or m says what a file without units means";
 
 /// Why the program ends without having done its work.
 #[derive(Debug)]
@@ -130,9 +134,11 @@ impl Failure {
             (_, false) => "error: ",
         };
         let hint = self.hint.as_ref();
-        let hint = hint.map_or(String::new(), |h| format!("\n  hint: {h}"));
+        let hint = hint.map_or(String::new(), |h| format!("\n  hint: {}", one_line(h)));
+        // Further lines are set back: none passes for a message of its own.
+        let message = printable(&self.message).replace('\n', "\n  ");
         // If stderr is closed, nobody reads the message.
-        let _ = writeln!(errors, "{head}{}{hint}", self.message);
+        let _ = writeln!(errors, "{head}{message}{hint}");
     }
 }
 
@@ -180,12 +186,27 @@ impl From<film::FilmError> for Failure {
     }
 }
 
+/// Whether a file could not be written because there is no room for it.
+pub fn is_full(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge)
+}
+
 fn file_hint(error: &FileError) -> Option<String> {
     match error {
+        FileError::Unwritable { source, .. } if is_full(source) => {
+            Some("make room on the disk, or name another place with -o".to_owned())
+        }
         FileError::Unwritable { .. } => {
             Some("name another place with -o or --picture, or create the folder".to_owned())
         }
-        FileError::Unreadable { path, .. } => {
+        FileError::Unreadable { path, source } => {
+            let inner = source.get_ref().and_then(|e| e.downcast_ref());
+            if inner == Some(&RefusedReference::Outside) {
+                return Some(
+                    "--allow-outside lets a scene name files outside of its folder".to_owned(),
+                );
+            }
             similar_file(path).map(|name| format!("there is a file {name}"))
         }
         FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
@@ -218,6 +239,7 @@ fn simulate_hint(error: &SimulateError) -> Option<String> {
         SimulateError::Run(RunError::Unwritable { .. }) => {
             Some("name another place with -o, or create the folder".to_owned())
         }
+        SimulateError::Length { .. } => Some(UNIT_HINT.to_owned()),
         _ => None,
     }
 }
@@ -231,6 +253,10 @@ fn break_hint(error: &greenstick::Error) -> Option<String> {
             | StemError::Unusable { nearest, .. }
             | StemError::FarFromWood { nearest, .. },
         ) => format!("try --at {}", option_text(nearest)),
+        Error::Stem(StemError::Extent { .. }) => UNIT_HINT.to_owned(),
+        Error::Stem(StemError::Open { .. }) => {
+            "--as-scan lays the bark over what there is and completes the rest".to_owned()
+        }
         Error::Stem(StemError::NoStem { .. }) => {
             format!("{point}; `greenstick check FILE` lists holes and other faults")
         }
@@ -258,6 +284,7 @@ fn scan_hint(error: &ScanningError) -> Option<&'static str> {
         ScanningError::Scan(ScanError::NoStem { .. }) => {
             Some("--at x,y,z in the file's coordinates names the stem")
         }
+        ScanningError::Scan(ScanError::Extent { .. }) => Some(UNIT_HINT),
         ScanningError::Scan(_) => None,
         ScanningError::Clean(_) => {
             Some("--no-outliers, --no-isolated and --no-duplicates skip steps of the cleaning")
@@ -304,10 +331,13 @@ fn option_text(location: &StemLocation) -> String {
     }
 }
 
-/// Prints to stdout. It is no failure if the reader has closed the pipe (`| head`).
+/// Prints to stdout, with what a terminal would obey escaped. It is no failure if the reader has closed the pipe (`| head`).
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(printable(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::work(format!("cannot print to stdout: {error}")))
         }

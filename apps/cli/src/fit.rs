@@ -2,11 +2,12 @@
 
 use crate::arguments::FitOptions;
 use crate::failure::{Failure, print};
-use crate::outcome::{Written, check_recipe, comment_lines, one_line};
+use crate::outcome::{Written, check_recipe, comment_lines};
 use crate::progress::Progress;
 use crate::skin;
 use greenstick::files::{self, Output};
 use greenstick::fit::{Fit, FitError, FitReport, fit};
+use greenstick::geometry::text::one_line;
 use greenstick::provenance;
 use serde::Serialize;
 use std::fmt::Write;

@@ -6,6 +6,7 @@ use crate::break_wood::{file_name, use_threads};
 use crate::failure::{Failure, print};
 use crate::progress::Progress;
 use greenstick::files::{self, Output};
+use greenstick::geometry::text::one_line;
 use greenstick::geometry::{CheckOptions as How, Report};
 use serde::Serialize;
 use std::fmt::Write;
@@ -72,9 +73,9 @@ fn check_file(path: &Path, options: &CheckOptions) -> Result<FileReport, Failure
 
 /// Formats the report on a file.
 fn format_report(file: &FileReport) -> String {
-    let mut text = format!("{}\n", file.file);
+    let mut text = format!("{}\n", one_line(&file.file));
     for note in &file.notes {
-        let _ = writeln!(text, "  note: {note}");
+        let _ = writeln!(text, "  note: {}", one_line(note));
     }
     for mesh in &file.meshes {
         let verdict = if mesh.solid {
@@ -82,7 +83,7 @@ fn format_report(file: &FileReport) -> String {
         } else {
             "not a sound solid"
         };
-        let _ = writeln!(text, "  {}: {verdict}", mesh.name);
+        let _ = writeln!(text, "  {}: {verdict}", one_line(&mesh.name));
         for line in mesh.report.to_string().lines() {
             let _ = writeln!(text, "    {line}");
         }

@@ -134,6 +134,11 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
             parameters: of_table("break"),
         },
         Section {
+            table: "[heights]",
+            title: "`[heights]`: heights of the face that were measured, simulated or painted",
+            parameters: of_table("heights"),
+        },
+        Section {
             table: "[crack_groups]",
             title: "`[crack_groups]`: cracks drawn at random",
             parameters: of_table("crack_groups"),
@@ -154,6 +159,7 @@ fn sections(key: Option<&str>) -> Result<Vec<Section>, Failure> {
     };
     let bare = wanted
         .trim_start_matches("break.")
+        .trim_start_matches("heights.")
         .trim_start_matches("crack_groups.");
     let known: Vec<String> = sections
         .iter()

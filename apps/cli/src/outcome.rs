@@ -51,8 +51,3 @@ pub fn comment_lines(provenance: &Provenance) -> String {
     let metadata = provenance.metadata();
     metadata.lines().map(|line| format!("# {line}\n")).collect()
 }
-
-/// A name that cannot leave its comment.
-pub fn one_line(name: &str) -> String {
-    name.replace(|c: char| c.is_control(), " ")
-}

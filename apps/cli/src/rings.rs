@@ -30,8 +30,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
         .chain(&options.picture)
         .map(|p| p.as_path())
         .collect();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::request(format!("{} cannot be read: {e}", path.display())))?;
+    let text = files::read_text(path)?;
     let inputs: Vec<PathBuf> = std::iter::once(path)
         .chain(&options.photo)
         .cloned()

@@ -2,16 +2,16 @@
 
 use crate::arguments::{ReportingOptions, SimulateOptions};
 use crate::break_wood::{file_name, use_threads};
-use crate::failure::{Failure, print};
+use crate::failure::{Failure, is_full, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::scan::load;
 use crate::skin::{self, FilmPlan, is_film};
-use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice, UpChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, FileError, Output};
 use greenstick::film::open_run;
-use greenstick::formats::{self, Format, LengthUnit};
+use greenstick::formats::{self, Format, InputFormat, LengthUnit, Reach};
 use greenstick::geometry::{Context, Metadata, Provenance, Scene as Mesh, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::provenance;
@@ -79,7 +79,7 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let path = options.mesh.input.as_deref();
     let stem = path.map(|path| read_stem(path, &mut scene, options, &read));
     let (input, scan) = stem.transpose()?.map(|s| (s.scene, s.scan)).unzip();
-    let bodies = read_body_meshes(&scene, &beside)?;
+    let bodies = read_body_meshes(&scene, &beside, reach(options.allow_outside))?;
     let meshes = SceneMeshes { input, bodies };
     let (bark, scan) = scan.flatten().unzip();
     let made = with_scan(run_provenance(name, options, &scene), scan.as_ref());
@@ -91,7 +91,8 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let mut request = SimulateRequest {
         scene,
         meshes,
-        resume: options.resume,
+        // A run that was stopped before its first checkpoint, or never begun, begins.
+        resume: options.resume && has_checkpoint(&run)?,
     };
     if options.refine {
         refine(&mut request, &run, &finding)?;
@@ -122,6 +123,12 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Whether there is a checkpoint to go on from.
+fn has_checkpoint(run: &RunFolder) -> Result<bool, Failure> {
+    let found = run.checkpoint();
+    Ok(found.map_err(|e| failure(e.into(), run.path()))?.is_some())
+}
+
 /// The parts of the work, each with its weight.
 fn stages(progress: &Progress, options: &SimulateOptions, film: bool) -> [Context; 5] {
     progress.split([
@@ -150,6 +157,7 @@ fn read_stem(
     let unit = options.mesh.unit.map(LengthUnit::from);
     let loaded = load(path, scene.stem.at, unit, &options.scan.set()?, context)?;
     (scene.stem.kind, scene.stem.at) = (StemChoice::Input, loaded.place);
+    scene.stem.up = scene.stem.up.or(up_axis(path));
     let Some(scan) = loaded.scan else {
         return Ok(StemInput {
             scene: loaded.scene,
@@ -166,6 +174,16 @@ fn read_stem(
     Ok(StemInput {
         scene: read,
         scan: Some((bark, scan)),
+    })
+}
+
+/// The axis that points up in a file, by its format.
+pub fn up_axis(path: &Path) -> Option<UpChoice> {
+    let format = InputFormat::from_path(path)?;
+    Some(if format.is_z_up() {
+        UpChoice::Z
+    } else {
+        UpChoice::Y
     })
 }
 
@@ -261,6 +279,15 @@ fn list(json: bool) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// How far the files lie that a scene may name.
+pub fn reach(allow_outside: bool) -> Reach {
+    if allow_outside {
+        Reach::Outside
+    } else {
+        Reach::Folder
+    }
+}
+
 /// A scene file, or one that comes with the program; and the folder that its files are named from.
 pub fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
     let path = Path::new(name);
@@ -271,8 +298,7 @@ pub fn read(name: &str) -> Result<(Scene, PathBuf), Failure> {
         })?;
         return Ok((scene, PathBuf::new()));
     }
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::request(format!("{name}: cannot be read: {e}")))?;
+    let text = files::read_text(path)?;
     let scene = Scene::read(&text).map_err(|e| Failure::request(format!("{name}: {e}")))?;
     Ok((scene, path.parent().unwrap_or(Path::new("")).to_owned()))
 }
@@ -295,13 +321,15 @@ fn change(scene: &mut Scene, options: &SimulateOptions) -> Result<(), Failure> {
 
 fn failure(error: SimulateError, folder: &Path) -> Failure {
     let resume = "the same command with --resume continues from the checkpoint";
-    match error {
+    match &error {
         SimulateError::Cancelled(_) => {
             Failure::cancelled(format!("stopped; {resume} in {}", folder.display()))
         }
-        SimulateError::Run(RunError::Unwritable { .. }) | SimulateError::Taken { .. } => {
-            Failure::from(error).hint(resume)
+        SimulateError::Run(RunError::Unwritable { source, .. }) if is_full(source) => {
+            let hint = format!("make room on the disk; then {resume}");
+            Failure::from(error).hint(hint)
         }
+        SimulateError::Taken { .. } => Failure::from(error).hint(resume),
         _ => error.into(),
     }
 }

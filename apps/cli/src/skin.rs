@@ -20,8 +20,8 @@ use greenstick::files::{self, Batch, Output};
 use greenstick::film::{FilmError, open_run, write_series};
 use greenstick::formats::film::{FilmReport, write_glb, write_usd};
 use greenstick::formats::usd::UsdFormat;
-use greenstick::formats::{Encoded, LengthUnit};
-use greenstick::geometry::{Context, Provenance, Scene, Stage};
+use greenstick::formats::{Encoded, LengthUnit, Reach};
+use greenstick::geometry::{Context, Provenance, Stage};
 use greenstick::provenance;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use greenstick::simulated_faces::SimulatedFaceReport;
@@ -189,7 +189,8 @@ pub fn open(
     let scene = run.scene().map_err(|e| Failure::from(FilmError::from(e)))?;
     let meshes = SceneMeshes {
         input,
-        bodies: read_body_meshes(&scene, &beside)?,
+        // What it may read was decided when it was simulated.
+        bodies: read_body_meshes(&scene, &beside, Reach::Outside)?,
     };
     open_run(Arc::new(run), &meshes, context).map_err(Failure::from)
 }
@@ -239,10 +240,7 @@ fn still(
             .mesh
             .unit
             .map_or(LengthUnit::Metre, LengthUnit::from);
-        outputs.extend(match UsdFormat::from_path(path) {
-            Some(format) => encode_usd(format, still.scene(), path)?,
-            None => files::encode(still.scene(), path, unit)?,
-        });
+        outputs.extend(files::encode(still.scene(), path, unit)?);
     }
     files::write_all(&outputs)?;
     let files = outputs
@@ -402,15 +400,6 @@ fn frame_pictures(
         format!("{} pictures in {}", all.len(), folder.display()),
         bytes,
     )])
-}
-
-fn encode_usd(format: UsdFormat, scene: &Scene, path: &Path) -> Result<Vec<Output>, Failure> {
-    let name = path
-        .file_name()
-        .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let files = greenstick::formats::usd::write(format, scene, &name).map_err(Failure::work)?;
-    Ok(files.into_iter().map(|f| in_folder(folder, f)).collect())
 }
 
 /// Where what is made of a run comes from: the scene that was simulated.

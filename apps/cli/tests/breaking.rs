@@ -267,6 +267,21 @@ fn units_scale_and_parts_move() {
 }
 
 #[test]
+fn a_unit_leaves_no_scale_on_nodes() {
+    let folder = Folder::new();
+    assert_eq!(folder.quick(&["-o", "m.obj"]).code, 0);
+    let run = folder.quick(&["m.obj", "--unit", "cm", "--at", "0.3", "-o", "out.gltf"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let document = json(&String::from_utf8(folder.read("out.gltf")).unwrap());
+    for node in document["nodes"].as_array().unwrap() {
+        assert!(
+            node["scale"].is_null() && node["matrix"].is_null(),
+            "{node}"
+        );
+    }
+}
+
+#[test]
 fn scanned_and_modelled_wood_breaks() {
     for (name, at) in [("pole.ply", "0.4"), ("homecart_cutting_board.gltf", "0.5")] {
         let path = data(name);

@@ -66,6 +66,12 @@ fn a_simulated_break_gives_halves_that_fill_the_wood_and_a_recipe_that_breaks_it
     let told: serde_json::Value = serde_json::from_str(&again.out).unwrap();
     let face = &told["simulated"][0];
     assert!(face["parted"] == true && face["mode"] == "torn", "{told}");
+    let none = folder.quick(&["--from-run", "run", "--save-recipe", "faces.toml"]);
+    assert!(
+        none.code == 2 && none.err.contains("a recipe breaks the mesh of a file"),
+        "{}",
+        none.err
+    );
     let none = folder.quick(&["--from-run", "run", "--frame", "0", "-o", "none.glb"]);
     assert!(
         none.code == 2 && none.err.contains("no rod is broken"),

@@ -1,17 +1,18 @@
 //! Scenes: the built-in ones, what is refused and how, and a bundle set up in one.
 
-use glam::{DVec3, dvec3};
+use glam::{DAffine3, DQuat, DVec3, dvec3};
 use greenstick_fibre::placement::WoodMaterial;
 use greenstick_fibre::scene::{
     AssembledScene, BUILT_IN, BodyKeys, ClampKeys, ForceKeys, KeyFrame, Scene, SolverChoice,
-    assemble,
+    StemChoice, UpChoice, assemble,
 };
 use greenstick_fibre::simulate::{FilledStem, fill_scene_stem};
 use greenstick_fibre::{
     Forces, Implicit, Motion, NoContacts, Rod, RodBundle, RodMaterial, Solver, World,
 };
-use greenstick_geometry::Context;
+use greenstick_geometry::{Context, Node};
 use greenstick_schema::Parameters;
+use greenstick_wood::primitive::cylinder;
 use greenstick_wood::stem::StemLocation;
 
 /// Four rods along a slanted line, 20 cm long, 11 vertices each.
@@ -452,4 +453,90 @@ fn brash_wood_is_as_much_weaker_in_tension_and_in_nothing_else() {
     let limits = |filled: &FilledStem| filled.placed.bundle.tension_limit.iter().sum::<f64>();
     let part = limits(&brash) / limits(&sound);
     assert!((0.4..0.6).contains(&part), "{part}");
+}
+
+/// A round stem along y of a length (m), turned.
+fn standing(length: f64, turn: DQuat) -> greenstick_geometry::Scene {
+    let mesh = cylinder(0.02 * length, length, 24);
+    greenstick_geometry::Scene {
+        nodes: vec![Node::new("stem", DAffine3::from_quat(turn), mesh)],
+        ..Default::default()
+    }
+}
+
+#[test]
+fn loads_act_on_an_input_as_it_stands() {
+    let mut scene = Scene::built_in("gust").unwrap();
+    scene.stem.kind = StemChoice::Input;
+    (scene.loads.snow, scene.loads.snow_rise) = (100.0, 2.0);
+    // Upright, leaning in two directions, level both ways.
+    for (about, degrees) in [
+        (0.0, 90.0),
+        (0.0, 55.0),
+        (130.0, 60.0),
+        (0.0, 0.0),
+        (0.0, 180.0),
+    ] {
+        for up in [UpChoice::Y, UpChoice::Z] {
+            let vertical = match up {
+                UpChoice::Y => DVec3::Y,
+                UpChoice::Z => DVec3::Z,
+            };
+            let z_up = DQuat::from_rotation_arc(DVec3::Z, vertical);
+            scene.stem.up = Some(up);
+            let about = DQuat::from_rotation_z(f64::to_radians(about));
+            let turn = z_up * about * DQuat::from_rotation_x(f64::to_radians(degrees));
+            let mut lean = |inclination: Option<f64>| {
+                scene.stem.inclination = inclination;
+                let input = standing(2.0, turn);
+                let filled = fill_scene_stem(&scene, Some(&input), &Context::quiet()).unwrap();
+                let noted = filled.notes.iter().any(|n| n.contains("as in the input"));
+                assert_eq!(noted, inclination.is_none(), "{:?}", filled.notes);
+                let (bundle, along) = (filled.placed.bundle, &filled.placed.along);
+                assemble(&scene, bundle, along, &[], &Context::quiet()).unwrap()
+            };
+            let made = lean(None);
+            let to_world = made.scene_from_stem.matrix3.transpose();
+            let gravity = to_world * made.world.loads.gravity;
+            let off = (gravity + 9.81 * vertical).length();
+            assert!(off < 1e-9, "{gravity}");
+            // What is held up of the snow at first is held against gravity.
+            let held: DVec3 = made.world.loads.forces.iter().map(|f| f.force).sum();
+            let held = to_world * held / (100.0 * made.length);
+            assert!((held - vertical).length() < 1e-6, "{held}");
+            let wind = to_world * made.world.loads.wind.unwrap().velocity;
+            let axis = (turn * DVec3::Y).reject_from_normalized(vertical);
+            assert!(
+                (wind.length() - 45.0).abs() < 1e-9 && wind.dot(vertical).abs() < 1e-9,
+                "{wind}"
+            );
+            assert!(wind.dot(axis).abs() < 1e-6, "{wind} {axis}");
+            // The same angle by hand.
+            let level = lean(Some(0.0)).world.loads.gravity;
+            assert!((level - dvec3(0.0, 0.0, -9.81)).length() < 1e-12, "{level}");
+            let rise = made.scene_from_stem.matrix3.transpose() * DVec3::X;
+            let by_hand = lean(Some(libm::asin(rise.dot(vertical)).to_degrees()));
+            let along = by_hand.world.loads.gravity.x;
+            assert!((along + 9.81 * rise.dot(vertical)).abs() < 1e-9, "{along}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_in_millimetres_that_is_read_as_metres_is_refused_by_its_length() {
+    let mut scene = Scene::built_in("pull").unwrap();
+    scene.stem.kind = StemChoice::Input;
+    let fill = |length| {
+        fill_scene_stem(
+            &scene,
+            Some(&standing(length, DQuat::IDENTITY)),
+            &Context::quiet(),
+        )
+    };
+    assert!(fill(1.9).is_ok());
+    let message = fill(1900.0).unwrap_err().to_string();
+    assert!(
+        message.contains("1.894e3 m") && message.contains("0.001 to 200 m"),
+        "{message}"
+    );
 }

@@ -1,7 +1,6 @@
 //! Converts a mesh file: `convert INPUT OUTPUT [UNIT]`, where UNIT is mm, cm or m, in both files; OUTPUT may be USD too.
 
-use greenstick_formats::usd::{self, UsdFormat};
-use greenstick_formats::{Format, LengthUnit, read, write};
+use greenstick_formats::{Format, LengthUnit, OutputFormat, read, write_as};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -13,15 +12,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let unit: Option<LengthUnit> = rest.first().map(|u| u.parse()).transpose()?;
     let (input, output) = (Path::new(input), Path::new(output));
-    let format_of = |path: &Path| {
-        Format::from_path(path).ok_or_else(|| {
-            let extensions = Format::ALL.map(Format::extension).join(", ");
-            format!(
-                "{}: unknown extension; expected one of {extensions}",
-                path.display()
-            )
-        })
+    let unknown = |path: &Path, all: Vec<&str>| {
+        let (path, all) = (path.display(), all.join(", "));
+        format!("{path}: unknown extension; expected one of {all}")
     };
+    let read_as = Format::from_path(input)
+        .ok_or_else(|| unknown(input, Format::ALL.map(Format::extension).to_vec()))?;
+    let written_as = OutputFormat::from_path(output).ok_or_else(|| {
+        let all = OutputFormat::all().into_iter().map(OutputFormat::extension);
+        unknown(output, all.collect())
+    })?;
     let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
     let name_of = |path: &Path| {
         path.file_name()
@@ -32,18 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bytes = std::fs::read(input)?;
     let resolve = |name: &str| std::fs::read(folder(input).join(name));
     let start = Instant::now();
-    let scene = read(format_of(input)?, &bytes, &name_of(input), unit, &resolve)?;
+    let scene = read(read_as, &bytes, &name_of(input), unit, &resolve)?;
     let reading = start.elapsed();
     let start = Instant::now();
-    let files = match UsdFormat::from_path(output) {
-        Some(format) => usd::write(format, &scene, &name_of(output))?,
-        None => write(
-            format_of(output)?,
-            &scene,
-            &name_of(output),
-            unit.unwrap_or_default(),
-        )?,
-    };
+    let unit = unit.unwrap_or_default();
+    let files = write_as(written_as, &scene, &name_of(output), unit)?;
     let writing = start.elapsed();
     for file in files {
         std::fs::write(folder(output).join(file.name), file.bytes)?;

@@ -17,6 +17,31 @@ pub enum RefusedReference {
     /// A reference to a folder.
     #[error("the reference names no file")]
     NoFile,
+    /// A reference out of the folder of the file.
+    #[error("the reference leaves the folder of the file that names it, which must be allowed")]
+    Outside,
+}
+
+/// How far references may lead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// Into the folder of the file.
+    Folder,
+    /// Up from that folder, too.
+    Outside,
+}
+
+/// Returns the path of a companion as [`relative_reference`] does, and refuses those that lead farther than `reach`.
+///
+/// # Errors
+/// [`RefusedReference`].
+pub fn reference_within(reference: &str, reach: Reach) -> Result<PathBuf, RefusedReference> {
+    let path = relative_reference(reference)?;
+    let up = path.components().any(|c| c == Component::ParentDir);
+    if up && reach == Reach::Folder {
+        return Err(RefusedReference::Outside);
+    }
+    Ok(path)
 }
 
 /// Returns the path of a companion relative to the folder of the main file. References may leave that folder
@@ -189,6 +214,9 @@ mod tests {
         for followed in ["bark.png", "../bark.png", "..\\bark.png"] {
             assert!(relative_reference(followed).is_ok(), "{followed}");
         }
+        let within = |reference| reference_within(reference, Reach::Folder);
+        assert!(within("blocks/block.stl").is_ok());
+        assert_eq!(within("a/../../block.stl"), Err(RefusedReference::Outside));
         for refused in ["/bark.png", "file:///bark.png", "C:/bark.png", ".", ""] {
             assert!(relative_reference(refused).is_err(), "{refused}");
         }

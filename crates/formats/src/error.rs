@@ -1,11 +1,13 @@
 //! Errors of reading and writing files. Every message says where, what was found, and what would be right.
 
+use greenstick_geometry::text::one_line;
+
 /// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
     /// The file is empty.
-    #[error("{file}: the file is empty; expected a {format} file with at least one triangle")]
+    #[error("{file}: the file is empty; expected a {format} file with at least one triangle", file = one_line(.file))]
     Empty {
         /// Name of the file.
         file: String,
@@ -13,7 +15,7 @@ pub enum FormatError {
         format: &'static str,
     },
     /// The content does not have the format.
-    #[error("{file}: not a {format} file: {found}; expected {right}")]
+    #[error("{file}: not a {format} file: {found}; expected {right}", file = one_line(.file), found = one_line(.found))]
     NotThisFormat {
         /// Name of the file.
         file: String,
@@ -25,7 +27,7 @@ pub enum FormatError {
         right: String,
     },
     /// An element violates the format.
-    #[error("{file}: {place}: {found}; expected {right}")]
+    #[error("{file}: {place}: {found}; expected {right}", file = one_line(.file), place = one_line(.place), found = one_line(.found))]
     Malformed {
         /// Name of the file.
         file: String,
@@ -37,9 +39,7 @@ pub enum FormatError {
         right: String,
     },
     /// The data end within an element.
-    #[error(
-        "{file}: {place}: the data end too early, {found}; expected {right} (is the file truncated?)"
-    )]
+    #[error("{file}: {place}: the data end too early, {found}; expected {right} (is the file truncated?)", file = one_line(.file), place = one_line(.place), found = one_line(.found))]
     Truncated {
         /// Name of the file.
         file: String,
@@ -51,10 +51,8 @@ pub enum FormatError {
         right: String,
     },
     /// A count exceeds what the file can hold. No memory is allocated for it.
-    #[error(
-        "{file}: {element} claims {claimed} entries, but the {available} bytes there are hold at most {possible}; \
-         expected a count that matches the data"
-    )]
+    #[error("{file}: {element} claims {claimed} entries, but the {available} bytes there are hold at most {possible}; \
+         expected a count that matches the data", file = one_line(.file), element = one_line(.element))]
     CountTooLarge {
         /// Name of the file.
         file: String,
@@ -68,9 +66,7 @@ pub enum FormatError {
         available: u64,
     },
     /// A coordinate is not finite.
-    #[error(
-        "{file}: {element}: vertex {vertex} has the coordinate {value}; expected finite numbers"
-    )]
+    #[error("{file}: {element}: vertex {vertex} has the coordinate {value}; expected finite numbers", file = one_line(.file), element = one_line(.element))]
     NotFinite {
         /// Name of the file.
         file: String,
@@ -82,9 +78,7 @@ pub enum FormatError {
         value: f64,
     },
     /// A face refers to a vertex that does not exist.
-    #[error(
-        "{file}: {element}: face {face} refers to vertex {index}; expected an index into a list of {count}"
-    )]
+    #[error("{file}: {element}: face {face} refers to vertex {index}; expected an index into a list of {count}", file = one_line(.file), element = one_line(.element))]
     IndexOutOfRange {
         /// Name of the file.
         file: String,
@@ -98,7 +92,7 @@ pub enum FormatError {
         count: usize,
     },
     /// The file has points, but no faces.
-    #[error("{file}: contains {points} points and no faces; expected a mesh with faces")]
+    #[error("{file}: contains {points} points and no faces; expected a mesh with faces", file = one_line(.file))]
     PointCloud {
         /// Name of the file.
         file: String,
@@ -106,13 +100,13 @@ pub enum FormatError {
         points: usize,
     },
     /// The file has no triangles.
-    #[error("{file}: contains no triangles; expected a mesh with faces")]
+    #[error("{file}: contains no triangles; expected a mesh with faces", file = one_line(.file))]
     NoTriangles {
         /// Name of the file.
         file: String,
     },
     /// A feature of the format that is not supported.
-    #[error("{file}: uses {feature}, which is not supported; {right}")]
+    #[error("{file}: uses {feature}, which is not supported; {right}", file = one_line(.file), feature = one_line(.feature))]
     Unsupported {
         /// Name of the file.
         file: String,
@@ -122,9 +116,7 @@ pub enum FormatError {
         right: String,
     },
     /// A companion file cannot be read.
-    #[error(
-        "{file}: refers to {companion}, which cannot be read ({source}); expected that file beside {file}"
-    )]
+    #[error("{file}: refers to {companion}, which cannot be read ({source}); expected that file beside {file}", file = one_line(.file), companion = one_line(.companion))]
     Companion {
         /// Name of the file.
         file: String,
@@ -134,7 +126,7 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// The scene is invalid, or the format cannot represent it.
-    #[error("{file}: cannot be written: {found}; expected {right}")]
+    #[error("{file}: cannot be written: {found}; expected {right}", file = one_line(.file), found = one_line(.found))]
     Unwritable {
         /// Name of the file.
         file: String,

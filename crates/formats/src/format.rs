@@ -1,5 +1,7 @@
 //! The formats of meshes and point clouds, and their names and extensions.
 
+#[cfg(feature = "usd")]
+use crate::usd::UsdFormat;
 use std::path::Path;
 
 /// A mesh file format.
@@ -100,6 +102,42 @@ impl CloudFormat {
     }
 }
 
+/// A file format that a scene can be written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum OutputFormat {
+    /// A format of meshes, which can be read, too.
+    Mesh(Format),
+    /// USD.
+    #[cfg(feature = "usd")]
+    Usd(UsdFormat),
+}
+
+impl OutputFormat {
+    /// All formats, in the order in which to list them.
+    pub fn all() -> Vec<OutputFormat> {
+        let all = Format::ALL.into_iter().map(OutputFormat::Mesh);
+        #[cfg(feature = "usd")]
+        let all = all.chain(UsdFormat::ALL.into_iter().map(OutputFormat::Usd));
+        all.collect()
+    }
+
+    /// The format that the extension of `path` stands for, in upper or lower case.
+    pub fn from_path(path: &Path) -> Option<OutputFormat> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        let mut all = OutputFormat::all().into_iter();
+        all.find(|f| f.extension() == extension)
+    }
+
+    /// The extension of file names, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            OutputFormat::Mesh(format) => format.extension(),
+            #[cfg(feature = "usd")]
+            OutputFormat::Usd(format) => format.extension(),
+        }
+    }
+}
+
 /// A file format that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum InputFormat {
@@ -128,6 +166,14 @@ impl InputFormat {
             InputFormat::Mesh(format) => format.name(),
             InputFormat::Cloud(format) => format.name(),
         }
+    }
+
+    /// Whether z points up in it rather than y, by its standard or by custom.
+    pub fn is_z_up(self) -> bool {
+        !matches!(
+            self,
+            InputFormat::Mesh(Format::Gltf | Format::Glb | Format::Obj)
+        )
     }
 
     /// Whether its lengths are metres, by its standard or, for the surveys in LAS files, by custom. The other formats leave

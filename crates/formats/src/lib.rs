@@ -42,11 +42,12 @@ pub mod vtk;
 
 pub use cloud::{CloudFile, Content, read_content};
 pub use companions::{
-    Encoded, RefusedReference, Resolve, embeddable_image_type, relative_reference,
+    Encoded, Reach, RefusedReference, Resolve, embeddable_image_type, reference_within,
+    relative_reference,
 };
 pub use error::FormatError;
-pub use format::{CloudFormat, Format, InputFormat};
-pub use mesh::{read, write};
+pub use format::{CloudFormat, Format, InputFormat, OutputFormat};
+pub use mesh::{read, write, write_as};
 pub use table::{
     CSVW_FILE, DENSITY_UNITS, DescribedTable, MeasurementError, STRESS_UNITS, TableFormat, TextRow,
     TextTable, UnitColumn, read_csv, read_measurements, write_csv_metadata, write_table,

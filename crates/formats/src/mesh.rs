@@ -4,10 +4,11 @@ use crate::check::check_scene;
 use crate::companions::{Encoded, Resolve};
 use crate::detect::detect;
 use crate::error::FormatError;
-use crate::format::Format;
+use crate::format::{Format, OutputFormat};
 use crate::unit::LengthUnit;
 use crate::{gltf, obj, off, ply, stl};
 use greenstick_geometry::Scene;
+use greenstick_geometry::text::one_line;
 
 /// Reads a mesh file. If the content clearly has another format than `format`, the content decides, and a note says so.
 ///
@@ -77,7 +78,27 @@ pub fn read(
             ));
         }
     }
+    for note in &mut scene.notes {
+        *note = one_line(note).into_owned();
+    }
     Ok(scene)
+}
+
+/// Writes a scene in any format: as [`write()`] does, or as USD, which is in metres, too.
+///
+/// # Errors
+/// As of [`write()`].
+pub fn write_as(
+    format: OutputFormat,
+    scene: &Scene,
+    name: &str,
+    unit: LengthUnit,
+) -> Result<Vec<Encoded>, FormatError> {
+    match format {
+        OutputFormat::Mesh(format) => write(format, scene, name, unit),
+        #[cfg(feature = "usd")]
+        OutputFormat::Usd(format) => crate::usd::write(format, scene, name),
+    }
 }
 
 /// Writes a mesh file. Returns the main file, followed by its companions (`.bin`, `.mtl`, textures).

@@ -2,6 +2,7 @@
 //! reach the fracture surface.
 
 use crate::slabs::SectionSpan;
+use greenstick_schema::choices;
 use std::f64::consts::TAU;
 
 /// Heights along the grain on a grid of ring coordinates and angles and, where it is known, how the wood failed.
@@ -14,19 +15,20 @@ pub struct HeightField {
     failures: Option<Vec<CellFailure>>,
 }
 
-/// How the wood of a part of the section failed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FailureMode {
-    /// Torn in tension: splinters.
-    Torn,
-    /// Crushed, then torn: short and blunt.
-    Crushed,
-    /// Split off along the grain, and broken far from the wood beside it: slabs.
-    Split,
-    /// Torn by twisting.
-    Twisted,
-    /// Whole: the face is laid through it.
-    Unbroken,
+choices! {
+    /// How the wood of a part of the section failed.
+    pub enum FailureMode {
+        /// Torn in tension: splinters.
+        Torn = "torn",
+        /// Crushed, then torn: short and blunt.
+        Crushed = "crushed",
+        /// Split off along the grain, and broken far from the wood beside it: slabs.
+        Split = "split",
+        /// Torn by twisting.
+        Twisted = "twisted",
+        /// Whole: the face is laid through it.
+        Unbroken = "unbroken",
+    }
 }
 
 impl FailureMode {
@@ -38,17 +40,6 @@ impl FailureMode {
         FailureMode::Twisted,
         FailureMode::Unbroken,
     ];
-
-    /// Returns the mode as reports write it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            FailureMode::Torn => "torn",
-            FailureMode::Crushed => "crushed",
-            FailureMode::Split => "split",
-            FailureMode::Twisted => "twisted",
-            FailureMode::Unbroken => "unbroken",
-        }
-    }
 }
 
 /// How the wood of a cell of the grid failed. It decides the relief that is finer than the grid.
@@ -239,6 +230,21 @@ impl HeightField {
         }
         self.failures = Some(failures);
         Ok(self)
+    }
+
+    /// The part of the section that it lies over.
+    pub fn span(&self) -> SectionSpan {
+        self.span
+    }
+
+    /// Number of sectors of the grid.
+    pub fn sectors(&self) -> usize {
+        self.sectors
+    }
+
+    /// The height of each cell, m, ring by ring.
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
     }
 
     /// Whether it is known how the wood failed.

@@ -48,8 +48,12 @@ pub struct BreakSite {
 pub struct Heights {
     /// The surface.
     pub surface: FractureSurface,
-    /// How many facet corners would have left the stem.
+    /// How many facet corners are higher or lower than in proportion to the rest, so that they do not leave the stem.
     pub limited: usize,
+    /// Factors on heights below and above the place, under 1 where those as drawn had no room.
+    pub scales: (f64, f64),
+    /// How far the face was moved up along the stem to have more room, m.
+    pub moved: f64,
     /// Lowest and highest height before limiting, m from the place of the break.
     pub wanted: (f64, f64),
     /// Lowest and highest height as it is, m from the place of the break.

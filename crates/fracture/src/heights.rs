@@ -69,7 +69,7 @@ fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, site: &BreakSite
     let at = |&(rho, phi): &(f64, f64)| field.at(rho, phi) / site.radius;
     let heights = bundles.addresses.iter().map(at).collect();
     let nodes = bundles.layout.nodes.iter().copied();
-    place_heights(bundles, heights, nodes, &bundles.layout.facets, site)
+    place_heights(bundles, heights, nodes, &bundles.layout.facets, site, false)
 }
 
 /// Heights of the published smooth surface: one per node, shared by all facets there but those of thorns.
@@ -85,7 +85,7 @@ fn smooth(
     let nodes = &bundles.layout.nodes;
     let on_thorns = face.nodes.iter().map(|&n| nodes[n as usize]);
     let at = nodes.iter().copied().chain(on_thorns);
-    let mut placed = place_heights(bundles, face.heights, at, &face.corners, site);
+    let mut placed = place_heights(bundles, face.heights, at, &face.corners, site, true);
     placed.thorns = face.thorns;
     placed
 }
@@ -102,7 +102,7 @@ fn fibrous(
     let (heights, ends, thorns) = fibrous_rims(bundles, &model, field, cache);
     let nodes = &bundles.layout.nodes;
     let at = ends.nodes.iter().map(|r| nodes[r.node as usize]);
-    let mut placed = place_heights(bundles, heights, at, &ends.corners, site);
+    let mut placed = place_heights(bundles, heights, at, &ends.corners, site, field.is_none());
     placed.thorns = thorns;
     placed
 }

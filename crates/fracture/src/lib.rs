@@ -5,6 +5,7 @@ pub mod cracks;
 pub mod cut;
 mod ends;
 mod field;
+pub mod height_grid;
 mod height_model;
 pub mod heights;
 pub mod layout;

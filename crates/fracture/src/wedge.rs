@@ -42,7 +42,7 @@ impl Wedge {
 }
 
 /// Share of the free length within which heights are left alone.
-const UNLIMITED_SHARE: f64 = 0.75;
+pub(crate) const UNLIMITED_SHARE: f64 = 0.75;
 /// Share of the free length that limited heights never pass.
 const MAX_SHARE: f64 = 0.97;
 

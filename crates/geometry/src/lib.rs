@@ -23,6 +23,7 @@ pub mod scene;
 pub mod simplify;
 mod solid_model;
 pub mod table;
+pub mod text;
 mod triangle;
 pub mod triangulate;
 pub mod unions;

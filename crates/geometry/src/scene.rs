@@ -10,8 +10,8 @@ use std::sync::Arc;
 pub struct Node {
     /// Name, may be empty.
     pub name: String,
-    /// Local coordinates to world coordinates in metres. A file in millimetres has the scale 0.001 here, so that
-    /// the mesh itself keeps the numbers of the file.
+    /// Local coordinates to world coordinates in metres. Readers give a file in millimetres the scale 0.001 here, so that
+    /// the mesh itself keeps the numbers of the file; [`Scene::move_scale_into_meshes`] takes it away.
     pub transform: DAffine3,
     /// The mesh in local coordinates. Nodes that hold the same `Arc` are instances of one mesh, and files keep them so.
     pub mesh: Arc<Mesh>,
@@ -65,6 +65,17 @@ impl Scene {
             ..Mesh::default()
         };
         self.nodes.iter().map(world).collect()
+    }
+
+    /// Takes a scale that all transforms contain, as that of a unit, out of them and into the meshes. Nothing moves.
+    pub fn move_scale_into_meshes(&mut self, scale: f64) {
+        self.change_meshes(
+            |_| true,
+            |mesh| mesh.positions.iter_mut().for_each(|p| *p *= scale),
+        );
+        for node in &mut self.nodes {
+            node.transform.matrix3 *= scale.recip();
+        }
     }
 
     /// Changes every mesh that `wants` it, each once: instances of one mesh stay instances.

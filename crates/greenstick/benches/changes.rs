@@ -10,7 +10,7 @@ use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Mesh, Node, Scene};
-use greenstick::schema::{ParameterInfo, Parameters, Value};
+use greenstick::schema::{Kind, ParameterInfo, Parameters, Value};
 use greenstick::wood::primitive;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage};
 use std::hint::black_box;
@@ -157,16 +157,13 @@ fn glb(scene: &Scene) -> usize {
     files.expect("writes").iter().map(|f| f.bytes.len()).sum()
 }
 
-/// A value of a parameter a little off its own.
-fn changed(info: &ParameterInfo) -> Value {
-    info.neighbour().unwrap_or_else(|| {
-        let text = if info.key == "at" {
-            "0.501"
-        } else {
-            "Oak, white"
-        };
-        Value::Text(text.to_owned())
-    })
+/// A value of a parameter a little off its own; `None` for a list that has nothing in it.
+fn changed(info: &ParameterInfo) -> Option<Value> {
+    match info.kind {
+        Kind::Text { .. } if info.key == "at" => Some(Value::from("0.501")),
+        Kind::Text { .. } => Some(Value::from("Oak, white")),
+        _ => info.neighbour(),
+    }
 }
 
 /// Every parameter of the face, and what else a break may have.
@@ -187,7 +184,10 @@ fn parameters(branch: &BreakSession) {
     type Change = Box<dyn Fn(&mut BreakRequest)>;
     let mut changes: Vec<(String, Change)> = Vec::new();
     for info in Break::table() {
-        let (key, value) = (info.key.clone(), changed(&info));
+        let Some(value) = changed(&info) else {
+            continue;
+        };
+        let key = info.key.clone();
         let set = move |r: &mut BreakRequest| r.breaks[0].set(&key, &value).expect("in range");
         changes.push((info.key, Box::new(set)));
     }

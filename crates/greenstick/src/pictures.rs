@@ -193,7 +193,7 @@ pub fn picture_of_break(
         return render_scene(&broken.scene, &shader, &options, context);
     };
     let opened = view(broken, wood).opened(&broken.scene, &broken.roles);
-    let scene = if broken.apart || broken.end.is_some() {
+    let scene = if broken.hinge.is_some() || broken.end.is_some() {
         &broken.scene
     } else {
         &opened
@@ -238,9 +238,6 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         return;
     };
     options.shown = points;
-    if broken.hinge.is_none() && broken.apart {
-        return;
-    }
     let Sight {
         up,
         direction,

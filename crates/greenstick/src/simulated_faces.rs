@@ -7,7 +7,8 @@
 use crate::film::FilmError;
 use crate::{Break, BreakRequest, BreakSession, Broken, Error};
 use greenstick_fibre::scene::Scene as Setting;
-use greenstick_fracture::heights::{HeightFieldError, HeightSource};
+use greenstick_fracture::height_grid::HeightGrid;
+use greenstick_fracture::heights::HeightFieldError;
 use greenstick_fracture::recipe::{RecipeError, apply_setting};
 use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene};
 use greenstick_skin::film::Run;
@@ -16,7 +17,6 @@ pub use greenstick_skin::simulated::{
     ModeShare, ObservedRun, PartlyBroken, SimulatedFaceReport, SimulatedFracture, WoodHolds,
 };
 use greenstick_wood::stem::{StemError, StemLocation, StemOptions};
-use std::sync::Arc;
 
 /// Why there is no face.
 #[derive(Debug, thiserror::Error)]
@@ -160,7 +160,7 @@ pub fn faces_of_wood(
         let found = &stem.found.stem;
         let face = fracture.face((wood, observed), &place, found, &to_grain, setting.seed)?;
         one.recipe.face = face.parameters;
-        one.heights = HeightSource::Field(Arc::new(face.field));
+        one.heights = HeightGrid::from(&face.field);
         request.breaks.push(one);
         reports.push(face.report);
     }

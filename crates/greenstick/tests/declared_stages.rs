@@ -2,13 +2,13 @@
 
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::Context;
-use greenstick::schema::{ParameterInfo, Parameters, Value};
+use greenstick::schema::{Kind, ParameterInfo, Parameters, Value};
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, built_in_branch};
 use rayon::prelude::*;
 
 /// Breaks that between them use every parameter: with straight grain, which spiral grain follows the broken face of, and
 /// with cracks in the broken face, as those at a sawn end belong to the stem.
-const BREAKS: [&[&str]; 4] = [
+const BREAKS: [&[&str]; 5] = [
     &["surface=fibrous", "split=0.5"],
     &[
         "surface=fibrous",
@@ -38,6 +38,13 @@ const BREAKS: [&[&str]; 4] = [
         "crack_groups.medium.count=2",
         "crack_groups.small.count=2",
         "species=white oak",
+    ],
+    &[
+        "surface=fibrous",
+        "heights.values=2 mm, -2 mm",
+        "heights.modes=torn, split",
+        "heights.splintering=1, 2",
+        "heights.between_angles=-1, 2",
     ],
 ];
 
@@ -78,7 +85,10 @@ impl Prepared {
         } else {
             "Ash, white"
         };
-        let value = own.neighbour().unwrap_or_else(|| Value::Text(word.into()));
+        let value = match own.kind {
+            Kind::Text { .. } => Value::Text(word.into()),
+            _ => own.neighbour()?,
+        };
         one.set(&info.key, &value).unwrap();
         // Two parameters that must be in order are.
         if one.check().is_err() {

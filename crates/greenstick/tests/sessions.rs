@@ -2,7 +2,8 @@
 
 mod support;
 
-use greenstick::fracture::heights::{HeightField, HeightSource};
+use greenstick::fracture::height_grid::HeightGrid;
+use greenstick::fracture::heights::HeightSource;
 use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::apply_setting;
 use greenstick::geometry::{CancelToken, Context, Scene};
@@ -10,7 +11,6 @@ use greenstick::skin::broken::BrokenFace;
 use greenstick::wood::noise::unit;
 use greenstick::wood::stem::StemLocation;
 use greenstick::{Break, BreakRequest, BreakSession, BreakStage, Broken, built_in_branch};
-use std::sync::Arc;
 
 fn request(settings: &[&str]) -> BreakRequest {
     let mut request = BreakRequest {
@@ -207,9 +207,12 @@ fn cracks(request: &mut BreakRequest, end: &str) {
 }
 
 /// Heights that rise in steps around the stem.
-fn steps() -> HeightSource {
-    let heights = (0..6).map(|i| 0.004 * f64::from(i)).collect();
-    HeightSource::Field(Arc::new(HeightField::new(1, 6, heights).unwrap()))
+fn steps() -> HeightGrid {
+    HeightGrid {
+        sectors: 6,
+        values: (0..6).map(|i| 0.004 * f64::from(i)).collect(),
+        ..HeightGrid::default()
+    }
 }
 
 #[test]
@@ -218,7 +221,7 @@ fn a_height_field_is_where_the_stem_breaks() {
     request.breaks[0].heights = steps();
     let mut session = BreakSession::new(built_in_branch());
     let stages = session.stages(&request, &Context::quiet()).unwrap();
-    let HeightSource::Field(field) = &request.breaks[0].heights else {
+    let HeightSource::Field(field) = steps().source().unwrap() else {
         unreachable!()
     };
     let place = stages.stem.stem().found.stem.location;

@@ -13,6 +13,7 @@ use greenstick::simulated_faces::{
     ObservedRun, PartlyBroken, SimulatedFaces, SimulatedFacesError, WoodHolds, faces_of_wood,
 };
 use greenstick::wood::noise::unit;
+use greenstick::{BreakSession, RequestFile};
 use support::Grown;
 
 const RADIUS: f64 = 0.02;
@@ -138,7 +139,7 @@ fn faces(
     let wood = grown.wood(2.5);
     let observed = ObservedRun::new(&wood, &broken.0, &broken.1).unwrap();
     let mut setting = Setting::built_in("bend").unwrap();
-    setting.wood.species = "white oak".into();
+    setting.wood.species = "Oak, white".into();
     faces_of_wood(
         (&wood, &observed),
         (&grown.scene, &setting),
@@ -207,6 +208,15 @@ fn the_face_lies_where_the_rods_broke_and_the_pieces_fill_the_input() {
     let whole = made.report.input.volume_m3.unwrap();
     let volumes = made.report.pieces.iter().map(|p| p.volume_m3.unwrap());
     assert!((volumes.sum::<f64>() / whole - 1.0).abs() < 1e-6);
+    // A recipe holds the face, to the last bit.
+    let file = RequestFile::default().with_request(&faces.request);
+    let read = RequestFile::resolve(&[], Some(&file.to_toml()), &[]).unwrap();
+    assert_eq!(read.request(), faces.request);
+    let mut fresh = BreakSession::new(grown.scene.clone());
+    let again = fresh.broken(&read.request(), &Context::quiet()).unwrap();
+    for (made, again) in made.scene.nodes.iter().zip(&again.scene.nodes) {
+        assert_eq!(made.mesh, again.mesh);
+    }
 }
 
 #[test]

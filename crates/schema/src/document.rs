@@ -432,7 +432,9 @@ fn written(kind: &Kind, value: &Value) -> String {
         // A point or an exponent, and every digit that is needed to read the same number again.
         Value::Number(x) => format!("{x:?}"),
         Value::Text(t) => quoted(t),
-        Value::List(_) if kind.unit().is_required() => quoted(&format!("{value} {symbol}")),
+        Value::List(list) if kind.unit().is_required() && !list.is_empty() => {
+            quoted(&format!("{value} {symbol}"))
+        }
         Value::List(list) => {
             let of = match kind {
                 Kind::List { of, .. } => of,

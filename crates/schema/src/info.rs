@@ -88,28 +88,9 @@ impl ParameterInfo {
     }
 
     /// A value near its own and other than it, where its kind has one: what tests and benches change it to. `None` for
-    /// texts.
+    /// texts and for lists of none.
     pub fn neighbour(&self) -> Option<Value> {
-        const STEP: f64 = 0.013;
-        match (&self.kind, &self.value) {
-            (Kind::Number { min, max, .. }, Value::Number(x)) => {
-                let step = STEP * (max - min).min(x.abs().max(1.0));
-                let above = x + step;
-                Some(Value::Number(if above <= *max { above } else { x - step }))
-            }
-            (Kind::Number { max, .. }, _) => Some(Value::Number(max / 2.0)),
-            (Kind::Integer { max, step, .. }, Value::Integer(n)) if n < max => {
-                Some(Value::Integer(n + step))
-            }
-            (Kind::Integer { step, .. }, Value::Integer(n)) => Some(Value::Integer(n - step)),
-            (Kind::Integer { min, .. }, _) => Some(Value::Integer(*min)),
-            (Kind::Flag, value) => Some(Value::Flag(*value != Value::Flag(true))),
-            (Kind::Choice { options }, value) => {
-                let words = options.iter().map(|o| Value::Text(o.word.to_owned()));
-                words.into_iter().find(|word| word != value)
-            }
-            (Kind::Text { .. } | Kind::List { .. }, _) => None,
-        }
+        neighbour(&self.kind, &self.value)
     }
 
     /// A value as people read it, with its unit: lengths in the unit that suits them.
@@ -245,6 +226,33 @@ fn read_whole(key: &str, kind: &Kind, value: &Value) -> Result<Value, ParameterE
         found: value.to_string(),
         range: kind.range(),
     })
+}
+
+fn neighbour(kind: &Kind, value: &Value) -> Option<Value> {
+    const STEP: f64 = 0.013;
+    match (kind, value) {
+        (Kind::Number { min, max, .. }, Value::Number(x)) => {
+            let step = STEP * (max - min).min(x.abs().max(1.0));
+            let above = x + step;
+            Some(Value::Number(if above <= *max { above } else { x - step }))
+        }
+        (Kind::Number { max, .. }, _) => Some(Value::Number(max / 2.0)),
+        (Kind::Integer { max, step, .. }, Value::Integer(n)) if n < max => {
+            Some(Value::Integer(n + step))
+        }
+        (Kind::Integer { step, .. }, Value::Integer(n)) => Some(Value::Integer(n - step)),
+        (Kind::Integer { min, .. }, _) => Some(Value::Integer(*min)),
+        (Kind::Flag, value) => Some(Value::Flag(*value != Value::Flag(true))),
+        (Kind::Choice { options }, value) => {
+            let words = options.iter().map(|o| Value::Text(o.word.to_owned()));
+            words.into_iter().find(|word| word != value)
+        }
+        (Kind::List { of, .. }, Value::List(list)) if !list.is_empty() => {
+            let each = list.iter().map(|value| neighbour(of, value));
+            each.collect::<Option<Vec<Value>>>().map(Value::List)
+        }
+        (Kind::Text { .. } | Kind::List { .. }, _) => None,
+    }
 }
 
 /// Languages with one kind of number send 20.0 for 20.

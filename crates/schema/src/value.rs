@@ -23,8 +23,6 @@ pub enum Value {
 /// The word for [`Value::Auto`].
 pub(crate) const AUTO: &str = "auto";
 
-impl Value {}
-
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

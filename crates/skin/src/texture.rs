@@ -157,9 +157,11 @@ pub fn bake(
             .zip(normal.par_chunks_mut(row))
             .zip(roughness.par_chunks_mut(row))
             .enumerate();
-        rows.for_each(|(i, ((color, normal), roughness))| {
+        rows.try_for_each(|(i, ((color, normal), roughness))| {
+            context.check()?;
             baker.bake_row(first + i as u32, [color, normal, roughness]);
-        });
+            Ok::<_, Cancelled>(())
+        })?;
     }
     context.report(1.0)?;
     let (color, (normal, roughness)) = rayon::join(
@@ -178,7 +180,7 @@ pub fn bake(
     })
 }
 
-/// Rows that are baked between two looks at the caller's wish to stop.
+/// Rows that are baked between two reports; each row asks whether to go on.
 const BAND: usize = 64;
 
 /// What the rows of a texture are baked from.

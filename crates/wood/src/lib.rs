@@ -18,3 +18,7 @@ pub mod structure;
 
 pub mod stem;
 pub mod tissue;
+
+/// The sizes of what a stem is looked for in, m: from a wood cell to a hundred trees in millimetres. What lies beyond is
+/// damage or a wrong unit, and counts that follow from lengths would fill the memory.
+pub const EXTENT_RANGE: (f64, f64) = (1e-6, 1e6);

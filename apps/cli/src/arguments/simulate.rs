@@ -15,6 +15,7 @@ Examples
   greenstick simulate three-blocks -o film.glb                 the run in film.run, and its skin as a film
   greenstick simulate bend pole.ply -o bent                    the scene on a mesh
   greenstick simulate bend tree.laz -o bent                    the scene on the bark of a scan
+  greenstick simulate snow tree.glb -o broken --at 3m --species \"white oak\"   at a place on its stem, of another wood
   greenstick simulate bend pole.ply --rings-from inside -o bent   with the rings that `anatomy` found in it
   greenstick simulate bend --save-scene mine.toml              to change it";
 
@@ -29,6 +30,9 @@ pub struct SimulateOptions {
     /// and the folder is named after it, ending in .run
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
+    /// Let the scene name files outside of its folder (../block.stl)
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Go on from the folder's checkpoint
     #[arg(long)]
     pub resume: bool,
@@ -76,6 +80,13 @@ impl OptionSet for Scene {
         "frames_per_second",
         "rows_per_second",
         "for_length",
+    ];
+    const SHORTCUTS: &'static [&'static str] = &[
+        "stem.at",
+        "stem.up",
+        "stem.inclination",
+        "wood.species",
+        "wood.moisture",
     ];
 
     fn adjust(option: Arg) -> Arg {

@@ -1,17 +1,17 @@
 //! From a scene and a bundle to a world that a solver can move.
 
 use super::arc;
-use super::choices::{BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice};
+use super::choices::{BondCriterionChoice, MotionChoice, ShapeChoice, SolverChoice, StemChoice};
 use super::error::SceneError;
-use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, LoadKeys, RodKeys, Scene};
-use super::start::{align_with_axes, bend, rotation};
+use super::keys::{BodyKeys, ClampKeys, ForceKeys, KeyFrame, LoadKeys, RodKeys, Scene, StemKeys};
+use super::start::{align_with_axes, bend, level_frame, rotation};
 use crate::bodies::{Bodies, Body, BodyError, BodyMotion, ContactOptions, Shape, clearance};
 use crate::failure::{BondCriterion, FailureCriteria};
 use crate::loads::{Clamp, Keyframe, Moment, Motion, PointForce, Pose, Ramp, Wind};
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::world::World;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use greenstick_geometry::Context;
 
 /// A scene with a bundle in it.
@@ -55,7 +55,11 @@ pub fn assemble(
         });
     let span = (high - low).max(f64::MIN_POSITIVE);
     let fraction: Vec<f64> = along.iter().map(|s| (s - low) / span).collect();
-    let (length, scene_from_stem) = align_with_axes(&mut bundle, &fraction);
+    let up = match scene.stem.kind {
+        StemChoice::Input => scene.stem.up_of_input(),
+        _ => DVec3::Z,
+    };
+    let (length, scene_from_stem) = align_with_axes(&mut bundle, &fraction, up);
     let mut world = World::new(bundle);
     bend(
         &world.bundle,
@@ -68,7 +72,8 @@ pub fn assemble(
         world.state.velocity.set(i, velocity);
     }
     world.failure = failure(scene);
-    loads(scene, &mut world, &fraction, length)?;
+    let level = level_frame(vertical(&scene.stem, scene_from_stem.matrix3 * up));
+    loads(scene, &mut world, &fraction, (length, level))?;
     world.check()?;
     let mut bodies = Vec::new();
     for (number, keys) in scene.body.iter().enumerate() {
@@ -80,7 +85,7 @@ pub fn assemble(
         bodies.push(body(number, keys, mesh, wood, context)?);
     }
     let options = ContactOptions {
-        gravity: DVec3::from_array(scene.loads.gravity),
+        gravity: world.loads.gravity,
         rod_restitution: scene.contact.rods.then_some(scene.contact.restitution),
     };
     let (bundle, state, loads) = (&world.bundle, &world.state, &world.loads);
@@ -92,6 +97,18 @@ pub fn assemble(
         length,
         scene_from_stem,
     })
+}
+
+/// The vertical in the scene's axes; `standing` is that of the stem as it stands.
+fn vertical(keys: &StemKeys, standing: DVec3) -> DVec3 {
+    match (keys.inclination, keys.kind) {
+        (Some(degrees), _) => {
+            let (sin, cos) = libm::sincos(degrees.to_radians());
+            DVec3::new(sin, 0.0, cos)
+        }
+        (None, StemChoice::Input) => standing,
+        (None, _) => DVec3::Z,
+    }
 }
 
 fn failure(scene: &Scene) -> FailureCriteria {
@@ -129,11 +146,11 @@ fn ramp(seconds: f64) -> Ramp {
 
 /// Lays snow on all rods alike. Its mass is there from the start, so that what breaks off falls with its snow and no faster than
 /// that; while its weight rises, the rest of it is held up.
-fn snow(keys: &LoadKeys, bundle: &mut RodBundle, forces: &mut Vec<PointForce>) {
+fn snow(keys: &LoadKeys, level: &DMat3, bundle: &mut RodBundle, forces: &mut Vec<PointForce>) {
     if keys.snow <= 0.0 {
         return;
     }
-    let gravity = DVec3::from_array(keys.gravity);
+    let gravity = *level * DVec3::from_array(keys.gravity);
     let weightless = gravity == DVec3::ZERO;
     let acceleration = if weightless {
         STANDARD_GRAVITY
@@ -143,7 +160,7 @@ fn snow(keys: &LoadKeys, bundle: &mut RodBundle, forces: &mut Vec<PointForce>) {
     let weight = keys.snow / bundle.rods() as f64;
     bundle.add_line_mass(weight / acceleration);
     let (direction, ramp) = match (weightless, keys.snow_rise > 0.0) {
-        (true, _) => (DVec3::NEG_Z, ramp(keys.snow_rise)),
+        (true, _) => (*level * DVec3::NEG_Z, ramp(keys.snow_rise)),
         (false, true) => (-gravity / acceleration, Ramp::Falling(keys.snow_rise)),
         (false, false) => return,
     };
@@ -158,7 +175,7 @@ fn loads(
     scene: &Scene,
     world: &mut World,
     fraction: &[f64],
-    length: f64,
+    (length, level): (f64, DMat3),
 ) -> Result<(), SceneError> {
     let World {
         bundle,
@@ -167,11 +184,11 @@ fn loads(
         ..
     } = world;
     let keys = &scene.loads;
-    loads.gravity = DVec3::from_array(keys.gravity);
+    loads.gravity = level * DVec3::from_array(keys.gravity);
     loads.damping = keys.damping;
     let rods = bundle.rods() as f64;
-    snow(keys, bundle, &mut loads.forces);
-    let velocity = DVec3::from_array(keys.wind);
+    snow(keys, &level, bundle, &mut loads.forces);
+    let velocity = level * DVec3::from_array(keys.wind);
     if velocity != DVec3::ZERO {
         let area: f64 = bundle.area.iter().sum();
         loads.wind = Some(Wind {

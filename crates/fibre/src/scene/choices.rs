@@ -15,6 +15,13 @@ choices! {
         /// The mesh that is given with the scene.
         Input = "input",
     }
+    /// The axis of an input that points up.
+    pub enum UpChoice {
+        /// y, as glTF has it.
+        Y = "y",
+        /// z, as surveys have it.
+        Z = "z",
+    }
     /// How rods are arranged in a cross-section.
     pub enum ArrangementChoice {
         /// A Poisson disk sample, as in the thesis.

@@ -2,10 +2,11 @@
 
 use super::choices::{
     ArrangementChoice, BondCriterionChoice, MotionChoice, NeighbourChoice, ShapeChoice,
-    SolverChoice, StemChoice, TwistChoice,
+    SolverChoice, StemChoice, TwistChoice, UpChoice,
 };
 use super::held_axes::{HELD_AXES, HeldAxes};
 use crate::solvers::{IMPLICIT_STEP, INTERACTIVE_STEP, Solver};
+use glam::DVec3;
 use greenstick_schema::{
     Declaration, Format, Kind, ParameterError, Unit, choice, count, flag, length, list, number,
     parameters, text,
@@ -41,6 +42,9 @@ const fn range(end: &'static Kind) -> Declaration {
     list(end, 2, 2)
 }
 
+/// Least and greatest length of a stem that a scene may be of, m.
+pub(crate) const STEM_LENGTHS: (f64, f64) = (1e-3, 200.0);
+
 /// A fraction of the stem's length.
 const fn position_along() -> Declaration {
     number(Unit::Fraction, 0.0, 1.0)
@@ -69,6 +73,11 @@ parameters! {
             at: StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
             /// Part of the length that is filled with rods, from and to.
             part: [f64; 2] = [0.0, 1.0], range(&PART);
+            /// Angle of the stem above the horizontal, from its base to its tip; gravity, snow and wind, which are given as for a
+            /// level stem, act on it so. "auto" is that of an input as it stands; other stems lie level.
+            inclination: Option<f64> = None, number(Unit::Degree, -90.0, 90.0).auto();
+            /// Axis of an input that points up. "auto" is y for glTF and OBJ, z for other meshes and for point clouds.
+            up: Option<UpChoice> = None, choice(UpChoice::CHOICES).auto();
             /// Share of the radius at which an eccentric stem began to be so; "auto" is that of an average tree.
             eccentricity_onset: Option<f64> = None,
                 number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
@@ -80,6 +89,16 @@ parameters! {
         ))),
         _ => Ok(()),
     };
+}
+
+impl StemKeys {
+    /// The direction in an input that points up.
+    pub(crate) fn up_of_input(&self) -> DVec3 {
+        match self.up {
+            Some(UpChoice::Z) => DVec3::Z,
+            Some(UpChoice::Y) | None => DVec3::Y,
+        }
+    }
 }
 
 parameters! {
@@ -346,7 +365,7 @@ parameters! {
             /// Length of the stem for which the scene is written. On another stem the edges and spacing of rods, the sizes and
             /// places of bodies, and the displacements and velocities of moved bodies and clamps are scaled in proportion.
             /// With "auto" they are not.
-            for_length: Option<f64> = None, length(1e-3, 100.0).auto().stage("rods");
+            for_length: Option<f64> = None, length(STEM_LENGTHS.0, STEM_LENGTHS.1).auto().stage("rods");
             /// Step of the solver; with "auto" the solver chooses.
             step: Option<f64> = None, number(Unit::Second, 1e-12, 1.0).logarithmic().auto();
         }

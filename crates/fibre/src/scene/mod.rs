@@ -34,10 +34,11 @@ pub use assemble::{AssembledScene, assemble};
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use choices::{
     ArrangementChoice, BondCriterionChoice, MotionChoice, NeighbourChoice, ShapeChoice,
-    SolverChoice, StemChoice, TwistChoice,
+    SolverChoice, StemChoice, TwistChoice, UpChoice,
 };
 pub use error::SceneError;
 pub use held_axes::{HELD_AXES, HeldAxes, HeldAxesError};
+pub(crate) use keys::STEM_LENGTHS;
 pub use keys::{
     BodyKeys, ClampKeys, ContactKeys, FailureKeys, ForceKeys, KeyFrame, LoadKeys, RodKeys, Scene,
     StartKeys, StemKeys, WoodKeys,

@@ -7,9 +7,13 @@ use crate::vectors::Vectors;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Rotates and moves a bundle at rest so that the middle of its base is the origin and the middle of its other end is on +x;
-/// z stays as upright as possible. `fraction` is each vertex's position along the stem. Returns its length, m, and the map
+/// z stays as close to `up` as possible. `fraction` is each vertex's position along the stem. Returns its length, m, and the map
 /// from its coordinates before to those of the scene.
-pub(super) fn align_with_axes(bundle: &mut RodBundle, fraction: &[f64]) -> (f64, DAffine3) {
+pub(super) fn align_with_axes(
+    bundle: &mut RodBundle,
+    fraction: &[f64],
+    up: DVec3,
+) -> (f64, DAffine3) {
     let middle = |end: f64| {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for rod in 0..bundle.rods() {
@@ -27,7 +31,12 @@ pub(super) fn align_with_axes(bundle: &mut RodBundle, fraction: &[f64]) -> (f64,
     };
     let (base, end) = (middle(0.0), middle(1.0));
     let x = (end - base).normalize_or(DVec3::X);
-    let up = if x.z.abs() < 0.9 { DVec3::Z } else { DVec3::X };
+    let upright = x.dot(up).abs() >= 0.9;
+    let up = match (upright, up == DVec3::Z) {
+        (false, _) => up,
+        (true, true) => DVec3::X,
+        (true, false) => DVec3::Z,
+    };
     let z = up.reject_from_normalized(x).normalize();
     let turn = DMat3::from_cols(x, z.cross(x), z).transpose();
     let all = |v: &Vectors, f: &dyn Fn(DVec3) -> DVec3| v.iter().map(f).collect::<Vectors>();
@@ -35,6 +44,13 @@ pub(super) fn align_with_axes(bundle: &mut RodBundle, fraction: &[f64]) -> (f64,
     bundle.rest_director = all(&bundle.rest_director, &|d| turn * d);
     let map = DAffine3::from_mat3(turn) * DAffine3::from_translation(-base);
     (base.distance(end), map)
+}
+
+/// Returns the directions of a scene's loads for a stem whose scene has the vertical `up`: the columns are what x, y and z of a
+/// level stem become. y stays as level as possible.
+pub(super) fn level_frame(up: DVec3) -> DMat3 {
+    let y = DVec3::Y.reject_from_normalized(up).normalize();
+    DMat3::from_cols(y.cross(up), y, up)
 }
 
 /// Bends a bundle of a given length (m) into an arc of `angle` rad about y, with its middle fixed and its ends upwards.
@@ -63,4 +79,22 @@ pub(super) fn bend(bundle: &RodBundle, state: &mut State, length: f64, angle: f6
 /// Returns the rotation of a rotation vector in degrees.
 pub(super) fn rotation(degrees: [f64; 3]) -> DQuat {
     from_rotation_vector(DVec3::from_array(degrees.map(f64::to_radians)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gravity_of_a_stem_at_an_angle_pulls_along_it_by_the_sine() {
+        for degrees in [-90.0f64, -20.0, 0.0, 35.0, 90.0] {
+            let (sin, cos) = libm::sincos(degrees.to_radians());
+            let frame = level_frame(DVec3::new(sin, 0.0, cos));
+            let gravity = frame * DVec3::new(0.0, 0.0, -10.0);
+            assert!((gravity - DVec3::new(-10.0 * sin, 0.0, -10.0 * cos)).length() < 1e-12);
+            assert!((frame * DVec3::Y - DVec3::Y).length() < 1e-12);
+            assert!((frame.determinant() - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(level_frame(DVec3::Z), DMat3::IDENTITY);
+    }
 }

@@ -30,6 +30,18 @@ pub enum SimulateError {
         /// The name in the scene.
         file: String,
     },
+    /// The part of the stem that is simulated is too short or too long.
+    #[error(
+        "{length:.3e} m of the stem would be simulated; scenes are for stems from {least} to {greatest} m: is the unit of the mesh right?"
+    )]
+    Length {
+        /// Length of the part, m.
+        length: f64,
+        /// Least length of a scene's stem, m.
+        least: f64,
+        /// Greatest length of a scene's stem, m.
+        greatest: f64,
+    },
     /// The species is not known.
     #[error(transparent)]
     Species(#[from] UnknownSpecies),

@@ -9,10 +9,11 @@ use crate::placement::{
 };
 use crate::rod_bundle::RodBundle;
 use crate::scene::{
-    ArrangementChoice, AssembledScene, NeighbourChoice, StemChoice, TwistChoice, assemble,
+    ArrangementChoice, AssembledScene, NeighbourChoice, STEM_LENGTHS, StemChoice, TwistChoice,
+    assemble,
 };
 use crate::store::checksum;
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::moisture::Fallback;
@@ -69,11 +70,7 @@ pub fn fill_scene_stem(
     let (from, to) = found.stem.usable;
     let range = scene.stem.part.map(|p| from + p * (to - from));
     filling.report(0.0)?;
-    let run_scene = scene.for_stem(match scene.stem.kind {
-        StemChoice::Input => range[1] - range[0],
-        // The length that the scene states: of a branch a little less may be usable.
-        _ => scene.stem.length * (scene.stem.part[1] - scene.stem.part[0]),
-    });
+    let run_scene = scene.for_stem(simulated_length(scene, range)?);
     run_scene.check()?;
     let options = placement_options(&run_scene, (range[0], range[1]));
     let species = Species::find(&scene.wood.species)?;
@@ -100,7 +97,11 @@ pub fn fill_scene_stem(
         fill_stem(&found.stem, &wood, &options, &filling)?
     };
     let notes = match scene.stem.kind {
-        StemChoice::Input => notes_on_rest(&of_stem, &found, range, context)?,
+        StemChoice::Input => {
+            let mut notes = notes_on_rest(&of_stem, &found, range, context)?;
+            notes.extend(note_on_inclination(&run_scene, &found, range));
+            notes
+        }
         _ => Vec::new(),
     };
     Ok(FilledStem {
@@ -140,6 +141,28 @@ fn notes_on_rest(
     Ok(notes)
 }
 
+/// How the stem stands, where that decides how its loads act on it.
+fn note_on_inclination(
+    scene: &crate::Scene,
+    found: &FoundStem,
+    [from, to]: [f64; 2],
+) -> Option<String> {
+    let loads = &scene.loads;
+    let loaded = loads.gravity != [0.0; 3] || loads.wind != [0.0; 3] || loads.snow > 0.0;
+    if scene.stem.inclination.is_some() || !loaded {
+        return None;
+    }
+    let up = scene.stem.up_of_input();
+    let axis = found.stem.grain.axis();
+    let along = axis.frame(to).origin - axis.frame(from).origin;
+    let degrees = libm::asin(along.normalize_or_zero().dot(up)).to_degrees();
+    Some(format!(
+        "the stem stands as in the input, {degrees:.0}° above the horizontal from its base to its tip if {} is up, and gravity, \
+         snow and wind act on it so; stem.up and stem.inclination say otherwise",
+        if up == DVec3::Z { "z" } else { "y" }
+    ))
+}
+
 fn find_in_scene(
     scene: &crate::Scene,
     of_stem: &StemScene,
@@ -177,6 +200,24 @@ fn wood_material(scene: &crate::Scene) -> Result<WoodMaterial, SimulateError> {
     // Decay has the least effect on shear (Wood Handbook, FPL-GTR-190, ch. 5).
     wood.tension *= 1.0 - scene.wood.brash;
     Ok(wood)
+}
+
+/// Length of the part of the stem that is simulated, m; `range` are its ends.
+fn simulated_length(scene: &crate::Scene, range: [f64; 2]) -> Result<f64, SimulateError> {
+    let (least, greatest) = STEM_LENGTHS;
+    let length = match scene.stem.kind {
+        StemChoice::Input => range[1] - range[0],
+        // The length that the scene states: of a branch a little less may be usable.
+        _ => scene.stem.length * (scene.stem.part[1] - scene.stem.part[0]),
+    };
+    if (least..=greatest).contains(&length) {
+        return Ok(length);
+    }
+    Err(SimulateError::Length {
+        length,
+        least,
+        greatest,
+    })
 }
 
 fn placement_options(scene: &crate::Scene, range: (f64, f64)) -> PlacementOptions {

@@ -70,6 +70,14 @@ pub enum RunError {
         /// Why.
         source: io::Error,
     },
+    /// Another program records the run.
+    #[error(
+        "{location}: another program writes into it; wait until that ends, or choose another folder"
+    )]
+    Busy {
+        /// The run.
+        location: String,
+    },
     /// A record is of another kind, or damaged.
     #[error("{location}: {error}")]
     Store {

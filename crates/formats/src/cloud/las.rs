@@ -119,7 +119,11 @@ fn read_header(bytes: &[u8], file: InFile) -> Result<Header, FormatError> {
     {
         return Err(file.malformed(
             "header",
-            format!("scale {} and offset {}", header.scale, header.offset),
+            format!(
+                "scale {} and offset {}",
+                short(header.scale),
+                short(header.offset)
+            ),
             "finite numbers, and a scale above 0",
         ));
     }
@@ -304,4 +308,9 @@ fn decompress(
 #[cfg(not(feature = "laz"))]
 fn decompress(_: &[u8], _: &Header, _: &mut Points, file: InFile) -> Result<(), FormatError> {
     Err(file.unsupported("compressed points", "save it as LAS without compression"))
+}
+
+/// Writes a damaged vector, whose numbers may have hundreds of digits.
+fn short(v: DVec3) -> String {
+    format!("[{:e}, {:e}, {:e}]", v.x, v.y, v.z)
 }

@@ -16,6 +16,7 @@ use crate::unit::LengthUnit;
 use crate::{mesh, ply};
 use glam::DVec3;
 use greenstick_geometry::Scene;
+use greenstick_geometry::text::one_line;
 
 /// The content of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +81,9 @@ pub fn read_content(
         }
     }
     recentre(&mut file);
+    for note in &mut file.notes {
+        *note = one_line(note).into_owned();
+    }
     Ok(Content::Cloud(file))
 }
 

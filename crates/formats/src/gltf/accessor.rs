@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 
 /// Most elements of an accessor without a buffer view, which is all zeros by §3.6.2.3: no bytes in the file bound them.
-const MAX_ZERO_ELEMENTS: usize = 1 << 20;
+pub(super) const MAX_ZERO_ELEMENTS: usize = 1 << 20;
 
 /// Most bytes that decompression and copying may produce: references are short, and each could stand for the whole file.
 const MAX_UNPACKED_SIZE: usize = 1 << 31;

@@ -4,6 +4,7 @@
 
 mod accessor;
 mod attributes;
+mod budget;
 mod builder;
 mod container;
 mod extensions;

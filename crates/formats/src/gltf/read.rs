@@ -3,7 +3,7 @@
 use super::accessor::Source;
 use super::extensions::check_required;
 use super::schema::Document;
-use super::{container, material, node};
+use super::{budget, container, material, node};
 use crate::companions::Resolve;
 use crate::error::{FormatError, InFile};
 use greenstick_geometry::Scene;
@@ -12,6 +12,7 @@ use greenstick_geometry::Scene;
 pub(crate) fn read(bytes: &[u8], name: &str, resolve: Resolve) -> Result<Scene, FormatError> {
     let file = InFile(name);
     let (json, binary) = container::split(bytes, file)?;
+    budget::check_json(json, file)?;
     let document: Document = serde_json::from_slice(json).map_err(|e| match e.classify() {
         serde_json::error::Category::Eof => {
             file.truncated("JSON", e.to_string(), "a complete glTF document")
@@ -30,6 +31,7 @@ pub(crate) fn read(bytes: &[u8], name: &str, resolve: Resolve) -> Result<Scene, 
     check_required(&document.extensions_required, file)?;
     let mut scene = Scene::default();
     let source = Source::new(file, &document, binary, resolve);
+    budget::check(&source, bytes.len())?;
     material::read(&source, &mut scene)?;
     node::read(&source, &mut scene)?;
     if !document.animations.is_empty() {

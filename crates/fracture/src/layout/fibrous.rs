@@ -137,9 +137,11 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
         options.reach.0.max(0.0)
     };
     let rings = options.rings.max(2);
+    // Where the pith lies far outside, as of a sheet, the wood is thin.
+    let thinnest = (0.5 * (options.reach.1 - start)).min(0.05);
     let wood = options
         .bark
-        .map_or(options.reach.1, |b| b.clamp(start + 0.05, 1.0));
+        .map_or(options.reach.1, |b| b.min(1.0).max(start + thinnest));
     // Uneven ring boundaries: thin bands beside thick ones, as growth has it.
     let mut bounds = vec![start];
     for i in 0..rings {

@@ -1,12 +1,14 @@
-//! Repairs of meshes: snapping to the precision of files, and resolving self-intersections by bisecting or collapsing
+//! Repairs of meshes: closing seams, snapping to the precision of files, and resolving self-intersections by bisecting or collapsing
 //! edges.
 
 mod bisection;
 mod collapse;
+mod seams;
 mod self_intersections;
 mod snap;
 
 pub use bisection::{EdgeBisector, crossing_pairs, crossing_pairs_within};
 pub use collapse::{Collapsed, EdgeCollapser};
+pub use seams::{SEAM_TOLERANCE, close_seams};
 pub use self_intersections::{KnownPositions, resolve_self_intersections};
 pub use snap::snap_to_f32;

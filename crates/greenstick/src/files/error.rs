@@ -87,10 +87,14 @@ impl FileError {
     }
 
     /// Returns the error of a name whose ending is not one of those that are `expected`.
-    pub(super) fn unknown_ending(path: &Path, expected: String) -> FileError {
+    pub(super) fn unknown_ending(
+        path: &Path,
+        expected: impl IntoIterator<Item = &'static str>,
+    ) -> FileError {
+        let expected: Vec<String> = expected.into_iter().map(|e| format!(".{e}")).collect();
         FileError::UnknownEnding {
             path: path.to_owned(),
-            expected,
+            expected: expected.join(", "),
         }
     }
 

@@ -1,11 +1,12 @@
 //! References to images in scenes that are written to another folder than they were read from.
 
 use super::folder_of;
-use super::read::companion;
+use super::whole::{companion, read_bytes};
 use greenstick_formats::{embeddable_image_type, percent_decoded};
 use greenstick_geometry::{ImageSource, Scene};
 use std::fs;
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// Keeps references to images valid when the scene, read from `source`, is written to `target`: if the folders differ,
 /// images that exist are embedded in the scene. Images that do not exist stay references, and a note names each.
@@ -19,9 +20,13 @@ pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
         if reference.is_empty() || reference.starts_with("data:") {
             continue;
         }
-        let found = companion(source, &percent_decoded(reference))
-            .or_else(|_| companion(source, reference));
-        match found.and_then(|path| if same { Ok(Vec::new()) } else { fs::read(path) }) {
+        match image_file(source, reference).and_then(|path| {
+            if same {
+                Ok(Vec::new())
+            } else {
+                read_bytes(&path)
+            }
+        }) {
             Ok(_) if same => {}
             Ok(bytes) => {
                 if let Some(mime_type) = embeddable_image_type(&bytes) {
@@ -41,4 +46,21 @@ pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
             }
         }
     }
+}
+
+/// Returns the file of an image that a mesh file refers to.
+fn image_file(source: &Path, reference: &str) -> io::Result<PathBuf> {
+    companion(source, &percent_decoded(reference)).or_else(|_| companion(source, reference))
+}
+
+/// Returns the files of the images that a scene refers to, as far as they exist. They are not read, but nothing that is written
+/// may take their place.
+pub(super) fn image_files(scene: &Scene, source: &Path) -> Vec<PathBuf> {
+    let references = scene.images.iter().filter_map(|image| match &image.source {
+        ImageSource::Reference(reference) if !reference.starts_with("data:") => Some(reference),
+        _ => None,
+    });
+    references
+        .filter_map(|r| image_file(source, r).ok())
+        .collect()
 }

@@ -4,26 +4,22 @@
 
 mod error;
 mod images;
-#[cfg(feature = "simulate")]
-mod measured;
-mod photograph;
 mod read;
-mod rings;
 #[cfg(feature = "simulate")]
 pub mod run;
 mod staged;
+mod whole;
 mod write;
 
 pub use error::FileError;
 pub use images::carry_images;
+pub use read::{Source, load, load_content, read};
 #[cfg(feature = "simulate")]
-pub use measured::read_measured;
-pub use photograph::read_photograph;
-pub use read::{Source, load, load_content, mesh_endings, read};
-pub use rings::{OtherRings, read_rings};
+pub use whole::read_measured;
+pub use whole::{OtherRings, read_photograph, read_rings, read_text};
 pub use write::{
-    Batch, Output, check_distinct, check_folder, check_writable, encode, write_all, write_folder,
-    write_streamed,
+    Batch, Output, check_distinct, check_folder, check_writable, encode, output_format, write_all,
+    write_folder, write_streamed,
 };
 
 use std::path::Path;

@@ -12,15 +12,17 @@ use greenstick_fibre::store::{
     Record, RecordLengths, RunError, RunSink, RunSource, SCENE_FILE, StoreError, event_line,
     parse_energies, parse_events, parse_forces,
 };
-use greenstick_formats::{CSVW_FILE, DescribedTable, LengthUnit, write_csv_metadata};
+use greenstick_formats::{CSVW_FILE, DescribedTable, LengthUnit, Reach, write_csv_metadata};
 use greenstick_geometry::{Metadata, Provenance};
 use serde::{Deserialize, Serialize};
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const ORIGIN_FILE: &str = "origin.json";
+/// Locked while a program records the run.
+const LOCK_FILE: &str = "run.lock";
 /// The bark of the scan that the run is of, where it is of one.
 const SCAN_FILE: &str = "scan.glb";
 /// The columns of a run's tables that hold texts.
@@ -74,17 +76,22 @@ impl Origin {
     }
 }
 
-/// Reads the mesh of each body of a scene that names a file, relative to the folder `beside`.
+/// Reads the mesh of each body of a scene that names a file, relative to the folder `beside` and no farther than `reach`.
 ///
 /// # Errors
 /// [`FileError`] for files that are missing or are no sound meshes.
 pub fn read_body_meshes(
     scene: &Scene,
     beside: &Path,
+    reach: Reach,
 ) -> Result<Vec<Option<greenstick_geometry::Scene>>, FileError> {
     let read = |file: &String| match file.as_str() {
         "" => Ok(None),
-        file => super::read(&beside.join(file), None).map(Some),
+        file => {
+            let named = super::whole::named_file(beside, file, reach);
+            let path = named.map_err(FileError::unreadable(&beside.join(file)))?;
+            super::read(&path, None).map(Some)
+        }
     };
     scene.body.iter().map(|body| read(&body.file)).collect()
 }
@@ -172,6 +179,8 @@ pub struct RunFolder {
     scan: Option<Vec<u8>>,
     /// Open while the run is recorded.
     records: Option<Records>,
+    /// Held while the run is recorded; the system lets go of it when the program ends, however it does.
+    lock: Option<File>,
     /// Open while frames are read.
     frames: Mutex<Option<OpenFrames>>,
 }
@@ -185,6 +194,7 @@ impl RunFolder {
             metadata: Metadata::default(),
             scan: None,
             records: None,
+            lock: None,
             frames: Mutex::new(None),
         }
     }
@@ -223,6 +233,25 @@ impl RunFolder {
     /// Returns the folder.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Makes sure that no other program writes into the folder.
+    fn hold(&mut self) -> Result<(), RunError> {
+        if self.lock.is_some() {
+            return Ok(());
+        }
+        fs::create_dir_all(&self.path).map_err(|source| unwritable(&self.path, source))?;
+        let path = self.path.join(LOCK_FILE);
+        let lock = File::create(&path).map_err(|source| unwritable(&path, source))?;
+        match lock.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                let location = self.name();
+                return Err(RunError::Busy { location });
+            }
+            // Some file systems have no locks.
+            Ok(()) | Err(TryLockError::Error(_)) => self.lock = Some(lock),
+        }
+        Ok(())
     }
 
     fn records(&mut self) -> Result<&mut Records, RunError> {
@@ -273,7 +302,7 @@ impl RunFolder {
 
 impl RunSink for RunFolder {
     fn begin(&mut self, scene: &Scene) -> Result<(), RunError> {
-        fs::create_dir_all(&self.path).map_err(|source| unwritable(&self.path, source))?;
+        self.hold()?;
         // Paths and words always fit.
         let origin = serde_json::to_vec_pretty(&self.origin).unwrap_or_default();
         let outputs = [
@@ -297,6 +326,7 @@ impl RunSink for RunFolder {
     }
 
     fn resume(&mut self, progress: &Progress) -> Result<(), RunError> {
+        self.hold()?;
         self.forget_frames();
         self.records = Some(Records::open(&self.path, &progress.lengths)?);
         Ok(())

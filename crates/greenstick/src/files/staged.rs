@@ -26,10 +26,18 @@ impl Staged {
 
     /// Creates an empty temporary file for a target.
     pub fn begin(target: &Path) -> Result<(Self, fs::File), FileError> {
+        // What a link points to is written, and the link stays.
+        let real = fs::canonicalize(target).ok();
         let unwritable = FileError::unwritable(target);
         if target.is_dir() {
             return Err(unwritable(io::Error::other("a folder has this name")));
         }
+        if target.exists() && !target.is_file() {
+            let why =
+                "a device or a pipe has this name, in which no file can be renamed into place";
+            return Err(unwritable(io::Error::other(why)));
+        }
+        let target = real.as_deref().unwrap_or(target);
         if target.file_name().is_none() {
             return Err(unwritable(io::Error::other("it names no file")));
         }
@@ -87,9 +95,7 @@ impl Drop for Staged {
         if let Some(temporary) = self.temporary.take() {
             drop(fs::remove_file(temporary));
         }
-        if let Some(backup) = self.backup.take() {
-            drop(fs::remove_file(backup));
-        }
+        self.commit();
     }
 }
 

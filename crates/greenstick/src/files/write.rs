@@ -2,9 +2,8 @@
 
 use super::error::FileError;
 use super::folder_of;
-use super::read::mesh_endings;
 use super::staged::Staged;
-use greenstick_formats::{Encoded, Format, LengthUnit};
+use greenstick_formats::{Encoded, LengthUnit, OutputFormat};
 use greenstick_geometry::Scene;
 use std::fs;
 use std::io::{self, Write};
@@ -24,10 +23,9 @@ pub struct Output {
 /// # Errors
 /// [`FileError`] if the ending is unknown or the format cannot represent the scene.
 pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output>, FileError> {
-    let unknown = || FileError::unknown_ending(path, mesh_endings());
-    let format = Format::from_path(path).ok_or_else(unknown)?;
-    let name = path.file_name().ok_or_else(unknown)?.to_string_lossy();
-    let encoded = greenstick_formats::write(format, scene, &name, unit);
+    let format = output_format(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let encoded = greenstick_formats::write_as(format, scene, &name, unit);
     let place = |(i, Encoded { name, bytes }): (usize, Encoded)| Output {
         path: if i == 0 {
             path.to_owned()
@@ -42,6 +40,17 @@ pub fn encode(scene: &Scene, path: &Path, unit: LengthUnit) -> Result<Vec<Output
         .enumerate()
         .map(place)
         .collect())
+}
+
+/// Returns the format of the ending of `path`.
+///
+/// # Errors
+/// [`FileError::UnknownEnding`].
+pub fn output_format(path: &Path) -> Result<OutputFormat, FileError> {
+    OutputFormat::from_path(path).ok_or_else(|| {
+        let endings = OutputFormat::all().into_iter().map(OutputFormat::extension);
+        FileError::unknown_ending(path, endings)
+    })
 }
 
 /// Checks that a file can be written at `path`, without leaving anything there, so that a program can fail before its

@@ -141,6 +141,17 @@ impl RequestFile {
         }
     }
 
+    /// Returns this file with what a request asks for: its stem, rings, breaks and textures.
+    pub fn with_request(self, request: &BreakRequest) -> Self {
+        RequestFile {
+            texture_width: request.texture_width,
+            stem: request.stem.clone(),
+            rings: request.rings.clone(),
+            breaks: request.breaks.clone(),
+            ..self
+        }
+    }
+
     /// Writes every parameter, so that the file does not depend on defaults and presets, which may change.
     pub fn to_toml(&self) -> String {
         write_toml(self)

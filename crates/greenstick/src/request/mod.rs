@@ -5,7 +5,7 @@ mod file;
 pub use file::{RequestFile, RequestFileError};
 pub use greenstick_skin::stages::BreakStage;
 
-use greenstick_fracture::heights::HeightSource;
+use greenstick_fracture::height_grid::HeightGrid;
 use greenstick_fracture::recipe::{HasRecipe, Recipe};
 use greenstick_schema::{Unit, length, number, parameters, text};
 use greenstick_wood::anatomy::BreakRingParameters;
@@ -29,13 +29,13 @@ parameters! {
             fray: f64 = 0.0, number(Unit::One, 0.0, 1.0);
         }
     }
-    other {
-        /// Where the heights of the face come from.
-        heights: HeightSource = HeightSource::default();
-    }
     include {
         /// How it breaks: species, moisture, parameters of the face and of cracks.
         recipe: Recipe = Recipe::default();
+    }
+    tables {
+        /// Heights of the face that were measured, simulated or painted.
+        heights: HeightGrid = HeightGrid::default();
     }
 }
 

@@ -2,7 +2,6 @@
 //! something that it depends on changes.
 
 use super::progress::{CUT, HEIGHTS, LAYOUT, STEM};
-use super::slot::{Ids, Slot, SlotValue};
 use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
 use greenstick_fracture::cut::CutWorkspace;
@@ -18,6 +17,7 @@ use greenstick_skin::stages::{
     BreakStages, CrackRequest, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief,
     SpiralGrain, StemStage, has_spiral_grain,
 };
+use greenstick_skin::stages::{Ids, Slot, SlotValue};
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::{StemLocation, StemOptions};
@@ -372,7 +372,7 @@ impl Chain {
         let p = &requested.recipe.face;
         let layout = self.found_layout((found, rings), p, true, ids)?;
         let (stem, cache) = ((&*found.value, relief), &mut self.found_cache);
-        let heights = layout.value.heights(stem, p, &requested.heights, cache);
+        let heights = (layout.value).heights(stem, p, &requested.heights.source()?, cache);
         let SpiralGrain { turn, between } = SpiralGrain::around(&found.value, p, heights.range);
         self.spiral.get((found.id, turn, between), ids, |_| {
             Ok(found.value.with_spiral_grain(turn, between))
@@ -389,7 +389,7 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<SpeciesRelief, Error> {
         let recipe = &requested.recipe;
-        if requested.heights.decides_relief() {
+        if requested.heights.source()?.decides_relief() {
             recipe.species()?;
             return Ok(SpeciesRelief::decided_by_heights());
         }
@@ -414,10 +414,11 @@ impl Chain {
         ids: &mut Ids,
     ) -> Result<SlotValue<HeightStage>, Error> {
         let p = &requested.recipe.face;
+        let source = requested.heights.source()?;
         let key = HeightKey {
             layout: layout.id,
             parameters: p.clone(),
-            source: requested.heights.clone(),
+            source: source.clone(),
             species: requested.recipe.species.clone(),
             moisture: requested.recipe.moisture,
         };
@@ -425,7 +426,7 @@ impl Chain {
         self.heights.get(key, ids, |_| {
             let stem = (stem.stem(), relief.factor);
             Ok(HeightStage {
-                heights: layout.value.heights(stem, p, &requested.heights, cache),
+                heights: layout.value.heights(stem, p, &source, cache),
                 relief,
             })
         })

@@ -8,15 +8,8 @@
 mod chain;
 mod order;
 mod progress;
-mod slot;
 
-pub use greenstick_skin::finish::{NodeRole, Piece, PieceRole, Pieces};
-pub use greenstick_skin::report::BreakNote;
-pub use greenstick_skin::stages::{
-    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
-};
-
-use crate::Error;
+pub use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
 use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
@@ -26,15 +19,20 @@ use greenstick_skin::finish::{
     AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, assemble, break_notes, break_report,
     finish, left_at_base,
 };
+pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces};
 use greenstick_skin::materials;
+pub use greenstick_skin::report::BreakNote;
 use greenstick_skin::report::BreakReport;
 use greenstick_skin::stages::LowestAbove;
+pub use greenstick_skin::stages::{
+    BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
+};
+use greenstick_skin::stages::{Ids, Slot};
 use greenstick_skin::texture::{SectionSquare, WoodTextures};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
 use order::{BreakOrder, no_breaks};
 use progress::{CUT, FINISH, STEM, TEXTURES};
-use slot::{Ids, Slot};
 use std::sync::Arc;
 
 /// Everything that determines the textures of the wood inside.
@@ -105,19 +103,6 @@ impl BreakPieces {
     }
 }
 
-/// The wood inside a break.
-#[derive(Debug, Clone)]
-pub struct BrokenWood {
-    /// Its material.
-    pub material: u32,
-    /// The stem that was broken, placed at the break.
-    pub stem: Stem,
-    /// The appearance of its wood and bark.
-    pub appearance: StemAppearance,
-    /// Side of the square that holds the section, m.
-    pub width: f64,
-}
-
 /// Broken pieces.
 #[derive(Debug, Clone)]
 pub struct Broken {
@@ -132,8 +117,6 @@ pub struct Broken {
     pub notes: Vec<BreakNote>,
     /// The wood inside each break, in the order of the request.
     pub woods: Vec<BrokenWood>,
-    /// Whether the pieces were moved apart, or the upper one hangs on the lower.
-    pub apart: bool,
     /// The direction of the hinge that the upper piece hangs on, if it does.
     pub hinge: Option<DVec3>,
     /// The sawn end that has cracks, if any.
@@ -336,7 +319,6 @@ impl BreakSession {
             scene,
             notes: break_notes(&finished),
             woods: woods.into_iter().map(|w| w.1).collect(),
-            apart: (request.breaks.iter()).any(|b| b.separation != 0.0 || b.recipe.face.hang > 0.0),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),
             end: pieces.and_then(|p| p.end),
         })
@@ -372,16 +354,7 @@ impl BreakSession {
         } else {
             None
         };
-        let wood = BrokenWood {
-            material: one.stages.stem.inner_material,
-            stem: stem.clone(),
-            appearance: StemAppearance {
-                ends: prepared.end_sections(),
-                ..appearance
-            },
-            width: square.side,
-        };
-        Ok((wood, baked))
+        Ok((BrokenWood::new(&one.stages.stem, appearance), baked))
     }
 }
 

@@ -166,7 +166,7 @@ impl fmt::Display for SkinReport {
         if self.bytes_left > 0 {
             writeln!(
                 f,
-                "note     the run was cut short: {} bytes behind its last whole frame are left out",
+                "note     the run was cut short, or its frames are damaged: {} bytes behind the last whole one are left out",
                 self.bytes_left
             )?;
         }

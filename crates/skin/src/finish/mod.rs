@@ -1,12 +1,15 @@
 //! The finish of a break: its separate pieces, the scene that they and everything that was not cut make, and the report.
 
+mod broken_wood;
 mod finished_break;
 mod notes;
+mod parting;
 mod piece;
 mod pieces;
 mod report;
 mod scene;
 
+pub use broken_wood::BrokenWood;
 pub use finished_break::FinishedBreak;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};

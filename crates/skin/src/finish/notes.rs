@@ -18,9 +18,11 @@ pub(super) fn notes_up_to_the_cut(stages: &BreakStages, p: &BreakParameters) -> 
             });
         }
     }
-    if heights.limited > 0 {
+    if heights.limited > 0 || heights.scales != (1.0, 1.0) || heights.moved != 0.0 {
         notes.push(BreakNote::HeightsLimited {
             corners: heights.limited,
+            scales: heights.scales,
+            moved: heights.moved,
             wanted: heights.wanted,
             free: (stem.usable.0 - stem.location, stem.usable.1 - stem.location),
         });

@@ -1,6 +1,7 @@
 //! Separate pieces of a break: frayed, hung, and rounded to the precision of files.
 
 use super::notes::{notes_on_cracks, notes_up_to_the_cut};
+use super::parting::parting;
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::error::BreakError;
 use crate::fray::FrayedBreak;
@@ -85,8 +86,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
             requested: p.hang,
         });
     }
-    let moved =
-        DAffine3::from_translation(along(stages) * options.separation) * turn.unwrap_or_default();
+    let moved = parting(stages, options.separation) * turn.unwrap_or_default();
     let mut meshes = vec![
         (PieceRole::Lower, lower, DAffine3::IDENTITY),
         (PieceRole::Upper, upper, moved),
@@ -104,12 +104,6 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     made.write_meshes(stages, meshes);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
-}
-
-/// Returns the direction of the stem at the break.
-fn along(stages: &BreakStages) -> glam::DVec3 {
-    let stem = &stages.stem.stem().found.stem;
-    stem.grain.axis().frame(stem.location).tangent
 }
 
 impl Pieces {

@@ -97,6 +97,8 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
         bundles: one.stages.layout.bundles.bundles.len(),
         thorns: heights.thorns.len(),
         range_m: [low - location, high - location],
+        scales: heights.scales.into(),
+        moved_m: heights.moved,
         limited: heights.limited,
         wanted_m: [heights.wanted.0, heights.wanted.1],
     }

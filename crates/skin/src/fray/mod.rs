@@ -237,12 +237,8 @@ impl FrayedBreak<'_> {
         let frame = stem.grain.axis().frame(stem.location);
         let seed = self.seed ^ purpose::THROW;
         let random = |i: i64| noise::unit(seed, i64::from(splinter.cell), i, 0);
-        // A break that is not opened is shown with the upper piece set aside along x: no splinter falls there.
-        let open = if self.separation == 0.0 {
-            TAU / 6.0
-        } else {
-            0.0
-        };
+        // A picture shows the upper piece set aside along x: no splinter falls there.
+        let open = TAU / 6.0;
         let angle = open + (TAU - 2.0 * open) * (side + 0.04 * (random(0) - 0.5)).clamp(0.0, 1.0);
         let across = |angle: f64| {
             let (sin, cos) = libm::sincos(angle);

@@ -15,7 +15,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::{Context, Node, Scene};
+use greenstick_geometry::{Context, Mesh, Node, Scene, repair};
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
@@ -88,7 +88,9 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
+        let seams = close_seams(&mut scene);
         let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
+        found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
         Ok(PreparedStem::from_found(scene, found, layers))
@@ -270,6 +272,24 @@ impl PreparedStem {
             at: self.layers.to_world(at),
         }
     }
+}
+
+/// Closes seams of the meshes whose sides differ in their last digits. Returns a note on each mesh that had one.
+fn close_seams(scene: &mut Scene) -> Vec<String> {
+    let mut notes = Vec::new();
+    for node in &mut scene.nodes {
+        let mut mesh = Mesh::clone(&node.mesh);
+        let (moved, within) = repair::close_seams(&mut mesh);
+        if moved > 0 {
+            node.mesh = mesh.into();
+            let within = within * node.transform.matrix3.determinant().abs().cbrt();
+            notes.push(format!(
+                "sides of seams of \"{}\" lay apart: {moved} vertices were moved onto others within {within:.1e} m",
+                node.name
+            ));
+        }
+    }
+    notes
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.

@@ -21,10 +21,14 @@ pub enum BreakNote {
         /// Rings of the section.
         rings: u32,
     },
-    /// Heights had to be limited.
+    /// Heights were brought into the length that is free.
     HeightsLimited {
-        /// Corners of the face.
+        /// Corners of the face that are limited further than in proportion.
         corners: usize,
+        /// Factors on heights below and above the location of the break.
+        scales: (f64, f64),
+        /// How far the face was moved up, m.
+        moved: f64,
         /// Lowest and highest height without a limit, m from the location of the break.
         wanted: (f64, f64),
         /// Lowest and highest height that fits, m from the location of the break.
@@ -158,16 +162,22 @@ impl fmt::Display for BreakNote {
             ),
             BreakNote::HeightsLimited {
                 corners,
+                scales,
+                moved,
                 wanted,
                 free,
             } => write!(
                 f,
-                "{corners} of the face's corners were limited: the break would have reached from {:.1} to {:.1} mm, but \
-                 only {:.1} to {:.1} mm along the stem are free",
+                "the break would have reached from {:.1} to {:.1} mm, but only {:.1} to {:.1} mm along the stem are free: \
+                 it was moved by {:.1} mm, heights below were scaled by {:.2}, above by {:.2}, and {corners} corners of the \
+                 face limited further",
                 wanted.0 * 1e3,
                 wanted.1 * 1e3,
                 free.0 * 1e3,
-                free.1 * 1e3
+                free.1 * 1e3,
+                moved * 1e3,
+                scales.0,
+                scales.1
             ),
             BreakNote::ChipsMoved(chips) => write!(
                 f,

@@ -1,6 +1,7 @@
 //! The report on a break and its parts, in numbers with units.
 
 use crate::hang::HangReport;
+use greenstick_geometry::text::one_line;
 use greenstick_geometry::{CheckOptions, Mesh};
 use greenstick_wood::scan::ScannedReport;
 use serde::{Deserialize, Serialize};
@@ -55,9 +56,14 @@ pub struct FaceReport {
     pub thorns: usize,
     /// Lowest and highest point, m from the location of the break along the grain.
     pub range_m: [f64; 2],
-    /// Corners whose height was limited because it would have left the stem or met another limb.
+    /// Factors on heights below and above the location, under 1 where those as drawn would have left the stem or met another
+    /// limb.
+    pub scales: [f64; 2],
+    /// How far the face was moved up along the stem to have more room, m.
+    pub moved_m: f64,
+    /// Corners that were limited further than in proportion.
     pub limited: usize,
-    /// Lowest and highest point without that limit, m.
+    /// Lowest and highest point as drawn, before both, m.
     pub wanted_m: [f64; 2],
 }
 
@@ -155,12 +161,15 @@ pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
     (report.closed, report.volume_m3)
 }
 
-/// Formats a volume.
-fn volume(v: f64) -> String {
-    if v.abs() >= 1e-3 {
-        format!("{v:.6} m³")
-    } else {
-        format!("{:.4} cm³", v * 1e6)
+/// How all volumes of a report are written, so that they can be compared: in the unit that suits the largest.
+fn volume_format(volumes: impl Iterator<Item = f64>) -> impl Fn(f64) -> String {
+    let in_cubic_metres = volumes.fold(0.0, |a: f64, v| a.max(v.abs())) >= 1e-3;
+    move |v| {
+        if in_cubic_metres {
+            format!("{v:.6} m³")
+        } else {
+            format!("{:.4} cm³", v * 1e6)
+        }
     }
 }
 
@@ -176,6 +185,8 @@ fn length(l: f64) -> String {
 impl fmt::Display for BreakReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (i, p, face) = (&self.input, &self.place, &self.face);
+        let pieces = self.pieces.iter().filter_map(|piece| piece.volume_m3);
+        let volume = volume_format(pieces.chain(i.volume_m3));
         if let Some(scan) = &self.scan {
             write!(f, "{scan}")?;
         }
@@ -195,7 +206,7 @@ impl fmt::Display for BreakReport {
             length(p.length_m),
             length(p.stem_length_m),
             if p.kind == "board" { "board" } else { "stem" },
-            p.mesh,
+            one_line(&p.mesh),
             length(p.radius_m)
         )?;
         write!(
@@ -234,14 +245,15 @@ impl fmt::Display for BreakReport {
             writeln!(
                 f,
                 "piece    {}: {} triangles, {inside}",
-                piece.name, piece.triangles
+                one_line(&piece.name),
+                piece.triangles
             )?;
         }
         if let Some(v) = self.crack_volume_m3 {
             writeln!(f, "cracks   {} opened", volume(v))?;
         }
         for note in i.repairs.iter().chain(&self.notes) {
-            writeln!(f, "note     {note}")?;
+            writeln!(f, "note     {}", one_line(note))?;
         }
         Ok(())
     }

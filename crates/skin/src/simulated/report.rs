@@ -57,7 +57,7 @@ impl SimulatedFaceReport {
             let of_mode = rods.iter().filter(|r| r.mode == mode);
             let rods = of_mode.clone().count();
             (rods > 0).then(|| ModeShare {
-                mode: mode.name().into(),
+                mode: mode.word().into(),
                 rods,
                 share: of_mode.map(|r| r.area).sum::<f64>() / area,
             })
@@ -65,7 +65,7 @@ impl SimulatedFaceReport {
         let mut modes: Vec<ModeShare> = FailureMode::ALL.into_iter().filter_map(share).collect();
         modes.sort_by(|a, b| b.share.total_cmp(&a.share));
         let heights = || rods.iter().filter_map(|r| r.height);
-        let unbroken = FailureMode::Unbroken.name();
+        let unbroken = FailureMode::Unbroken.word();
         let failed = modes.iter().find(|m| m.mode != unbroken);
         SimulatedFaceReport {
             at: location.to_string(),

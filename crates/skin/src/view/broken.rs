@@ -161,9 +161,15 @@ impl BreakView<'_> {
     }
 
     /// Returns a broken scene, whose nodes have these roles, with the upper piece turned over and set beside the lower, both
-    /// faces up.
+    /// faces up, however far they were moved apart.
     pub fn opened(&self, broken: &Scene, roles: &[NodeRole]) -> Scene {
-        let about = self.opening();
+        let transform = |role| {
+            let at = roles.iter().position(|&r| r == NodeRole::Piece(role))?;
+            Some(broken.nodes[at].transform)
+        };
+        let moved = transform(PieceRole::Lower).zip(transform(PieceRole::Upper));
+        let back = moved.map_or(DAffine3::IDENTITY, |(lower, upper)| lower * upper.inverse());
+        let about = self.opening() * back;
         let mut scene = broken.clone();
         for (node, role) in scene.nodes.iter_mut().zip(roles) {
             match role {

@@ -3,15 +3,13 @@
 use super::limits::RESOLUTION_RANGE;
 use super::model::RingMethod;
 use super::parameters::RingParameters;
-use crate::rings::{ONSET_RANGE, RingSeries, SectionRingMethod};
+use crate::rings::{MAX_RINGS, ONSET_RANGE, RingSeries, SectionRingMethod};
 use greenstick_schema::{Kind, ParameterError, Unit, count, list, number, parameters};
 
 /// Number of rings where nothing says it.
 const DEFAULT_RINGS: usize = 20;
 /// Pixels along each side of the bitmap that is eroded where nothing says it.
 const DEFAULT_RESOLUTION: usize = 512;
-/// Most rings of a section: no tree has more.
-const MAX_RINGS: usize = 100_000;
 /// Greatest coordinate and radius, in the units of a section's file.
 const MAX_COORDINATE: f64 = 1e9;
 

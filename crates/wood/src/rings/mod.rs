@@ -28,6 +28,6 @@ pub use section::{
     AnnotatedRing, RingComparison, RingCurve, RingsFile, SectionFile, SectionFileError,
     SectionOutline, SectionRingError, SectionRingMethod, SectionRings,
 };
-pub use series::{RingError, RingSeries};
+pub use series::{MAX_RINGS, RingError, RingSeries};
 pub use source::{RingPart, RingPosition, RingSource};
 pub(crate) use years::{latewood_strength, periodic_cells};

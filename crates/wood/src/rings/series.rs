@@ -4,8 +4,9 @@ use super::field::RingField;
 use crate::polygon;
 use glam::DVec2;
 
-/// Most rings of a section: no tree has more.
-const MAX_RINGS: usize = 100_000;
+/// Most rings of a section, twice those of the oldest tree known: 4,844 (D. R. Currey, "An ancient bristlecone pine stand in
+/// eastern Nevada", Ecology 46, 1965, 564–566).
+pub const MAX_RINGS: usize = 10_000;
 /// The last ring may be larger than the outline by this share, since printed radii are rounded.
 const ROUNDING_TOLERANCE: f64 = 1e-3;
 
@@ -60,7 +61,7 @@ pub enum RingError {
         bottom: f64,
     },
     /// No rings, or more than wood has.
-    #[error("{0} rings; expected 1 to 100000")]
+    #[error("{0} rings; expected 1 to {MAX_RINGS}, twice those of the oldest tree known")]
     Number(usize),
     /// A radius or width that is not a positive number.
     #[error("{what} {number} is {value}; it must be a positive number")]

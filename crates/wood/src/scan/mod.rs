@@ -28,6 +28,7 @@ pub use parameters::ScanParameters;
 pub use report::{Coverage, PlaceMeasures, ScanError, ScanOptions, ScanReport, ScannedBark};
 pub use scanned::{ScannedReport, outline_error, with_scan};
 
+use crate::EXTENT_RANGE;
 use crate::noise;
 use crate::stem::centreline::{ParameterRange, SmoothCurve, Station, smooth};
 use crate::stem::{Axis, StemLocation};
@@ -65,6 +66,7 @@ pub fn reconstruct_bark(
     if !(0.0..=1.0).contains(&options.min_coverage) {
         return Err(ScanError::MinCoverage(options.min_coverage));
     }
+    check_extent(&cloud.points)?;
     let frame = LocalFrame::new(&cloud.points);
     let local = match location {
         StemLocation::Point(point) => StemLocation::Point(frame.to_local(*point)),
@@ -81,6 +83,21 @@ pub fn reconstruct_bark(
         bark.report.notes.extend(notes);
     }
     Ok(bark)
+}
+
+/// Refuses points of which no tree has the size: rows along a stem and cells around it follow from its lengths.
+fn check_extent(points: &[DVec3]) -> Result<(), ScanError> {
+    let finite = || points.iter().filter(|p| p.is_finite());
+    let low = finite().fold(DVec3::INFINITY, |a, p| a.min(*p));
+    let high = finite().fold(DVec3::NEG_INFINITY, |a, p| a.max(*p));
+    let extent = (high - low).max_element();
+    if finite().next().is_none() || (EXTENT_RANGE.0..=EXTENT_RANGE.1).contains(&extent) {
+        return Ok(());
+    }
+    Err(ScanError::Extent {
+        points: points.len(),
+        extent,
+    })
 }
 
 /// The bark in the coordinates of a cloud about its own corner, and where a limb that was followed ends.

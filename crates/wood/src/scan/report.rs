@@ -1,5 +1,6 @@
 //! The options of a reconstruction, its report, and what can go wrong.
 
+use crate::EXTENT_RANGE;
 use crate::stem::StemLocation;
 use greenstick_geometry::cloud::PoissonError;
 use greenstick_geometry::{Cancelled, ErrorKind, Mesh};
@@ -145,6 +146,12 @@ impl ScannedBark {
     }
 }
 
+/// Which extents are those of wood, for messages.
+fn expected_extent() -> String {
+    let (least, most) = EXTENT_RANGE;
+    format!("expected {least} to {most} m, as of a stem whose unit is right")
+}
+
 /// Why bark cannot be reconstructed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScanError {
@@ -156,6 +163,14 @@ pub enum ScanError {
     NoStem {
         /// Points searched.
         points: usize,
+    },
+    /// The points lie farther apart, or closer together, than those of any tree.
+    #[error("the {points} points lie within {extent:.3e} m; {}", expected_extent())]
+    Extent {
+        /// Points searched.
+        points: usize,
+        /// Greatest distance between two of them along an axis, m.
+        extent: f64,
     },
     /// A length beyond the stem.
     #[error(

@@ -15,6 +15,10 @@ use std::f64::consts::PI;
 
 /// Below this length in radii the centroids do not show a direction: the axis is straight, as in a stump.
 const MIN_CURVED_LENGTH_RADII: f64 = 2.5;
+/// A body shorter than this, in radii of its thinner end, is a sheet: planes inset from both ends would pass each other.
+const MIN_LENGTH_RADII: f64 = 4.0 * END_INSET_RADII;
+/// At the very ends a plane would graze the end face, or cut it off where it is not quite square. It lies this far inside.
+const END_INSET_RADII: f64 = 0.06;
 /// Area of a plain section relative to that expected from the trace.
 const MIN_AREA_RATIO: f64 = 0.5;
 const MAX_AREA_RATIO: f64 = 1.8;
@@ -103,7 +107,8 @@ impl<'a> GoodSections<'a> {
             low: -before_first,
             high: t + beyond_last,
         };
-        if whole.high <= whole.low {
+        let thinnest = first.radius.min(last.radius);
+        if whole.high - whole.low < MIN_LENGTH_RADII * thinnest {
             return None;
         }
         let gaps = good
@@ -297,8 +302,8 @@ pub(crate) fn body(
     };
     let first_radius = course.section(0).radius;
     let last_radius = course.section(course.good.len() - 1).radius;
-    // At the very ends the plane would graze the end face, or cut it off where it is not quite square.
-    let inset = 0.06 * first_radius.min(last_radius);
+    // A curved axis may be a little shorter than the polygon of centroids.
+    let inset = (END_INSET_RADII * first_radius.min(last_radius)).min(0.25 * axis.length());
     let mut stations = Vec::with_capacity(parameters.len());
     for (i, &t) in parameters.iter().enumerate() {
         context.check()?;

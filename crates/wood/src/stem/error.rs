@@ -1,6 +1,7 @@
 //! Why a stem is not found, and what would work instead.
 
 use super::StemLocation;
+use crate::EXTENT_RANGE;
 use greenstick_geometry::{Cancelled, ErrorKind};
 
 /// Why there is no stem at a location.
@@ -16,6 +17,28 @@ pub enum StemError {
         node: usize,
         /// What is wrong, and where.
         found: String,
+    },
+    /// The model is larger, or smaller, than any tree.
+    #[error(
+        "the model is {extent:.3e} m long; expected {} to {} m, as of a stem whose unit is right (its farthest vertex is \
+         {vertex} of mesh {node})", EXTENT_RANGE.0, EXTENT_RANGE.1
+    )]
+    Extent {
+        /// Greatest size of the model along an axis, m.
+        extent: f64,
+        /// Index of the mesh with the vertex farthest from the origin.
+        node: usize,
+        /// That vertex.
+        vertex: usize,
+    },
+    /// No shell has plain sections, and borders run along the model: part of its girth is missing.
+    #[error(
+        "no stem found: {borders} edges have a triangle on one side only, so that sections are open lines; a stem is \
+         a tube or a solid; one of which part of the girth is missing can be completed as a scan is"
+    )]
+    Open {
+        /// Number of edges at borders.
+        borders: usize,
     },
     /// No shell has plain sections.
     #[error(
@@ -76,7 +99,9 @@ impl StemError {
     pub fn kind(&self) -> ErrorKind {
         match self {
             StemError::Cancelled(_) => ErrorKind::Cancelled,
-            StemError::NoStem { .. } | StemError::NowhereFree { .. } => ErrorKind::Work,
+            StemError::NoStem { .. } | StemError::Open { .. } | StemError::NowhereFree { .. } => {
+                ErrorKind::Work
+            }
             _ => ErrorKind::Request,
         }
     }

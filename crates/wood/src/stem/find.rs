@@ -13,6 +13,7 @@ use super::section::section;
 use super::surface::Surface;
 use super::taper::taper;
 use super::tube::Tube;
+use super::valid::{long_borders, valid_size};
 use super::{GrainSpace, StemLocation};
 use crate::polygon;
 use crate::polygon::area_and_centroid;
@@ -90,11 +91,7 @@ pub fn find_stem(
     options: &StemOptions,
     context: &Context,
 ) -> Result<FoundStem, StemError> {
-    validate(meshes)?;
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in meshes.iter().flat_map(|m| &m.positions) {
-        (low, high) = (low.min(*p), high.max(*p));
-    }
+    let size = valid_size(meshes)?;
     let search = |tolerance: f64| find_welded(meshes, location, options, tolerance, context);
     let first = search(0.0);
     if !matches!(
@@ -105,37 +102,16 @@ pub fn find_stem(
     }
     // Perhaps a soup whose triangles touch only nearly.
     for tolerance in WELDING_TOLERANCES {
-        match search(tolerance * low.distance(high)) {
+        match search(tolerance * size) {
             Err(StemError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(_) => {}
             found => return found,
         }
     }
-    first
-}
-
-/// Refuses meshes with coordinates that are not finite, with triangles that refer to vertices that do not exist, or
-/// without triangles.
-fn validate(meshes: &[Mesh]) -> Result<(), StemError> {
-    for (node, mesh) in meshes.iter().enumerate() {
-        let count = mesh.positions.len();
-        if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
-            let found = format!(
-                "vertex {i} is {}; coordinates must be finite",
-                mesh.positions[i]
-            );
-            return Err(StemError::Invalid { node, found });
-        }
-        let missing = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= count);
-        if let Some(t) = mesh.triangles.iter().position(missing) {
-            let found = format!("triangle {t} refers to a vertex beyond the {count} of the mesh");
-            return Err(StemError::Invalid { node, found });
-        }
+    match long_borders(meshes, context)? {
+        Some(borders) => Err(StemError::Open { borders }),
+        None => first,
     }
-    if meshes.iter().all(|m| m.triangles.is_empty()) {
-        return Err(StemError::Empty);
-    }
-    Ok(())
 }
 
 /// Finds the stem with vertices welded within `tolerance` (m).

@@ -29,6 +29,7 @@ mod surface;
 mod taper;
 mod trace;
 mod tube;
+mod valid;
 
 pub use axis::{Axis, Frame};
 pub use error::StemError;

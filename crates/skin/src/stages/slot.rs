@@ -1,13 +1,13 @@
-//! Values that are cached from one request to the next.
+//! Values of stages that are cached from one request to the next.
 
 use std::sync::Arc;
 
 /// A value with the key that determines it and a number that is unique in the session.
 #[derive(Debug)]
-pub(super) struct CachedValue<K, V> {
+struct CachedValue<K, V> {
     key: K,
-    pub id: u64,
-    pub value: Arc<V>,
+    id: u64,
+    value: Arc<V>,
 }
 
 impl<K: Clone, V> Clone for CachedValue<K, V> {
@@ -22,7 +22,7 @@ impl<K: Clone, V> Clone for CachedValue<K, V> {
 
 /// Gives values unique numbers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Ids(u64);
+pub struct Ids(u64);
 
 impl Ids {
     fn next(&mut self) -> u64 {
@@ -33,7 +33,7 @@ impl Ids {
 
 /// The last value of a stage, if there is one.
 #[derive(Debug)]
-pub(super) struct Slot<K, V>(Option<CachedValue<K, V>>);
+pub struct Slot<K, V>(Option<CachedValue<K, V>>);
 
 impl<K, V> Default for Slot<K, V> {
     fn default() -> Self {
@@ -49,7 +49,8 @@ impl<K: Clone, V> Clone for Slot<K, V> {
 
 /// A value from a slot.
 #[derive(Debug)]
-pub(super) struct SlotValue<V> {
+pub struct SlotValue<V> {
+    /// The value.
     pub value: Arc<V>,
     /// Its unique number.
     pub id: u64,
@@ -60,6 +61,9 @@ pub(super) struct SlotValue<V> {
 impl<K: PartialEq, V> Slot<K, V> {
     /// Returns the value of `key`: the cached one, or the one that `make` computes. `make` gets the old value if nobody else
     /// uses it, to reuse its memory. If `make` fails, the slot is empty.
+    ///
+    /// # Errors
+    /// Those of `make`.
     pub fn get<E>(
         &mut self,
         key: K,

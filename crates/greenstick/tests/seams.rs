@@ -1,0 +1,77 @@
+//! Seams of texture coordinates whose sides differ in the last bits are no holes.
+
+use glam::{DAffine3, DVec3};
+use greenstick::geometry::{Attribute, Context, Mesh, Node, Scene};
+use greenstick::{BreakRequest, break_scene};
+use std::f64::consts::TAU;
+
+/// A closed tube with a column of vertices of its own on either side of its seam, as sine and cosine make them.
+fn tube() -> Mesh {
+    let (rows, around) = (24u32, 20u32);
+    let mut mesh = Mesh::default();
+    let mut coordinates = Vec::new();
+    for i in 0..=rows {
+        let along = f64::from(i) / f64::from(rows);
+        for j in 0..=around {
+            let turn = f64::from(j) / f64::from(around);
+            let (sin, cos) = (TAU * turn).sin_cos();
+            mesh.positions
+                .push(DVec3::new(0.03 * cos, 0.6 * along, 0.03 * sin));
+            coordinates.extend([turn as f32, along as f32]);
+        }
+    }
+    let columns = around + 1;
+    for i in 0..rows {
+        for j in 0..around {
+            let (a, b) = (i * columns + j, (i + 1) * columns + j);
+            mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    for (row, y) in [(0, 0.0), (rows, 0.6)] {
+        let middle = mesh.positions.len() as u32;
+        mesh.positions.push(DVec3::new(0.0, y, 0.0));
+        coordinates.extend([0.5, 0.5]);
+        for j in 0..around {
+            let (a, b) = (row * columns + j, row * columns + j + 1);
+            mesh.triangles.push(if row == 0 {
+                [middle, a, b]
+            } else {
+                [middle, b, a]
+            });
+        }
+    }
+    let data = Attribute {
+        width: 2,
+        data: coordinates,
+    };
+    mesh.attributes.insert("TEXCOORD_0".to_owned(), data);
+    mesh
+}
+
+#[test]
+fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported() {
+    let mesh = tube();
+    assert!(!mesh.check().closed, "its seam is open to the last bit");
+    let vertices = mesh.positions.len();
+    let mut scene = Scene::default();
+    scene
+        .nodes
+        .push(Node::new("tube", DAffine3::IDENTITY, mesh));
+    let broken = break_scene(scene, &BreakRequest::default(), &Context::quiet()).unwrap();
+    let input = &broken.report.input;
+    assert!(input.closed, "{}", broken.report);
+    let note = input.repairs.iter().find(|n| n.contains("seams"));
+    let note = note.unwrap_or_else(|| panic!("{}", broken.report));
+    assert!(
+        note.contains("vertices were moved onto others within 6.1e-7 m"),
+        "{note}"
+    );
+    for piece in &broken.report.pieces {
+        assert!(piece.closed, "{}", broken.report);
+    }
+    // Either side keeps its own texture coordinates.
+    assert!(vertices > 24 * 20);
+    let data = &broken.scene.nodes[0].mesh.attributes["TEXCOORD_0"].data;
+    let us = || data.iter().step_by(2);
+    assert!(us().any(|u| *u == 0.0) && us().any(|u| *u == 1.0));
+}
