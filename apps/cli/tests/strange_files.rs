@@ -177,3 +177,16 @@ fn a_run_that_never_began_begins_with_resume() {
     drop(lock);
     assert_eq!(folder.run(&begin).code, 0);
 }
+
+#[test]
+fn a_polygon_that_passes_its_corners_twice_is_a_place_where_the_face_does_not_close() {
+    let folder = Folder::new();
+    let sound = include_str!("../../../tests/data/kaykit_Tree_Bare_1_C_Color1.obj");
+    let face = "152/177/104 374/178/105 354/167/101";
+    assert!(sound.contains(face));
+    let twice = sound.replacen(face, &format!("152/177/104 374/16 {face}"), 1);
+    folder.write("twice.obj", twice);
+    let run = folder.run(&["break", "twice.obj", "-o", "out.glb"]);
+    assert_eq!(run.code, 1, "{}", run.err);
+    assert!(run.err.contains("not a manifold there"), "{}", run.err);
+}

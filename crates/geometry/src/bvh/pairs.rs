@@ -1,15 +1,26 @@
 //! Pairs of items whose boxes meet, within a tree.
 
 use super::tree::Bvh;
+use std::cell::Cell;
 
 impl Bvh {
     /// Visits every pair of different items whose boxes meet, each pair once, the item with the smaller index first.
     pub fn self_pairs(&self, mut visit: impl FnMut(usize, usize)) {
+        self.self_pairs_while(|a, b| {
+            visit(a, b);
+            true
+        });
+    }
+
+    /// As [`Bvh::self_pairs`], until `visit` returns false.
+    pub fn self_pairs_while(&self, mut visit: impl FnMut(usize, usize) -> bool) {
         if self.nodes.is_empty() {
             return;
         }
+        let wanted = Cell::new(true);
+        let mut visit = |a, b| wanted.set(wanted.get() && visit(a, b));
         let mut stack = vec![(0usize, 0usize)];
-        while let Some((a, b)) = stack.pop() {
+        while let Some((a, b)) = stack.pop().filter(|_| wanted.get()) {
             let (na, nb) = (&self.nodes[a], &self.nodes[b]);
             if a == b {
                 if na.count > 0 {

@@ -1,9 +1,10 @@
 //! The examination of a mesh, one property after another.
 
+use super::report::MAX_CONTACTS;
 use super::report::{CheckOptions, MAX_PLACES, Report, SelfIntersections};
 use crate::Unions;
 use crate::components::{Edges, Use, corner_points, number_points, shells};
-use crate::intersect::{Contact, collinear, contact_tree, self_contacts};
+use crate::intersect::{Contact, collinear, contact_tree, self_contacts_while};
 use crate::{Aabb, Mesh};
 use glam::DVec3;
 
@@ -181,10 +182,10 @@ fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
     }
 }
 
-/// Counts the pairs of triangles that touch or cross.
+/// Counts the pairs of triangles that touch or cross, up to [`MAX_CONTACTS`].
 fn self_intersections(mesh: &Mesh) -> SelfIntersections {
     let mut found = SelfIntersections::default();
-    self_contacts(mesh, &contact_tree(mesh), |s, t, kind| {
+    self_contacts_while(mesh, &contact_tree(mesh), |s, t, kind| {
         let place = || {
             let [s, t] = [s, t].map(|t| Aabb::around(&mesh.corners(t)));
             s.intersection(&t).centre()
@@ -200,6 +201,8 @@ fn self_intersections(mesh: &Mesh) -> SelfIntersections {
                 note(&mut found.crossing_places, place());
             }
         }
+        found.incomplete = found.crossing + found.touching >= MAX_CONTACTS;
+        !found.incomplete
     });
     found
 }

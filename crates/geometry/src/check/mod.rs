@@ -4,7 +4,7 @@ mod examine;
 mod report;
 mod text;
 
-pub use report::{CheckOptions, Report, SelfIntersections};
+pub use report::{CheckOptions, MAX_CONTACTS, Report, SelfIntersections};
 
 use crate::Mesh;
 

@@ -75,6 +75,10 @@ pub struct Report {
     pub self_intersections: Option<SelfIntersections>,
 }
 
+/// Most pairs of triangles that meet which are counted: in a mesh of arbitrary triangles their number grows with the square
+/// of that of the triangles.
+pub const MAX_CONTACTS: usize = 1_000_000;
+
 /// Pairs of triangles that meet elsewhere than in a shared vertex or edge (see [`crate::intersect::contact`]).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SelfIntersections {
@@ -86,6 +90,9 @@ pub struct SelfIntersections {
     pub crossing_places: Vec<[f64; 3]>,
     /// Places of the first few touching pairs.
     pub touching_places: Vec<[f64; 3]>,
+    /// Whether the search ended at [`MAX_CONTACTS`] pairs, so that there may be more.
+    #[serde(default)]
+    pub incomplete: bool,
 }
 
 impl Report {

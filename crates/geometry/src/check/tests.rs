@@ -160,3 +160,22 @@ fn crossing_and_touching_triangles_are_distinguished() {
     let apart = joined(&[cube(), moved(&cube(), [0.5, 0.5, 1.0 + f64::EPSILON])]).check();
     assert!(apart.is_solid() && apart.components == 2);
 }
+
+#[test]
+fn a_mesh_whose_triangles_all_cross_is_checked_up_to_a_million_pairs() {
+    // Each stands across the z axis, turned against the others.
+    let mut mesh = Mesh::default();
+    for k in 0..1500u32 {
+        let (s, c) = (f64::from(k) * 0.002).sin_cos();
+        mesh.positions.extend([
+            DVec3::new(c, s, -1.0),
+            DVec3::new(-c, -s, -1.0),
+            DVec3::new(0.1 * c, 0.1 * s, 1.0),
+        ]);
+        mesh.triangles.push([3 * k, 3 * k + 1, 3 * k + 2]);
+    }
+    let report = mesh.check();
+    let found = report.self_intersections.as_ref().unwrap();
+    assert!(found.incomplete && found.crossing + found.touching == super::MAX_CONTACTS);
+    assert!(report.to_string().contains("ended at 1000000 pairs"));
+}

@@ -1,6 +1,6 @@
 //! Reports as text.
 
-use super::report::{MAX_PLACES, Report, SelfIntersections};
+use super::report::{MAX_CONTACTS, MAX_PLACES, Report, SelfIntersections};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Report {
@@ -42,6 +42,12 @@ impl Display for Report {
             Some(s) => {
                 for defect in s.defects() {
                     defect.write(f)?;
+                }
+                if s.incomplete {
+                    writeln!(
+                        f,
+                        "the search for more of them ended at {MAX_CONTACTS} pairs"
+                    )?;
                 }
                 Ok(())
             }

@@ -125,7 +125,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Returns the median distance from a point to the nearest other, m; where there are many points that of a hundred
-/// thousand at even steps.
+/// thousand at even steps. Where most points are there twice, the median is that of those which are not; zero where all
+/// are.
 ///
 /// # Errors
 /// [`Cancelled`] where the caller asked to stop.
@@ -137,5 +138,26 @@ pub fn spacing(points: &[DVec3], context: &Context) -> Result<f64, Cancelled> {
     let stride = points.len().div_ceil(MAX_SAMPLE);
     let sample: Vec<DVec3> = points.iter().step_by(stride).copied().collect();
     let nearest = |p: &DVec3| tree.nearest(*p, 2)[1].0.sqrt();
-    Ok(median(map_in_batches(&sample, context, nearest)?))
+    let mut distances = map_in_batches(&sample, context, nearest)?;
+    let middle = median(distances.clone());
+    if middle > 0.0 {
+        return Ok(middle);
+    }
+    distances.retain(|&d| d > 0.0);
+    Ok(median(distances))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_that_are_there_twice_do_not_change_the_spacing() {
+        let mut points: Vec<DVec3> = (0..50).map(|i| DVec3::X * f64::from(i) * 0.1).collect();
+        let context = Context::default();
+        let once = spacing(&points, &context).unwrap();
+        points.extend_from_within(..40);
+        assert!((spacing(&points, &context).unwrap() - once).abs() < 1e-12);
+        assert_eq!(spacing(&[DVec3::ONE; 9], &context).unwrap(), 0.0);
+    }
 }

@@ -97,10 +97,20 @@ impl<'a> TriangleContacts<'a> {
 /// Visits every pair of triangles of `mesh` that touch or cross (see [`contact`]), the smaller index first. `tree` must
 /// be that of the mesh's triangles.
 pub fn self_contacts(mesh: &Mesh, tree: &Bvh, mut visit: impl FnMut(usize, usize, Contact)) {
-    tree.self_pairs(|s, t| {
+    self_contacts_while(mesh, tree, |s, t, found| {
+        visit(s, t, found);
+        true
+    });
+}
+
+/// As [`self_contacts`], until `visit` returns false.
+pub(crate) fn self_contacts_while(
+    mesh: &Mesh,
+    tree: &Bvh,
+    mut visit: impl FnMut(usize, usize, Contact) -> bool,
+) {
+    tree.self_pairs_while(|s, t| {
         let found = contact(mesh.corners(s), mesh.corners(t));
-        if found != Contact::Apart {
-            visit(s, t, found);
-        }
+        found == Contact::Apart || visit(s, t, found)
     });
 }

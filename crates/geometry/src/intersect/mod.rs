@@ -12,6 +12,7 @@ mod projection;
 
 pub use contact::contact;
 pub(crate) use mesh::TriangleContacts;
+pub(crate) use mesh::self_contacts_while;
 pub use mesh::{contact_tree, self_contacts};
 pub use predicates::{orient2d, orient3d};
 pub use projection::collinear;

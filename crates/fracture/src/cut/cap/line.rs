@@ -25,7 +25,8 @@ impl Builder<'_, '_> {
         };
         ring.push(start);
         let mut end = start;
-        while let Some(id) = next(end) {
+        // In a solid whose edges belong to several triangles, the outline may run into a circle.
+        while let Some(id) = next(end).filter(|_| ring.len() <= outline.len()) {
             ring.push(id);
             end = id;
         }
