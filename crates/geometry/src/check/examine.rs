@@ -182,10 +182,14 @@ fn vertex_fans(mesh: &Mesh, fans: &mut Unions, report: &mut Report) {
     }
 }
 
+/// Most pairs of triangles that are looked at, for each triangle. Broken faces need up to 41.
+const MAX_LOOKED_AT: usize = 1000;
+
 /// Counts the pairs of triangles that touch or cross, up to [`MAX_CONTACTS`].
 fn self_intersections(mesh: &Mesh) -> SelfIntersections {
     let mut found = SelfIntersections::default();
-    self_contacts_while(mesh, &contact_tree(mesh), |s, t, kind| {
+    let most = MAX_CONTACTS + MAX_LOOKED_AT * mesh.triangles.len();
+    let complete = self_contacts_while(mesh, &contact_tree(mesh), most, |s, t, kind| {
         let place = || {
             let [s, t] = [s, t].map(|t| Aabb::around(&mesh.corners(t)));
             s.intersection(&t).centre()
@@ -201,8 +205,8 @@ fn self_intersections(mesh: &Mesh) -> SelfIntersections {
                 note(&mut found.crossing_places, place());
             }
         }
-        found.incomplete = found.crossing + found.touching >= MAX_CONTACTS;
-        !found.incomplete
+        found.crossing + found.touching < MAX_CONTACTS
     });
+    found.incomplete = !complete;
     found
 }

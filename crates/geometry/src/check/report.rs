@@ -90,7 +90,8 @@ pub struct SelfIntersections {
     pub crossing_places: Vec<[f64; 3]>,
     /// Places of the first few touching pairs.
     pub touching_places: Vec<[f64; 3]>,
-    /// Whether the search ended at [`MAX_CONTACTS`] pairs, so that there may be more.
+    /// Whether the search ended before all pairs were looked at, at [`MAX_CONTACTS`] or because far too many triangles lie
+    /// beside each other.
     #[serde(default)]
     pub incomplete: bool,
 }
@@ -110,6 +111,6 @@ impl Report {
             && self
                 .self_intersections
                 .as_ref()
-                .is_none_or(|s| s.crossing == 0)
+                .is_none_or(|s| s.crossing == 0 && !s.incomplete)
     }
 }

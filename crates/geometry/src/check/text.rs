@@ -1,6 +1,6 @@
 //! Reports as text.
 
-use super::report::{MAX_CONTACTS, MAX_PLACES, Report, SelfIntersections};
+use super::report::{MAX_PLACES, Report, SelfIntersections};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Report {
@@ -38,7 +38,9 @@ impl Display for Report {
         }
         match &self.self_intersections {
             None => writeln!(f, "self-intersections not looked for"),
-            Some(s) if s.crossing + s.touching == 0 => writeln!(f, "no self-intersections"),
+            Some(s) if s.crossing + s.touching == 0 && !s.incomplete => {
+                writeln!(f, "no self-intersections")
+            }
             Some(s) => {
                 for defect in s.defects() {
                     defect.write(f)?;
@@ -46,7 +48,7 @@ impl Display for Report {
                 if s.incomplete {
                     writeln!(
                         f,
-                        "the search for more of them ended at {MAX_CONTACTS} pairs"
+                        "the search for crossing triangles was ended early: too many lie within each other"
                     )?;
                 }
                 Ok(())

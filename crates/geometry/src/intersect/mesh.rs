@@ -97,20 +97,30 @@ impl<'a> TriangleContacts<'a> {
 /// Visits every pair of triangles of `mesh` that touch or cross (see [`contact`]), the smaller index first. `tree` must
 /// be that of the mesh's triangles.
 pub fn self_contacts(mesh: &Mesh, tree: &Bvh, mut visit: impl FnMut(usize, usize, Contact)) {
-    self_contacts_while(mesh, tree, |s, t, found| {
+    self_contacts_while(mesh, tree, usize::MAX, |s, t, found| {
         visit(s, t, found);
         true
     });
 }
 
-/// As [`self_contacts`], until `visit` returns false.
+/// As [`self_contacts`], until `visit` returns false or `most` pairs of boxes were looked at. Returns whether all were.
 pub(crate) fn self_contacts_while(
     mesh: &Mesh,
     tree: &Bvh,
+    most: usize,
     mut visit: impl FnMut(usize, usize, Contact) -> bool,
-) {
+) -> bool {
+    let mut left = most;
+    let mut complete = true;
     tree.self_pairs_while(|s, t| {
+        if left == 0 {
+            complete = false;
+            return false;
+        }
+        left -= 1;
         let found = contact(mesh.corners(s), mesh.corners(t));
-        found == Contact::Apart || visit(s, t, found)
+        complete = found == Contact::Apart || visit(s, t, found);
+        complete
     });
+    complete
 }
