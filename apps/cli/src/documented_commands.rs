@@ -1,8 +1,11 @@
-//! Tests that the commands of the documentation and of the help texts are ones that the program takes.
+//! Tests that the commands of the documentation and of the help texts, and the recipes and scenes in the documentation, are
+//! ones that the program takes.
 
 use crate::arguments::{Arguments, Command};
 use crate::{break_wood, simulate};
 use clap::{CommandFactory, Parser};
+use greenstick::RequestFile;
+use greenstick::fibre::scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// A command, and where it stands.
@@ -183,5 +186,44 @@ fn a_command_with_an_unknown_option_preset_key_or_scene_is_a_fault() {
             "-o",
             "a b.glb"
         ]
+    );
+}
+
+/// The recipes and scenes of a page: its blocks of TOML.
+fn files_of_page(path: &Path) -> Vec<Documented> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let blocks = text.split("\n```toml\n").skip(1);
+    let documented = |(i, block): (usize, &str)| Documented {
+        place: format!("{}, block {} of TOML", path.display(), i + 1),
+        text: block.split("\n```").next().unwrap_or(block).to_owned(),
+    };
+    blocks.enumerate().map(documented).collect()
+}
+
+/// What is wrong with a recipe or a scene; only scenes have rods.
+fn file_fault(text: &str) -> Option<String> {
+    if text.contains("\n[rods]") {
+        Scene::read(text).err().map(|e| e.to_string())
+    } else {
+        let file = RequestFile::resolve(&[], Some(text), &[]);
+        file.err().map(|e| e.to_string())
+    }
+}
+
+#[test]
+fn recipes_and_scenes_of_the_documentation_are_ones_that_the_program_takes() {
+    let pages = pages();
+    let files: Vec<Documented> = pages.iter().flat_map(|page| files_of_page(page)).collect();
+    let scenes = files.iter().filter(|f| f.text.contains("\n[rods]")).count();
+    assert!(scenes > 0 && files.len() - scenes > 2, "{scenes} scenes");
+    let fault = |f: &Documented| Some(format!("{}: {}", f.place, file_fault(&f.text)?));
+    let faults: Vec<String> = files.iter().filter_map(fault).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    let scene = files.iter().find(|f| f.text.contains("\n[rods]")).unwrap();
+    let fault = file_fault(&scene.text.replace("Oak, northern red", "red oak, northern"));
+    let named = "wood.species: unknown species \"red oak, northern\"; did you mean";
+    assert!(
+        fault.as_deref().is_some_and(|f| f.contains(named)),
+        "{fault:?}"
     );
 }

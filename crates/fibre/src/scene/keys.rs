@@ -13,6 +13,7 @@ use greenstick_schema::{
 };
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::rings::ONSET_RANGE;
+use greenstick_wood::species::SPECIES_NAME;
 use greenstick_wood::stem::{LOCATION, StemLocation};
 use greenstick_wood::structure::GrainAngles;
 
@@ -106,7 +107,7 @@ parameters! {
     pub struct WoodKeys {
         "", "rods" {
             /// Species, by common or scientific name.
-            species: String = "white ash".to_owned(), text(Format::ANY);
+            species: String = "white ash".to_owned(), text(SPECIES_NAME);
             /// Moisture content, percent of the oven-dry mass.
             moisture: f64 = 12.0, number(Unit::Percent, 0.0, 200.0);
             /// Factor on all moduli of elasticity; strains at failure stay the same.

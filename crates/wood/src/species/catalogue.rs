@@ -47,6 +47,22 @@ impl Species {
     }
 }
 
+/// How similar two normalised names are, from 0 to 1; names of the same words in another order count as equal.
+fn similarity(a: &str, b: &str) -> f64 {
+    let words = |name: &str| {
+        let mut words: Vec<String> = (name.split(|c: char| !c.is_alphanumeric()))
+            .map(str::to_owned)
+            .collect();
+        words.retain(|word| !word.is_empty());
+        words.sort_unstable();
+        words
+    };
+    if words(a) == words(b) {
+        return 1.0;
+    }
+    strsim::normalized_damerau_levenshtein(a, b)
+}
+
 fn unknown(name: &str) -> UnknownSpecies {
     // Every way to write a name is compared, but the table's name is suggested, once.
     let mut names: Vec<(String, &str)> = Vec::new();
@@ -66,12 +82,7 @@ fn unknown(name: &str) -> UnknownSpecies {
     let wanted = normalise(name);
     let mut scored: Vec<(f64, &str)> = names
         .iter()
-        .map(|(n, s)| {
-            (
-                strsim::normalized_damerau_levenshtein(&wanted, &normalise(n)),
-                *s,
-            )
-        })
+        .map(|(n, s)| (similarity(&wanted, &normalise(n)), *s))
         .filter(|&(score, _)| score >= MIN_SIMILARITY)
         .collect();
     // "oak" alone is far from every oak's full name, but all of them are what was meant.
@@ -171,6 +182,8 @@ mod tests {
         assert!(nearest("xyzzy plugh").is_empty());
         let message = Species::find("whit ash").unwrap_err().to_string();
         assert!(message.starts_with("unknown species \"whit ash\"; did you mean \"Ash, white\""));
+        let reordered = Species::find("red oak, northern").unwrap_err();
+        assert_eq!(reordered.nearest[0], "Oak, northern red");
     }
 
     #[test]
