@@ -344,3 +344,54 @@ pub fn print(text: &str) -> Result<(), Failure> {
         _ => Ok(()),
     }
 }
+
+/// Prints what the reader of arguments says: help and versions to stdout, errors to stderr. Errors repeat arguments, in which
+/// what a terminal would obey, or what would pass for a line of ours, is escaped.
+pub fn print_usage(message: &clap::Error) -> std::io::Result<()> {
+    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    match escaped_usage(&message.render().to_string(), arguments) {
+        Some(text) if message.use_stderr() => std::io::stderr().write_all(text.as_bytes()),
+        _ => message.print(),
+    }
+}
+
+/// The text of a message with the arguments in it escaped; none where none of them needs it.
+fn escaped_usage(text: &str, arguments: impl Iterator<Item = String>) -> Option<String> {
+    let mut escaped = None;
+    for argument in arguments {
+        // Of `--option=value`, messages repeat the value alone.
+        let value = argument.split_once('=').map(|(_, value)| value);
+        for part in [Some(argument.as_str()), value].into_iter().flatten() {
+            let shown = one_line(part);
+            if shown != part {
+                let before: &str = escaped.as_deref().unwrap_or(text);
+                escaped = Some(before.replace(part, &shown));
+            }
+        }
+    }
+    escaped.map(|text: String| printable(&text).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usage_errors_escape_arguments() {
+        let words = [
+            "greenstick",
+            "break",
+            "--at=0.4\nerror: \u{1b}[31mowned",
+            "--plain",
+        ];
+        let arguments = words.map(str::to_owned).into_iter();
+        let text = "error: invalid value '0.4\nerror: \u{1b}[31mowned' for '--at <PLACE>'\n";
+        let shown = escaped_usage(text, arguments).unwrap();
+        assert_eq!(
+            shown,
+            "error: invalid value '0.4\\nerror: \\u{1b}[31mowned' for '--at <PLACE>'\n"
+        );
+        let plain = ["greenstick", "--at=0.4"].map(str::to_owned).into_iter();
+        assert_eq!(escaped_usage("error: invalid", plain), None);
+    }
+}

@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         // Help and version are no errors: they go to stdout with code 0, everything else to stderr with code 2.
         Err(message) => {
-            let _ = message.print();
+            let _ = failure::print_usage(&message);
             return ExitCode::from(if message.use_stderr() { 2 } else { 0 });
         }
     };

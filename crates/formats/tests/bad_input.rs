@@ -219,6 +219,15 @@ fn huge_counts() {
             .remove("bufferView");
     });
     refused(Format::Gltf, unbacked, &["claims 1000000000"]);
+    let zeros = gltf(|j| {
+        let accessor = j["accessors"][0].as_object_mut().unwrap();
+        accessor.remove("bufferView");
+    });
+    refused(
+        Format::Gltf,
+        zeros,
+        &["accessors[0]", "neither a bufferView"],
+    );
 }
 
 #[test]

@@ -4,14 +4,16 @@
 mod support;
 
 use greenstick::fracture::parameters::BreakParameters;
+use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::intersect::{Contact, contact_tree, self_contacts};
 use greenstick::geometry::repair::snap_to_f32;
 use greenstick::geometry::{Aabb, CheckOptions, Context, Mesh, Scene};
 use greenstick::schema::{Kind, Parameters, Value};
+use greenstick::wood::stem::StemLocation;
 use greenstick::wood::{noise, primitive};
-use greenstick::{BreakSession, built_in_branch};
+use greenstick::{Break, BreakRequest, BreakSession, break_scene, built_in_branch};
 use rayon::prelude::*;
-use support::{pieces, request, scanned_pole, scene, stages};
+use support::{data::data, pieces, request, scanned_pole, scene, stages};
 
 const SETS: usize = 1000;
 /// Material of the wood inside.
@@ -214,4 +216,34 @@ fn a_break_in_spiral_grain_is_closed_and_adds_up() {
             "seed {seed}: {sum} against {volume}"
         );
     }
+}
+
+/// A scan, and trees of few, large triangles.
+#[test]
+fn twisted_breaks_of_scans_and_trees_do_not_cross() {
+    let read = |name| greenstick::files::read(&data(name), None).unwrap();
+    let cases = [
+        ("pole", scanned_pole(), 0.5),
+        ("dead tree", read("quaternius_DeadTree_1.gltf"), 0.1),
+        ("bare tree", read("kaykit_Tree_Bare_1_C_Color1.obj"), 0.5),
+    ];
+    cases.into_par_iter().for_each(|(name, scene, place)| {
+        let request = BreakRequest::single(Break {
+            place: StemLocation::Fraction(place),
+            recipe: Recipe::resolve(&["twist"], None, &[]).unwrap(),
+            ..Break::default()
+        });
+        let closed = scene.nodes[0].mesh.check_with(QUICK).closed;
+        let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
+        for node in &broken.scene.nodes[..2] {
+            let report = node.mesh.check();
+            let what = format!("{name}, {}: {report}", node.name);
+            assert!(report.oriented && (report.closed || !closed), "{what}");
+            assert_eq!(
+                report.self_intersections.map(|s| s.crossing),
+                Some(0),
+                "{what}"
+            );
+        }
+    });
 }

@@ -109,14 +109,13 @@ fn presets_are_sound_and_reach_as_far_as_they_report() {
     requests().par_iter().for_each(|(name, request)| {
         let broken = broken(request);
         let report = &broken.report;
-        let twisted = request.breaks[0].recipe.face.spiral_angle != 0.0;
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         for node in &broken.scene.nodes[..2] {
             let what = format!("{name}, {}", node.name);
             let check = node.mesh.check();
             assert!(check.closed && check.oriented, "{what}: {check}");
             let crossing = check.self_intersections.map_or(0, |s| s.crossing);
-            assert!(crossing == 0 || twisted, "{what}: {crossing} pairs cross");
+            assert_eq!(crossing, 0, "{what}: pairs cross");
             let inner = broken.woods[0].material;
             let grain = &node.mesh.attributes["_GRAIN"];
             let face = (0..node.mesh.triangles.len()).filter(|&t| node.mesh.material(t) == inner);

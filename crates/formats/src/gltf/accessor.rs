@@ -392,6 +392,13 @@ impl<'a> Source<'a> {
                         available: 0,
                     });
                 }
+                if accessor.sparse.is_none() {
+                    return Err(self.file.malformed(
+                        place,
+                        "neither a bufferView nor sparse values, so that all of its numbers are 0",
+                        "a bufferView",
+                    ));
+                }
                 out.resize(accessor.count * width, T::default());
             }
         }

@@ -94,6 +94,15 @@ impl EdgeBisector {
         best.map(|(_, k, other)| (k, other))
     }
 
+    /// Whether an edge of triangle `t` that exactly two triangles share is a `chosen` one.
+    pub fn has_shared_edge(&self, t: u32, chosen: &dyn Fn(u32, u32) -> bool) -> bool {
+        let length = |a: u32, b: u32| if chosen(a, b) { 1.0 } else { 0.0 };
+        self.longest_shared_edge(t, &length).is_some_and(|(k, _)| {
+            let corners = self.triangles[t as usize];
+            chosen(corners[k], corners[(k + 1) % 3])
+        })
+    }
+
     /// Bisects the longest edge of triangle `t` that exactly two triangles share. Returns the four resulting triangles, or
     /// `None` if there is no such edge. `length` returns the length of the edge between two vertices; `midpoint` adds the
     /// vertex in the middle of two and returns its index.

@@ -6,9 +6,11 @@ mod collapse;
 mod seams;
 mod self_intersections;
 mod snap;
+mod untangle;
 
 pub use bisection::{EdgeBisector, crossing_pairs, crossing_pairs_within};
 pub use collapse::{Collapsed, EdgeCollapser};
 pub use seams::{SEAM_TOLERANCE, close_seams};
 pub use self_intersections::{KnownPositions, resolve_self_intersections};
 pub use snap::snap_to_f32;
+pub use untangle::{Untangled, Untangler};

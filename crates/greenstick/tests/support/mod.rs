@@ -2,7 +2,7 @@
 #![allow(dead_code)] // Each test file uses a part of it.
 
 #[path = "../../../../tests/support/data.rs"]
-mod data;
+pub mod data;
 
 use greenstick::fibre::placement::{
     EdgeLengths, PlacedRods, PlacementOptions, RodCount, WoodMaterial, fill_stem,

@@ -208,6 +208,7 @@ impl Cutter<'_> {
         let (mut cut, chips) = self.cut(surface, workspace)?;
         let (source, layers) = (self.stem.source(), &self.stem.layers);
         let transform = self.stem.transform();
+        let layers = (layers, self.stem.found.stem.radius);
         let repair = spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform);
         Ok(self.face_of(cut, chips, Some(repair), inner))
     }

@@ -256,10 +256,10 @@ fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
 fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> fmt::Result {
     write!(
         f,
-        "{} pairs of triangles of the face in spiral grain crossed; {} edges were split and {} of at most {:.0} µm collapsed",
+        "{} pairs of triangles of the face in spiral grain crossed; {} edges were split and {} vertices moved by at most {:.0} µm",
         repair.crossed,
         repair.bisected,
-        repair.collapsed,
+        repair.moved,
         longest_m * 1e6
     )?;
     if repair.remaining > 0 {

@@ -1,0 +1,367 @@
+//! Moves vertices of triangles that cross until they no longer do.
+//!
+//! A vertex is moved where that lessens the length along which the triangles about it cross others: towards the mean of its
+//! neighbours, or along the normals of the triangles that are crossed. The length, unlike the number of pairs, falls before
+//! the last of a bundle of triangles has come free, so that vertices can be moved one after another. They are moved to
+//! positions that `f32` holds, so that files keep what was found, and never to the position of another vertex, which would
+//! join what lies apart.
+
+use super::bisection::crossing_pairs;
+use crate::intersect::{Contact, contact};
+use crate::{Aabb, Bvh};
+use glam::DVec3;
+use rustc_hash::FxHashSet;
+
+/// Rounds over all vertices of triangles that cross.
+const ROUNDS: usize = 8;
+/// Steps along normals, as parts of the greatest distance a vertex may be moved.
+const STEPS: [f64; 5] = [1.0, 0.25, 0.0625, 0.016, 0.004];
+/// Steps towards the mean of the neighbours, as parts of the way there.
+const TO_MEAN: [f64; 3] = [1.0, 0.5, 0.2];
+/// Normals along which one vertex is tried: those of so many triangles that are crossed.
+const MOST_NORMALS: usize = 4;
+/// A move is made where it lessens the length of crossings by more than this part of it, so that rounding moves nothing.
+const LEAST_GAIN: f64 = 1e-6;
+
+/// Triangles of which some cross, with the vertices that may be moved.
+pub struct Untangler<'a> {
+    /// Positions of the vertices.
+    pub positions: &'a mut [DVec3],
+    /// All triangles, those that stay where they are included.
+    pub triangles: &'a [[u32; 3]],
+    /// Whether a vertex may be moved.
+    pub is_free: &'a dyn Fn(u32) -> bool,
+    /// The greatest distance that a vertex is moved.
+    pub reach: f64,
+}
+
+/// What moving vertices has led to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Untangled {
+    /// Vertices moved, ascending.
+    pub moved: Vec<u32>,
+    /// The greatest distance that one was moved.
+    pub farthest: f64,
+}
+
+/// What lies about one vertex.
+struct Surroundings {
+    /// Triangles at the vertex.
+    own: Vec<u32>,
+    /// Others whose boxes they may come to overlap.
+    others: Vec<u32>,
+}
+
+impl Untangler<'_> {
+    /// Moves vertices of the triangles in `pairs`, which cross, until none does or no move helps. `pairs` then has those that
+    /// are left.
+    pub fn untangle(&mut self, pairs: &mut Vec<[u32; 2]>) -> Untangled {
+        let mut done = Untangled::default();
+        if pairs.is_empty() {
+            return done;
+        }
+        let boxes: Vec<Aabb> = (self.triangles.iter())
+            .map(|t| Aabb::around(&t.map(|v| self.positions[v as usize])).grown(self.reach))
+            .collect();
+        let tree = Bvh::new(&boxes);
+        let around = self.around();
+        let first = self.positions.to_vec();
+        let mut taken: FxHashSet<[u64; 3]> = first.iter().copied().map(position_key).collect();
+        for _ in 0..ROUNDS {
+            let mut changed: Vec<u32> = Vec::new();
+            for v in self.vertices_of(pairs) {
+                let own = around[v as usize].clone();
+                let from = self.positions[v as usize];
+                if self.improve(v, own, &first, (&boxes, &tree), &taken) {
+                    taken.remove(&position_key(from));
+                    taken.insert(position_key(self.positions[v as usize]));
+                    changed.extend(&around[v as usize]);
+                    done.moved.push(v);
+                }
+            }
+            if changed.is_empty() {
+                break;
+            }
+            changed.sort_unstable();
+            changed.dedup();
+            pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
+            let now = crossing_pairs(self.positions, self.triangles, Some(&changed));
+            pairs.extend(now);
+            pairs.sort_unstable();
+            pairs.dedup();
+            if pairs.is_empty() {
+                break;
+            }
+        }
+        done.moved.sort_unstable();
+        done.moved.dedup();
+        let distance = |&v: &u32| self.positions[v as usize].distance(first[v as usize]);
+        done.farthest = done.moved.iter().map(distance).fold(0.0, f64::max);
+        done
+    }
+
+    /// Triangles at every vertex.
+    fn around(&self) -> Vec<Vec<u32>> {
+        let mut around = vec![Vec::new(); self.positions.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            for &v in corners {
+                around[v as usize].push(t as u32);
+            }
+        }
+        around
+    }
+
+    /// The vertices of the triangles in `pairs` that may be moved, ascending.
+    fn vertices_of(&self, pairs: &[[u32; 2]]) -> Vec<u32> {
+        let all = pairs.iter().flatten();
+        let mut vertices: Vec<u32> = all
+            .flat_map(|&t| self.triangles[t as usize])
+            .filter(|&v| (self.is_free)(v))
+            .collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    }
+
+    /// Moves a vertex to the best of the places tried; returns false where none is better than its own.
+    fn improve(
+        &mut self,
+        v: u32,
+        own: Vec<u32>,
+        first: &[DVec3],
+        (boxes, tree): (&[Aabb], &Bvh),
+        taken: &FxHashSet<[u64; 3]>,
+    ) -> bool {
+        let from = self.positions[v as usize];
+        let origin = first[v as usize];
+        let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
+        let mut others = Vec::new();
+        tree.overlapping(&region, |t| others.push(t as u32));
+        others.sort_unstable();
+        others.retain(|t| own.binary_search(t).is_err());
+        let about = Surroundings { own, others };
+        let mut best = (self.length(&about, f64::INFINITY), from);
+        if best.0 == 0.0 {
+            return false;
+        }
+        for place in self.places(v, &about) {
+            let offset = place - origin;
+            let place = origin + offset.clamp_length_max(self.reach);
+            let place = place.as_vec3().as_dvec3();
+            if taken.contains(&position_key(place)) {
+                continue;
+            }
+            self.positions[v as usize] = place;
+            let length = self.length(&about, best.0);
+            if length < best.0 * (1.0 - LEAST_GAIN) {
+                best = (length, place);
+                if length == 0.0 {
+                    break;
+                }
+            }
+        }
+        self.positions[v as usize] = best.1;
+        best.1 != from
+    }
+
+    /// The places to try for a vertex.
+    fn places(&self, v: u32, about: &Surroundings) -> Vec<DVec3> {
+        let from = self.positions[v as usize];
+        let mut places = Vec::new();
+        let neighbours = (about.own.iter())
+            .flat_map(|&t| self.triangles[t as usize])
+            .filter(|&w| w != v);
+        let (sum, count) = neighbours.fold((DVec3::ZERO, 0), |(sum, n), w| {
+            (sum + self.positions[w as usize], n + 1)
+        });
+        let mean = sum / f64::from(count.max(1));
+        places.extend(TO_MEAN.map(|part| from.lerp(mean, part)));
+        for normal in self.normals(about) {
+            for step in STEPS {
+                places.push(from + normal * (step * self.reach));
+                places.push(from - normal * (step * self.reach));
+            }
+        }
+        places
+    }
+
+    /// Unit normals of triangles that those at a vertex cross.
+    fn normals(&self, about: &Surroundings) -> Vec<DVec3> {
+        let mut normals = Vec::new();
+        let within = about.own.iter().chain(&about.others);
+        for &s in within {
+            let crosses = |&&t: &&u32| t != s && self.crosses(t, s);
+            if about.own.iter().any(|t| crosses(&t)) {
+                let [a, b, c] = self.corners(s);
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                let near = |n: &DVec3| n.dot(normal).abs() > 0.99;
+                if normal != DVec3::ZERO && !normals.iter().any(near) {
+                    normals.push(normal);
+                }
+                if normals.len() == MOST_NORMALS {
+                    break;
+                }
+            }
+        }
+        normals
+    }
+
+    fn corners(&self, t: u32) -> [DVec3; 3] {
+        self.triangles[t as usize].map(|v| self.positions[v as usize])
+    }
+
+    fn crosses(&self, s: u32, t: u32) -> bool {
+        let (a, b) = (self.corners(s), self.corners(t));
+        Aabb::around(&a).overlaps(&Aabb::around(&b)) && contact(a, b) == Contact::Crossing
+    }
+
+    /// The length along which the triangles at a vertex cross each other and others; summing ends beyond `limit`.
+    fn length(&self, about: &Surroundings, limit: f64) -> f64 {
+        let mut sum = 0.0;
+        for (i, &s) in about.own.iter().enumerate() {
+            let a = self.corners(s);
+            let bounds = Aabb::around(&a);
+            for &t in about.own[i + 1..].iter().chain(&about.others) {
+                let b = self.corners(t);
+                if bounds.overlaps(&Aabb::around(&b)) && contact(a, b) == Contact::Crossing {
+                    sum += crossing_length(a, b);
+                    if sum > limit {
+                        return sum;
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// The bits of a position; both zeros have the same.
+fn position_key(p: DVec3) -> [u64; 3] {
+    (p + 0.0).to_array().map(f64::to_bits)
+}
+
+/// The length of the line along which two triangles that cross meet; for triangles in one plane, that of the shorter of
+/// their longest edges. It is more than 0.
+fn crossing_length(a: [DVec3; 3], b: [DVec3; 3]) -> f64 {
+    let normal = |t: [DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
+    let (na, nb) = (normal(a), normal(b));
+    let line = na.cross(nb).normalize_or_zero();
+    let (of_a, of_b) = (interval(a, nb, b[0], line), interval(b, na, a[0], line));
+    let edge = |t: [DVec3; 3]| {
+        (0..3)
+            .map(|k| t[k].distance(t[(k + 1) % 3]))
+            .fold(0.0, f64::max)
+    };
+    let whole = edge(a).min(edge(b));
+    match (of_a, of_b) {
+        (Some(a), Some(b)) => (a.1.min(b.1) - a.0.max(b.0)).clamp(f64::MIN_POSITIVE, whole),
+        _ => whole,
+    }
+}
+
+/// The interval in which a triangle meets a plane, along `line` in that plane.
+fn interval(t: [DVec3; 3], normal: DVec3, origin: DVec3, line: DVec3) -> Option<(f64, f64)> {
+    if line == DVec3::ZERO {
+        return None;
+    }
+    let height = t.map(|p| (p - origin).dot(normal));
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..3 {
+        let (p, q, h, i) = (t[k], t[(k + 1) % 3], height[k], height[(k + 1) % 3]);
+        if (h <= 0.0) != (i <= 0.0) {
+            let at = (p + (q - p) * (h / (h - i)) - origin).dot(line);
+            range = (range.0.min(at), range.1.max(at));
+        }
+    }
+    (range.0 <= range.1).then_some(range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two square grids of 4 × 4 cells, `gap` apart, and the number of vertices of the lower one.
+    fn two_sheets(gap: f64) -> (Vec<DVec3>, Vec<[u32; 3]>, u32) {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for z in [0.0, gap] {
+            let first = positions.len() as u32;
+            for i in 0..25 {
+                positions.push(DVec3::new(f64::from(i % 5), f64::from(i / 5), z));
+            }
+            for (i, j) in (0..16).map(|c| (c % 4, c / 4)) {
+                let a = first + j * 5 + i;
+                triangles.push([a, a + 1, a + 6]);
+                triangles.push([a, a + 6, a + 5]);
+            }
+        }
+        (positions, triangles, 25)
+    }
+
+    #[test]
+    fn a_vertex_pushed_through_another_sheet_comes_back() {
+        let (mut positions, triangles, upper) = two_sheets(0.125);
+        let spike = 12;
+        positions[spike].z = 0.25;
+        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        assert!(!pairs.is_empty());
+        let before = positions.clone();
+        let done = Untangler {
+            positions: &mut positions,
+            triangles: &triangles,
+            is_free: &|v| v < upper,
+            reach: 0.5,
+        }
+        .untangle(&mut pairs);
+        assert!(pairs.is_empty(), "{pairs:?}");
+        assert!(crossing_pairs(&positions, &triangles, None).is_empty());
+        assert!(done.farthest > 0.0 && done.farthest <= 0.5);
+        for (v, (now, then)) in positions.iter().zip(&before).enumerate() {
+            let moved = done.moved.binary_search(&(v as u32)).is_ok();
+            assert_eq!(moved, now != then, "vertex {v}");
+            assert!(!moved || (v as u32) < upper, "vertex {v} was not free");
+            assert_eq!(now.as_vec3().as_dvec3(), *now, "vertex {v} is in `f32`");
+        }
+    }
+
+    #[test]
+    fn a_vertex_is_not_moved_onto_another() {
+        let (mut positions, mut triangles, upper) = two_sheets(0.125);
+        let spike = 12;
+        positions[spike].z = 0.25;
+        // Where the spike would go first, another part of the wood has a vertex.
+        positions.push(DVec3::new(2.0, 2.0, 0.0));
+        positions.extend([DVec3::new(2.0, 2.0, -1.0), DVec3::new(3.0, 2.0, -1.0)]);
+        triangles.push([50, 51, 52]);
+        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        Untangler {
+            positions: &mut positions,
+            triangles: &triangles,
+            is_free: &|v| v < upper,
+            reach: 0.5,
+        }
+        .untangle(&mut pairs);
+        assert!(pairs.is_empty(), "{pairs:?}");
+        let mut keys: Vec<[u64; 3]> = positions.iter().map(|&p| position_key(p)).collect();
+        keys.sort_unstable();
+        assert!(keys.windows(2).all(|w| w[0] != w[1]));
+    }
+
+    #[test]
+    fn crossings_of_what_is_not_free_are_left() {
+        let (mut positions, triangles, _) = two_sheets(0.125);
+        positions[12].z = 0.25;
+        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        let (before, found) = (positions.clone(), pairs.clone());
+        let done = Untangler {
+            positions: &mut positions,
+            triangles: &triangles,
+            is_free: &|_| false,
+            reach: 0.5,
+        }
+        .untangle(&mut pairs);
+        assert_eq!(
+            (done, pairs, positions),
+            (Untangled::default(), found, before)
+        );
+    }
+}
