@@ -137,19 +137,7 @@ impl<'a> HeightModel<'a> {
         self.p.seed ^ purpose << 20
     }
 
-    /// Inclination, layers, Perlin and white noise: Eqs. 1 to 5. `across` is in radii, `unit` in ring coordinates.
-    pub fn published(
-        &self,
-        walks: &mut NoiseSamplers,
-        (across, unit): (DVec2, DVec2),
-        (rho, phi): (f64, f64),
-        zone: Zone,
-        key: i64,
-    ) -> f64 {
-        self.stepped(across, rho, phi) + self.noise(walks, unit, self.p.zone(zone), key)
-    }
-
-    /// The same without noise.
+    /// Inclination and layers at a place `across` (radii) of the pith, whose ring coordinate is `rho`.
     pub fn stepped(&self, across: DVec2, rho: f64, phi: f64) -> f64 {
         across.dot(self.tilt) + self.layers(rho, phi)
     }
@@ -166,6 +154,7 @@ impl<'a> HeightModel<'a> {
         height
     }
 
+    /// Perlin and white noise: Eqs. 1 to 5. `unit` is in ring coordinates.
     pub fn noise(
         &self,
         walks: &mut NoiseSamplers,

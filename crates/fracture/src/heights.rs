@@ -12,7 +12,7 @@ use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
 pub use crate::slabs::SectionSpan;
 use crate::surface::SectionLayout;
 use crate::thorns::add_thorns;
-use crate::torn::{BundleHeight, TornRelief};
+use crate::torn::{BundleHeight, TornRelief, bundle_noise};
 pub use crate::wedge::Wedge;
 use glam::DVec2;
 use greenstick_wood::tissue::{Proportions, Zone};
@@ -26,6 +26,8 @@ pub struct HeightCache {
     noise: Option<Arc<NodeNoise>>,
     /// Torn ends of the bundles of a fibrous surface.
     ends: Option<Arc<TornEnds>>,
+    /// Noise at those bundles.
+    bundle_noise: Option<Arc<BundleNoise>>,
 }
 
 /// Where the heights of a break come from.
@@ -175,7 +177,7 @@ fn smooth_nodes(bundles: &FibreBundles, maker: &HeightModel, cache: &mut HeightC
         .collect()
 }
 
-/// What the noise of nodes is made from beside the layout.
+/// What noise is made from beside the layout.
 #[derive(Debug, Clone, PartialEq)]
 struct NoiseKey {
     seed: u64,
@@ -183,6 +185,19 @@ struct NoiseKey {
     rings: u32,
     proportions: Proportions,
     zones: [ZoneParameters; 5],
+}
+
+impl NoiseKey {
+    fn new(maker: &HeightModel) -> Self {
+        let p = maker.p;
+        NoiseKey {
+            seed: p.seed,
+            radius: maker.noise_radius,
+            rings: p.rings,
+            proportions: p.proportions(),
+            zones: [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark].map(Clone::clone),
+        }
+    }
 }
 
 /// The noise of a node.
@@ -209,14 +224,7 @@ impl NodeNoise {
         maker: &HeightModel,
         cache: &mut HeightCache,
     ) -> Arc<NodeNoise> {
-        let p = maker.p;
-        let key = NoiseKey {
-            seed: p.seed,
-            radius: maker.noise_radius,
-            rings: p.rings,
-            proportions: p.proportions(),
-            zones: [&p.pith, &p.heartwood, &p.sapwood, &p.phloem, &p.bark].map(Clone::clone),
-        };
+        let key = NoiseKey::new(maker);
         if let Some(last) = &cache.noise
             && last.key == key
             && Arc::ptr_eq(&last.layout, &bundles.layout)
@@ -259,6 +267,42 @@ impl NodeNoise {
     }
 }
 
+/// Noise at the bundles of a layout, which stays the same while the shape of the face changes.
+#[derive(Debug)]
+struct BundleNoise {
+    layout: Arc<SectionLayout>,
+    key: NoiseKey,
+    bundles: Vec<f64>,
+}
+
+impl BundleNoise {
+    /// Returns the noise that is cached, or makes it.
+    fn cached(
+        bundles: &FibreBundles,
+        maker: &HeightModel,
+        noises: &mut NoiseSamplers,
+        cache: &mut Option<Arc<BundleNoise>>,
+    ) -> Arc<BundleNoise> {
+        let key = NoiseKey::new(maker);
+        if let Some(last) = cache
+            && last.key == key
+            && Arc::ptr_eq(&last.layout, &bundles.layout)
+        {
+            return last.clone();
+        }
+        let numbered = bundles.bundles.iter().enumerate();
+        let made = Arc::new(BundleNoise {
+            layout: bundles.layout.clone(),
+            key,
+            bundles: numbered
+                .map(|(i, bundle)| bundle_noise(maker, noises, i, bundle))
+                .collect(),
+        });
+        *cache = Some(made.clone());
+        made
+    }
+}
+
 /// The height of every node of every bundle of the torn surface, in radii, the ends they are of, and the thorns.
 fn fibrous_rims(
     bundles: &FibreBundles,
@@ -268,8 +312,9 @@ fn fibrous_rims(
 ) -> (Vec<f64>, Arc<TornEnds>, Vec<Thorn>) {
     let mut walks = NoiseSamplers::new(maker);
     let torn = TornRelief::new(maker, bundles, field, &mut walks, &mut cache.ends);
-    let levels: Vec<BundleHeight> = (0..bundles.bundles.len())
-        .map(|i| torn.bundle_height(&mut walks, i))
+    let noise = BundleNoise::cached(bundles, maker, &mut walks, &mut cache.bundle_noise);
+    let levels: Vec<BundleHeight> = (noise.bundles.iter().enumerate())
+        .map(|(i, &noise)| torn.bundle_height(&mut walks, i, noise))
         .collect();
     let thorns = levels
         .iter()

@@ -122,8 +122,13 @@ impl<'a> TornRelief<'a> {
         }
     }
 
-    /// Returns the height of a bundle of the procedural model.
-    pub fn bundle_height(&self, noises: &mut NoiseSamplers, index: usize) -> BundleHeight {
+    /// Returns the height of a bundle, which has this [`bundle_noise`].
+    pub fn bundle_height(
+        &self,
+        noises: &mut NoiseSamplers,
+        index: usize,
+        noise: f64,
+    ) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let unit = unit(bundle.rho.min(1.0), bundle.phi);
         let middle = self.ends.middle(self.bundles, index, unit);
@@ -131,9 +136,9 @@ impl<'a> TornRelief<'a> {
         if let Some(field) = self.field.filter(|f| !f.has_failures()) {
             self.field_height(field, bundle, middle)
         } else if bundle.bark {
-            self.bark_height(noises, bundle, end, middle)
+            self.bark_height(bundle, end, middle, noise)
         } else {
-            self.wood_height(noises, (index, end), unit, middle)
+            self.wood_height(noises, (index, end), (unit, middle), noise)
         }
     }
 
@@ -214,16 +219,12 @@ impl<'a> TornRelief<'a> {
 
     fn bark_height(
         &self,
-        noises: &mut NoiseSamplers,
         bundle: &FibreBundle,
         end: &TornEnd,
         middle: DVec2,
+        noise: f64,
     ) -> BundleHeight {
         let p = self.model.p;
-        let at = unit(1.0, bundle.phi);
-        let noise = self
-            .model
-            .noise(noises, at, p.zone(Zone::Bark), bundle_key(bundle));
         // On a field every node of the bark has the height of its own angle.
         let (level, tilt) = match self.field {
             None => (
@@ -249,19 +250,17 @@ impl<'a> TornRelief<'a> {
         &self,
         noises: &mut NoiseSamplers,
         (index, end): (usize, &TornEnd),
-        at: DVec2,
-        middle: DVec2,
+        (at, middle): (DVec2, DVec2),
+        noise: f64,
     ) -> LargeShape {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
-        let (model, key) = (self.model, index as i64);
-        let zone = model.p.proportions().zone_at(rho, 0.0);
+        let model = self.model;
         let Some(field) = self.field else {
             let across = (middle - self.ends.pith) / model.site.radius;
-            let published = model.published(noises, (across, at), (rho, bundle.phi), zone, key);
             let shelf = self.distance_to_shelf(end.shelf, at, middle);
             return LargeShape {
-                level: published,
+                level: model.stepped(across, rho, bundle.phi) + noise,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
@@ -275,7 +274,6 @@ impl<'a> TornRelief<'a> {
         let own = field.at(rho, bundle.phi);
         let shared = field.at(ring, ray);
         let level = (own + (shared - own) * SLIVER_SHARE) / model.site.radius;
-        let noise = model.noise(noises, at, model.p.zone(zone), key);
         let failure = field.failure_at(ring, ray);
         LargeShape {
             level: level + noise,
@@ -290,8 +288,8 @@ impl<'a> TornRelief<'a> {
         &self,
         noises: &mut NoiseSamplers,
         (index, end): (usize, &TornEnd),
-        at: DVec2,
-        middle: DVec2,
+        (at, middle): (DVec2, DVec2),
+        noise: f64,
     ) -> BundleHeight {
         let bundle = &self.bundles.bundles[index];
         let rho = bundle.rho.min(1.0);
@@ -304,7 +302,7 @@ impl<'a> TornRelief<'a> {
             tilt,
             torn,
             relief,
-        } = self.large_shape(noises, (index, end), at, middle);
+        } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
         // Slivers run up a slab like the treads of a stair.
         let (own_height, shared) = end.slab_heights;
@@ -431,6 +429,20 @@ impl<'a> TornRelief<'a> {
     }
 }
 
-fn bundle_key(bundle: &FibreBundle) -> i64 {
-    (1 << 40) + i64::from(bundle.sector)
+/// Returns the noise at a bundle, number `index` of its layout (Yang 2019, Eqs. 2 to 5).
+pub(crate) fn bundle_noise(
+    model: &HeightModel,
+    noises: &mut NoiseSamplers,
+    index: usize,
+    bundle: &FibreBundle,
+) -> f64 {
+    let (zone, at, key) = if bundle.bark {
+        let key = (1 << 40) + i64::from(bundle.sector);
+        (Zone::Bark, unit(1.0, bundle.phi), key)
+    } else {
+        let rho = bundle.rho.min(1.0);
+        let zone = model.p.proportions().zone_at(rho, 0.0);
+        (zone, unit(rho, bundle.phi), index as i64)
+    };
+    model.noise(noises, at, model.p.zone(zone), key)
 }

@@ -4,6 +4,7 @@ use super::parts::Side;
 use super::skin::{FINEST, LEVELS, Skin};
 use crate::surface::{FractureSurface, NONE, SectionLayout, range};
 use glam::DVec2;
+use rustc_hash::FxHashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -18,6 +19,10 @@ pub struct FacetGrid {
     /// Where each cell's list in `facets` starts.
     starts: Vec<u32>,
     facets: Vec<u32>,
+    /// The different rectangles of cells that limb triangles cover, as low column, low row, high column, high row.
+    rectangles: Vec<[u16; 4]>,
+    /// For each limb triangle by rank the number of its rectangle.
+    rectangle_of: Vec<u32>,
     /// Boxes of the facets near the skin, as low x, low y, high x, high y.
     boxes: Vec<[f64; 4]>,
     /// For each facet [`NEAR`] where it lies near the skin, else the number of its region.
@@ -88,10 +93,30 @@ impl FacetGrid {
             regions: vec![UNKNOWN; layout.facets.len()],
             ..FacetGrid::default()
         };
+        grid.number_rectangles(skin);
         grid.spread(skin);
         grid.part();
         grid.gather();
         grid
+    }
+
+    /// Numbers the rectangles of cells. Triangles above each other along the stem mostly have the same one.
+    fn number_rectangles(&mut self, skin: &Skin) {
+        let mut numbers: FxHashMap<[u16; 4], u32> = FxHashMap::default();
+        self.rectangle_of = Vec::with_capacity(skin.cells.len());
+        let (mut last, mut number) = ([0; 4], NONE);
+        for cells in &skin.cells {
+            let rectangle = cells.map(|c| c >> self.level);
+            if rectangle != last || number == NONE {
+                let next = self.rectangles.len() as u32;
+                number = *numbers.entry(rectangle).or_insert(next);
+                if number == next {
+                    self.rectangles.push(rectangle);
+                }
+                last = rectangle;
+            }
+            self.rectangle_of.push(number);
+        }
     }
 
     /// Lists the facets over every cell that has skin.
@@ -202,6 +227,8 @@ pub(super) struct Relief<'a> {
     surface: &'a FractureSurface,
     /// Lowest and highest height over each cell; [`UNKNOWN_RANGE`] for cells whose range is not known yet.
     cells: Vec<(f64, f64)>,
+    /// The same over each of [`FacetGrid::rectangles`].
+    rectangles: Vec<(f64, f64)>,
 }
 
 const UNKNOWN_RANGE: (f64, f64) = (0.0, 0.0);
@@ -213,6 +240,7 @@ impl<'a> Relief<'a> {
             skin,
             surface,
             cells: vec![UNKNOWN_RANGE; grid.size * grid.size],
+            rectangles: vec![UNKNOWN_RANGE; grid.rectangles.len()],
         }
     }
 
@@ -222,7 +250,19 @@ impl<'a> Relief<'a> {
 
     /// The side of a limb triangle, or [`Side::Split`] where the facets over it decide.
     pub fn meet(&mut self, rank: usize) -> Side {
-        let [i0, j0, i1, j1] = self.skin.cells[rank].map(|c| usize::from(c) >> self.grid.level);
+        let rectangle = self.grid.rectangle_of[rank] as usize;
+        if self.rectangles[rectangle] == UNKNOWN_RANGE {
+            self.rectangles[rectangle] = self.over_rectangle(self.grid.rectangles[rectangle]);
+        }
+        match side(self.skin.spans[rank], self.rectangles[rectangle]) {
+            Side::Elsewhere => Side::Split,
+            side => side,
+        }
+    }
+
+    /// Lowest and highest height over the cells of a rectangle.
+    fn over_rectangle(&mut self, rectangle: [u16; 4]) -> (f64, f64) {
+        let [i0, j0, i1, j1] = rectangle.map(usize::from);
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for j in j0..=j1 {
             for cell in j * self.grid.size + i0..=j * self.grid.size + i1 {
@@ -234,10 +274,7 @@ impl<'a> Relief<'a> {
                 range = (range.0.min(cell.0), range.1.max(cell.1));
             }
         }
-        match side(self.skin.spans[rank], range) {
-            Side::Elsewhere => Side::Split,
-            side => side,
-        }
+        range
     }
 
     /// The side of a triangle that spans some lengths (m) and lies over some facets.

@@ -9,7 +9,7 @@ use greenstick_wood::stem::LevelSteps;
 const NEAR: f64 = 1e-10;
 
 /// How many levels lie at or below a vertex, and how many below it; they differ where it lies on one.
-type Rank = (u32, u32);
+type Rank = [u32; 2];
 
 /// The levels that a triangle crosses: the number of the first, and whether it is the only one.
 struct Crossed {
@@ -20,7 +20,7 @@ struct Crossed {
 /// The levels that a triangle with corners of such ranks crosses.
 #[inline]
 fn crossed([a, b, c]: [Rank; 3]) -> Option<Crossed> {
-    let (least, most) = (a.0.min(b.0).min(c.0), a.1.max(b.1).max(c.1));
+    let (least, most) = (a[0].min(b[0]).min(c[0]), a[1].max(b[1]).max(c[1]));
     (least < most).then(|| Crossed {
         first: least as usize,
         only: least + 1 == most,
@@ -43,7 +43,7 @@ impl Cut {
             while below > 0 && levels[below - 1] >= s - near {
                 below -= 1;
             }
-            (at as u32, below as u32)
+            [at as u32, below as u32]
         };
         let made = self.vertices.iter().map(|v| v.grain.z);
         let inside = self.inside.iter().map(|p| p.z);
@@ -104,20 +104,30 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
 
     /// Numbers of the triangles that cross a level.
     fn crossing(&self) -> Vec<u32> {
-        // Which do is not to be predicted, so nothing branches on it.
+        // Corners of one rank have no level between them. Which triangles have several is not to be predicted, so nothing
+        // branches on it.
         let mut list = vec![0; self.cut.cap.len()];
         let mut count = 0;
+        let points = self.cut.points as u32;
+        let rank = |id: u32| {
+            let known = self.ranks.get(id.wrapping_sub(points) as usize);
+            // Vertices of the mesh itself are looked at below.
+            known.map_or([id, NONE], |rank| *rank)
+        };
         for (number, t) in (0..).zip(&self.cut.cap) {
+            let [a, b, c] = t.map(rank);
             list[count] = number;
-            count += usize::from(crossed(self.ranks(t)).is_some());
+            count += usize::from((a != b) | (b != c));
         }
         list.truncate(count);
+        let crosses = |t: &[u32; 3]| crossed(self.ranks(t)).is_some();
+        list.retain(|&number| crosses(&self.cut.cap[number as usize]));
         list
     }
 
     /// Grain coordinates of a vertex; its length is that of the level where it lies on one.
     fn grain(&self, id: u32) -> DVec3 {
-        let (at, below) = self.rank_of(id);
+        let [at, below] = self.rank_of(id);
         let grain = self.cut.grain(self.points, id);
         if at > below {
             grain.truncate().extend(self.levels[below as usize])
@@ -183,8 +193,8 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
     fn parts(&mut self, t: [u32; 3], n: usize) -> ([[u32; 3]; 3], usize) {
         let level = self.levels[n];
         let ranks = self.ranks(&t);
-        let above = ranks.map(|r| r.1 as usize > n);
-        let on = ranks.map(|r| (r.1 as usize..r.0 as usize).contains(&n));
+        let above = ranks.map(|[_, below]| below as usize > n);
+        let on = ranks.map(|[at, below]| (below as usize..at as usize).contains(&n));
         if let Some(i) = (0..3).find(|&i| on[i]) {
             let (b, c) = (t[(i + 1) % 3], t[(i + 2) % 3]);
             let m = self.vertex(b, c, n, level);
@@ -215,7 +225,7 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         p.z = level;
         self.cut.inside.push(p);
         self.cut.nodes.push(NONE);
-        self.ranks.push((number as u32 + 1, number as u32));
+        self.ranks.push([number as u32 + 1, number as u32]);
         let id = (self.cut.points + self.cut.vertices.len() + self.cut.inside.len() - 1) as u32;
         self.latest[a as usize] = self.made.len() as u32;
         self.latest.push(NONE);

@@ -86,10 +86,12 @@ pub(super) enum Place {
 /// Height of a facet's plane where its corners have `weights`, the last of which is their sum.
 fn over(heights: &[f64; 3], weights: &[f64; 4]) -> f64 {
     let (h, w) = (heights, weights);
+    let least = |a: f64, b: f64| if a < b { a } else { b };
+    let greatest = |a: f64, b: f64| if a > b { a } else { b };
+    let height = (w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / w[3];
     // Rounding must not lead past the corners, between which whole triangles are distinguished from cut ones.
-    ((w[0] * h[0] + w[1] * h[1] + w[2] * h[2]) / w[3])
-        .max(h[0].min(h[1]).min(h[2]))
-        .min(h[0].max(h[1]).max(h[2]))
+    let height = greatest(height, least(least(h[0], h[1]), h[2]));
+    least(height, greatest(greatest(h[0], h[1]), h[2]))
 }
 
 impl Overlay<'_> {
@@ -103,7 +105,7 @@ impl Overlay<'_> {
         memory: &mut SplitMemory,
     ) -> Result<Place, CutError> {
         self.made.resize(clips.vertices.len(), NONE);
-        match self.measure(corners, clips, parts, memory) {
+        match self.measure(clips, parts, memory) {
             Place::Split
                 if !self.stepped
                     && self.split_along_line(triangle, corners, clips, parts, memory) =>
@@ -116,13 +118,7 @@ impl Overlay<'_> {
     }
 
     /// Heights of a triangle's parts above the surface, and where each part and all of them lie.
-    fn measure(
-        &self,
-        corners: [u32; 3],
-        clips: &Clips,
-        parts: (u32, u32),
-        memory: &mut SplitMemory,
-    ) -> Place {
+    fn measure(&self, clips: &Clips, parts: (u32, u32), memory: &mut SplitMemory) -> Place {
         memory.above.clear();
         memory.places.clear();
         let (mut below, mut above) = (false, false);
@@ -130,27 +126,16 @@ impl Overlay<'_> {
             let heights = &self.surface.heights[part.facet as usize];
             let (mut low, mut high) = (false, false);
             for slot in &clips.slots[part.slots.0 as usize..part.slots.1 as usize] {
-                let (at, height) = match slot.corner {
-                    Corner::Point(i) => (
-                        self.points[corners[usize::from(i)] as usize].z,
-                        over(heights, &clips.weights[slot.vertex as usize]),
-                    ),
-                    Corner::Crossing(_, k) => {
-                        let [a, b] = self.surface.side_heights(part.facet, k);
-                        let fixed = &clips.vertices[slot.vertex as usize];
-                        (fixed.grain.z, a + (b - a) * fixed.fraction)
+                let height = match slot.corner {
+                    Corner::Point(_) => over(heights, &clips.weights[slot.vertex as usize]),
+                    _ => {
+                        let [a, b] = slot.ends.map(|k| heights[usize::from(k)]);
+                        a + (b - a) * slot.fraction
                     }
-                    Corner::Node(k) => (
-                        clips.vertices[slot.vertex as usize].grain.z,
-                        heights[usize::from(k)],
-                    ),
                 };
-                let off = at - height;
-                if off > 0.0 {
-                    high = true;
-                } else {
-                    low = true;
-                }
+                let off = slot.length - height;
+                let is_above = off > 0.0;
+                (low, high) = (low | !is_above, high | is_above);
                 memory.above.push(off);
             }
             (below, above) = (below | low, above | high);

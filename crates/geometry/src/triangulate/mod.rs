@@ -93,19 +93,25 @@ impl Triangulator {
         points: &[DVec2],
         triangles: &mut Vec<[u32; 3]>,
     ) -> Result<(), TriangulateError> {
-        if are_collinear(points) {
-            if let Some((i, j)) = simple::find_repeated(points) {
-                return Err(TriangulateError::Crossing(i, j));
+        let clockwise = match simple::monotone_orientation(points) {
+            Some(clockwise) => clockwise,
+            None => {
+                if are_collinear(points) {
+                    if let Some((i, j)) = simple::find_repeated(points) {
+                        return Err(TriangulateError::Crossing(i, j));
+                    }
+                    triangles.extend((1..points.len() as u32 - 1).map(|i| [0, i, i + 1]));
+                    return Ok(());
+                }
+                if let Some((i, j)) = simple::find_crossing(points, &[], &mut self.by_left) {
+                    return Err(TriangulateError::Crossing(i, j));
+                }
+                simple::is_clockwise(points)
             }
-            triangles.extend((1..points.len() as u32 - 1).map(|i| [0, i, i + 1]));
-            return Ok(());
-        }
-        if let Some((i, j)) = simple::find_crossing(points, &[], &mut self.by_left) {
-            return Err(TriangulateError::Crossing(i, j));
-        }
+        };
         self.order.clear();
         self.order.extend(0..points.len() as u32);
-        if simple::is_clockwise(points) {
+        if clockwise {
             self.order.reverse();
         }
         self.ears.fill(points, &self.order, false, triangles)

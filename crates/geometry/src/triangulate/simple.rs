@@ -157,6 +157,60 @@ pub(super) fn is_clockwise(ring: &[DVec2]) -> bool {
     ) < 0.0
 }
 
+/// Whether a ring runs clockwise, if it consists of two chains that each run from its leftmost point to its rightmost (of
+/// points above each other, the lower counts as left) and meet at these two points only; `None` if it does not. No two
+/// edges of such a ring meet but at common ends.
+///
+/// Chains are compared where either has a point. Between two of these both are straight, so that they do not meet there
+/// unless they change sides.
+pub(super) fn monotone_orientation(ring: &[DVec2]) -> Option<bool> {
+    let n = ring.len();
+    let is_left = |a: DVec2, b: DVec2| a.x < b.x || (a.x == b.x && a.y < b.y);
+    let (mut leftmost, mut rightmost) = (None, None);
+    let mut rose = is_left(ring[n - 2], ring[n - 1]);
+    let mut at = n - 1;
+    for next in 0..n {
+        if ring[at] == ring[next] {
+            return None;
+        }
+        let rises = is_left(ring[at], ring[next]);
+        if rises != rose {
+            let end = if rises { &mut leftmost } else { &mut rightmost };
+            if end.replace(at).is_some() {
+                return None;
+            }
+        }
+        (at, rose) = (next, rises);
+    }
+    let (leftmost, rightmost) = (leftmost?, rightmost?);
+    let after = |i: usize| if i + 1 == n { 0 } else { i + 1 };
+    let before = |i: usize| if i == 0 { n - 1 } else { i - 1 };
+    // The last points passed, and the next, of the chain that runs forward and of the one that runs back.
+    let (mut forward, mut back) = (ring[leftmost], ring[leftmost]);
+    let (mut i, mut j) = (after(leftmost), before(leftmost));
+    let mut clockwise = None;
+    while i != rightmost || j != rightmost {
+        let (p, q) = (ring[i], ring[j]);
+        // Above zero where the chain that runs back lies above the other.
+        let side = if is_left(p, q) {
+            let side = -orient2d(back, q, p);
+            (forward, i) = (p, after(i));
+            side
+        } else if is_left(q, p) {
+            let side = orient2d(forward, p, q);
+            (back, j) = (q, before(j));
+            side
+        } else {
+            return None;
+        };
+        if side == 0.0 || clockwise.is_some_and(|known| known != (side < 0.0)) {
+            return None;
+        }
+        clockwise = Some(side < 0.0);
+    }
+    clockwise
+}
+
 /// Whether all points lie exactly on one line.
 pub(super) fn are_collinear(points: &[DVec2]) -> bool {
     let Some(&other) = points.iter().find(|&&p| p != points[0]) else {

@@ -1,5 +1,6 @@
 //! Triangulations against the properties of every triangulation of a polygon, in exact integers.
 
+use super::simple::monotone_orientation;
 use super::{TriangulateError, Triangulator, triangulate};
 use crate::intersect::orient2d;
 use glam::DVec2;
@@ -206,6 +207,53 @@ fn random_polygons_are_triangulated_and_crossing_ones_refused() {
         }
     }
     assert!(simple > 2000 && crossing > 500, "{simple} {crossing}");
+}
+
+#[test]
+fn rings_of_two_chains_are_simple_and_their_orientation_is_known() {
+    let mut random = Random(11);
+    let places = |ring: &[Point]| -> Vec<DVec2> {
+        let place = |p: &Point| DVec2::new(p[0] as f64, p[1] as f64);
+        ring.iter().map(place).collect()
+    };
+    let mut known = 0;
+    for round in 0..4000 {
+        // Two chains over one another with a few points above each other, some of which touch or cross.
+        let (low, high) = (random.below(4) + 2, random.below(4) + 2);
+        let mut ring: Vec<Point> = (0..low)
+            .map(|_| [random.below(9), random.below(5)])
+            .collect();
+        ring.sort_unstable();
+        let mut back: Vec<Point> = (0..high)
+            .map(|_| [random.below(9), random.below(9)])
+            .collect();
+        back.sort_unstable_by(|a, b| b.cmp(a));
+        ring.extend(back);
+        if round % 2 == 1 {
+            ring.reverse();
+        }
+        let turn = random.below(ring.len() as i64) as usize;
+        ring.rotate_left(turn);
+        if let Some(clockwise) = monotone_orientation(&places(&ring)) {
+            known += 1;
+            assert!(is_simple(&ring), "{ring:?}");
+            assert_eq!(clockwise, twice_area(&ring) < 0, "{ring:?}");
+        }
+    }
+    assert!(known > 500, "{known}");
+    let comb = [[0, 0], [6, 0], [6, 5], [4, 1], [3, 5], [2, 1], [1, 5]];
+    assert_eq!(monotone_orientation(&places(&comb)), Some(false));
+    let hook = [
+        [0, 0],
+        [6, 0],
+        [6, 5],
+        [2, 5],
+        [2, 4],
+        [4, 4],
+        [4, 2],
+        [0, 2],
+    ];
+    assert_eq!(monotone_orientation(&places(&hook)), None);
 }
 
 #[test]

@@ -8,10 +8,8 @@
 use super::inner_wood::InnerWood;
 use crate::source::Source;
 use glam::{DVec2, DVec3};
-use greenstick_fracture::cut::{Cut, Host};
+use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
-use greenstick_fracture::surface::NONE;
-use std::ops::Range;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
@@ -57,19 +55,18 @@ fn on_skin(source: &Source, host: Host) -> DVec3 {
     }
 }
 
-/// The normal of one vertex of one bundle's top, and the mesh vertices made for it on side and on end grain.
+/// What the triangles of one run have at a vertex of the cut.
 #[derive(Clone, Copy)]
 struct Slot {
+    /// Sum of their normals.
     normal: DVec3,
+    /// One more than the number of the vertex made here last, on side and on end grain; 0 for none.
     made: [u32; 2],
 }
 
-/// A vertex of the cut, in one cache line: triangles read their corners in no particular order.
+/// A vertex of the cut. Its exact position is in [`Face::places`].
 #[derive(Clone, Copy)]
-#[repr(align(64))]
 struct Corner {
-    /// Exact position.
-    place: DVec3,
     /// Grain coordinates, m.
     grain: DVec3,
     /// Angle about the pith, rad; NaN until it is needed.
@@ -78,81 +75,108 @@ struct Corner {
     r: f64,
 }
 
-/// A face while it is made.
+/// A vertex of the face.
+#[derive(Clone, Copy, Default)]
+struct MadeVertex {
+    /// Twice its corner's number, and 1 more where it shows end grain.
+    at: u32,
+    cell: u32,
+}
+
+impl MadeVertex {
+    fn new(at: usize, end: bool, cell: u32) -> Self {
+        MadeVertex {
+            at: at as u32 * 2 + u32::from(end),
+            cell,
+        }
+    }
+
+    fn corner(self) -> usize {
+        (self.at / 2) as usize
+    }
+
+    fn shows_end_grain(self) -> bool {
+        self.at % 2 == 1
+    }
+}
+
+/// What a face is made from.
 struct FaceBuilder<'a> {
     cut: &'a Cut,
     inner: &'a InnerWood<'a>,
-    face: Face,
-    /// The vertices of the cut, those of the mesh last and only if the face uses them.
+    /// The vertices of the cut, those of the mesh last and only if the face uses them, and their positions.
     corners: Vec<Corner>,
-    /// The corner of each vertex of the face made so far, and whether it shows end grain.
-    made_at: Vec<(u32, bool)>,
+    places: Vec<DVec3>,
     /// Low corner of the texture's square.
     low: DVec2,
     pith: DVec2,
-    /// For each vertex of the cut the last run of triangles that used it, and its number there.
-    runs: Vec<(u32, u32)>,
 }
 
 /// Makes the broken face of a cut.
 pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
-    let corners = corners(source, cut, inner);
+    let (places, corners) = corners(source, cut, inner);
     let count = cut.cap.len();
     let tops = cut.walls.first().map_or(count, |&w| w as usize);
-    let capacity = if inner.smooth {
-        corners.len()
-    } else {
-        3 * count
+    let mut face = Face {
+        normals: Vec::with_capacity(if inner.smooth {
+            corners.len()
+        } else {
+            2 * count
+        }),
+        triangles: Vec::with_capacity(count),
+        ..Face::default()
     };
     let mut builder = FaceBuilder {
         cut,
         inner,
-        runs: Vec::new(),
-        face: Face {
-            normals: Vec::with_capacity(capacity),
-            triangles: Vec::with_capacity(count),
-            cells: Vec::with_capacity(capacity),
-            places: corners.iter().map(|c| c.place).collect(),
-            ..Face::default()
-        },
         corners,
-        made_at: Vec::with_capacity(capacity),
+        places,
         low: inner.square.middle - inner.square.side / 2.0,
         pith: inner.stem.rings.pith(),
     };
-    let run = builder.tops(tops);
-    builder.walls(tops, run);
-    builder.place();
-    builder.face
+    // A triangle makes 3 vertices at most; the last place takes what is not needed.
+    let mut made = vec![MadeVertex::default(); 3 * count + 1];
+    let used = builder.tops(tops, &mut made, &mut face);
+    let used = builder.walls(tops, (&mut made, used), &mut face);
+    builder.place(&made[..used], &mut face);
+    face.places = builder.places;
+    face
 }
 
-/// Returns the vertices of a cut: its own on the skin, those within the wood, and the mesh's if its face uses them.
-fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> Vec<Corner> {
+/// Returns the vertices of a cut and their positions: its own on the skin, those within the wood, and the mesh's if its
+/// face uses them.
+fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> (Vec<DVec3>, Vec<Corner>) {
     let pith = inner.stem.rings.pith();
-    let corner = |place: DVec3, grain: DVec3, phi: f64| Corner {
-        place,
+    let corner = |grain: DVec3, phi: f64| Corner {
         grain,
         phi,
         r: grain.truncate().distance(pith),
     };
-    let mut corners = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
-    let on_skin = |host| on_skin(source, host);
-    corners.extend((cut.vertices.iter()).map(|v| corner(on_skin(v.host), v.grain, f64::NAN)));
+    let own = cut.vertices.len() + cut.inside.len();
+    let mut places = Vec::with_capacity(own);
+    places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
+    places.extend(cut.inside.iter().map(|&grain| source.chart.to_world(grain)));
+    let mut corners = Vec::with_capacity(own);
+    corners.extend(cut.vertices.iter().map(|v| corner(v.grain, f64::NAN)));
     corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
-        let phi = address.map_or(f64::NAN, |a| a.1);
-        corner(source.chart.to_world(grain), grain, phi)
+        corner(grain, address.map_or(f64::NAN, |a| a.1))
     }));
     // Vertices of the mesh itself are not expected here, but would follow the others.
-    let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
-    if least < cut.points {
-        let points = (0..).zip(&source.grain[..cut.points]);
-        corners.extend(points.map(|(p, &g)| corner(on_skin(Host::Point(p)), g, f64::NAN)));
+    let used = cut.cap.as_flattened().iter();
+    if used.fold(u32::MAX, |least, &id| least.min(id)) < cut.points as u32 {
+        places.extend((0..cut.points as u32).map(|p| on_skin(source, Host::Point(p))));
+        corners.extend(
+            source.grain[..cut.points]
+                .iter()
+                .map(|&g| corner(g, f64::NAN)),
+        );
     }
-    corners
+    (places, corners)
 }
 
 impl FaceBuilder<'_> {
+    #[inline]
     fn index(&self, id: u32) -> usize {
         match (id as usize).checked_sub(self.cut.points) {
             Some(i) => i,
@@ -160,211 +184,116 @@ impl FaceBuilder<'_> {
         }
     }
 
-    /// Makes the first `count` triangles, the tops of cells. Returns the number of the last run.
-    fn tops(&mut self, count: usize) -> u32 {
-        let known = self.inner.bundles.bundles.len() as u32;
-        if self.inner.smooth && self.cut.faces[..count].iter().all(|f| f.cell < known) {
-            self.smooth_tops(count);
-            return 1;
-        }
-        self.split_tops(count)
-    }
-
-    /// [`FaceBuilder::tops`] where all of them are one run, so that every vertex of the cut has one normal.
-    fn smooth_tops(&mut self, count: usize) {
+    /// Makes the first `count` triangles, the tops of cells. Those of one cell, and where the surface is smooth of all, are
+    /// one run: a vertex of the cut has one normal there. Returns the number of vertices in `made`.
+    fn tops(&self, count: usize, made: &mut [MadeVertex], face: &mut Face) -> usize {
         let none = Slot {
             normal: DVec3::ZERO,
-            made: [NONE; 2],
+            made: [0; 2],
         };
         let mut slots = vec![none; self.corners.len()];
-        let mut slot_of: Vec<u32> = Vec::with_capacity(slots.len());
-        for t in 0..count {
-            let ids = self.cut.cap[t];
+        // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
+        let known = self.inner.bundles.bundles.len() as u32;
+        let (cut, smooth) = (self.cut, self.inner.smooth);
+        let (mut used, mut first, mut last) = (0, 0, None);
+        let normals = &mut face.normals;
+        let top = |(&ids, of): (&[u32; 3], &CapFace)| {
+            let cell = of.cell;
+            let continues = |last: u32| last == cell || (smooth && cell < known && last < known);
+            if !last.is_some_and(continues) {
+                finish_run(&made[first..used], &slots, normals);
+                first = used;
+            }
+            last = Some(cell);
             let at = ids.map(|id| self.index(id));
             let (normal, end) = self.normal_and_end_grain(at);
-            let cell = self.cut.faces[t].cell;
-            let corners = [0, 1, 2].map(|k| {
-                let slot = &mut slots[at[k]];
-                slot.normal += normal;
-                let made = &mut slot.made[usize::from(end)];
-                if *made == NONE {
-                    slot_of.push(at[k] as u32);
-                    *made = self.push(at[k], cell, end);
-                }
-                *made
-            });
-            self.face.triangles.push(corners);
-        }
-        let normal = |&s: &u32| to_f32(slots[s as usize].normal.normalize_or_zero());
-        self.face.normals.extend(slot_of.iter().map(normal));
+            at.map(|at| {
+                let slot = &mut slots[at];
+                let fresh = slot.made[0].max(slot.made[1]) <= first as u32;
+                slot.normal = kept(slot.normal, !fresh) + normal;
+                let before = &mut slot.made[usize::from(end)];
+                let vertex = MadeVertex::new(at, end, cell);
+                let number = make_vertex((made, &mut used), vertex, (*before, first));
+                *before = number + 1;
+                number
+            })
+        };
+        (face.triangles).extend(cut.cap[..count].iter().zip(&cut.faces).map(top));
+        finish_run(&made[first..used], &slots, normals);
+        used
     }
 
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
     #[inline]
     fn normal_and_end_grain(&self, at: [usize; 3]) -> (DVec3, bool) {
-        let [a, b, c] = at.map(|i| &self.corners[i]);
-        let across = (b.grain - a.grain).cross(c.grain - a.grain);
+        let [a, b, c] = at.map(|i| self.corners[i].grain);
+        let across = (b - a).cross(c - a);
         let end = across.z * across.z > END_GRAIN * END_GRAIN * across.length_squared();
-        ((b.place - a.place).cross(c.place - a.place), end)
+        let [a, b, c] = at.map(|i| self.places[i]);
+        ((b - a).cross(c - a), end)
     }
 
-    /// [`FaceBuilder::tops`] where cells split them into runs.
-    fn split_tops(&mut self, count: usize) -> u32 {
-        self.runs = vec![(0, 0); self.corners.len()];
-        // Those of one run.
-        let mut slots: Vec<Slot> = Vec::new();
-        let mut slot_of: Vec<u32> = Vec::new();
-        let normal = |slots: &[Slot], s: u32| to_f32(slots[s as usize].normal.normalize_or_zero());
-        let (mut run, mut cell) = (0, NONE);
-        for t in 0..count {
-            let face = self.cut.faces[t];
-            // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
-            let known = self.inner.bundles.bundles.len() as u32;
-            let smooth = self.inner.smooth && face.cell < known && cell < known;
-            if run == 0 || (!smooth && face.cell != cell) {
-                run += 1;
-                let normals = slot_of.drain(..).map(|s| normal(&slots, s));
-                self.face.normals.extend(normals);
-                slots.clear();
-            }
-            cell = face.cell;
-            let ids = self.cut.cap[t];
-            let at = ids.map(|id| self.index(id));
-            let (normal, end) = self.normal_and_end_grain(at);
-            let corners = [0, 1, 2].map(|k| {
-                let known = self.runs[at[k]];
-                let slot = if known.0 == run {
-                    known.1
-                } else {
-                    self.runs[at[k]] = (run, slots.len() as u32);
-                    slots.push(Slot {
-                        normal: DVec3::ZERO,
-                        made: [NONE; 2],
-                    });
-                    slots.len() as u32 - 1
-                };
-                let entry = &mut slots[slot as usize];
-                entry.normal += normal;
-                let made = entry.made[usize::from(end)];
-                if made != NONE {
-                    return made;
-                }
-                slot_of.push(slot);
-                let made = self.push(at[k], face.cell, end);
-                entry.made[usize::from(end)] = made;
-                made
-            });
-            self.face.triangles.push(corners);
-        }
-        let normals = slot_of.drain(..).map(|s| normal(&slots, s));
-        self.face.normals.extend(normals);
-        run
-    }
-
-    /// Makes the walls, whose triangles start at `first`.
-    fn walls(&mut self, first: usize, mut run: u32) {
-        let ends = self.cut.walls.iter().skip(1).map(|&w| w as usize);
-        let ends = ends.chain([self.cut.cap.len()]);
+    /// Makes the walls, whose triangles start at `first`: one of few triangles has one normal, one of many follows the bend
+    /// of the stem. Returns the number of vertices in `made`, of which `used` are there before.
+    fn walls(
+        &self,
+        first: usize,
+        (made, mut used): (&mut [MadeVertex], usize),
+        face: &mut Face,
+    ) -> usize {
+        let cut = self.cut;
+        let ends = cut.walls.iter().skip(1).map(|&w| w as usize);
         let mut from = first;
-        for to in ends {
-            if to - from <= MAX_FLAT_WALL {
-                self.flat_wall(from..to);
-            } else {
-                run += 1;
-                self.long_wall(from..to, run);
+        // One more than the number of the vertex made last at each corner.
+        let mut last = vec![0; self.corners.len()];
+        for to in ends.chain([cut.cap.len()]) {
+            let (first, is_long) = (used, to - from > MAX_FLAT_WALL);
+            let mut normal = DVec3::ZERO;
+            for (&ids, of) in cut.cap[from..to].iter().zip(&cut.faces[from..to]) {
+                let at = ids.map(|id| self.index(id));
+                if is_long {
+                    face.normals.resize(used, to_f32(normal));
+                }
+                if is_long || normal == DVec3::ZERO {
+                    normal = self.wall_normal(at);
+                }
+                face.triangles.push(at.map(|at| {
+                    let vertex = MadeVertex::new(at, false, of.cell);
+                    let number = make_vertex((made, &mut used), vertex, (last[at], first));
+                    last[at] = number + 1;
+                    number
+                }));
             }
+            face.normals.resize(used, to_f32(normal));
             from = to;
         }
-    }
-
-    /// Makes a wall of few triangles, which has one normal.
-    fn flat_wall(&mut self, triangles: Range<usize>) {
-        let first = self.made_at.len();
-        let mut normal = DVec3::ZERO;
-        // Corners of the triangle before, with their vertices. Which of them comes again is not to be predicted, so
-        // nothing branches on it.
-        let (mut last, mut made) = ([NONE; 3], [NONE; 3]);
-        for t in triangles {
-            let at = self.cut.cap[t].map(|id| self.index(id) as u32);
-            if normal == DVec3::ZERO {
-                normal = self.wall_normal(at);
-            }
-            let cell = self.cut.faces[t].cell;
-            let corners = at.map(|at| {
-                let [a, b, c] = [0, 1, 2].map(|k| if last[k] == at { made[k] } else { NONE });
-                match a & b & c {
-                    NONE => self.flat_wall_vertex(at, cell, first),
-                    known => known,
-                }
-            });
-            self.face.triangles.push(corners);
-            (last, made) = (at, corners);
-        }
-        let normals = std::iter::repeat_n(to_f32(normal), self.made_at.len() - first);
-        self.face.normals.extend(normals);
-    }
-
-    /// The vertex at a corner of a flat wall, whose vertices begin at `first`; it is not one of the last triangle's.
-    fn flat_wall_vertex(&mut self, at: u32, cell: u32, first: usize) -> u32 {
-        let known = self.made_at[first..].iter().position(|m| m.0 == at);
-        known.map_or_else(
-            || self.push(at as usize, cell, false),
-            |i| (first + i) as u32,
-        )
-    }
-
-    /// Makes a wall of many triangles, which follows the bend of the stem.
-    fn long_wall(&mut self, triangles: Range<usize>, run: u32) {
-        self.runs.resize(self.corners.len(), (0, 0));
-        for t in triangles {
-            let at = self.cut.cap[t].map(|id| self.index(id) as u32);
-            let normal = self.wall_normal(at);
-            let cell = self.cut.faces[t].cell;
-            let corners = at.map(|at| {
-                if self.runs[at as usize].0 != run {
-                    self.runs[at as usize] = (run, self.made_at.len() as u32);
-                    self.face.normals.push(to_f32(normal));
-                    self.push(at as usize, cell, false);
-                }
-                self.runs[at as usize].1
-            });
-            self.face.triangles.push(corners);
-        }
+        used
     }
 
     /// Unit normal of a wall's triangle.
-    fn wall_normal(&self, at: [u32; 3]) -> DVec3 {
-        let [a, b, c] = at.map(|i| self.corners[i as usize].place);
+    fn wall_normal(&self, at: [usize; 3]) -> DVec3 {
+        let [a, b, c] = at.map(|i| self.places[i]);
         (b - a).cross(c - a).normalize_or_zero()
     }
 
-    /// Makes a vertex at corner number `at`, without its normal, position and texture coordinates.
-    #[inline]
-    fn push(&mut self, at: usize, cell: u32, end: bool) -> u32 {
-        let number = self.made_at.len() as u32;
-        self.made_at.push((at as u32, end));
-        self.face.cells.push(cell);
-        number
-    }
-
-    /// Gives all vertices their positions and texture coordinates.
-    fn place(&mut self) {
-        let (corners, face) = (&mut self.corners, &mut self.face);
+    /// Gives the vertices `made` their positions and texture coordinates.
+    fn place(&mut self, made: &[MadeVertex], face: &mut Face) {
+        let corners = &mut self.corners;
         let bundles = &self.inner.bundles.bundles;
         let (width, low, pith) = (self.inner.square.side, self.low, self.pith);
-        let position = |&(at, _): &(u32, bool)| to_f32(corners[at as usize].place);
-        face.positions = self.made_at.iter().map(position).collect();
-        let coordinates = |(&(at, end), &cell): (&(u32, bool), &u32)| {
-            let corner = &mut corners[at as usize];
+        let position = |made: &MadeVertex| to_f32(self.places[made.corner()]);
+        face.positions = made.iter().map(position).collect();
+        let coordinates = |made: &MadeVertex| {
+            let corner = &mut corners[made.corner()];
             let across = corner.grain.truncate();
-            let coordinates = if end {
+            let coordinates = if made.shows_end_grain() {
                 across - low
             } else {
                 if corner.phi.is_nan() {
                     let out = across - pith;
                     corner.phi = libm::atan2(out.y, out.x);
                 }
-                let phi = match bundles.get(cell as usize) {
+                let phi = match bundles.get(made.cell as usize) {
                     Some(bundle) => bundle.phi + wrap_angle(corner.phi - bundle.phi),
                     None => corner.phi,
                 };
@@ -372,19 +301,39 @@ impl FaceBuilder<'_> {
             };
             coordinates.as_vec2().to_array()
         };
-        face.coordinates = self
-            .made_at
-            .iter()
-            .zip(&face.cells)
-            .map(coordinates)
-            .collect();
+        face.coordinates = made.iter().map(coordinates).collect();
+        face.cells = made.iter().map(|made| made.cell).collect();
         let (points, own) = (
             self.cut.points as u32,
             (self.cut.vertices.len() + self.cut.inside.len()) as u32,
         );
-        let id = |&(at, _): &(u32, bool)| if at < own { at + points } else { at - own };
-        face.ids = self.made_at.iter().map(id).collect();
+        let id = |made: &MadeVertex| match made.at / 2 {
+            at if at < own => at + points,
+            at => at - own,
+        };
+        face.ids = made.iter().map(id).collect();
     }
+}
+
+/// Makes a vertex after the `used` ones in `made`, unless that of number `before` − 1, made last in its place, is not before
+/// `first`, the first that may be used. Returns the vertex's number. Whether it is new is not to be predicted, so nothing
+/// branches on it.
+#[inline]
+fn make_vertex(
+    (made, used): (&mut [MadeVertex], &mut usize),
+    vertex: MadeVertex,
+    (before, first): (u32, usize),
+) -> u32 {
+    let (number, is_new) = (*used as u32, before <= first as u32);
+    made[*used] = vertex;
+    *used += usize::from(is_new);
+    if is_new { number } else { before - 1 }
+}
+
+/// Gives the vertices of a run their normals.
+fn finish_run(run: &[MadeVertex], slots: &[Slot], normals: &mut Vec<[f32; 3]>) {
+    let normal = |made: &MadeVertex| to_f32(slots[made.corner()].normal.normalize_or_zero());
+    normals.extend(run.iter().map(normal));
 }
 
 /// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
@@ -401,6 +350,12 @@ pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -
     let about = angle(middle - pith);
     let phi = about + wrap_angle(angle(out) - about);
     along_grain(width, out.length(), phi, grain.z)
+}
+
+/// Returns `v` where it is kept, else zero. Nothing branches on which.
+fn kept(v: DVec3, keep: bool) -> DVec3 {
+    let mask = u64::from(keep).wrapping_neg();
+    DVec3::from_array(v.to_array().map(|c| f64::from_bits(c.to_bits() & mask)))
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {

@@ -49,14 +49,26 @@ pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch
     // The patch's vertices at each of the cut's on the skin: the latest, what each is made of, and the one before it.
     let mut latest = vec![NONE; cut.vertices.len()];
     let mut made: Vec<((u32, u32), u32)> = Vec::with_capacity(cut.vertices.len());
+    // The source triangle that last used each of the cut's vertices on the skin, and the patch's vertex that it used.
+    let mut used = vec![(NONE, NONE); cut.vertices.len()];
     patch.vertices.reserve(cut.vertices.len());
     for part in &cut.skin {
         let t = part.source;
         let vertices = source.mesh.triangles[t as usize];
+        let points = vertices.map(|v| source.points[v as usize]);
         let corners = part.corners.map(|id| {
+            let place = (id as usize).wrapping_sub(cut.points);
+            // Parts of one triangle follow each other.
+            if let Some(&(by, vertex)) = used.get(place)
+                && by == t
+            {
+                return vertex;
+            }
             let holds = |point: u32| {
-                let holds = |v: &u32| source.points[*v as usize] == point;
-                vertices.iter().copied().find(holds).unwrap_or(vertices[0])
+                // The first that does.
+                let at = if points[2] == point { 2 } else { 0 };
+                let at = if points[1] == point { 1 } else { at };
+                vertices[if points[0] == point { 0 } else { at }]
             };
             let (key, vertices, weights) = match cut.host(id) {
                 Host::Point(p) => return holds(p),
@@ -67,40 +79,32 @@ pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch
                 Host::Face { weights, .. } => ((NONE, t), vertices, weights),
                 Host::Inside => ((NONE, t), vertices, [1.0, 0.0, 0.0]),
             };
-            let place = id as usize - cut.points;
             if latest.len() <= place {
                 latest.resize(place + 1, NONE);
+                used.resize(place + 1, (NONE, NONE));
             }
-            let first = latest[place];
-            let mut at = first;
-            while let Some(&(of, before)) = made.get(at as usize) {
-                if of == key {
-                    return patch.first + at;
-                }
+            let mut at = latest[place];
+            while let Some(&(_, before)) = made.get(at as usize).filter(|m| m.0 != key) {
                 at = before;
             }
-            latest[place] = made.len() as u32;
-            made.push((key, first));
-            patch.vertices.push(PatchVertex {
-                position: places[place],
-                vertices,
-                weights: weights.map(|w| w as f32),
-            });
-            patch.first + latest[place]
+            if at == NONE {
+                at = made.len() as u32;
+                made.push((key, latest[place]));
+                latest[place] = at;
+                patch.vertices.push(PatchVertex {
+                    position: places[place],
+                    vertices,
+                    weights: weights.map(|w| w as f32),
+                });
+            }
+            used[place] = (t, patch.first + at);
+            patch.first + at
         });
         let side = usize::from(part.upper);
         patch.parts[side].push(corners);
         patch.sources[side].push(t);
     }
-    for (i, side) in cut.sides.between.iter().enumerate() {
-        let side = match side {
-            Side::Lower => 0,
-            Side::Upper => 1,
-            Side::Split | Side::Elsewhere => continue,
-        };
-        let t = skin.order[cut.sides.below + i];
-        patch.whole[side].push(source.mesh.triangles[t as usize]);
-    }
+    patch.whole = whole_triangles(source, cut, skin);
     for (name, attribute) in &source.mesh.attributes {
         let vertices = patch.vertices.iter().map(|v| (v.vertices, v.weights));
         let data = interpolate(name, attribute, vertices);
@@ -110,6 +114,22 @@ pub fn patch(source: &Source, cut: &Cut, skin: &Skin, places: &[DVec3]) -> Patch
             .insert(name.clone(), Attribute { width, data });
     }
     patch
+}
+
+/// The whole triangles about the break, for the lower and the upper piece.
+fn whole_triangles(source: &Source, cut: &Cut, skin: &Skin) -> [Vec<[u32; 3]>; 2] {
+    let order = &skin.order[cut.sides.below..cut.sides.above];
+    [Side::Lower, Side::Upper].map(|side| {
+        // Which triangles are on a side is not to be predicted, so nothing branches on it.
+        let mut list = vec![0; order.len()];
+        let mut count = 0;
+        for (&t, &at) in order.iter().zip(&cut.sides.between) {
+            list[count] = t;
+            count += usize::from(at == side);
+        }
+        let whole = list[..count].iter();
+        whole.map(|&t| source.mesh.triangles[t as usize]).collect()
+    })
 }
 
 /// One piece of a cut as a mesh of its own: its share of the skin, and the broken face. Shells that were not cut are not

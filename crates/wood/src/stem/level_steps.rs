@@ -20,6 +20,8 @@ pub struct LevelSteps {
     first: f64,
     /// Steps per unit of length.
     scale: f64,
+    /// The last step.
+    last: f64,
     /// For each step how many levels lie in the steps before it.
     before: Vec<u32>,
 }
@@ -34,6 +36,7 @@ impl LevelSteps {
         let mut steps = LevelSteps {
             first: *first,
             scale: count as f64 / (last - first),
+            last: count as f64,
             before: vec![0; count + 2],
         };
         for &level in levels {
@@ -49,7 +52,8 @@ impl LevelSteps {
     #[inline]
     fn step(&self, length: f64) -> usize {
         // A length below the first and NaN belong to step 0.
-        (((length - self.first) * self.scale) as usize).min(self.before.len().saturating_sub(2))
+        let step = (length - self.first) * self.scale;
+        step.max(0.0).min(self.last) as u32 as usize
     }
 
     /// Returns how many of the levels that the steps were made of lie at or below `length`.

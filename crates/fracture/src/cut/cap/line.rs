@@ -3,6 +3,16 @@
 use super::super::polygon;
 use super::{Builder, INSIDE, LineMemory, OUTSIDE};
 
+/// What lies on a side of a facet between its ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum OnSide {
+    Nothing,
+    /// One vertex of the outline.
+    One(u32),
+    /// Several, or where the rims of a wall cross.
+    Several,
+}
+
 impl Builder<'_, '_> {
     /// Fills the part of a facet on the inner side of the `outline`, where that is one line from side to side. Returns
     /// `false`, with nothing done, where it is anything else.
@@ -33,14 +43,13 @@ impl Builder<'_, '_> {
         if ring.len() != outline.len() + 1 {
             return false;
         }
-        let (Some(from), Some(to)) = (
-            self.only_on_side(facet, end),
-            self.only_on_side(facet, start),
-        ) else {
+        let on_sides = [0, 1, 2].map(|k| self.on_side(facet, k));
+        let alone = |id: u32| on_sides.iter().position(|&on| on == OnSide::One(id));
+        let (Some(from), Some(to)) = (alone(end), alone(start)) else {
             return false;
         };
-        let crossed = (0..3u8).filter(|&k| !self.is_whole_side(facet, k)).count();
-        if from == to || crossed != 2 {
+        let whole = on_sides.iter().filter(|&&on| on == OnSide::Nothing);
+        if from == to || whole.count() != 1 {
             return false;
         }
         let corners = self.corners(facet);
@@ -69,27 +78,22 @@ impl Builder<'_, '_> {
         true
     }
 
-    /// The side of a facet on which a vertex of the outline lies alone.
-    fn only_on_side(&self, facet: u32, id: u32) -> Option<usize> {
-        let layout = self.layout();
-        (0..3u8).find_map(|k| {
-            let e = layout.sides[facet as usize][usize::from(k)];
-            if !self.touched[e as usize] {
-                return None;
-            }
-            let which = u8::from(layout.edges[e as usize].facets[1] == (facet, k));
-            let mut on_side = self.overlay.rail(e, which);
-            let alone = on_side.next().is_some_and(|p| p.1 == id) && on_side.next().is_none();
-            (alone && self.knot(e).is_none()).then_some(usize::from(k))
-        })
-    }
-
-    /// Whether no vertex lies on a side of a facet but its ends.
-    fn is_whole_side(&self, facet: u32, k: u8) -> bool {
+    /// What lies on a side of a facet between its ends.
+    fn on_side(&self, facet: u32, k: u8) -> OnSide {
         let layout = self.layout();
         let e = layout.sides[facet as usize][usize::from(k)];
+        if self.knot(e).is_some() {
+            return OnSide::Several;
+        }
+        if !self.touched[e as usize] {
+            return OnSide::Nothing;
+        }
         let which = u8::from(layout.edges[e as usize].facets[1] == (facet, k));
-        self.knot(e).is_none()
-            && (!self.touched[e as usize] || self.overlay.rail(e, which).next().is_none())
+        let mut rail = self.overlay.rail(e, which);
+        match (rail.next(), rail.next()) {
+            (None, _) => OnSide::Nothing,
+            (Some((_, id)), None) => OnSide::One(id),
+            _ => OnSide::Several,
+        }
     }
 }

@@ -39,6 +39,12 @@ pub(super) struct Slot {
     pub vertex: u32,
     /// Number in [`Clips::parts`] of the part of the same triangle beyond the edge to the next corner, or [`NONE`].
     pub beyond: u32,
+    /// Length along the stem, m.
+    pub length: f64,
+    /// The facet's corners between which it lies on the facet's border, in the order of their nodes, twice the same where it
+    /// is one of them, and the fraction from the first to the second. Of no use for a point of the skin.
+    pub ends: [u8; 2],
+    pub fraction: f64,
 }
 
 /// The part of a triangle over a facet.
@@ -130,19 +136,32 @@ impl Clips {
             let first = self.slots.len() as u32;
             for i in 0..self.polygon.len() {
                 let (corner, support) = self.polygon[i];
-                let vertex = match corner {
+                let (vertex, ends) = match corner {
                     Corner::Point(i) => {
                         self.weights.push(over.weights(facet, i));
-                        self.weights.len() as u32 - 1
+                        (self.weights.len() as u32 - 1, [0; 2])
                     }
-                    Corner::Crossing(i, k) => self.crossing(solid, &over, facet, (i, k)),
-                    Corner::Node(k) => self.node(solid, &over, triangle, facet, k),
+                    Corner::Crossing(i, k) => (
+                        self.crossing(solid, &over, facet, (i, k)),
+                        over.side_ends(facet, k),
+                    ),
+                    Corner::Node(k) => (self.node(solid, &over, triangle, facet, k), [k; 2]),
+                };
+                let (length, fraction) = match corner {
+                    Corner::Point(i) => (solid.points[points[usize::from(i)] as usize].z, 0.0),
+                    _ => {
+                        let fixed = &self.vertices[vertex as usize];
+                        (fixed.grain.z, fixed.fraction)
+                    }
                 };
                 self.slots.push(Slot {
                     corner,
                     support,
                     vertex,
                     beyond: NONE,
+                    length,
+                    ends,
+                    fraction,
                 });
             }
             self.parts.push(Part {
@@ -264,6 +283,17 @@ impl Over<'_> {
             orientation(a, b, p),
         );
         [u, v, w, u + v + w]
+    }
+
+    /// The corners at the ends of side `k` of `facet`, in the order of their nodes.
+    fn side_ends(&self, facet: u32, k: u8) -> [u8; 2] {
+        let nodes = self.layout.facets[facet as usize];
+        let next = (k + 1) % 3;
+        if nodes[usize::from(k)] < nodes[usize::from(next)] {
+            [k, next]
+        } else {
+            [next, k]
+        }
     }
 
     /// For each corner whether it lies left of side `k` of `facet`. Ties go the same way for both facets of an edge.
