@@ -1,8 +1,9 @@
-//! A round stem as hexahedra for finite elements, with the axes of its wood.
+//! A stem as hexahedra for finite elements, with the axes of its wood.
 //!
-//! Each section is a square of cells about the pith with layers of cells around it (an O-grid), laid out in ring coordinates
-//! and mapped to the section by its rings, so that layers follow rings and the last one is the bark.
+//! Each section of a round stem is a square of cells about the pith with layers of cells around it (an O-grid), laid out in ring coordinates
+//! and mapped to the section by its rings, so that layers follow rings and the last one is the bark. Boards have columns instead ([`super::board_elements`]).
 
+use super::board_elements::divide_board;
 use super::model::Anatomy;
 use super::sections::TransverseSection;
 use crate::polygon;
@@ -20,11 +21,11 @@ const CORE_ROUNDNESS: f64 = 0.5;
 /// Edge of a cell where it is not given, in radii at the location.
 const DEFAULT_EDGE_RADII: f64 = 0.2;
 /// How much longer than wide cells are.
-const SLENDERNESS: f64 = 2.0;
+pub(super) const SLENDERNESS: f64 = 2.0;
 /// Fewest and most cells along each side of the square.
 const SIDE_RANGE: (f64, f64) = (2.0, 64.0);
 /// Most elements.
-const MAX_ELEMENTS: f64 = 4e6;
+pub(super) const MAX_ELEMENTS: f64 = 4e6;
 /// How far within an end of the stem its section is taken, in slabs: at the very end a plane lies in the cut face, which may be
 /// rough.
 const END_INSET_SLABS: f64 = 0.5;
@@ -53,16 +54,13 @@ pub struct StemElements {
     pub nodes: Vec<DVec3>,
     /// Elements, slab by slab from the butt.
     pub elements: Vec<StemElement>,
-    /// Nodes of one section.
-    pub nodes_per_section: usize,
+    /// Numbers of nodes in the section at the butt, which are the first, and in that at the top, which are the last.
+    pub end_nodes: [usize; 2],
 }
 
 /// Why a stem cannot be divided into elements.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElementError {
-    /// A board.
-    #[error("hexahedra follow the rings of a round stem, but this is a board")]
-    Board,
     /// Too many elements.
     #[error(
         "elements of {edge:.6} m would be {count:.0}; expected at most 4000000, by longer edges"
@@ -82,7 +80,8 @@ pub enum ElementError {
 }
 
 impl StemElements {
-    /// Divides a stem where its sections are whole. `edge` (m) is how wide elements are; a fifth of the radius where absent.
+    /// Divides a stem where its sections are whole. `edge` (m) is how wide elements are; where absent a fifth of the radius,
+    /// and in a board at most a quarter of its thickness.
     ///
     /// # Errors
     /// [`ElementError`].
@@ -92,7 +91,7 @@ impl StemElements {
         context: &Context,
     ) -> Result<Self, ElementError> {
         if anatomy.is_board() {
-            return Err(ElementError::Board);
+            return divide_board(anatomy, edge, context);
         }
         let sections = anatomy.sections();
         let radius = sections.stem().radius;
@@ -134,12 +133,49 @@ impl StemElements {
         let mut stem = StemElements {
             nodes,
             elements,
-            nodes_per_section: layout.nodes.len(),
+            end_nodes: [layout.nodes.len(); 2],
         };
-        for k in 0..stem.elements.len() {
-            stem.elements[k].volume = stem.volume_of(stem.elements[k].corners);
-        }
+        stem.measure();
         Ok(stem)
+    }
+
+    /// Elements with those of the `nodes` that they have; there were `per_section` nodes in each section.
+    pub(super) fn of_used_nodes(
+        nodes: Vec<DVec3>,
+        mut elements: Vec<StemElement>,
+        per_section: usize,
+    ) -> Self {
+        let mut used = vec![false; nodes.len()];
+        for corner in elements.iter().flat_map(|e| e.corners) {
+            used[corner as usize] = true;
+        }
+        let count = |of: &[bool]| of.iter().filter(|u| **u).count();
+        let end_nodes = [
+            count(&used[..per_section]),
+            count(&used[nodes.len() - per_section..]),
+        ];
+        let mut kept = Vec::with_capacity(nodes.len());
+        let mut numbers = vec![0; nodes.len()];
+        for (k, node) in nodes.into_iter().enumerate().filter(|(k, _)| used[*k]) {
+            numbers[k] = kept.len() as u32;
+            kept.push(node);
+        }
+        for element in &mut elements {
+            element.corners = element.corners.map(|c| numbers[c as usize]);
+        }
+        let mut stem = StemElements {
+            nodes: kept,
+            elements,
+            end_nodes,
+        };
+        stem.measure();
+        stem
+    }
+
+    fn measure(&mut self) {
+        for k in 0..self.elements.len() {
+            self.elements[k].volume = self.volume_of(self.elements[k].corners);
+        }
     }
 
     /// Volume of a hexahedron with these corners, m³: that of the trilinear map of a cube, for which two Gauss points along
