@@ -1,13 +1,11 @@
 //! The broken face of a cut, ready to be drawn: positions, normals and texture coordinates.
 //!
-//! The wood inside has texture coordinates in metres. End grain reads (x, y) of the section, shifted so that the
-//! section's middle is the middle of a square of side W; side grain reads W + distance from the pith across and the
-//! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
-//! therefore serves both, with the scale (1/2W, 1/W).
+//! The wood inside has the texture coordinates of [`crate::texture`], in metres: end grain by its place in the section, side
+//! grain by its ring coordinate and length.
 
 use super::inner_wood::InnerWood;
 use crate::source::Source;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
 use greenstick_fracture::surface::NONE;
@@ -15,8 +13,6 @@ use std::ops::Range;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
-/// How fast side grain drifts across the texture along a ring, so that tangential faces are not one flat colour.
-const RING_DRIFT: f64 = 0.12;
 /// Walls of no more triangles than this have one normal; longer ones follow the bend of the stem.
 const MAX_FLAT_WALL: usize = 8;
 
@@ -72,10 +68,10 @@ struct Corner {
     place: DVec3,
     /// Grain coordinates, m.
     grain: DVec3,
-    /// Angle about the pith, rad; NaN until it is needed.
+    /// Ring coordinate; NaN until it is needed.
+    rho: f64,
+    /// Angle about the pith, rad.
     phi: f64,
-    /// Distance from the pith, m.
-    r: f64,
 }
 
 /// A face while it is made.
@@ -87,9 +83,6 @@ struct FaceBuilder<'a> {
     corners: Vec<Corner>,
     /// The corner of each vertex of the face made so far, and whether it shows end grain.
     made_at: Vec<(u32, bool)>,
-    /// Low corner of the texture's square.
-    low: DVec2,
-    pith: DVec2,
     /// For each vertex of the cut the last run of triangles that used it, and its number there.
     runs: Vec<(u32, u32)>,
 }
@@ -117,8 +110,6 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
         },
         corners,
         made_at: Vec::with_capacity(capacity),
-        low: inner.square.middle - inner.square.side / 2.0,
-        pith: inner.stem.rings.pith(),
     };
     let run = builder.tops(tops);
     builder.walls(tops, run);
@@ -128,26 +119,26 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
 
 /// Returns the vertices of a cut: its own on the skin, those within the wood, and the mesh's if its face uses them.
 fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> Vec<Corner> {
-    let pith = inner.stem.rings.pith();
-    let corner = |place: DVec3, grain: DVec3, phi: f64| Corner {
+    const UNKNOWN: (f64, f64) = (f64::NAN, f64::NAN);
+    let corner = |place: DVec3, grain: DVec3, (rho, phi): (f64, f64)| Corner {
         place,
         grain,
+        rho,
         phi,
-        r: grain.truncate().distance(pith),
     };
     let mut corners = Vec::with_capacity(cut.vertices.len() + cut.inside.len());
     let on_skin = |host| on_skin(source, host);
-    corners.extend((cut.vertices.iter()).map(|v| corner(on_skin(v.host), v.grain, f64::NAN)));
+    corners.extend((cut.vertices.iter()).map(|v| corner(on_skin(v.host), v.grain, UNKNOWN)));
     corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
-        let phi = address.map_or(f64::NAN, |a| a.1);
-        corner(source.chart.to_world(grain), grain, phi)
+        let address = address.map_or(UNKNOWN, |&a| a);
+        corner(source.chart.to_world(grain), grain, address)
     }));
     // Vertices of the mesh itself are not expected here, but would follow the others.
     let least = cut.cap.iter().flatten().copied().min().unwrap_or(0) as usize;
     if least < cut.points {
         let points = (0..).zip(&source.grain[..cut.points]);
-        corners.extend(points.map(|(p, &g)| corner(on_skin(Host::Point(p)), g, f64::NAN)));
+        corners.extend(points.map(|(p, &g)| corner(on_skin(Host::Point(p)), g, UNKNOWN)));
     }
     corners
 }
@@ -351,24 +342,21 @@ impl FaceBuilder<'_> {
     fn place(&mut self) {
         let (corners, face) = (&mut self.corners, &mut self.face);
         let bundles = &self.inner.bundles.bundles;
-        let (width, low, pith) = (self.inner.square.side, self.low, self.pith);
+        let (square, rings) = (&self.inner.square, &self.inner.stem.rings);
         let position = |&(at, _): &(u32, bool)| to_f32(corners[at as usize].place);
         face.positions = self.made_at.iter().map(position).collect();
         let coordinates = |(&(at, end), &cell): (&(u32, bool), &u32)| {
             let corner = &mut corners[at as usize];
             let across = corner.grain.truncate();
             let coordinates = if end {
-                across - low
+                square.end_grain(across)
             } else {
-                if corner.phi.is_nan() {
-                    let out = across - pith;
-                    corner.phi = libm::atan2(out.y, out.x);
+                if corner.rho.is_nan() {
+                    (corner.rho, corner.phi) = rings.address(across);
                 }
-                let phi = match bundles.get(cell as usize) {
-                    Some(bundle) => bundle.phi + wrap_angle(corner.phi - bundle.phi),
-                    None => corner.phi,
-                };
-                along_grain(width, corner.r, phi, corner.grain.z)
+                let bundle = bundles.get(cell as usize);
+                let turned = bundle.map_or(0.0, |b| wrap_angle(corner.phi - b.phi));
+                square.side_grain(corner.rho, turned, corner.grain.z)
             };
             coordinates.as_vec2().to_array()
         };
@@ -385,22 +373,6 @@ impl FaceBuilder<'_> {
         let id = |&(at, _): &(u32, bool)| if at < own { at + points } else { at - own };
         face.ids = self.made_at.iter().map(id).collect();
     }
-}
-
-/// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
-fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
-    DVec2::new(width + r * (1.0 + RING_DRIFT * phi), s)
-}
-
-/// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
-/// behind the pith. `width` is the side of the texture's square, m.
-#[cfg(feature = "rods")]
-pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
-    let out = grain.truncate() - pith;
-    let angle = |d: DVec2| libm::atan2(d.y, d.x);
-    let about = angle(middle - pith);
-    let phi = about + wrap_angle(angle(out) - about);
-    along_grain(width, out.length(), phi, grain.z)
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {
