@@ -29,6 +29,7 @@ use greenstick_schema::{
     DocumentError, ParameterError, Parameters, Unit, closest_names, number, parameters, read_table,
     text, write_toml,
 };
+use greenstick_wood::appearance::WoodColours;
 use greenstick_wood::moisture::{
     AIR_DRY_PERCENT, FIBRE_SATURATION_PERCENT, MOISTURE_WORDS, MoistureError, WETTEST_PERCENT,
     drying,
@@ -150,6 +151,8 @@ parameters! {
     include {
         /// Drying cracks.
         cracks: CrackParameters = CrackParameters::default();
+        /// Colours of wood and bark.
+        colours: WoodColours = WoodColours::default();
     }
     tables {
         /// The broken face.

@@ -118,10 +118,7 @@ fn measure(rods: u32, broken_fraction: f64) {
     let wood = filled.wood();
     let frame = filled.broken_frame(broken_fraction);
     let state = FractureState::from_frame(&wood, &frame, &BTreeMap::new()).expect("it is its own");
-    let square = SectionSquare {
-        middle: glam::DVec2::ZERO,
-        side: 0.01,
-    };
+    let square = SectionSquare::round(glam::DVec2::ZERO, 0.01);
     let materials = Materials {
         inner: 0,
         bark: 1,

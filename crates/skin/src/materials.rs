@@ -1,15 +1,19 @@
 //! The materials of broken wood: the wood inside with its baked textures, and bark where the input has no material.
 
+mod outside;
+mod textured;
+
 use crate::broken::lacks_material;
+use crate::prepared::PreparedStem;
 use crate::texture::{self, SectionSquare, TextureError, TexturedWood, WoodTextures};
 use glam::DVec2;
 use greenstick_geometry::mesh::NO_MATERIAL;
-use greenstick_geometry::{
-    Context, Image, ImageSource, Material, Scene, Texture, TextureReference,
-};
+use greenstick_geometry::{Context, Material, Scene, Stage};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::branch::{BARK_MATERIAL_NAME, bark_material};
-use greenstick_wood::stem::Stem;
+use greenstick_wood::stem::{Stem, StemKind};
+use outside::dress_outside;
+use textured::{CLAMPED, textured};
 
 /// Name of the material of the wood inside.
 const INNER_WOOD_NAME: &str = "inner_wood";
@@ -31,10 +35,10 @@ pub fn next_material(scene: &Scene) -> u32 {
     scene.materials.len() as u32 + u32::from(lacks_bark)
 }
 
-/// Gives bark to the triangles of a scene that have no material.
-pub fn add_missing_bark(scene: &mut Scene) {
+/// Gives bark to the triangles of a scene that have no material. Returns the number of its material, if there are any.
+pub fn add_missing_bark(scene: &mut Scene) -> Option<u32> {
     if !scene.nodes.iter().any(|n| lacks_material(&n.mesh)) {
-        return;
+        return None;
     }
     let bark = scene.materials.len() as u32;
     scene.materials.push(bark_material());
@@ -43,6 +47,16 @@ pub fn add_missing_bark(scene: &mut Scene) {
         let lacking = mesh.materials.iter_mut().filter(|m| **m == NO_MATERIAL);
         lacking.for_each(|m| *m = bark);
     });
+    Some(bark)
+}
+
+/// Textures of a stem.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BakedWood {
+    /// The wood inside.
+    pub inside: WoodTextures,
+    /// The outside, where the input has no material: bark around a round stem, planed wood around a board.
+    pub outside: Option<WoodTextures>,
 }
 
 /// Bakes the textures of the wood inside a stem, `width` pixels wide.
@@ -58,12 +72,79 @@ pub fn bake(
 ) -> Result<WoodTextures, TextureError> {
     let pith = stem.rings.pith();
     let wood = TexturedWood {
-        middle: square.middle - pith,
+        pith,
         section: &|p: DVec2| stem.rings.address(p + pith),
+        point: &|rho, angle| stem.rings.point(rho, angle) - pith,
         appearance: &appearance.wood,
         rings: &*appearance.rings,
     };
-    texture::bake(width, square.side, wood, context)
+    texture::bake(width, square, wood, context)
+}
+
+/// Parts of the width of the textures inside that the bark has: its figure is coarser than that of wood.
+const BARK_WIDTH: u32 = 2;
+
+/// Bakes the textures of a prepared stem, those of the wood inside `width` pixels wide.
+///
+/// # Errors
+/// As [`bake`].
+pub fn bake_stem(
+    prepared: &PreparedStem,
+    appearance: &StemAppearance,
+    width: u32,
+    context: &Context,
+) -> Result<BakedWood, TextureError> {
+    let (stem, square) = (&prepared.found.stem, prepared.square);
+    let stage = Stage::new("textures");
+    let [inside, outside] = context.split([(stage, 2.0), (stage, 1.0)]);
+    let baked = bake(stem, square, appearance, width, &inside)?;
+    let pith = stem.rings.pith();
+    let outside = match stem.kind {
+        _ if !prepared.scene.nodes.iter().any(|n| lacks_material(&n.mesh)) => None,
+        StemKind::Round => {
+            let width = (width / BARK_WIDTH)
+                .next_multiple_of(2)
+                .max(texture::MIN_WIDTH);
+            Some(texture::bake_bark(
+                width,
+                &appearance.bark,
+                stem.radius,
+                &outside,
+            )?)
+        }
+        StemKind::Board => {
+            let wood = TexturedWood {
+                pith,
+                section: &|p: DVec2| stem.rings.address(p + pith),
+                point: &|rho, angle| stem.rings.point(rho, angle) - pith,
+                appearance: &appearance.wood,
+                rings: &*appearance.rings,
+            };
+            Some(texture::bake_planed(width, square, wood, &outside)?)
+        }
+    };
+    Ok(BakedWood {
+        inside: baked,
+        outside,
+    })
+}
+
+/// Adds the material of the wood inside a break, and dresses the outside that has `bark`, the material that
+/// [`add_missing_bark`] gave to it: textures, coordinates on them, and sawn wood at the ends.
+pub fn add_wood(
+    scene: &mut Scene,
+    bark: Option<u32>,
+    prepared: &PreparedStem,
+    baked: Option<&BakedWood>,
+    appearance: &StemAppearance,
+) {
+    let Some(baked) = baked else {
+        return add_plain_inner_wood(scene, appearance);
+    };
+    add_inner_wood(scene, prepared.square, &baked.inside);
+    if let (Some(bark), Some(outside)) = (bark, &baked.outside) {
+        dress_outside(scene, bark, prepared, outside);
+    }
 }
 
 /// Adds a material of the wood inside without textures, in the colour of its sapwood.
@@ -78,38 +159,8 @@ pub fn add_plain_inner_wood(scene: &mut Scene, appearance: &StemAppearance) {
 
 /// Adds the material of the wood inside with its textures, which cover `square`.
 pub fn add_inner_wood(scene: &mut Scene, square: SectionSquare, baked: &WoodTextures) {
-    let mut reference = |name: &str, bytes: &[u8]| {
-        let image = Image {
-            name: format!("inner_wood_{name}"),
-            mime_type: "image/png".into(),
-            source: ImageSource::Bytes(bytes.to_vec()),
-        };
-        scene.images.push(image);
-        // Linear filtering with mipmaps; clamped across, repeating along the grain.
-        let sampler = [Some(9729), Some(9987), Some(33071), Some(10497)];
-        scene.textures.push(Texture {
-            image: Some(scene.images.len() - 1),
-            alternatives: Vec::new(),
-            sampler,
-        });
-        let scale = [(0.5 / square.side) as f32, (1.0 / square.side) as f32];
-        TextureReference {
-            texture: scene.textures.len() - 1,
-            coordinates: 0,
-            transform: Some(([0.0, 0.0], 0.0, scale)),
-            strength: 1.0,
-        }
-    };
-    let (color, normal, roughness) = (
-        reference("color", &baked.color),
-        reference("normal", &baked.normal),
-        reference("roughness", &baked.roughness),
-    );
-    scene.materials.push(Material {
-        name: INNER_WOOD_NAME.into(),
-        base_color_texture: Some(color),
-        normal_texture: Some(normal),
-        metallic_roughness_texture: Some(roughness),
-        ..Material::default()
-    });
+    // Clamped across, repeating along the grain.
+    let transform = Some(([0.0, 0.0], 0.0, square.scale()));
+    let material = textured(scene, INNER_WOOD_NAME, baked, CLAMPED, transform);
+    scene.materials.push(material);
 }

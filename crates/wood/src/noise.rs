@@ -62,8 +62,13 @@ fn whole(v: f64) -> i64 {
 /// Gradient noise in space: its value (about −1 to 1, mean 0) and gradient. Features are as wide as 1. With `period` > 0
 /// it repeats along z after that many cells.
 pub fn gradient_3d(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
-    let [x, y, z] = p.to_array().map(whole);
-    let f = p - DVec3::new(x as f64, y as f64, z as f64);
+    let cell = p.to_array().map(whole);
+    blend_corners(&corner_gradients(seed, cell, period), cell, p)
+}
+
+/// Gradients at the corners of a cell of the lattice; bit 0 of the index counts along x, bit 1 along y, bit 2 along z.
+#[inline]
+fn corner_gradients(seed: u64, [x, y, z]: [i64; 3], period: i64) -> [DVec3; 8] {
     let (z0, z1) = if period > 0 {
         (z.rem_euclid(period), (z + 1).rem_euclid(period))
     } else {
@@ -73,16 +78,25 @@ pub fn gradient_3d(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     let xs = [x, x + 1].map(|i| seed ^ part(i, 0x9e37_79b9_7f4a_7c15));
     let ys = [y, y + 1].map(|i| part(i, 0xc2b2_ae3d_27d4_eb4f));
     let zs = [z0, z1].map(|i| part(i, 0x1656_67b1_9e37_79f9));
-    // Quintic fade: second derivatives are continuous, so relief shows no lattice.
-    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
-    let corner = |i: usize, j: usize, k: usize| {
-        let h = xs[i] ^ ys[j] ^ zs[k];
+    std::array::from_fn(|corner| {
+        let h = xs[corner & 1] ^ ys[corner >> 1 & 1] ^ zs[corner >> 2];
         let h = (h ^ (h >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
         let h = (h ^ (h >> 29)).wrapping_mul(0xff51_afd7_ed55_8ccd);
         // The upper bits are mixed best.
         let part = |shift: u32| f64::from((h >> shift) as u16) * (2.0 / 65_535.0) - 1.0;
-        let g = DVec3::new(part(16), part(32), part(48));
+        DVec3::new(part(16), part(32), part(48))
+    })
+}
+
+/// Value and gradient of the noise at a point of a cell.
+#[inline]
+fn blend_corners(gradients: &[DVec3; 8], [x, y, z]: [i64; 3], p: DVec3) -> (f64, DVec3) {
+    let f = p - DVec3::new(x as f64, y as f64, z as f64);
+    // Quintic fade: second derivatives are continuous, so relief shows no lattice.
+    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
+    let corner = |i: usize, j: usize, k: usize| {
+        let g = gradients[i | j << 1 | k << 2];
         (g, g.dot(f - DVec3::new(i as f64, j as f64, k as f64)))
     };
     let mix = |(ga, a): (DVec3, f64), (gb, b): (DVec3, f64), axis: usize| {
@@ -98,6 +112,57 @@ pub fn gradient_3d(seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
     let (gradient, value) = mix(plane(0), plane(1), 2);
     // Gradients fill a cube, so values seldom exceed 0.8.
     (value * 1.25, gradient * 1.25)
+}
+
+/// Several gradient noises in space, each known by its number, for points that are visited one after another.
+pub(crate) trait Noises {
+    /// What [`gradient_3d`] gives, for noise number `number` (below [`NoiseMemory::NOISES`]).
+    fn gradient(&mut self, number: usize, seed: u64, p: DVec3, period: i64) -> (f64, DVec3);
+}
+
+/// Noises that remember nothing: points that lie anywhere.
+pub(crate) struct Forgetful;
+
+impl Noises for Forgetful {
+    #[inline]
+    fn gradient(&mut self, _: usize, seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
+        gradient_3d(seed, p, period)
+    }
+}
+
+/// The cell of the lattice that each of several noises was last in: neighbours in the rows of a texture mostly share it. The
+/// values are those of [`gradient_3d`], bit for bit.
+#[derive(Debug, Clone, Default)]
+pub struct NoiseMemory {
+    cells: [Option<NoiseCell>; NoiseMemory::NOISES],
+}
+
+#[derive(Debug, Clone)]
+struct NoiseCell {
+    key: (u64, [i64; 3], i64),
+    gradients: [DVec3; 8],
+}
+
+impl NoiseMemory {
+    /// Noises that are told apart.
+    const NOISES: usize = 16;
+}
+
+impl Noises for NoiseMemory {
+    #[inline]
+    fn gradient(&mut self, number: usize, seed: u64, p: DVec3, period: i64) -> (f64, DVec3) {
+        let cell = p.to_array().map(whole);
+        let key = (seed, cell, period);
+        let known = &mut self.cells[number];
+        if !matches!(known, Some(last) if last.key == key) {
+            *known = None;
+        }
+        let known = known.get_or_insert_with(|| NoiseCell {
+            key,
+            gradients: corner_gradients(seed, cell, period),
+        });
+        blend_corners(&known.gradients, cell, p)
+    }
 }
 
 /// Gradient noise in the plane: about −1 to 1, mean 0, features as wide as 1.

@@ -30,8 +30,8 @@ parameters! {
             unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
         }
         "What comes out", "finish" {
-            /// Width of the baked textures, pixels; they are half as high.
-            texture_width as "texture_size": u32 = 2048, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic();
+            /// Width of the baked textures of the wood inside, pixels.
+            texture_width as "texture_size": u32 = 1536, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic();
         }
     }
     include {

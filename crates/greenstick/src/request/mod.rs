@@ -54,7 +54,7 @@ pub struct BreakRequest {
     pub rings: BreakRingParameters,
     /// The breaks, in any order. Fractions and lengths are those of the unbroken stem; all breaks must be on one stem.
     pub breaks: Vec<Break>,
-    /// Width of the baked textures, pixels (even; half as high); 0 for none.
+    /// Width of the baked textures, pixels (even); 0 for none.
     pub texture_width: u32,
 }
 

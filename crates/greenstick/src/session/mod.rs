@@ -20,7 +20,7 @@ use greenstick_skin::finish::{
     finish, left_at_base,
 };
 pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces};
-use greenstick_skin::materials;
+use greenstick_skin::materials::{self, BakedWood};
 pub use greenstick_skin::report::BreakNote;
 use greenstick_skin::report::BreakReport;
 use greenstick_skin::stages::LowestAbove;
@@ -28,7 +28,7 @@ pub use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
 };
 use greenstick_skin::stages::{Ids, Slot};
-use greenstick_skin::texture::{SectionSquare, WoodTextures};
+use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
 use order::{BreakOrder, no_breaks};
@@ -49,7 +49,7 @@ struct TextureKey {
 struct CachedBreak {
     chain: Chain,
     pieces: Slot<(u64, Break), Pieces>,
-    textures: Slot<TextureKey, WoodTextures>,
+    textures: Slot<TextureKey, BakedWood>,
     /// What is left of the scene at the base, where breaks nearer to it are made.
     remaining: Slot<u64, Scene>,
 }
@@ -297,16 +297,16 @@ impl BreakSession {
         let breaks = self.pieces(request, &breaking)?;
         let finished: Vec<FinishedBreak> = breaks.iter().map(BreakPieces::finished).collect();
         let AssembledBreaks { mut scene, roles } = assemble(&finished);
-        materials::add_missing_bark(&mut scene);
+        let bark = materials::add_missing_bark(&mut scene);
         let mut woods = Vec::new();
         for (at, one) in breaks.iter().enumerate() {
             let width = request.texture_width;
             let wood = self.bake(at, one, width, &baking.item(at, breaks.len()))?;
-            let square = one.stages.stem.stem().square;
-            match &wood.1 {
-                Some(baked) => materials::add_inner_wood(&mut scene, square, baked),
-                None => materials::add_plain_inner_wood(&mut scene, &wood.0.appearance),
-            }
+            let (prepared, baked) = (one.stages.stem.stem(), wood.1.as_deref());
+            let appearance = &wood.0.appearance;
+            // The numbers of the woods inside are taken: what the outside adds comes after them.
+            let bark = bark.filter(|_| at + 1 == breaks.len());
+            materials::add_wood(&mut scene, bark, prepared, baked, appearance);
             woods.push((one.number, wood.0));
         }
         woods.sort_by_key(|w| w.0);
@@ -331,7 +331,7 @@ impl BreakSession {
         one: &BreakPieces,
         width: u32,
         context: &Context,
-    ) -> Result<(BrokenWood, Option<Arc<WoodTextures>>), Error> {
+    ) -> Result<(BrokenWood, Option<Arc<BakedWood>>), Error> {
         context.report(0.0)?;
         let recipe = &one.requested.recipe;
         let prepared = one.stages.stem.stem();
@@ -347,7 +347,7 @@ impl BreakSession {
             };
             let slot = &mut self.breaks[at].textures;
             let baked = slot.get(key, &mut self.ids, |_| {
-                materials::bake(stem, square, &appearance, width, context)
+                materials::bake_stem(prepared, &appearance, width, context)
             })?;
             self.changes.note(BreakStage::Finish, baked.is_new);
             Some(baked.value)

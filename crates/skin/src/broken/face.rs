@@ -1,20 +1,16 @@
 //! The broken face of a cut, ready to be drawn: positions, normals and texture coordinates.
 //!
-//! The wood inside has texture coordinates in metres. End grain reads (x, y) of the section, shifted so that the
-//! section's middle is the middle of a square of side W; side grain reads W + distance from the pith across and the
-//! length along the grain. A texture of two squares side by side, end grain on the left and side grain on the right,
-//! therefore serves both, with the scale (1/2W, 1/W).
+//! The wood inside has the texture coordinates of [`crate::texture`], in metres: end grain by its place in the section, side
+//! grain by its ring coordinate and length.
 
 use super::inner_wood::InnerWood;
 use crate::source::Source;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
-/// How fast side grain drifts across the texture along a ring, so that tangential faces are not one flat colour.
-const RING_DRIFT: f64 = 0.12;
 /// Walls of no more triangles than this have one normal; longer ones follow the bend of the stem.
 const MAX_FLAT_WALL: usize = 8;
 
@@ -69,10 +65,10 @@ struct Slot {
 struct Corner {
     /// Grain coordinates, m.
     grain: DVec3,
-    /// Angle about the pith, rad; NaN until it is needed.
+    /// Ring coordinate; NaN until it is needed.
+    rho: f64,
+    /// Angle about the pith, rad.
     phi: f64,
-    /// Distance from the pith, m.
-    r: f64,
 }
 
 /// A vertex of the face.
@@ -107,9 +103,6 @@ struct FaceBuilder<'a> {
     /// The vertices of the cut, those of the mesh last and only if the face uses them, and their positions.
     corners: Vec<Corner>,
     places: Vec<DVec3>,
-    /// Low corner of the texture's square.
-    low: DVec2,
-    pith: DVec2,
 }
 
 /// Makes the broken face of a cut.
@@ -131,8 +124,6 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
         inner,
         corners,
         places,
-        low: inner.square.middle - inner.square.side / 2.0,
-        pith: inner.stem.rings.pith(),
     };
     // A triangle makes 3 vertices at most; the last place takes what is not needed.
     let mut made = vec![MadeVertex::default(); 3 * count + 1];
@@ -146,21 +137,17 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
 /// Returns the vertices of a cut and their positions: its own on the skin, those within the wood, and the mesh's if its
 /// face uses them.
 fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> (Vec<DVec3>, Vec<Corner>) {
-    let pith = inner.stem.rings.pith();
-    let corner = |grain: DVec3, phi: f64| Corner {
-        grain,
-        phi,
-        r: grain.truncate().distance(pith),
-    };
+    const UNKNOWN: (f64, f64) = (f64::NAN, f64::NAN);
+    let corner = |grain: DVec3, (rho, phi): (f64, f64)| Corner { grain, rho, phi };
     let own = cut.vertices.len() + cut.inside.len();
     let mut places = Vec::with_capacity(own);
     places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
     places.extend(cut.inside.iter().map(|&grain| source.chart.to_world(grain)));
     let mut corners = Vec::with_capacity(own);
-    corners.extend(cut.vertices.iter().map(|v| corner(v.grain, f64::NAN)));
+    corners.extend(cut.vertices.iter().map(|v| corner(v.grain, UNKNOWN)));
     corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
-        corner(grain, address.map_or(f64::NAN, |a| a.1))
+        corner(grain, address.map_or(UNKNOWN, |&a| a))
     }));
     // Vertices of the mesh itself are not expected here, but would follow the others.
     let used = cut.cap.as_flattened().iter();
@@ -169,7 +156,7 @@ fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> (Vec<DVec3>, Vec<Co
         corners.extend(
             source.grain[..cut.points]
                 .iter()
-                .map(|&g| corner(g, f64::NAN)),
+                .map(|&g| corner(g, UNKNOWN)),
         );
     }
     (places, corners)
@@ -280,24 +267,21 @@ impl FaceBuilder<'_> {
     fn place(&mut self, made: &[MadeVertex], face: &mut Face) {
         let corners = &mut self.corners;
         let bundles = &self.inner.bundles.bundles;
-        let (width, low, pith) = (self.inner.square.side, self.low, self.pith);
+        let (square, rings) = (&self.inner.square, &self.inner.stem.rings);
         let position = |made: &MadeVertex| to_f32(self.places[made.corner()]);
         face.positions = made.iter().map(position).collect();
         let coordinates = |made: &MadeVertex| {
             let corner = &mut corners[made.corner()];
             let across = corner.grain.truncate();
             let coordinates = if made.shows_end_grain() {
-                across - low
+                square.end_grain(across)
             } else {
-                if corner.phi.is_nan() {
-                    let out = across - pith;
-                    corner.phi = libm::atan2(out.y, out.x);
+                if corner.rho.is_nan() {
+                    (corner.rho, corner.phi) = rings.address(across);
                 }
-                let phi = match bundles.get(made.cell as usize) {
-                    Some(bundle) => bundle.phi + wrap_angle(corner.phi - bundle.phi),
-                    None => corner.phi,
-                };
-                along_grain(width, corner.r, phi, corner.grain.z)
+                let bundle = bundles.get(made.cell as usize);
+                let turned = bundle.map_or(0.0, |b| wrap_angle(corner.phi - b.phi));
+                square.side_grain(corner.rho, turned, corner.grain.z)
             };
             coordinates.as_vec2().to_array()
         };
@@ -334,22 +318,6 @@ fn make_vertex(
 fn finish_run(run: &[MadeVertex], slots: &[Slot], normals: &mut Vec<[f32; 3]>) {
     let normal = |made: &MadeVertex| to_f32(slots[made.corner()].normal.normalize_or_zero());
     normals.extend(run.iter().map(normal));
-}
-
-/// Texture coordinates of side grain at distance `r` (m) and angle `phi` (rad) from the pith, at length `s` (m).
-fn along_grain(width: f64, r: f64, phi: f64, s: f64) -> DVec2 {
-    DVec2::new(width + r * (1.0 + RING_DRIFT * phi), s)
-}
-
-/// Texture coordinates of side grain at `grain` (m) on a face about `middle`: all of a face lies on one side of the seam
-/// behind the pith. `width` is the side of the texture's square, m.
-#[cfg(feature = "rods")]
-pub(crate) fn side_grain(grain: DVec3, middle: DVec2, pith: DVec2, width: f64) -> DVec2 {
-    let out = grain.truncate() - pith;
-    let angle = |d: DVec2| libm::atan2(d.y, d.x);
-    let about = angle(middle - pith);
-    let phi = about + wrap_angle(angle(out) - about);
-    along_grain(width, out.length(), phi, grain.z)
 }
 
 /// Returns `v` where it is kept, else zero. Nothing branches on which.

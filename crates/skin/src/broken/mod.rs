@@ -7,8 +7,6 @@ mod spiral;
 
 pub use crate::source::Source;
 pub use face::Face;
-#[cfg(feature = "rods")]
-pub(crate) use face::side_grain;
 pub use inner_wood::InnerWood;
 pub use pieces::{Patch, PatchVertex, lacks_material};
 pub use spiral::SpiralRepair;

@@ -7,7 +7,7 @@ use crate::rods::RodSkinOptions;
 pub struct FilmOptions {
     /// The skin.
     pub skin: RodSkinOptions,
-    /// Width of the baked textures, pixels (even; half as high); 0 for none.
+    /// Width of the baked textures, pixels (even); 0 for none.
     pub texture_width: u32,
     /// Whether the bodies that act on the wood are shown.
     pub bodies: bool,

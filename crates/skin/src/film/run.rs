@@ -118,10 +118,8 @@ fn square_about(outline: &[DVec2]) -> SectionSquare {
     let points = || outline.iter().copied();
     let low = points().fold(DVec2::INFINITY, DVec2::min);
     let high = points().fold(DVec2::NEG_INFINITY, DVec2::max);
-    SectionSquare {
-        middle: 0.5 * (low + high),
-        side: SQUARE_SIDE * (high - low).max_element(),
-    }
+    let side = SQUARE_SIDE * (high - low).max_element();
+    SectionSquare::round(0.5 * (low + high), side)
 }
 
 /// Returns the mesh that bounds the stem.

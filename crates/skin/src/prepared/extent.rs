@@ -122,16 +122,23 @@ impl Gathered {
     }
 }
 
-/// The square about the limb's skin.
-pub(super) fn square_about(limb: &[u32], corners: &[[u32; 3]], grain: &[DVec3]) -> SectionSquare {
-    let points = limb.iter().flat_map(|&t| corners[t as usize]);
+/// The square about the limb's skin, whose ring coordinates begin at `least`.
+pub(super) fn square_about(
+    found: &FoundStem,
+    least: f64,
+    corners: &[[u32; 3]],
+    grain: &[DVec3],
+) -> SectionSquare {
+    let points = found.limb.iter().flat_map(|&t| corners[t as usize]);
     let (low, high) = points
         .map(|p| grain[p as usize].truncate())
         .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
             (low.min(p), high.max(p))
         });
+    let size = high - low;
     SectionSquare {
-        middle: (low + high) / 2.0,
-        side: (high - low).max_element() * SQUARE_MARGIN,
+        size,
+        ..SectionSquare::round((low + high) / 2.0, size.max_element() * SQUARE_MARGIN)
     }
+    .with_rings(least, found.stem.rings.mean_radius(1.0))
 }

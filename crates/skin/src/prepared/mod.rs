@@ -150,9 +150,10 @@ impl PreparedStem {
         for (vertex, &point) in points.iter().enumerate() {
             vertices[point as usize] = vertex as u32;
         }
+        let extent = SectionExtent::new(&found, &corners, &grain);
         PreparedStem {
-            extent: SectionExtent::new(&found, &corners, &grain),
-            square: extent::square_about(&found.limb, &corners, &grain),
+            square: extent::square_about(&found, extent.reach.0, &corners, &grain),
+            extent,
             skin_triangles: (skin.order.iter().map(|&t| mesh.triangles[t as usize])).collect(),
             skin,
             vertices,
@@ -185,9 +186,9 @@ impl PreparedStem {
         let (face, bark) = (&recipe.face, self.extent.bark);
         let (tissues, species) = (face.proportions(), recipe.species()?);
         let stem = &self.found.stem;
-        Ok(WoodAppearance::of_stem(
-            stem, &tissues, face.seed, species, bark,
-        ))
+        let mut wood = WoodAppearance::of_stem(stem, &tissues, face.seed, species, bark);
+        recipe.colours.apply(&mut wood);
+        Ok(wood)
     }
 
     /// The node that will be cut.

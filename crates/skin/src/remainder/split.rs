@@ -228,14 +228,14 @@ fn cut_plane(wood: &Wood, s: f64) -> CutPlane {
 /// Adds the stem's ring, zone and grain coordinates to a mesh that has none, and texture coordinates where it has none.
 fn add_stem_attributes(mesh: &mut Mesh, wood: &Wood, materials: &Materials) {
     let stem = wood.stem;
-    let pith = stem.rings.pith();
     let count = mesh.positions.len();
     let (mut grain, mut coordinates) = (Vec::new(), Vec::new());
     for &p in &mesh.positions {
         let g = stem.grain.to_grain(p);
         grain.extend(g.as_vec3().to_array());
-        let off = materials.square.side + g.truncate().distance(pith);
-        coordinates.extend([off as f32, g.z as f32]);
+        let (rho, _) = stem.rings.address(g.truncate());
+        let at = materials.square.side_grain(rho, 0.0, g.z);
+        coordinates.extend(at.as_vec2().to_array());
     }
     let zone = f32::from((materials.zone)(1.0));
     for (name, width, data) in [
@@ -272,7 +272,7 @@ fn close_cut(
         let grain = stem.grain.to_grain(p);
         let flat = grain.truncate();
         let (ring, _) = stem.rings.address(flat);
-        let on_texture = flat - square.middle + 0.5 * square.side;
+        let on_texture = square.end_grain(flat);
         for (name, Attribute { width, data }) in &mut mesh.attributes {
             let x = plane.frame.x;
             let values: Vec<f64> = match (name.as_str(), *width) {

@@ -5,9 +5,8 @@ use super::materials::Materials;
 use super::open_faces::{FaceKind, OpenFaces, Triangle, Vertex};
 use super::weight_history::WeightHistory;
 use super::wood::Wood;
-use crate::broken::side_grain;
-use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
+use greenstick_fracture::layout::wrap_angle;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Attribute, Binding, EarlierBindings, Mesh, SkinnedMesh};
 use rustc_hash::FxHashMap;
@@ -209,16 +208,14 @@ fn texture_coordinates(
     }
     let normal = (grain[1] - grain[0]).cross(grain[2] - grain[0]);
     let end_grain = normal.z * normal.z > END_GRAIN * END_GRAIN * normal.length_squared();
-    let SectionSquare {
-        middle: square,
-        side,
-    } = materials.square;
-    let pith = wood.stem.rings.pith();
+    let (square, rings) = (materials.square, &wood.stem.rings);
+    let about = rings.address(middle.truncate()).1;
     let coordinates = grain.map(|g| {
         if end_grain {
-            g.truncate() - square + 0.5 * side
+            square.end_grain(g.truncate())
         } else {
-            side_grain(g, middle.truncate(), pith, side)
+            let (rho, angle) = rings.address(g.truncate());
+            square.side_grain(rho, wrap_angle(angle - about), g.z)
         }
     });
     (coordinates, end_grain)

@@ -68,7 +68,7 @@ pub struct RodSkin {
 ///     bark: None,
 ///     pull_out: oak.tension / (4.0 * oak.shear),
 /// };
-/// let square = SectionSquare { side: 0.04, ..SectionSquare::default() };
+/// let square = SectionSquare::round(glam::DVec2::ZERO, 0.04);
 /// let materials =
 ///     Materials { inner: 0, bark: 1, bark_mesh_offset: 2, square, zone: &|_| 0 };
 /// let whole = FractureState::unbroken(&wood);

@@ -55,9 +55,6 @@ pub const MATERIALS: Materials = Materials {
     inner: 0,
     bark: 1,
     bark_mesh_offset: 2,
-    square: SectionSquare {
-        middle: DVec2::ZERO,
-        side: 0.1,
-    },
+    square: SectionSquare::round(DVec2::ZERO, 0.1),
     zone: &|_| 0,
 };

@@ -3,7 +3,8 @@
 use super::mix::{mix, mix_scalar, visible_detail};
 use super::surface::WoodSurface;
 use crate::colour::linear_from_srgb as srgb;
-use crate::noise::{gradient_3d, smoothstep};
+use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
+use crate::rings::periodic_cells;
 use glam::DVec3;
 
 /// A point on the outside of the bark.
@@ -32,6 +33,8 @@ pub struct BarkAppearance {
     pub lenticels: f64,
     /// Seed of everything irregular.
     pub seed: u64,
+    /// Length along the stem (m) after which it repeats, for tiling textures; `None` for bark as it grows.
+    pub period: Option<f64>,
 }
 
 impl Default for BarkAppearance {
@@ -50,6 +53,7 @@ impl BarkAppearance {
             furrow_depth: (radius * 0.02).clamp(1e-4, 2e-3),
             lenticels: 0.5,
             seed: 0,
+            period: None,
         }
     }
 
@@ -62,6 +66,7 @@ impl BarkAppearance {
             furrow_depth: (radius * 0.06).clamp(5e-4, 0.02),
             lenticels: 0.0,
             seed: 0,
+            period: None,
         }
     }
 }
@@ -111,6 +116,11 @@ const MEAN_OPENNESS: f64 = 0.78;
 const LICHEN: DVec3 = DVec3::new(0.24, 0.24, 0.19);
 const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
 
+/// Numbers of the noises; those of the flakes come first, then three for each order of furrows.
+const PATCH_NOISE: usize = FLAKES.len();
+const LENTICEL_NOISE: usize = PATCH_NOISE + 1;
+const FURROW_NOISES: usize = LENTICEL_NOISE + 1;
+
 /// Furrows at a point.
 struct Furrows {
     /// How little it lies in one, 0 to 1.
@@ -124,6 +134,35 @@ impl BarkAppearance {
     /// Returns what bark looks like at a point; detail finer than `footprint` (m) is averaged. The slope is along x and y
     /// of the section and along the stem, as for wood.
     pub fn surface_at(&self, at: &BarkPoint, footprint: f64) -> WoodSurface {
+        self.surface_by(at, footprint, &mut Forgetful)
+    }
+
+    /// [`BarkAppearance::surface_at`] for points visited one after another: `memory` is kept between them. The outcome is
+    /// the same, sooner.
+    pub fn surface_in_row(
+        &self,
+        at: &BarkPoint,
+        footprint: f64,
+        memory: &mut NoiseMemory,
+    ) -> WoodSurface {
+        self.surface_by(at, footprint, memory)
+    }
+
+    /// The noise at a place in features of a size (m), longer along the stem by `stretch`, with its gradient, 1/m.
+    fn noise(
+        &self,
+        (noises, number): (&mut impl Noises, usize),
+        seed: u64,
+        place: DVec3,
+        (size, stretch): (DVec3, f64),
+    ) -> (f64, DVec3) {
+        let (long, period) = periodic_cells(size.z * stretch, self.period);
+        let scale = DVec3::new(1.0 / size.x, 1.0 / size.y, 1.0 / long);
+        let (v, g) = noises.gradient(number, seed, place * scale, period);
+        (v, g * scale)
+    }
+
+    fn surface_by(&self, at: &BarkPoint, footprint: f64, noises: &mut impl Noises) -> WoodSurface {
         let (sine, cosine) = libm::sincos(at.angle);
         let place = DVec3::new(cosine * at.radius, sine * at.radius, at.along);
         let seed = self.seed ^ PURPOSE;
@@ -132,7 +171,7 @@ impl BarkAppearance {
             ridge,
             mut height,
             mut slope,
-        } = self.furrows(place, footprint);
+        } = self.furrows(place, footprint, noises);
         let mut shade = 0.0;
         for (i, flakes) in FLAKES.iter().enumerate() {
             let size = flakes.size * width;
@@ -140,19 +179,20 @@ impl BarkAppearance {
             if visible == 0.0 {
                 break;
             }
-            let scale = DVec3::new(1.0, 1.0, 1.0 / flakes.stretch) / size;
-            let (v, g) = gradient_3d(seed ^ ((i as u64 + 2) << 8), place * scale, 0);
+            let (v, g) = self.noise(
+                (noises, i),
+                seed ^ ((i as u64 + 2) << 8),
+                place,
+                (DVec3::splat(size), flakes.stretch),
+            );
             shade += v * flakes.share * visible;
             let relief = 0.16 * size.min(self.furrow_depth * 4.0) * visible;
             height += v * relief;
-            slope += g * scale * relief;
+            slope += g * relief;
         }
         // Patches of lichen and dust: slow changes towards a greenish grey.
-        let (patch, _) = gradient_3d(
-            seed ^ 3,
-            place * DVec3::new(1.0, 1.0, 0.6) / (4.0 * width),
-            0,
-        );
+        let patches = (DVec3::splat(4.0 * width), 1.0 / 0.6);
+        let (patch, _) = self.noise((noises, PATCH_NOISE), seed ^ 3, place, patches);
         let weathered = mix(
             DVec3::from_array(self.ridge_color),
             LICHEN,
@@ -161,8 +201,8 @@ impl BarkAppearance {
         let furrow_color = DVec3::from_array(self.furrow_color);
         let mut color = mix(furrow_color, weathered, ridge) * (1.0 + 1.3 * shade).max(0.15);
         if self.lenticels > 0.0 {
-            let size = DVec3::new(1.0, 1.0, 6.0) / (0.5 * width);
-            let (v, _) = gradient_3d(seed ^ 4, place * size, 0);
+            let stripes = (DVec3::splat(0.5 * width), 1.0 / 6.0);
+            let (v, _) = self.noise((noises, LENTICEL_NOISE), seed ^ 4, place, stripes);
             let visible = visible_detail(0.1 * width, footprint);
             let spot = smoothstep(0.45, 0.62, v) * self.lenticels * visible;
             color = mix(color, LENTICEL, spot);
@@ -176,23 +216,23 @@ impl BarkAppearance {
         }
     }
 
-    fn furrows(&self, place: DVec3, footprint: f64) -> Furrows {
+    fn furrows(&self, place: DVec3, footprint: f64, noises: &mut impl Noises) -> Furrows {
         let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
         for (i, order) in FURROWS.iter().enumerate() {
             let size = order.size * self.furrow_width;
             let visible = visible_detail(size, footprint);
             // Furrows wander: the place is shifted sideways by slower noise before they are cut.
             let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
-            let slow = DVec3::new(0.9, 0.9, 0.35) / size;
-            let (shift, shift_slope) = gradient_3d(seed ^ 1, place * slow, 0);
+            let slow = (DVec3::splat(size / 0.9), 0.9 / 0.35);
+            let number = FURROW_NOISES + 3 * i;
+            let (shift, shift_slope) = self.noise((noises, number), seed ^ 1, place, slow);
             let shifted = place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
-            let scale = DVec3::new(1.0, 1.0, 1.0 / order.stretch) / size;
-            let (v, g) = gradient_3d(seed, shifted * scale, 0);
-            let g = g * scale;
-            let g = g + shift_slope * slow * (0.5 * size * (g.x - g.y));
+            let furrow = (DVec3::splat(size), order.stretch);
+            let (v, g) = self.noise((noises, number + 1), seed, shifted, furrow);
+            let g = g + shift_slope * (0.5 * size * (g.x - g.y));
             // A furrow runs where the noise changes sign; how wide it opens changes along it.
-            let along = DVec3::new(0.7, 0.7, 0.3) / size;
-            let (opening, opening_slope) = gradient_3d(seed ^ 2, place * along, 0);
+            let along = (DVec3::splat(size / 0.7), 0.7 / 0.3);
+            let (opening, opening_slope) = self.noise((noises, number + 2), seed ^ 2, place, along);
             let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
             let edge = FURROW_EDGE * widened.max(MIN_FURROW_EDGE);
             let x = (v.abs() / edge).min(1.0);
@@ -206,7 +246,7 @@ impl BarkAppearance {
                 } else {
                     0.0
                 };
-                let x_slope = (g * v.signum() - opening_slope * along * (narrowing * x)) / edge;
+                let x_slope = (g * v.signum() - opening_slope * (narrowing * x)) / edge;
                 slope += x_slope * (6.0 * x * (1.0 - x) * depth * visible);
             }
         }

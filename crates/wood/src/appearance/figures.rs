@@ -3,7 +3,7 @@
 
 use super::mix::{mix_scalar, visible_detail};
 use super::wood::WoodAppearance;
-use crate::noise::{gradient_3d, hash, smoothstep, unit};
+use crate::noise::{Noises, hash, smoothstep, unit};
 use crate::rings::{RingSource, StemAddress, latewood_strength, periodic_cells};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -58,6 +58,9 @@ const VESSEL_LENGTH_DIAMETERS: f64 = 130.0;
 const HEARTWOOD_WANDER: f64 = 0.07;
 const MAX_HEARTWOOD_SHIFT: f64 = 0.13;
 
+/// Number of the noise that shifts the heartwood's edge; those of the streaks come before it.
+pub(super) const HEARTWOOD_NOISE: usize = STREAKS.len();
+
 // Purposes in the hash: each figure has its own numbers.
 const STREAK: u64 = 0x53;
 const HEARTWOOD: u64 = 0x48;
@@ -86,7 +89,12 @@ pub(super) struct Latewood {
 }
 
 impl WoodAppearance {
-    pub(super) fn streaks(&self, place: DVec3, footprint: f64) -> Streaks {
+    pub(super) fn streaks(
+        &self,
+        place: DVec3,
+        footprint: f64,
+        noises: &mut impl Noises,
+    ) -> Streaks {
         let (mut shade, mut height, mut slope) = (0.0, 0.0, DVec3::ZERO);
         for (i, size) in STREAKS.iter().enumerate() {
             let visible = visible_detail(size.width, footprint);
@@ -95,7 +103,8 @@ impl WoodAppearance {
             }
             let (length, period) = periodic_cells(size.width * STREAK_LENGTH_WIDTHS, self.period);
             let scale = DVec3::new(1.0 / size.width, 1.0 / size.width, 1.0 / length);
-            let (v, g) = gradient_3d(
+            let (v, g) = noises.gradient(
+                i,
                 self.seed ^ STREAK ^ ((i as u64) << 8),
                 place * scale,
                 period,
@@ -159,7 +168,12 @@ impl WoodAppearance {
     }
 
     /// Share of heartwood, 0 to 1, behind an uneven edge.
-    pub(super) fn heartwood_share(&self, at: &StemAddress, place: DVec3) -> f64 {
+    pub(super) fn heartwood_share(
+        &self,
+        at: &StemAddress,
+        place: DVec3,
+        noises: &mut impl Noises,
+    ) -> f64 {
         if self.heartwood <= 0.0 {
             return 0.0;
         }
@@ -169,7 +183,10 @@ impl WoodAppearance {
         let wide = 0.4 * self.radius;
         let (long, period) = periodic_cells(10.0 * self.radius, self.period);
         let scale = DVec3::new(1.0 / wide, 1.0 / wide, 1.0 / long);
-        let wander = gradient_3d(self.seed ^ HEARTWOOD, place * scale, period).0;
+        let seed = self.seed ^ HEARTWOOD;
+        let wander = noises
+            .gradient(HEARTWOOD_NOISE, seed, place * scale, period)
+            .0;
         let edge = self.heartwood + HEARTWOOD_WANDER * wander;
         1.0 - smoothstep(edge - 0.035, edge + 0.025, at.rho)
     }

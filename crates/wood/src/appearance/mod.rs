@@ -7,6 +7,7 @@
 //! averaged away.
 
 mod bark;
+mod colours;
 mod figures;
 mod mix;
 mod shading;
@@ -15,6 +16,7 @@ mod surface;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
+pub use colours::{COLOUR, SrgbColour, SrgbColourError, WoodColours};
 pub use shading::{OrientedSurface, SurfacePoint};
 pub use stem::{EndSection, StemAppearance};
 pub use surface::WoodSurface;

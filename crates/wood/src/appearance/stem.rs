@@ -37,6 +37,8 @@ const RING_WIDTH: f64 = 2.2e-3;
 const RING_COUNT: (f64, f64) = (5.0, 60.0);
 /// Radius above which bark is furrowed, m.
 const FURROWED_BARK_RADIUS: f64 = 0.06;
+/// How much darker the bottom of furrows is than the ridges, where the colour of the bark is given.
+const FURROW_SHADE: f64 = 0.35;
 /// How much darker heartwood is than sapwood in species whose heartwood is light.
 const LIGHT_HEARTWOOD: f64 = 0.93;
 /// Ring coordinates between which the outer bark may begin.
@@ -57,6 +59,10 @@ impl StemAppearance {
             BarkAppearance::young(stem.radius)
         };
         bark.seed = wood.seed;
+        if let Some(color) = wood.bark_color {
+            bark.ridge_color = color;
+            bark.furrow_color = color.map(|c| c * FURROW_SHADE);
+        }
         StemAppearance {
             wood,
             rings,

@@ -1,9 +1,10 @@
 //! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
 
+use super::figures::HEARTWOOD_NOISE;
 use super::mix::{mix, mix_scalar, visible_detail};
 use super::surface::WoodSurface;
 use crate::colour::linear_from_srgb as srgb;
-use crate::noise::{gradient_3d, smoothstep};
+use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
 use crate::rings::{ConcentricRings, RingSource, StemAddress, periodic_cells};
 use crate::tissue::Proportions;
 use glam::DVec3;
@@ -58,6 +59,8 @@ pub struct WoodAppearance {
     pub phloem_color: [f64; 3],
     /// The outer bark where it is cut or torn.
     pub cork_color: [f64; 3],
+    /// The ridges of the bark, where their colour is given.
+    pub bark_color: Option<[f64; 3]>,
     /// How much latewood is darker, 0 (not at all) to 1.
     pub latewood_contrast: f64,
     /// Part of a ring's width over which its latewood darkens, 0 to 1.
@@ -80,6 +83,9 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
+/// Numbers of the noises of pith and bark; those of the streaks and of the heartwood come before them.
+const SPECK_NOISE: usize = HEARTWOOD_NOISE + 1;
+const UNEVEN_NOISES: usize = HEARTWOOD_NOISE + 2;
 /// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
 
@@ -103,8 +109,9 @@ impl WoodAppearance {
             latewood_color: srgb([168, 118, 70]),
             heartwood_color: srgb([196, 147, 98]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([128, 88, 58]),
-            cork_color: srgb([80, 60, 46]),
+            phloem_color: srgb([172, 124, 84]),
+            cork_color: srgb([106, 80, 60]),
+            bark_color: None,
             latewood_contrast: 0.95,
             latewood_width: 0.6,
             ring_porous: false,
@@ -169,10 +176,32 @@ impl WoodAppearance {
         at: &WoodPoint,
         footprint: f64,
     ) -> WoodSurface {
+        self.surface_by(rings, at, footprint, &mut Forgetful)
+    }
+
+    /// [`WoodAppearance::surface_at`] for points visited one after another, such as those of a texture's row: `memory` is
+    /// kept between them. The outcome is the same, sooner.
+    pub fn surface_in_row(
+        &self,
+        rings: &dyn RingSource,
+        at: &WoodPoint,
+        footprint: f64,
+        memory: &mut NoiseMemory,
+    ) -> WoodSurface {
+        self.surface_by(rings, at, footprint, memory)
+    }
+
+    fn surface_by(
+        &self,
+        rings: &dyn RingSource,
+        at: &WoodPoint,
+        footprint: f64,
+        noises: &mut impl Noises,
+    ) -> WoodSurface {
         let address = &at.address;
         let place = DVec3::new(address.across.x, address.across.y, address.along);
         let end = at.end_grain.clamp(0.0, 1.0);
-        let streaks = self.streaks(place, footprint);
+        let streaks = self.streaks(place, footprint, noises);
         let latewood = self.latewood(rings, address, footprint);
         let vessel = self.vessel(place, latewood.first_earlywood, footprint);
         let ray = self.ray_contrast * self.ray(address, footprint);
@@ -181,7 +210,7 @@ impl WoodAppearance {
         let mut color = mix(
             sapwood,
             DVec3::from_array(self.heartwood_color),
-            self.heartwood_share(address, place),
+            self.heartwood_share(address, place, noises),
         );
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
@@ -208,7 +237,7 @@ impl WoodAppearance {
             end,
             shade: streaks.shade,
         };
-        self.blend_tissues(&mut surface, address, place, footprint);
+        self.blend_tissues(&mut surface, address, place, footprint, noises);
         WoodSurface {
             color: surface
                 .color
@@ -227,6 +256,7 @@ impl WoodAppearance {
         address: &StemAddress,
         place: DVec3,
         footprint: f64,
+        noises: &mut impl Noises,
     ) {
         let rho = address.rho;
         let soft = (footprint / self.radius).max(0.004);
@@ -238,7 +268,9 @@ impl WoodAppearance {
         }
         let (long, period) = periodic_cells(8e-3, self.period);
         let scale = DVec3::new(900.0, 900.0, 1.0 / long);
-        let ragged = gradient_3d(self.seed ^ SPECK, place * scale, period).0;
+        let ragged = noises
+            .gradient(SPECK_NOISE, self.seed ^ SPECK, place * scale, period)
+            .0;
         let speck = ragged * visible_detail(1.1e-3, footprint);
         // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats into the
         // inner bark in places.
@@ -249,7 +281,7 @@ impl WoodAppearance {
                 rho + 0.008 * ragged,
             );
         surface.blend(self.pith_color, 0.22 * speck, in_pith);
-        let uneven = self.uneven_bark(place);
+        let uneven = self.uneven_bark(place, noises);
         for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
@@ -261,14 +293,16 @@ impl WoodAppearance {
     }
 
     /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
-    fn uneven_bark(&self, place: DVec3) -> f64 {
+    fn uneven_bark(&self, place: DVec3, noises: &mut impl Noises) -> f64 {
         let thick = (self.cork - self.phloem).clamp(0.0, 0.1);
         let mut shift = 0.0;
         for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
             let size = size * self.radius.max(1e-6);
             let (long, period) = periodic_cells(4.0 * size, self.period);
             let scale = DVec3::new(1.0 / size, 1.0 / size, 1.0 / long);
-            shift += share * gradient_3d(self.seed ^ SPECK ^ (n << 8), place * scale, period).0;
+            let seed = self.seed ^ SPECK ^ (n << 8);
+            let number = UNEVEN_NOISES + n as usize - 1;
+            shift += share * noises.gradient(number, seed, place * scale, period).0;
         }
         thick * shift
     }
