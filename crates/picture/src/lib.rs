@@ -8,18 +8,20 @@
 mod bvh;
 mod camera;
 mod chart;
+mod denoise;
 mod drawing;
 mod error;
 mod item;
 mod light;
+mod lighting;
 mod parameters;
 mod picture;
 mod render;
+mod resolve;
 mod sampling;
 mod scale_bar;
 mod scene;
 mod shader;
-mod smooth;
 mod surface;
 
 pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
