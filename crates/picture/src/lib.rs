@@ -23,6 +23,7 @@ mod scale_bar;
 mod scene;
 mod shader;
 mod surface;
+mod texture;
 
 pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
 pub use chart::{Chart, Series, SeriesStyle};
@@ -32,3 +33,4 @@ pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
 pub use render::{PictureOptions, render, render_scene};
 pub use shader::{Appearance, Hit, PlainMaterial, PlainShader, Shader};
+pub use texture::TexturedMaterial;

@@ -1,6 +1,6 @@
 //! The scene: all items in one hierarchy, and what rays meet in it.
 
-use crate::bvh::{Bvh, Ray};
+use crate::bvh::{Bvh, Intersection, Ray};
 use crate::camera::{Camera, Sphere};
 use crate::error::{MAX_TRIANGLES, PictureError};
 use crate::item::Item;
@@ -18,6 +18,8 @@ pub(crate) struct Scene<'a> {
     bvh: Bvh,
     /// Sphere around the bounding box.
     pub bounds: Sphere,
+    /// Whether a surface has holes that rays go through.
+    has_holes: bool,
     /// The colour of each triangle at its middle, packed, or 0 where nobody has asked for it yet.
     colors: Vec<AtomicU64>,
 }
@@ -77,6 +79,8 @@ const RELATIVE_RAY_OFFSET: f32 = 2e-6;
 const INDIRECT_FOOTPRINT_SCALE: f32 = 16.0;
 /// Most triangles whose colours are kept: 128 MiB.
 const MAX_KEPT_COLORS: usize = 1 << 24;
+/// Most holes that a ray goes through.
+const MAX_LAYERS: usize = 256;
 /// How far from the scene shadows on the floor fade, per radius of the scene.
 const SHADOW_FADE: f64 = 0.4;
 
@@ -112,6 +116,7 @@ impl<'a> Scene<'a> {
                 centre: middle,
                 radius,
             },
+            has_holes: items.iter().any(|item| item.shader.has_holes()),
             colors: (0..kept).map(|_| AtomicU64::new(0)).collect(),
         }
     }
@@ -147,12 +152,40 @@ impl<'a> Scene<'a> {
 
     /// Whether anything hides what lies in the direction `out` from a surface.
     pub fn is_hidden(&self, from: Vec3, normal: Vec3, out: Vec3) -> bool {
-        self.bvh.is_blocked(&self.leaving(from, normal, out))
+        let ray = self.leaving(from, normal, out);
+        if self.has_holes {
+            self.nearest(ray).is_some()
+        } else {
+            self.bvh.is_blocked(&ray)
+        }
+    }
+
+    /// The nearest intersection that is no hole.
+    fn nearest(&self, mut ray: Ray) -> Option<Intersection> {
+        let mut found = self.bvh.nearest(&ray)?;
+        if !self.has_holes {
+            return Some(found);
+        }
+        let start = ray.origin;
+        let length = ray.direction.length();
+        for _ in 0..MAX_LAYERS {
+            let (item, triangle) = self.item_of(found.triangle);
+            let direction = ray.direction.as_dvec3();
+            let hit = self.hit(item, triangle, found.weights, direction);
+            if !self.items[item].shader.is_hole(&hit) {
+                break;
+            }
+            let step = self.bounds.radius as f32 * RELATIVE_RAY_OFFSET / length;
+            ray.origin += ray.direction * (found.distance + step);
+            found = self.bvh.nearest(&ray)?;
+        }
+        found.distance += (ray.origin - start).dot(ray.direction) / (length * length);
+        Some(found)
     }
 
     /// What a ray from a surface meets; `footprint` is the size of a pixel on it.
     pub fn bounce(&self, from: Vec3, normal: Vec3, out: Vec3, footprint: f32) -> Option<Bounce> {
-        let found = self.bvh.nearest(&self.leaving(from, normal, out))?;
+        let found = self.nearest(self.leaving(from, normal, out))?;
         let [a, b, c] = found.corners;
         let facing = (b - a).cross(c - a).normalize_or(-out);
         let facing = if facing.dot(out) > 0.0 {
@@ -207,7 +240,7 @@ impl<'a> Scene<'a> {
         let to_centre = (self.bounds.centre - camera.origin).dot(direction);
         let ahead = (to_centre - self.bounds.radius * 1.01).max(0.0);
         let start = camera.origin + direction * ahead - self.bounds.centre;
-        let found = self.bvh.nearest(&Ray {
+        let found = self.nearest(Ray {
             origin: start.as_vec3(),
             direction: direction.as_vec3(),
             max_distance: f32::INFINITY,
