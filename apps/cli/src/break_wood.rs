@@ -57,7 +57,13 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     warning.into_iter().for_each(|note| broken.note(note));
     let outputs = targets.write(
         (&broken.scene, unit),
-        |context| greenstick::picture_of_break(&broken, &file.picture.options(), context),
+        |context| {
+            let mut shown = broken.clone();
+            if let Some(input) = &input {
+                files::embed_images(&mut shown.scene, input);
+            }
+            greenstick::picture_of_break(&shown, &file.picture.options(), context)
+        },
         recipe,
         &source.files,
         &write,

@@ -104,9 +104,10 @@ pub fn picture(options: &PictureOptions) -> Result<ExitCode, Failure> {
     let progress = Progress::start(options.quiet);
     let [read, work, write] = progress.split([("read", 1.0), ("picture", 8.0), ("write", 0.1)]);
     read.report(0.0)?;
-    let source = files::load(&options.file, options.unit.map(Into::into))?;
+    let mut source = files::load(&options.file, options.unit.map(Into::into))?;
     files::check_distinct(&[&options.output], &source.files)?;
     files::check_writable(&options.output)?;
+    files::embed_images(&mut source.scene, &options.file);
     let how = parameters.options();
     let picture = greenstick::picture_of_scene(&source.scene, &how, &work)?;
     write.report(0.0)?;

@@ -6,7 +6,7 @@
 //!
 //! # Features
 //!
-//! `laz` (compressed point clouds), `parquet` (tables as Parquet), `photograph` (photographs as JPEG and PNG) and `usd` (scenes
+//! `laz` (compressed point clouds), `parquet` (tables as Parquet), `photograph` (photographs as JPEG and PNG, textures as WebP, too) and `usd` (scenes
 //! and films as USD) are on by default.
 #![deny(missing_docs)]
 
@@ -25,6 +25,8 @@ mod obj;
 mod off;
 #[cfg(feature = "photograph")]
 pub mod photograph;
+#[cfg(feature = "photograph")]
+pub mod pixels;
 mod ply;
 mod polygon;
 mod position;

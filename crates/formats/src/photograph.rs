@@ -7,7 +7,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// First bytes of a JPEG file.
-const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
+pub(crate) const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
 /// Most pixels of a photograph: twice the largest camera sensors.
 const MAX_PIXELS: usize = 300_000_000;
 
@@ -29,12 +29,14 @@ pub enum PhotographError {
     #[error("{0}")]
     Invalid(String),
     /// There are too many pixels.
-    #[error("it has {width} × {height} pixels; at most {} million are read", MAX_PIXELS / 1_000_000)]
+    #[error("it has {width} × {height} pixels; at most {} million are read", most / 1_000_000)]
     TooLarge {
         /// Pixels in a row.
         width: usize,
         /// Rows.
         height: usize,
+        /// Most pixels.
+        most: usize,
     },
 }
 
@@ -45,32 +47,36 @@ pub enum PhotographError {
 /// [`PhotographError`] where the bytes are neither, or hold too many pixels.
 pub fn read_photograph(bytes: &[u8]) -> Result<Photograph, PhotographError> {
     if bytes.starts_with(&JPEG) {
-        decode_jpeg(bytes)
+        decode_jpeg(bytes, MAX_PIXELS)
     } else {
         decode_png(bytes)
     }
 }
 
 /// Returns how an error of a decoder, or what a file lacks, makes it invalid.
-fn invalid(problem: impl ToString) -> PhotographError {
+pub(crate) fn invalid(problem: impl ToString) -> PhotographError {
     PhotographError::Invalid(problem.to_string())
 }
 
-fn check_size(width: usize, height: usize) -> Result<(), PhotographError> {
-    if width.saturating_mul(height) <= MAX_PIXELS {
+pub(crate) fn check_size(width: usize, height: usize, most: usize) -> Result<(), PhotographError> {
+    if width.saturating_mul(height) <= most {
         return Ok(());
     }
-    Err(PhotographError::TooLarge { width, height })
+    Err(PhotographError::TooLarge {
+        width,
+        height,
+        most,
+    })
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Photograph, PhotographError> {
+pub(crate) fn decode_jpeg(bytes: &[u8], most: usize) -> Result<Photograph, PhotographError> {
     let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(invalid)?;
     let (width, height) = decoder
         .dimensions()
         .ok_or_else(|| invalid("it has no size"))?;
-    check_size(width, height)?;
+    check_size(width, height, most)?;
     let rgb = decoder.decode().map_err(invalid)?;
     Ok(Photograph {
         width: width as u32,
@@ -84,7 +90,7 @@ fn decode_png(bytes: &[u8]) -> Result<Photograph, PhotographError> {
     decoder.set_transformations(Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(invalid)?;
     let (width, height) = reader.info().size();
-    check_size(width as usize, height as usize)?;
+    check_size(width as usize, height as usize, MAX_PIXELS)?;
     let size = reader
         .output_buffer_size()
         .ok_or_else(|| invalid("it is too large"))?;
@@ -155,7 +161,7 @@ mod tests {
     fn jpeg_files_are_read() {
         // 16 × 8 pixels, the left half red and the right half blue, by Pillow at quality 95.
         let bytes = include_bytes!("../tests/data/red_and_blue.jpg");
-        let image = decode_jpeg(bytes).unwrap();
+        let image = decode_jpeg(bytes, MAX_PIXELS).unwrap();
         assert_eq!((image.width, image.height), (16, 8));
         let at = |x: usize, y: usize| &image.rgb[3 * (16 * y + x)..][..3];
         for (x, expected) in [(2, [255u8, 0, 0]), (13, [0, 0, 255])] {
@@ -163,15 +169,15 @@ mod tests {
                 assert!(found.abs_diff(expected) < 12, "{x}: {found}, {expected}");
             }
         }
-        assert!(decode_jpeg(&bytes[..200]).is_err());
-        assert!(decode_jpeg(b"\xff\xd8\xff\xe0").is_err());
+        assert!(decode_jpeg(&bytes[..200], MAX_PIXELS).is_err());
+        assert!(decode_jpeg(b"\xff\xd8\xff\xe0", MAX_PIXELS).is_err());
     }
 
     #[test]
     fn sizes_beyond_any_camera_are_refused_before_they_are_decoded() {
-        assert!(check_size(20_000, 15_000).is_ok());
+        assert!(check_size(20_000, 15_000, MAX_PIXELS).is_ok());
         assert!(
-            check_size(usize::MAX, 2)
+            check_size(usize::MAX, 2, MAX_PIXELS)
                 .unwrap_err()
                 .to_string()
                 .contains("300 million")

@@ -40,7 +40,7 @@ pub use error_kind::ErrorKind;
 pub use film::{
     Binding, EarlierBindings, Extra, Film, Joint, Motion, Pose, RigidBody, SkinnedMesh,
 };
-pub use material::{Image, ImageSource, Material, Texture, TextureReference};
+pub use material::{Image, ImageSource, Material, Pixels, Texture, TextureReference};
 pub use mesh::{Attribute, Mesh};
 pub use provenance::{Metadata, MetadataEntry, Provenance};
 pub use scene::{Node, Scene};

@@ -20,6 +20,17 @@ pub enum ImageSource {
     Bytes(Vec<u8>),
 }
 
+/// The pixels of an image.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pixels {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue and opacity of each pixel, row by row from the top, as they are stored (sRGB for colours).
+    pub rgba: Vec<u8>,
+}
+
 /// An image with a sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {

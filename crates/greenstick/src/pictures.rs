@@ -2,7 +2,7 @@
 
 use crate::session::{Broken, BrokenWood};
 use glam::DVec3;
-use greenstick_geometry::{Context, Scene};
+use greenstick_geometry::{Context, Material, Scene};
 use greenstick_picture::{
     Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
     azimuth_of_view, render_scene,
@@ -10,9 +10,11 @@ use greenstick_picture::{
 use greenstick_skin::view::{self, BreakView, Sight};
 use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
+use greenstick_wood::branch::BARK_MATERIAL_NAME;
 use greenstick_wood::stem::Stem;
 
-/// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour.
+/// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour or a texture that is
+/// there.
 struct StemShader<'a> {
     /// The wood inside, by material; bark and sawn ends are those of the first.
     woods: Vec<Inside<'a>>,
@@ -46,7 +48,20 @@ impl<'a> Inside<'a> {
     }
 }
 
-impl StemShader<'_> {
+impl<'a> StemShader<'a> {
+    fn new(scene: &Scene, woods: Vec<Inside<'a>>, moved: bool) -> Result<Self, PictureError> {
+        let inner = |number| woods.iter().any(|wood| wood.material as usize == number);
+        let plain = file_materials(scene, |number, m| !inner(number) && !is_own_bark(scene, m))?;
+        let blank = materials::without_color(scene).into_iter().zip(0..);
+        Ok(StemShader {
+            woods,
+            blank: blank.map(|(b, n)| b && !plain.is_textured(n)).collect(),
+            plain,
+            moved,
+            field: WoodField::of(scene).filter(|_| moved),
+        })
+    }
+
     /// Returns the wood whose bark and sawn ends are shown.
     fn own(&self) -> Inside<'_> {
         self.woods[0]
@@ -96,6 +111,37 @@ impl Shader for StemShader<'_> {
             normal: hit.bumped_normal(oriented.relief_gradient()),
         }
     }
+
+    fn has_holes(&self) -> bool {
+        self.plain.has_holes()
+    }
+
+    fn is_hole(&self, hit: &Hit) -> bool {
+        self.plain.is_hole(hit)
+    }
+}
+
+/// Whether a material is our own bark, which is finer by its model than by its texture.
+fn is_own_bark(scene: &Scene, material: &Material) -> bool {
+    let texture =
+        (material.base_color_texture.as_ref()).and_then(|t| scene.textures.get(t.texture));
+    let image = texture.and_then(|t| scene.images.get(t.image?));
+    material.name == BARK_MATERIAL_NAME && image.is_none_or(|i| i.name.starts_with("bark_"))
+}
+
+/// The materials of a scene, of which those that `is_shown` names have the textures whose images are in the scene.
+fn file_materials(
+    scene: &Scene,
+    is_shown: impl Fn(usize, &Material) -> bool,
+) -> Result<PlainShader, PictureError> {
+    #[cfg(feature = "files")]
+    let read = |bytes: &[u8]| {
+        let pixels = greenstick_formats::pixels::read_pixels(bytes);
+        pixels.map(Some).map_err(|problem| problem.to_string())
+    };
+    #[cfg(not(feature = "files"))]
+    let read = |_: &[u8]| Ok(None);
+    PlainShader::with_textures(scene, is_shown, read)
 }
 
 /// Returns what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the wood inside, whose materials are
@@ -148,13 +194,7 @@ fn picture_of_moved_wood(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let inner: Vec<u32> = woods.iter().map(|wood| wood.material).collect();
-    let shader = StemShader {
-        woods,
-        plain: PlainShader::from_materials(&scene.materials),
-        blank: materials::without_color(scene),
-        moved: true,
-        field: WoodField::of(scene),
-    };
+    let shader = StemShader::new(scene, woods, true)?;
     let mut options = options.clone();
     if let (None, Some(diameters)) = (options.zoom, options.close_up) {
         options.zoom = close_up(scene, &inner, diameters);
@@ -175,13 +215,8 @@ pub fn picture_of_break(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = StemShader {
-        woods: broken.woods.iter().map(Inside::new).collect(),
-        plain: PlainShader::from_materials(&broken.scene.materials),
-        blank: materials::without_color(&broken.scene),
-        moved: false,
-        field: None,
-    };
+    let woods = broken.woods.iter().map(Inside::new).collect();
+    let shader = StemShader::new(&broken.scene, woods, false)?;
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
         let mut options = options.clone();
@@ -252,15 +287,15 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
     }
 }
 
-/// Renders any scene in the plain colours of its materials.
+/// Renders any scene with the colours and textures of its materials.
 ///
 /// # Errors
-/// As [`render_scene`].
+/// As [`render_scene`], and where an image cannot be read.
 pub fn picture_of_scene(
     scene: &Scene,
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let shader = PlainShader::from_materials(&scene.materials);
+    let shader = file_materials(scene, |_, _| true)?;
     render_scene(scene, &shader, options, context)
 }

@@ -69,6 +69,16 @@ pub enum PictureError {
     /// The view is invalid.
     #[error("invalid view: {0}")]
     View(&'static str),
+    /// An image of a texture cannot be read.
+    #[error("image {image} \"{name}\" of a texture: {problem}; expected PNG, JPEG or WebP")]
+    Image {
+        /// Number of the image, from 0.
+        image: usize,
+        /// Its name, may be empty.
+        name: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

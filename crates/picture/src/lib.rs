@@ -8,19 +8,22 @@
 mod bvh;
 mod camera;
 mod chart;
+mod denoise;
 mod drawing;
 mod error;
 mod item;
 mod light;
+mod lighting;
 mod parameters;
 mod picture;
 mod render;
+mod resolve;
 mod sampling;
 mod scale_bar;
 mod scene;
 mod shader;
-mod smooth;
 mod surface;
+mod texture;
 
 pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
 pub use chart::{Chart, Series, SeriesStyle};
@@ -30,3 +33,4 @@ pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
 pub use render::{PictureOptions, render, render_scene};
 pub use shader::{Appearance, Hit, PlainMaterial, PlainShader, Shader};
+pub use texture::TexturedMaterial;

@@ -1,7 +1,8 @@
 //! Finished pictures: tone mapping and PNG.
 
-use glam::DVec3;
+use glam::Vec3;
 use greenstick_geometry::{Metadata, MetadataEntry};
+use rayon::prelude::*;
 
 /// A picture in 8-bit sRGB, with three bytes per pixel and rows from top to bottom.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,22 +16,52 @@ pub struct Picture {
 }
 
 /// End of the linear part of the tone curve, which preserves the colours of wood; above, the curve bends towards white.
-const TONE_CURVE_SHOULDER: f64 = 0.65;
+const TONE_CURVE_SHOULDER: f32 = 0.65;
+
+/// Steps of the table of the sRGB transfer function, whose values lie less than 0.02 of a level of 255 from it.
+const CURVE_STEPS: usize = 4096;
+/// Places in which the levels between two of 255 are shown by a pattern of both, so that slow gradients have no bands: an
+/// ordered pattern (Bayer 1973) stays smaller in files than noise.
+const DITHER: [[u8; 8]; 8] = bayer();
+
+const fn bayer() -> [[u8; 8]; 8] {
+    let mut table = [[0; 8]; 8];
+    let mut i = 0;
+    while i < 64 {
+        let (x, y) = (i % 8, i / 8);
+        let (mut value, mut bit) = (0, 0);
+        while bit < 3 {
+            let (a, b) = (x >> bit & 1, y >> bit & 1);
+            value = value << 2 | (a ^ b) << 1 | b;
+            bit += 1;
+        }
+        table[y][x] = value as u8;
+        i += 1;
+    }
+    table
+}
 
 impl Picture {
     /// Tone-maps linear radiance.
-    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[DVec3]) -> Picture {
-        let rgb = radiance
-            .iter()
-            .flat_map(|l| l.to_array())
-            .map(|v| {
-                let mapped = if v > TONE_CURVE_SHOULDER {
-                    let over = (v - TONE_CURVE_SHOULDER) / (1.0 - TONE_CURVE_SHOULDER);
-                    TONE_CURVE_SHOULDER + (1.0 - TONE_CURVE_SHOULDER) * over / (1.0 + over)
-                } else {
-                    v.max(0.0)
-                };
-                (encode_srgb(mapped) * 255.0 + 0.5) as u8
+    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[Vec3]) -> Picture {
+        // The square root spreads the dark part of the curve, where it is steepest.
+        let curve: Vec<f32> = (0..=CURVE_STEPS)
+            .map(|i| i as f64 / CURVE_STEPS as f64)
+            .map(|root| (encode_srgb(root * root) * 255.0) as f32)
+            .collect();
+        let level = |v: f32| {
+            let place = tone_mapped(v).sqrt() * CURVE_STEPS as f32;
+            let step = (place as usize).min(CURVE_STEPS - 1);
+            curve[step] + (curve[step + 1] - curve[step]) * (place - step as f32)
+        };
+        let rows = radiance.par_chunks(width as usize).enumerate();
+        let rgb = rows
+            .flat_map_iter(|(y, row)| {
+                let level = &level;
+                row.iter().enumerate().flat_map(move |(x, l)| {
+                    let above = (f32::from(DITHER[y % 8][x % 8]) + 0.5) / 64.0;
+                    l.to_array().map(|v| (level(v) + above) as u8)
+                })
             })
             .collect();
         Picture { width, height, rgb }
@@ -62,6 +93,16 @@ impl Picture {
             Ok(()) => bytes,
             Err(_) => Vec::new(),
         }
+    }
+}
+
+/// A component of radiance on the tone curve, 0 to 1.
+fn tone_mapped(v: f32) -> f32 {
+    if v > TONE_CURVE_SHOULDER {
+        let over = (v - TONE_CURVE_SHOULDER) / (1.0 - TONE_CURVE_SHOULDER);
+        TONE_CURVE_SHOULDER + (1.0 - TONE_CURVE_SHOULDER) * over / (1.0 + over)
+    } else {
+        v.max(0.0)
     }
 }
 

@@ -1,15 +1,17 @@
-//! Rendering: camera, studio, samples, denoising and tone mapping.
+//! Rendering in four steps: what is seen at the middle of each pixel, the light there from few rays, the same smoothed, and the
+//! picture, with more camera rays where an edge or fine detail asks for them.
 
 use crate::camera::{Camera, Sphere, View};
+use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
 use crate::item::Item;
 use crate::light::Studio;
 use crate::picture::Picture;
-use crate::sampling::Sampler;
-use crate::scene::{CameraRay, LightChoice, Sample, Scene, world_points};
+use crate::resolve::{Frame, Resolve};
+use crate::scene::{Scene, world_points};
 use crate::shader::Shader;
-use crate::smooth::smooth;
-use glam::DVec3;
+use crate::surface::Place;
+use glam::{DVec3, Vec3};
 use greenstick_geometry::Context;
 use rayon::prelude::*;
 
@@ -20,8 +22,10 @@ pub struct PictureOptions {
     pub width: u32,
     /// Height, 1 to 16384 pixels.
     pub height: u32,
-    /// Camera rays per pixel, 1 to 65536. From 4 on, it is rounded up to a multiple of 4; the background takes fewer.
+    /// Most camera rays per pixel, 1 to 65536; a pixel without an edge or fine detail takes fewer.
     pub samples: u32,
+    /// Whether a rough picture is enough: half as wide and high, with at most four camera rays per pixel, and enlarged.
+    pub draft: bool,
     /// Direction of view.
     pub view: View,
     /// Sphere that fills the picture; `None` to show everything.
@@ -51,6 +55,7 @@ impl PictureOptions {
             width: 0,
             height: 0,
             samples: 0,
+            draft: false,
             view: View::Automatic,
             zoom: None,
             close_up: None,
@@ -64,10 +69,13 @@ impl PictureOptions {
 
 /// Rows per thread after which the renderer reports progress and may be cancelled.
 const BAND_ROWS: usize = 8;
-/// One sample of this many uses the rim light, the others use the key light.
-const RIM_LIGHT_INTERVAL: u32 = 4;
-/// Number of samples after which a pixel without items is complete: background and floor are smooth.
-const BACKGROUND_SAMPLES: u32 = 8;
+/// Camera rays per pixel for each ray to a lamp, and for each indirect ray.
+const SAMPLES_PER_LIGHT_RAY: u32 = 8;
+/// How many times wider and higher than it is rendered a draft is, and its most camera rays per pixel.
+const DRAFT_SCALE: u32 = 2;
+const DRAFT_SAMPLES: u32 = 4;
+/// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
+const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
 /// Renders a scene in which one shader provides the appearance of all surfaces.
 ///
@@ -119,8 +127,16 @@ pub fn render(
     options: &PictureOptions,
     context: &Context,
 ) -> Result<Picture, PictureError> {
-    let PictureOptions { width, height, .. } = *options;
     check_size(options)?;
+    let size = [options.width, options.height];
+    let (rendered, samples) = if options.draft {
+        (
+            size.map(|n| n.div_ceil(DRAFT_SCALE)),
+            options.samples.min(DRAFT_SAMPLES),
+        )
+    } else {
+        (size, options.samples)
+    };
     context.report(0.0)?;
     let points = world_points(items)?;
     let shown = if options.shown.is_empty() {
@@ -131,13 +147,7 @@ pub fn render(
     if shown.iter().any(|p| !p.is_finite()) {
         return Err(PictureError::View("the points to show must be finite"));
     }
-    let camera = Camera::new(
-        shown,
-        options.view,
-        options.zoom,
-        options.up,
-        [width, height],
-    )?;
+    let camera = Camera::new(shown, options.view, options.zoom, options.up, rendered)?;
     let up = options.up.normalize();
     let level = points
         .iter()
@@ -146,27 +156,106 @@ pub fn render(
     let scene = Scene::new(items, &points);
     drop(points);
     let floor = options.floor.then_some(level);
-    let studio = Studio::new(&camera, up, scene.bounds, floor, options.background);
+    let studio = Studio::new(&camera, up, floor, options.background);
+    let frame = Frame {
+        scene: &scene,
+        studio: &studio,
+        camera: &camera,
+        size: rendered.map(|n| n as usize),
+        samples,
+        rays: samples.div_ceil(SAMPLES_PER_LIGHT_RAY),
+    };
+    let rows = |step: usize| Rows {
+        columns: frame.size[0],
+        rows: frame.size[1],
+        context,
+        progress: [
+            PROGRESS[step],
+            PROGRESS.get(step + 1).copied().unwrap_or(1.0),
+        ],
+    };
+    let seen = rows(0).fill(|x, y| frame.seen(x, y))?;
+    let places: Vec<Place> = seen.iter().map(|s| s.place).collect();
+    let neighbours = Neighbours {
+        places: &places,
+        size: frame.size,
+    };
+    let light = rows(1).fill(|x, y| frame.light(&neighbours, x, y))?;
+    let light = rows(2).fill(|x, y| frame.refined(&neighbours, &light, x, y))?;
+    let light = smooth(&neighbours, light);
+    let centres: Vec<Vec3> = (seen.par_iter().zip(&light))
+        .map(|(seen, light)| seen.radiance(&studio, light))
+        .collect();
+    let resolved = Resolve {
+        frame: &frame,
+        neighbours,
+        light: &light,
+        centres: &centres,
+    };
+    let radiance = rows(3).fill(|x, y| resolved.pixel(x, y))?;
+    let radiance = enlarge(radiance, rendered, size);
+    Ok(Picture::from_radiance(size[0], size[1], &radiance))
+}
 
-    let columns = width as usize;
-    let mut pixels = vec![Sample::default(); columns * height as usize];
-    let bands = pixels.chunks_mut(columns * BAND_ROWS * rayon::current_num_threads().max(1));
-    let number = bands.len();
-    let mut row = 0;
-    for (done, band) in bands.enumerate() {
-        context.report(done as f64 / number as f64)?;
-        band.par_chunks_mut(columns)
-            .enumerate()
-            .for_each(|(r, row_pixels)| {
-                for (x, pixel) in row_pixels.iter_mut().enumerate() {
-                    *pixel = mean_sample(&scene, &studio, &camera, [x, row + r], options);
-                }
-            });
-        row += band.len() / columns;
+/// Enlarges the pixels of a picture to another size, linearly between their middles.
+fn enlarge(pixels: Vec<Vec3>, from: [u32; 2], to: [u32; 2]) -> Vec<Vec3> {
+    if from == to {
+        return pixels;
     }
-    context.report(1.0)?;
-    let radiance = smooth(&pixels, columns, camera.pixel_size);
-    Ok(Picture::from_radiance(width, height, &radiance))
+    // Where a middle of the larger picture lies between two of the smaller, and how near it is to the second.
+    let between = |at: u32, axis: usize| {
+        let scale = from[axis] as f32 / to[axis] as f32;
+        let place = ((at as f32 + 0.5) * scale - 0.5).clamp(0.0, (from[axis] - 1) as f32);
+        let first = (place as u32).min(from[axis].saturating_sub(2));
+        let second = (first + 1).min(from[axis] - 1);
+        (first, second, place - first as f32)
+    };
+    let row = |y: u32| {
+        let (top, bottom, down) = between(y, 1);
+        let pixels = &pixels;
+        (0..to[0]).map(move |x| {
+            let (left, right, along) = between(x, 0);
+            let at = |x: u32, y: u32| pixels[(y * from[0] + x) as usize];
+            let upper = at(left, top).lerp(at(right, top), along);
+            let lower = at(left, bottom).lerp(at(right, bottom), along);
+            upper.lerp(lower, down)
+        })
+    };
+    (0..to[1]).into_par_iter().flat_map_iter(row).collect()
+}
+
+/// How the values of all pixels are found: band by band, so that a picture can be cancelled.
+struct Rows<'a> {
+    columns: usize,
+    rows: usize,
+    context: &'a Context,
+    /// Progress at the first row and after the last one.
+    progress: [f64; 2],
+}
+
+impl Rows<'_> {
+    /// Returns the values at all pixels, in rows.
+    fn fill<T: Send>(
+        &self,
+        value: impl Fn(usize, usize) -> T + Sync,
+    ) -> Result<Vec<T>, PictureError> {
+        let band = BAND_ROWS * rayon::current_num_threads().max(1);
+        let mut values = Vec::with_capacity(self.columns * self.rows);
+        let [start, end] = self.progress;
+        for first in (0..self.rows).step_by(band) {
+            let done = first as f64 / self.rows as f64;
+            self.context.report(start + (end - start) * done)?;
+            let rows = first..(first + band).min(self.rows);
+            let value = &value;
+            let columns = self.columns;
+            values.par_extend(
+                rows.into_par_iter()
+                    .flat_map_iter(move |y| (0..columns).map(move |x| value(x, y))),
+            );
+        }
+        self.context.report(end)?;
+        Ok(values)
+    }
 }
 
 /// Refuses sizes and numbers of samples that are out of range.
@@ -184,92 +273,4 @@ fn check_size(options: &PictureOptions) -> Result<(), PictureError> {
         return Err(PictureError::Samples { samples });
     }
     Ok(())
-}
-
-/// The mean of the samples of a pixel.
-fn mean_sample(
-    scene: &Scene,
-    studio: &Studio,
-    camera: &Camera,
-    [x, y]: [usize; 2],
-    options: &PictureOptions,
-) -> Sample {
-    let PictureOptions {
-        width,
-        height,
-        samples,
-        ..
-    } = *options;
-    let pixel = y as u32 * width + x as u32;
-    let samples = if samples < RIM_LIGHT_INTERVAL {
-        samples
-    } else {
-        samples.next_multiple_of(RIM_LIGHT_INTERVAL)
-    };
-    let digits = (32 - (samples - 1).leading_zeros()).max(1);
-    let mut sum = Sample::default();
-    let mut last = None;
-    for index in 0..samples {
-        if index == BACKGROUND_SAMPLES && !sum.is_item {
-            break;
-        }
-        let sampler = Sampler {
-            pixel,
-            index,
-            digits,
-        };
-        let [jx, jy] = sampler.square(1).map(tent);
-        let u = (x as f64 + 0.5 + jx) / f64::from(width) * 2.0 - 1.0;
-        let v = 1.0 - (y as f64 + 0.5 + jy) / f64::from(height) * 2.0;
-        // Too few samples for both lights use the key light alone.
-        let interval = f64::from(RIM_LIGHT_INTERVAL);
-        let light = match (
-            samples < RIM_LIGHT_INTERVAL,
-            index % RIM_LIGHT_INTERVAL == RIM_LIGHT_INTERVAL - 1,
-        ) {
-            (true, _) => LightChoice {
-                light: 0,
-                weight: 1.0,
-            },
-            (false, true) => LightChoice {
-                light: 1,
-                weight: interval,
-            },
-            (false, false) => LightChoice {
-                light: 0,
-                weight: interval / (interval - 1.0),
-            },
-        };
-        let ray = CameraRay {
-            origin: camera.origin,
-            direction: camera.direction(u, v),
-            pixel_size: camera.pixel_size,
-            background: studio.background(u, v),
-        };
-        let s = scene.sample(studio, &ray, &sampler, light, &mut last);
-        sum.radiance += s.radiance;
-        sum.color += s.color;
-        sum.normal += s.normal;
-        sum.is_item |= s.is_item;
-        sum.samples += 1;
-        // A pixel on an edge is between both surfaces, so that the filter takes it for neither.
-        sum.distance += s.distance;
-    }
-    let mean = 1.0 / f64::from(sum.samples);
-    Sample {
-        radiance: sum.radiance * mean,
-        color: sum.color * mean,
-        normal: sum.normal * mean,
-        distance: sum.distance * mean,
-        ..sum
-    }
-}
-
-/// Maps a uniform distribution on 0…1 to a tent on −1…1, the pixel filter.
-fn tent(t: f64) -> f64 {
-    if t < 0.5 {
-        (2.0 * t).sqrt() - 1.0
-    } else {
-        1.0 - (2.0 - 2.0 * t).sqrt()
-    }
 }

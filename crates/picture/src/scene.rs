@@ -1,15 +1,14 @@
-//! The scene: all items in one hierarchy, and the radiance along rays.
+//! The scene: all items in one hierarchy, and what rays meet in it.
 
-use crate::bvh::{Bvh, Ray};
-use crate::camera::Sphere;
+use crate::bvh::{Bvh, Intersection, Ray};
+use crate::camera::{Camera, Sphere};
 use crate::error::{MAX_TRIANGLES, PictureError};
 use crate::item::Item;
-use crate::light::{FLOOR_RADIANCE, Light, Studio, luminance};
-use crate::sampling::{Sampler, cone_direction, cosine_direction};
-use crate::shader::{Appearance, Hit};
-use crate::surface::{Surface, valid_appearance};
+use crate::light::Studio;
+use crate::shader::Hit;
+use crate::surface::{Met, Place, Seen, single, valid_appearance};
 use glam::{DVec3, Vec3};
-use std::f64::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The items in a hierarchy.
 pub(crate) struct Scene<'a> {
@@ -19,6 +18,10 @@ pub(crate) struct Scene<'a> {
     bvh: Bvh,
     /// Sphere around the bounding box.
     pub bounds: Sphere,
+    /// Whether a surface has holes that rays go through.
+    has_holes: bool,
+    /// The colour of each triangle at its middle, packed, or 0 where nobody has asked for it yet.
+    colors: Vec<AtomicU64>,
 }
 
 /// Returns the vertices of all items in world coordinates. Coordinates and indices must be valid.
@@ -59,65 +62,27 @@ pub(crate) fn world_points(items: &[Item]) -> Result<Vec<DVec3>, PictureError> {
     Ok(points)
 }
 
-/// The result for a camera ray, or the mean of several.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sample {
-    pub radiance: DVec3,
-    /// Colour of the surface.
-    pub color: DVec3,
-    pub normal: DVec3,
-    /// Distance, m; infinite for the background.
-    pub distance: f64,
-    /// Whether the ray hit an item, not the floor or the background.
-    pub is_item: bool,
-    /// Number of rays.
-    pub samples: u32,
+/// A surface that indirect light comes from.
+pub(crate) struct Bounce {
+    pub position: Vec3,
+    /// Unit normal on the side that the ray met.
+    pub normal: Vec3,
+    pub color: Vec3,
 }
 
-/// A camera ray.
-#[derive(Clone, Copy)]
-pub(crate) struct CameraRay {
-    pub origin: DVec3,
-    /// Unit direction.
-    pub direction: DVec3,
-    /// Size of a pixel at a distance of one metre, m.
-    pub pixel_size: f64,
-    /// Radiance of the background in this direction.
-    pub background: DVec3,
-}
-
-/// The light that a sample uses.
-#[derive(Clone, Copy)]
-pub(crate) struct LightChoice {
-    /// Index of the light.
-    pub light: usize,
-    /// Reciprocal of the probability of this choice.
-    pub weight: f64,
-}
-
-/// The last surface that the samples of a pixel hit. The next sample reuses its appearance if it hits nearly the same
-/// point, because detail finer than a pixel is averaged anyway.
-#[derive(Clone, Copy)]
-pub(crate) struct LastSurface {
-    item: usize,
-    position: DVec3,
-    normal: DVec3,
-    appearance: Appearance,
-}
-
-/// Every sample with an index divisible by this evaluates the shader.
-const SHADING_INTERVAL: u32 = 3;
-/// Smallest cosine of the angle between normals at which samples share an appearance.
-const MIN_SHARED_COSINE: f64 = 0.985;
+/// Smallest cosine of the angle between normals at which rays of a pixel share an appearance.
+const MIN_SHARED_COSINE: f32 = 0.985;
 /// Offset of rays that leave a surface, relative to the radius of the scene: the error of f32 coordinates.
-const RELATIVE_RAY_OFFSET: f64 = 2e-6;
-
-/// Footprint on surfaces hit by indirect rays, relative to that on the first surface: finer detail is averaged.
-const INDIRECT_FOOTPRINT_SCALE: f64 = 16.0;
-/// Fraction of the sky that is assumed to be visible from surfaces hit by indirect rays; their occlusion is not traced.
-const INDIRECT_OPENNESS: f64 = 0.6;
-/// Largest radiance of a sample: rare highlights would remain as white pixels.
-const MAX_RADIANCE: f64 = 4.0;
+const RELATIVE_RAY_OFFSET: f32 = 2e-6;
+/// Footprint on surfaces that indirect rays meet, relative to that on the first surface: finer detail is averaged. Triangles that
+/// are not larger have one colour there.
+const INDIRECT_FOOTPRINT_SCALE: f32 = 16.0;
+/// Most triangles whose colours are kept: 128 MiB.
+const MAX_KEPT_COLORS: usize = 1 << 24;
+/// Most holes that a ray goes through.
+const MAX_LAYERS: usize = 256;
+/// How far from the scene shadows on the floor fade, per radius of the scene.
+const SHADOW_FADE: f64 = 0.4;
 
 impl<'a> Scene<'a> {
     /// Builds the hierarchy of items, given their [`world_points`].
@@ -138,6 +103,11 @@ impl<'a> Scene<'a> {
             corners.extend(item.mesh.triangles.iter().map(|t| t.map(relative)));
             offset += local.len();
         }
+        let kept = if corners.len() <= MAX_KEPT_COLORS {
+            corners.len()
+        } else {
+            0
+        };
         Scene {
             items,
             starts,
@@ -146,226 +116,244 @@ impl<'a> Scene<'a> {
                 centre: middle,
                 radius,
             },
+            has_holes: items.iter().any(|item| item.shader.has_holes()),
+            colors: (0..kept).map(|_| AtomicU64::new(0)).collect(),
         }
     }
 
-    /// A ray in the coordinates of the hierarchy.
-    fn ray(&self, origin: DVec3, direction: DVec3) -> Ray {
-        let origin: Vec3 = (origin - self.bounds.centre).as_vec3();
+    /// The item and the triangle of its mesh with a number in the hierarchy.
+    fn item_of(&self, number: u32) -> (usize, usize) {
+        let item = self.starts.partition_point(|&s| s <= number) - 1;
+        (item, (number - self.starts[item]) as usize)
+    }
+
+    /// The hit of a ray in a direction on a triangle of an item.
+    fn hit(&self, item: usize, triangle: usize, weights: [f32; 3], direction: DVec3) -> Hit<'a> {
+        let Item {
+            mesh, transform, ..
+        } = &self.items[item];
+        Hit::new(
+            mesh,
+            transform,
+            triangle,
+            weights.map(f64::from),
+            -direction,
+        )
+    }
+
+    /// A ray that leaves a surface.
+    fn leaving(&self, from: Vec3, normal: Vec3, direction: Vec3) -> Ray {
         Ray {
-            origin,
-            direction: direction.as_vec3(),
+            origin: from + normal * (self.bounds.radius as f32 * RELATIVE_RAY_OFFSET),
+            direction,
             max_distance: f32::INFINITY,
         }
     }
 
-    /// A ray that leaves a surface.
-    fn leaving(&self, from: DVec3, normal: DVec3, direction: DVec3) -> Ray {
-        self.ray(
-            from + normal * (self.bounds.radius * RELATIVE_RAY_OFFSET),
-            direction,
-        )
+    /// Whether anything hides what lies in the direction `out` from a surface.
+    pub fn is_hidden(&self, from: Vec3, normal: Vec3, out: Vec3) -> bool {
+        let ray = self.leaving(from, normal, out);
+        if self.has_holes {
+            self.nearest(ray).is_some()
+        } else {
+            self.bvh.is_blocked(&ray)
+        }
     }
 
-    /// Finds the nearest intersection. Returns the item, the intersection and its distance; the footprint is
-    /// `pixel_size` × distance + `base`.
-    fn intersect(
-        &self,
-        ray: &Ray,
-        direction: DVec3,
-        pixel_size: f64,
-        base: f64,
-    ) -> Option<(usize, Hit<'a>, f64)> {
-        let found = self.bvh.nearest(ray)?;
-        let item = self.starts.partition_point(|&s| s <= found.triangle) - 1;
-        let triangle = (found.triangle - self.starts[item]) as usize;
-        let weights = found.weights.map(f64::from);
-        let mut hit = Hit::new(
-            self.items[item].mesh,
-            &self.items[item].transform,
-            triangle,
-            weights,
-            -direction,
-        );
-        let distance = f64::from(found.distance);
-        hit.footprint = pixel_size * distance + base;
-        Some((item, hit, distance))
-    }
-
-    /// Computes the radiance along a camera ray.
-    pub fn sample(
-        &self,
-        studio: &Studio,
-        camera_ray: &CameraRay,
-        sampler: &Sampler,
-        light: LightChoice,
-        last: &mut Option<LastSurface>,
-    ) -> Sample {
-        let CameraRay {
-            origin,
-            direction,
-            pixel_size,
-            background,
-        } = *camera_ray;
-        // f32 is too coarse far from the scene: the ray starts at the bounding sphere.
-        let to_centre = (self.bounds.centre - origin).dot(direction);
-        let ahead = (to_centre - self.bounds.radius * 1.01).max(0.0);
-        let ray = self.ray(origin + direction * ahead, direction);
-        let found = self.intersect(&ray, direction, pixel_size, pixel_size * ahead);
-        let Some((item, hit, distance)) = found else {
-            return self
-                .sample_floor(studio, camera_ray, sampler, light)
-                .unwrap_or(Sample {
-                    radiance: background,
-                    color: background,
-                    normal: -direction,
-                    distance: f64::INFINITY,
-                    is_item: false,
-                    samples: 1,
-                });
-        };
-        let appearance = match last {
-            Some(last)
-                if !sampler.index.is_multiple_of(SHADING_INTERVAL)
-                    && last.item == item
-                    && last.position.distance(hit.position) < hit.footprint
-                    && last.normal.dot(hit.geometric_normal) > MIN_SHARED_COSINE =>
-            {
-                last.appearance
+    /// The nearest intersection that is no hole.
+    fn nearest(&self, mut ray: Ray) -> Option<Intersection> {
+        let mut found = self.bvh.nearest(&ray)?;
+        if !self.has_holes {
+            return Some(found);
+        }
+        let start = ray.origin;
+        let length = ray.direction.length();
+        for _ in 0..MAX_LAYERS {
+            let (item, triangle) = self.item_of(found.triangle);
+            let direction = ray.direction.as_dvec3();
+            let hit = self.hit(item, triangle, found.weights, direction);
+            if !self.items[item].shader.is_hole(&hit) {
+                break;
             }
-            _ => valid_appearance(self.items[item].shader.shade(&hit), &hit),
-        };
-        *last = Some(LastSurface {
-            item,
-            position: hit.position,
-            normal: hit.geometric_normal,
-            appearance,
-        });
-        let surface = Surface {
-            appearance: &appearance,
-            position: hit.position,
-            geometric_normal: hit.geometric_normal,
-            to_viewer: -direction,
-        };
-        let lamp = &studio.lights[light.light];
-        let mut sum = self.direct(&surface, lamp, sampler.square(2), studio) * light.weight;
-        let out = cosine_direction(appearance.normal, sampler.square(3));
-        if out.dot(hit.geometric_normal) > 0.0 {
-            let incoming = self.indirect(studio, &surface, out, hit.footprint, sampler, light);
-            // The density cosine / π cancels the cosine.
-            sum += surface.scatter(out) * incoming * PI;
+            let step = self.bounds.radius as f32 * RELATIVE_RAY_OFFSET / length;
+            ray.origin += ray.direction * (found.distance + step);
+            found = self.bvh.nearest(&ray)?;
         }
-        Sample {
-            radiance: sum.min(DVec3::splat(MAX_RADIANCE)),
-            color: DVec3::from_array(appearance.color),
-            normal: appearance.normal,
-            distance: distance + ahead,
-            is_item: true,
-            samples: 1,
-        }
+        found.distance += (ray.origin - start).dot(ray.direction) / (length * length);
+        Some(found)
     }
 
-    /// Radiance from one of the lights that a surface reflects.
-    fn direct(&self, surface: &Surface, light: &Light, square: [f64; 2], studio: &Studio) -> DVec3 {
-        let out = cone_direction(light.direction, light.cosine, square);
-        let cosine = out.dot(surface.appearance.normal);
-        let is_behind = cosine <= 0.0 || out.dot(surface.geometric_normal) <= 0.0;
-        if is_behind || !self.reaches_light(studio, surface, out) {
-            return DVec3::ZERO;
-        }
-        surface.scatter(out) * light.irradiance * cosine
-    }
-
-    /// Whether nothing lies between a surface and a light.
-    fn reaches_light(&self, studio: &Studio, surface: &Surface, out: DVec3) -> bool {
-        // The lights are above the horizon, so that the floor never hides them.
-        debug_assert!(studio.floor.is_none() || out.dot(studio.up) > 0.0);
-        !self
-            .bvh
-            .is_blocked(&self.leaving(surface.position, surface.geometric_normal, out))
-    }
-
-    /// Radiance that reaches a surface from the unit direction `out`, from the sky, the floor or another surface.
-    fn indirect(
-        &self,
-        studio: &Studio,
-        surface: &Surface,
-        out: DVec3,
-        footprint: f64,
-        sampler: &Sampler,
-        light: LightChoice,
-    ) -> DVec3 {
-        let ray = self.leaving(surface.position, surface.geometric_normal, out);
-        let base = footprint * INDIRECT_FOOTPRINT_SCALE;
-        let Some((item, hit, _)) = self.intersect(&ray, out, 0.0, base) else {
-            let is_floor = studio.floor.is_some() && out.dot(studio.up) < 0.0;
-            return if is_floor {
-                DVec3::splat(FLOOR_RADIANCE)
-            } else {
-                studio.sky(out)
-            };
+    /// What a ray from a surface meets; `footprint` is the size of a pixel on it.
+    pub fn bounce(&self, from: Vec3, normal: Vec3, out: Vec3, footprint: f32) -> Option<Bounce> {
+        let found = self.nearest(self.leaving(from, normal, out))?;
+        let [a, b, c] = found.corners;
+        let facing = (b - a).cross(c - a).normalize_or(-out);
+        let facing = if facing.dot(out) > 0.0 {
+            -facing
+        } else {
+            facing
         };
-        let appearance = valid_appearance(self.items[item].shader.shade(&hit), &hit);
-        let color = DVec3::from_array(appearance.color);
-        let second = Surface {
-            appearance: &appearance,
-            position: hit.position,
-            geometric_normal: hit.geometric_normal,
-            to_viewer: -out,
+        let [u, v, w] = found.weights;
+        let size = (b - a).length().max((c - a).length());
+        let coarse = footprint * INDIRECT_FOOTPRINT_SCALE;
+        let color = if size <= coarse {
+            self.color_of(found.triangle, size, facing)
+        } else {
+            self.color_at(found.triangle, found.weights, coarse, facing)
         };
-        let lamp = &studio.lights[light.light];
-        let direct = self.direct(&second, lamp, sampler.square(4), studio);
-        direct * light.weight + color * studio.sky(appearance.normal) * INDIRECT_OPENNESS
-    }
-
-    /// The sample of the floor, where shadows darken the background; `None` if the floor is not visible.
-    fn sample_floor(
-        &self,
-        studio: &Studio,
-        ray: &CameraRay,
-        sampler: &Sampler,
-        light: LightChoice,
-    ) -> Option<Sample> {
-        let floor = studio.floor.as_ref()?;
-        let fall = ray.direction.dot(studio.up);
-        let distance = (floor.level - ray.origin.dot(studio.up)) / fall;
-        if fall >= 0.0 || !distance.is_finite() {
-            return None;
-        }
-        let position = ray.origin + ray.direction * distance;
-        let away = (position.distance(floor.bounds.centre) / floor.bounds.radius - 1.0) * 0.4;
-        if away >= 1.0 {
-            return None;
-        }
-        let is_free = |out: DVec3| !self.bvh.is_blocked(&self.leaving(position, studio.up, out));
-        let lamp = &studio.lights[light.light];
-        let to_lamp = cone_direction(lamp.direction, lamp.cosine, sampler.square(2));
-        let out = cosine_direction(studio.up, sampler.square(3));
-        let mut irradiance = 0.0;
-        if is_free(to_lamp) {
-            let cosine = to_lamp.dot(studio.up).max(0.0);
-            irradiance += luminance(lamp.irradiance) * cosine * light.weight;
-        }
-        // Surfaces that hide the sky are not entirely black.
-        let visibility = if is_free(out) { 1.0 } else { 0.1 };
-        irradiance += luminance(studio.sky(out)) * PI * visibility;
-        let fade = away.max(0.0);
-        let fade = fade * fade * (3.0 - 2.0 * fade);
-        let shade = irradiance / studio.unshadowed_floor();
-        Some(Sample {
-            radiance: ray.background * (shade + (1.0 - shade) * fade),
-            color: ray.background,
-            normal: studio.up,
-            distance,
-            is_item: false,
-            samples: 1,
+        Some(Bounce {
+            position: a * u + b * v + c * w,
+            normal: facing,
+            color,
         })
     }
+
+    /// The colour of a small triangle of a `size` at its middle.
+    fn color_of(&self, number: u32, size: f32, facing: Vec3) -> Vec3 {
+        let Some(kept) = self.colors.get(number as usize) else {
+            return self.color_at(number, [1.0 / 3.0; 3], size, facing);
+        };
+        // Whoever comes first writes the same bits, so that no order needs to be kept.
+        match kept.load(Ordering::Relaxed) {
+            0 => {
+                let packed = pack(self.color_at(number, [1.0 / 3.0; 3], size, facing));
+                kept.store(packed, Ordering::Relaxed);
+                unpack(packed)
+            }
+            packed => unpack(packed),
+        }
+    }
+
+    /// The colour of a triangle at a point, where detail finer than `footprint` is averaged.
+    fn color_at(&self, number: u32, weights: [f32; 3], footprint: f32, facing: Vec3) -> Vec3 {
+        let (item, triangle) = self.item_of(number);
+        let mut hit = self.hit(item, triangle, weights, -facing.as_dvec3());
+        hit.footprint = f64::from(footprint);
+        single(valid_appearance(self.items[item].shader.shade(&hit), &hit).color)
+    }
+
+    /// What a camera ray through a point of the picture sees, in coordinates from −1 to 1. Where that is nearly the same place as one of
+    /// `known`, its appearance is that one's, because detail finer than a pixel is averaged anyway.
+    pub fn look(&self, studio: &Studio, camera: &Camera, [u, v]: [f64; 2], known: &[Seen]) -> Seen {
+        let direction = camera.direction(u, v);
+        // f32 is too coarse far from the scene: the ray starts at the bounding sphere.
+        let to_centre = (self.bounds.centre - camera.origin).dot(direction);
+        let ahead = (to_centre - self.bounds.radius * 1.01).max(0.0);
+        let start = camera.origin + direction * ahead - self.bounds.centre;
+        let found = self.nearest(Ray {
+            origin: start.as_vec3(),
+            direction: direction.as_vec3(),
+            max_distance: f32::INFINITY,
+        });
+        let Some(found) = found else {
+            return self.beyond_items(studio, camera, direction, [u, v]);
+        };
+        let (item, triangle) = self.item_of(found.triangle);
+        let mut hit = self.hit(item, triangle, found.weights, direction);
+        hit.footprint = camera.pixel_size * (f64::from(found.distance) + ahead);
+        let place = Place {
+            met: Met::Item(item as u32),
+            position: (hit.position - self.bounds.centre).as_vec3(),
+            normal: hit.normal.as_vec3(),
+            geometric_normal: hit.geometric_normal.as_vec3(),
+            footprint: hit.footprint as f32,
+        };
+        let distance = |seen: &&Seen| seen.place.position.distance_squared(place.position);
+        let is_near = |seen: &&Seen| {
+            seen.place.met == place.met
+                && distance(seen) < place.footprint * place.footprint
+                && seen.place.geometric_normal.dot(place.geometric_normal) > MIN_SHARED_COSINE
+        };
+        let shared =
+            (known.iter().filter(is_near)).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(seen) = shared {
+            return Seen { place, ..*seen };
+        }
+        let appearance = valid_appearance(self.items[item].shader.shade(&hit), &hit);
+        Seen {
+            place,
+            color: single(appearance.color),
+            roughness: appearance.roughness as f32,
+            normal: appearance.normal.as_vec3(),
+            to_viewer: -direction.as_vec3(),
+            shadows: 0.0,
+        }
+    }
+
+    /// What a camera ray sees that meets no item: the floor near the scene, or the background.
+    fn beyond_items(
+        &self,
+        studio: &Studio,
+        camera: &Camera,
+        direction: DVec3,
+        [u, v]: [f64; 2],
+    ) -> Seen {
+        let to_viewer = -direction.as_vec3();
+        let background = Seen {
+            place: Place {
+                met: Met::Background,
+                position: Vec3::ZERO,
+                normal: to_viewer,
+                geometric_normal: to_viewer,
+                footprint: 0.0,
+            },
+            color: studio.background(u, v),
+            roughness: 1.0,
+            normal: to_viewer,
+            to_viewer,
+            shadows: 0.0,
+        };
+        let Some(floor) = &studio.floor else {
+            return background;
+        };
+        let up = studio.up.as_dvec3();
+        let fall = direction.dot(up);
+        let distance = (floor.level - camera.origin.dot(up)) / fall;
+        if fall >= 0.0 || !distance.is_finite() {
+            return background;
+        }
+        let position = camera.origin + direction * distance - self.bounds.centre;
+        let away = (position.length() / self.bounds.radius - 1.0) * SHADOW_FADE;
+        if away >= 1.0 {
+            return background;
+        }
+        let fade = away.max(0.0) as f32;
+        Seen {
+            place: Place {
+                met: Met::Floor,
+                position: position.as_vec3(),
+                normal: studio.up,
+                geometric_normal: studio.up,
+                footprint: (camera.pixel_size * distance) as f32,
+            },
+            normal: studio.up,
+            shadows: 1.0 - fade * fade * (3.0 - 2.0 * fade),
+            ..background
+        }
+    }
+}
+
+/// Bits of a component of a packed colour.
+const COLOR_BITS: u32 = 21;
+
+/// A colour, components 0 to 1, as bits that are not all 0.
+fn pack(color: Vec3) -> u64 {
+    let most = (1u64 << COLOR_BITS) - 1;
+    let [r, g, b] = color.to_array().map(|c| (c * most as f32) as u64 & most);
+    1 << 63 | r << (2 * COLOR_BITS) | g << COLOR_BITS | b
+}
+
+fn unpack(packed: u64) -> Vec3 {
+    let most = (1u64 << COLOR_BITS) - 1;
+    let part = |n: u32| (packed >> (n * COLOR_BITS) & most) as f32 / most as f32;
+    Vec3::new(part(2), part(1), part(0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::{Lamp, luminance};
+    use crate::sampling::Sampler;
     use crate::shader::PlainShader;
     use glam::DAffine3;
     use greenstick_geometry::Mesh;
@@ -412,45 +400,31 @@ mod tests {
 
     /// A white sky and no lights.
     fn sky_only() -> Studio {
-        let dark = Light {
-            direction: DVec3::Z,
-            cosine: 0.9,
-            irradiance: DVec3::ZERO,
-        };
-        let white = DVec3::ONE;
+        let dark = || Lamp::new(DVec3::Z, 0.9, Vec3::ZERO);
         Studio {
-            up: DVec3::Z,
-            lights: vec![dark],
-            sky: [white; 2],
+            up: Vec3::Z,
+            lamps: [dark(), dark()],
+            sky: [Vec3::ONE; 2],
             floor: None,
-            background: [white; 2],
+            background: [Vec3::ONE; 2],
         }
     }
 
-    /// The mean luminance of samples along one ray.
-    fn mean_light(scene: &Scene, studio: &Studio, from: DVec3, to: DVec3, samples: u32) -> f64 {
-        let sum: f64 = (0..samples)
-            .map(|index| {
-                let sampler = Sampler {
-                    pixel: 7,
-                    index,
-                    digits: 32 - samples.leading_zeros(),
-                };
-                let ray = CameraRay {
-                    origin: from,
-                    direction: (to - from).normalize(),
-                    pixel_size: 1e-4,
-                    background: DVec3::ONE,
-                };
-                let light = LightChoice {
-                    light: 0,
-                    weight: 1.0,
-                };
-                let sample = scene.sample(studio, &ray, &sampler, light, &mut None);
-                luminance(sample.radiance)
-            })
-            .sum();
-        sum / f64::from(samples)
+    /// The luminance of what a camera at `from` sees at `to`, in light of so many rays.
+    fn seen_light(scene: &Scene, studio: &Studio, from: DVec3, to: DVec3, rays: u32) -> f64 {
+        let forward = (to - from).normalize();
+        let right = forward.any_orthonormal_vector();
+        let camera = Camera {
+            origin: from,
+            right,
+            up: right.cross(forward),
+            forward,
+            tangents: [1e-3; 2],
+            pixel_size: 1e-4,
+        };
+        let seen = scene.look(studio, &camera, [0.0, 0.0], &[]);
+        let light = scene.light_at(studio, &seen.place, &Sampler::new([7, 9], rays), rays);
+        f64::from(luminance(seen.radiance(studio, &light)))
     }
 
     #[test]
@@ -464,7 +438,7 @@ mod tests {
         }];
         let scene = Scene::new(&items, &world_points(&items).unwrap());
         for x in [0.0, 0.3, 0.7] {
-            let light = mean_light(
+            let light = seen_light(
                 &scene,
                 &sky_only(),
                 DVec3::new(x, 0.0, 9.0),
@@ -506,7 +480,7 @@ mod tests {
         let scene = Scene::new(&items, &world_points(&items).unwrap());
         let open = {
             let far = DVec3::new(-8.5, -8.5, 0.0);
-            mean_light(
+            seen_light(
                 &scene,
                 &sky_only(),
                 far + DVec3::new(-0.5, 0.0, 2.0),
@@ -517,7 +491,7 @@ mod tests {
         for x in [0.0, 1.0, 2.0, 3.0] {
             let at = DVec3::new(x, 0.0, 0.0);
             let from = at + DVec3::new(0.9, 0.0, 0.6);
-            let light = mean_light(&scene, &sky_only(), from, at, 4096) / open;
+            let light = seen_light(&scene, &sky_only(), from, at, 4096) / open;
             let square = x * x + 1.5 * 1.5;
             let expected = 1.0 - 1.5 / square.sqrt() / square;
             assert!(

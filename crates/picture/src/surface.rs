@@ -1,45 +1,115 @@
 //! Points of surfaces with their reflectance.
 
+use crate::light::{Lamp, Studio, luminance};
+use crate::lighting::Light;
 use crate::shader::{Appearance, Hit};
-use glam::DVec3;
-use std::f64::consts::PI;
+use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 
 /// Reflectance of bark and wood at normal incidence (refractive index 1.5).
-const NORMAL_REFLECTANCE: f64 = 0.04;
+const NORMAL_REFLECTANCE: f32 = 0.04;
 /// Smallest roughness: sharper highlights are noise at few samples.
 const MIN_ROUGHNESS: f64 = 0.3;
 /// Smallest cosine of the angle between the shading normal and the geometric normal.
 const MIN_NORMAL_COSINE: f64 = 0.1;
+/// Largest radiance of a pixel: rare highlights would remain as white pixels.
+const MAX_RADIANCE: f32 = 4.0;
 
-/// A point of a surface.
-pub(crate) struct Surface<'a> {
-    pub appearance: &'a Appearance,
-    pub position: DVec3,
-    /// Geometric normal on the side of the viewer.
-    pub geometric_normal: DVec3,
-    /// Unit direction to the viewer.
-    pub to_viewer: DVec3,
+/// What a camera ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Met {
+    Item(u32),
+    Floor,
+    Background,
 }
 
-impl Surface<'_> {
-    /// The reflectance (1/sr) for light from the unit direction `out`: Lambertian with a GGX coat (Walter et al. 2007, with
-    /// the height-correlated masking of Heitz 2014).
-    pub fn scatter(&self, out: DVec3) -> DVec3 {
-        let n = self.appearance.normal;
+/// Where a camera ray ends: what light and filter need to know of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub met: Met,
+    /// From the centre of the scene, m.
+    pub position: Vec3,
+    /// Unit normals on the side of the viewer: interpolated, and of the triangle.
+    pub normal: Vec3,
+    pub geometric_normal: Vec3,
+    /// Size of a pixel there, m.
+    pub footprint: f32,
+}
+
+/// What a camera ray sees.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    pub place: Place,
+    /// Linear colour of the surface or the background.
+    pub color: Vec3,
+    pub roughness: f32,
+    /// Unit normal with relief finer than the mesh.
+    pub normal: Vec3,
+    /// Unit direction to the viewer.
+    pub to_viewer: Vec3,
+    /// How much of the shadows on the floor is shown, from 0 (none) to 1.
+    pub shadows: f32,
+}
+
+impl Seen {
+    /// The radiance towards the viewer in the light at its place.
+    pub fn radiance(&self, studio: &Studio, light: &Light) -> Vec3 {
+        match self.place.met {
+            Met::Background => self.color,
+            Met::Floor => {
+                let lamps: f32 = (studio.lamps.iter().zip(light.lamps))
+                    .map(|(lamp, share)| {
+                        luminance(lamp.irradiance) * lamp.cosine_to(studio.up) * share
+                    })
+                    .sum();
+                let shade = (lamps + luminance(light.indirect)) / studio.unshadowed_floor();
+                self.color * (1.0 + (shade - 1.0) * self.shadows)
+            }
+            Met::Item(_) => {
+                let mut sum = self.color * light.indirect / PI;
+                // The relief turns the surface towards another part of the sky.
+                sum *= studio.sky_irradiance(self.normal)
+                    / studio
+                        .sky_irradiance(self.place.normal)
+                        .max(Vec3::splat(1e-6));
+                for (lamp, share) in studio.lamps.iter().zip(light.lamps) {
+                    if share > 0.0 {
+                        sum += self.direct(lamp) * share;
+                    }
+                }
+                sum.min(Vec3::splat(MAX_RADIANCE))
+            }
+        }
+    }
+
+    /// The radiance from a lamp that nothing hides.
+    fn direct(&self, lamp: &Lamp) -> Vec3 {
+        let cosine = lamp.cosine_to(self.normal);
+        if cosine <= 0.0 {
+            return Vec3::ZERO;
+        }
+        self.scatter(lamp) * lamp.irradiance * cosine
+    }
+
+    /// The reflectance (1/sr) for light from a lamp: Lambertian with a GGX coat (Walter et al. 2007, with the height-correlated
+    /// masking of Heitz 2014), which the size of the lamp makes rougher (Karis 2013).
+    fn scatter(&self, lamp: &Lamp) -> Vec3 {
+        let (n, out) = (self.normal, lamp.direction);
         let half = (out + self.to_viewer).normalize_or(n);
-        let (nl, nv) = (n.dot(out).max(1e-4), n.dot(self.to_viewer).max(0.05));
+        let (nl, nv) = (n.dot(out).max(1e-2), n.dot(self.to_viewer).max(0.05));
         let (nh, vh) = (
             n.dot(half).max(0.0),
             self.to_viewer.dot(half).clamp(0.0, 1.0),
         );
-        let a = self.appearance.roughness * self.appearance.roughness;
-        let a = a * a;
+        let own = self.roughness * self.roughness;
+        let wide = (own + lamp.sine / 3.0).min(1.0);
+        let a = wide * wide;
         let d = nh * nh * (a - 1.0) + 1.0;
         let masking = nl * (nv * nv * (1.0 - a) + a).sqrt() + nv * (nl * nl * (1.0 - a) + a).sqrt();
         let f = 1.0 - vh;
         let fresnel = NORMAL_REFLECTANCE + (1.0 - NORMAL_REFLECTANCE) * f * f * f * f * f;
         let coat = a / (PI * d * d) * 0.5 / masking * fresnel;
-        DVec3::from_array(self.appearance.color) * ((1.0 - fresnel) / PI) + DVec3::splat(coat)
+        self.color * ((1.0 - fresnel) / PI) + Vec3::splat(coat)
     }
 }
 
@@ -69,4 +139,9 @@ pub(crate) fn valid_appearance(appearance: Appearance, hit: &Hit) -> Appearance 
         roughness: roughness.clamp(MIN_ROUGHNESS, 1.0),
         normal,
     }
+}
+
+/// A vector in the precision of light.
+pub(crate) fn single(v: [f64; 3]) -> Vec3 {
+    DVec3::from_array(v).as_vec3()
 }

@@ -135,6 +135,41 @@ fn colours_and_shadows_appear_in_their_places() {
     assert!(darker(1, 1).abs() <= 2);
 }
 
+/// The root of the mean square of the differences of two pictures, of 255.
+fn difference(a: &Picture, b: &Picture) -> f64 {
+    let squares = a.rgb.iter().zip(&b.rgb).map(|(a, b)| {
+        let d = f64::from(*a) - f64::from(*b);
+        d * d
+    });
+    (squares.sum::<f64>() / a.rgb.len() as f64).sqrt()
+}
+
+#[test]
+fn few_samples_come_near_to_many() {
+    let view = View::Direction {
+        azimuth: 0.4,
+        elevation: 0.4,
+    };
+    let with = |samples, draft| {
+        render_cube(&PictureOptions {
+            width: 160,
+            height: 120,
+            samples,
+            draft,
+            view,
+            ..PictureOptions::default()
+        })
+        .unwrap()
+    };
+    let reference = with(512, false);
+    let usual = difference(&with(16, false), &reference);
+    let few = difference(&with(4, false), &reference);
+    let draft = difference(&with(16, true), &reference);
+    assert!(usual < 2.0, "16 samples differ by {usual}");
+    assert!(usual < few && few < 3.5, "4 samples differ by {few}");
+    assert!(few < draft && draft < 8.0, "a draft differs by {draft}");
+}
+
 #[test]
 fn a_png_file_contains_the_pixels() {
     let picture = render_cube(&small()).unwrap();

@@ -13,6 +13,16 @@ use std::path::{Path, PathBuf};
 pub fn carry_images(scene: &mut Scene, source: &Path, target: &Path) {
     let folder = |path: &Path| fs::canonicalize(folder_of(path)).ok();
     let same = folder(source).is_some() && folder(source) == folder(target);
+    carry(scene, source, same);
+}
+
+/// Embeds the images that a scene, read from `source`, refers to, as [`carry_images`] does, so that pictures show them.
+pub fn embed_images(scene: &mut Scene, source: &Path) {
+    carry(scene, source, false);
+}
+
+/// Embeds images, or only notes which are missing where the `same` folder has them.
+fn carry(scene: &mut Scene, source: &Path, same: bool) {
     for image in &mut scene.images {
         let ImageSource::Reference(reference) = &image.source else {
             continue;

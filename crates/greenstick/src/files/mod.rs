@@ -12,7 +12,7 @@ mod whole;
 mod write;
 
 pub use error::FileError;
-pub use images::carry_images;
+pub use images::{carry_images, embed_images};
 pub use read::{Source, load, load_content, read};
 #[cfg(feature = "simulate")]
 pub use whole::read_measured;

@@ -13,8 +13,8 @@ use glam::{Vec3, Vec4};
 
 use build::Node;
 
-/// Size of the stack of a traversal: 3 children for each of at most 32 + 31 levels.
-const STACK_SIZE: usize = 192;
+/// Nodes that wait in a traversal without memory of their own: 3 for each level of a usual tree. A tree has at most 32 + 31.
+const STACK_SIZE: usize = 48;
 /// Factor that makes the slab test conservative (Ize 2013).
 const SLAB_TOLERANCE: f32 = 1.000_000_5;
 
@@ -38,6 +38,8 @@ pub(crate) struct Intersection {
     pub triangle: u32,
     /// Barycentric weights of the corners.
     pub weights: [f32; 3],
+    /// The corners.
+    pub corners: [Vec3; 3],
 }
 
 /// The hierarchy over a list of triangles.
@@ -85,11 +87,9 @@ impl Bvh {
         let sheared = ShearedRay::new(ray);
         let mut best: Option<Intersection> = None;
         let mut max_distance = ray.max_distance;
-        let mut stack = [(0u32, 0u32, 0f32); STACK_SIZE];
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            let (child, count, entry) = stack[height];
+        let mut stack = Stack::default();
+        stack.push((0, 0, 0.0));
+        while let Some((child, count, entry)) = stack.pop() {
             if entry > max_distance {
                 continue;
             }
@@ -106,6 +106,7 @@ impl Bvh {
                             distance,
                             triangle,
                             weights,
+                            corners: self.corners[i],
                         });
                     }
                     // Of triangles at the same distance the first in the original list wins, whatever the tree.
@@ -114,6 +115,7 @@ impl Bvh {
                             distance,
                             triangle,
                             weights,
+                            corners: self.corners[i],
                         });
                         max_distance = distance;
                     }
@@ -124,21 +126,63 @@ impl Bvh {
             let (entries, exits) = slabs(node, origin, inverse, max_distance);
             let mut open = entries.cmple(exits).bitmask();
             let entries = entries.to_array();
-            let first = height;
+            // The nearest child goes on top; for any intersection the order does not matter.
+            let mut found = [(0u32, 0u32, 0f32); 4];
+            let mut number = 0;
             while open != 0 {
                 let c = open.trailing_zeros() as usize;
                 open &= open - 1;
-                stack[height] = (node.child[c], node.count[c], entries[c]);
-                // The nearest child goes on top; for any intersection the order does not matter.
-                let mut at = height;
-                while !ANY && at > first && stack[at - 1].2 < stack[at].2 {
-                    stack.swap(at - 1, at);
+                let mut at = number;
+                while !ANY && at > 0 && found[at - 1].2 < entries[c] {
+                    found[at] = found[at - 1];
                     at -= 1;
                 }
-                height += 1;
+                found[at] = (node.child[c], node.count[c], entries[c]);
+                number += 1;
             }
+            found[..number].iter().for_each(|&f| stack.push(f));
         }
         best
+    }
+}
+
+/// The nodes that a traversal has still to look at: child, count and entry.
+struct Stack {
+    first: [(u32, u32, f32); STACK_SIZE],
+    height: usize,
+    /// What does not fit into `first`.
+    rest: Vec<(u32, u32, f32)>,
+}
+
+impl Default for Stack {
+    fn default() -> Self {
+        Stack {
+            first: [(0, 0, 0.0); STACK_SIZE],
+            height: 0,
+            rest: Vec::new(),
+        }
+    }
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push(&mut self, node: (u32, u32, f32)) {
+        match self.first.get_mut(self.height) {
+            Some(free) => {
+                *free = node;
+                self.height += 1;
+            }
+            None => self.rest.push(node),
+        }
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(u32, u32, f32)> {
+        if let Some(last) = self.rest.pop() {
+            return Some(last);
+        }
+        self.height = self.height.checked_sub(1)?;
+        Some(self.first[self.height])
     }
 }
 

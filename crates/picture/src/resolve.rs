@@ -1,0 +1,244 @@
+//! The steps of a picture pixel by pixel: what is seen, its light, and what becomes of the pixel. One ray through the middle is enough
+//! for most pixels; those with an edge or strong detail take more, lit by the light that was found around them.
+
+use crate::camera::Camera;
+use crate::denoise::{Neighbours, likeness};
+use crate::light::{Studio, luminance};
+use crate::lighting::Light;
+use crate::sampling::{Purpose, Sampler};
+use crate::scene::Scene;
+use crate::surface::{Met, Seen};
+use glam::Vec3;
+
+/// Pixels around one that show its surface too, of 24, below which it takes twice as many rays for its light: the filter
+/// cannot help it.
+const LITTLE_SUPPORT: f32 = 8.0;
+/// The same from which on a surface is smooth.
+const SMOOTH_SUPPORT: f32 = 14.0;
+/// Difference of the shares of the key light around a pixel in its soft shadow.
+const SOFT_SHADOW: f32 = 0.2;
+/// How many times as many rays to the key light a pixel in its soft shadow takes.
+const MORE_RAYS: u32 = 4;
+/// Likeness of neighbours below which there is an edge between them.
+const EDGE_LIKENESS: f32 = 0.2;
+/// Difference of luminance between neighbours, as a part of their sum, from which one ray does not stand for a pixel.
+const DETAIL_CONTRAST: f32 = 0.3;
+/// The same between the first rays of a pixel, from which on all of them are needed.
+const RAY_CONTRAST: f32 = 0.2;
+/// Rays of a pixel before it is decided whether the others are needed.
+const FIRST_RAYS: u32 = 4;
+/// Rays per pixel from which on every pixel takes all of them.
+const RAYS_FOR_ALL: u32 = 64;
+/// Likeness of places around that together suffice to light a place.
+const MIN_LIKENESS: f32 = 0.05;
+/// Luminance that is added to both where contrast is measured: darkness hides it.
+const CONTRAST_BASE: f32 = 0.02;
+
+/// Shares of a pixel and its neighbours in a row where the middles of pixels stand for the pixel filter.
+const FILTER: [f32; 3] = [0.14, 0.72, 0.14];
+
+/// What a picture is made of.
+pub(crate) struct Frame<'a> {
+    pub scene: &'a Scene<'a>,
+    pub studio: &'a Studio,
+    pub camera: &'a Camera,
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Most camera rays per pixel.
+    pub samples: u32,
+    /// Rays for light per pixel where the filter finds enough pixels of the same surface.
+    pub rays: u32,
+}
+
+impl Frame<'_> {
+    /// What is seen at an offset from the middle of a pixel, in pixels.
+    fn look(&self, [x, y]: [usize; 2], [dx, dy]: [f32; 2], known: &[Seen]) -> Seen {
+        let [width, height] = self.size.map(|n| n as f64);
+        let u = (x as f64 + 0.5 + f64::from(dx)) / width * 2.0 - 1.0;
+        let v = 1.0 - (y as f64 + 0.5 + f64::from(dy)) / height * 2.0;
+        self.scene.look(self.studio, self.camera, [u, v], known)
+    }
+
+    /// What is seen at the middle of a pixel.
+    pub fn seen(&self, x: usize, y: usize) -> Seen {
+        self.look([x, y], [0.0, 0.0], &[])
+    }
+
+    /// The light at what is seen there.
+    pub fn light(&self, neighbours: &Neighbours, x: usize, y: usize) -> Light {
+        let place = &neighbours.places[y * self.size[0] + x];
+        if place.met == Met::Background {
+            return Light::default();
+        }
+        let support = neighbours.support([x, y]);
+        let factor = if support > LITTLE_SUPPORT { 1 } else { 2 };
+        let sampler = self.light_sampler([x, y]);
+        (self.scene).light_at(self.studio, place, &sampler, factor * self.rays)
+    }
+
+    /// The light with more rays to the key light where its shadow is soft on a smooth surface, on which noise would be seen best.
+    pub fn refined(&self, neighbours: &Neighbours, light: &[Light], x: usize, y: usize) -> Light {
+        let at = y * self.size[0] + x;
+        let place = &neighbours.places[at];
+        if place.met == Met::Background || neighbours.support([x, y]) < SMOOTH_SUPPORT {
+            return light[at];
+        }
+        let (mut low, mut high) = (1.0f32, 0.0f32);
+        for index in neighbours.around([x, y]) {
+            if likeness(place, &neighbours.places[index]) > EDGE_LIKENESS {
+                let share = light[index].lamps[0];
+                (low, high) = (low.min(share), high.max(share));
+            }
+        }
+        if high - low < SOFT_SHADOW {
+            return light[at];
+        }
+        let rays = [self.rays, (MORE_RAYS - 1) * self.rays];
+        let sampler = self.light_sampler([x, y]);
+        (self.scene).refined_light(self.studio, place, &sampler, light[at], rays)
+    }
+
+    fn light_sampler(&self, at: [usize; 2]) -> Sampler {
+        Sampler::new(at, MORE_RAYS * self.rays)
+    }
+}
+
+/// What is known before pixels are resolved.
+pub(crate) struct Resolve<'a> {
+    pub frame: &'a Frame<'a>,
+    pub neighbours: Neighbours<'a>,
+    /// The smoothed light at what is seen at the middle of each pixel.
+    pub light: &'a [Light],
+    /// The radiance of that.
+    pub centres: &'a [Vec3],
+}
+
+impl Resolve<'_> {
+    /// The radiance of a pixel.
+    pub fn pixel(&self, x: usize, y: usize) -> Vec3 {
+        let at = [x, y];
+        let centre = y * self.frame.size[0] + x;
+        let samples = self.frame.samples;
+        let all = samples >= RAYS_FOR_ALL;
+        if samples == 1 {
+            return self.centres[centre];
+        }
+        if !(all || self.is_detailed(at)) {
+            return self.mean_around(at);
+        }
+        let sampler = Sampler::new(at, samples.next_power_of_two());
+        // What rays have seen in this pixel and what they may see again.
+        let mut known = Vec::with_capacity(samples.min(RAYS_FOR_ALL) as usize);
+        let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
+        let mut count = 0;
+        while count < samples {
+            let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
+            let may_share = !all && count >= FIRST_RAYS;
+            let shared: &[Seen] = if may_share { &known } else { &[] };
+            let seen = self.frame.look(at, [dx, dy], shared);
+            if known.len() < known.capacity() {
+                known.push(seen);
+            }
+            let light = self.light_of(at, [dx, dy], &seen, &sampler, count);
+            let radiance = seen.radiance(self.frame.studio, &light);
+            let brightness = luminance(radiance);
+            (low, high) = (low.min(brightness), high.max(brightness));
+            sum += radiance;
+            count += 1;
+            if count == FIRST_RAYS && !all && contrast(low, high) < RAY_CONTRAST {
+                break;
+            }
+        }
+        sum / count as f32
+    }
+
+    /// The mean of what is seen at the middles of a pixel and its neighbours, weighted by the pixel filter.
+    fn mean_around(&self, at: [usize; 2]) -> Vec3 {
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for (dy, row) in (-1..).zip(FILTER) {
+            for (dx, column) in (-1..).zip(FILTER) {
+                if let Some(i) = self.neighbours.index(at, [dx, dy]) {
+                    sum += self.centres[i] * (row * column);
+                    total += row * column;
+                }
+            }
+        }
+        sum / total
+    }
+
+    /// Whether one ray does not stand for a pixel: an edge runs near it, or its neighbours are much lighter or darker.
+    fn is_detailed(&self, at: [usize; 2]) -> bool {
+        let centre = at[1] * self.frame.size[0] + at[0];
+        let here = &self.neighbours.places[centre];
+        let own = luminance(self.centres[centre]);
+        (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| [dx, dy]))
+            .filter_map(|offset| self.neighbours.index(at, offset))
+            .any(|i| {
+                let there = &self.neighbours.places[i];
+                let is_empty = here.met == Met::Background && there.met == Met::Background;
+                !is_empty
+                    && (likeness(here, there) < EDGE_LIKENESS
+                        || contrast(own, luminance(self.centres[i])) > DETAIL_CONTRAST)
+            })
+    }
+
+    /// The light at what a ray sees that left the middle of its pixel by an offset: that of alike places around, or its own.
+    fn light_of(
+        &self,
+        [x, y]: [usize; 2],
+        offset: [f32; 2],
+        seen: &Seen,
+        sampler: &Sampler,
+        index: u32,
+    ) -> Light {
+        if seen.place.met == Met::Background {
+            return Light::default();
+        }
+        let mut sum = Light::default();
+        let mut total = 0.0;
+        for dy in -1..=1 {
+            for dx in -1..=1 {
+                let Some(i) = self.neighbours.index([x, y], [dx, dy]) else {
+                    continue;
+                };
+                let [a, b] = [dx as f32 - offset[0], dy as f32 - offset[1]];
+                let near = 1.0 / (0.1 + a * a + b * b);
+                let weight = near * likeness(&seen.place, &self.neighbours.places[i]);
+                let light = &self.light[i];
+                sum.lamps[0] += light.lamps[0] * weight;
+                sum.lamps[1] += light.lamps[1] * weight;
+                sum.indirect += light.indirect * weight;
+                total += weight;
+            }
+        }
+        if total < MIN_LIKENESS {
+            let Frame {
+                scene,
+                studio,
+                rays,
+                ..
+            } = self.frame;
+            let own = Sampler::of_sample(sampler, index, *rays);
+            return scene.light_at(studio, &seen.place, &own, *rays);
+        }
+        Light {
+            lamps: sum.lamps.map(|v| v / total),
+            indirect: sum.indirect / total,
+        }
+    }
+}
+
+/// How much two luminances differ.
+fn contrast(a: f32, b: f32) -> f32 {
+    (a - b).abs() / (a + b + CONTRAST_BASE)
+}
+
+/// Maps a uniform distribution on 0…1 to a tent on −1…1, the pixel filter.
+fn tent(t: f32) -> f32 {
+    if t < 0.5 {
+        (2.0 * t).sqrt() - 1.0
+    } else {
+        1.0 - (2.0 - 2.0 * t).sqrt()
+    }
+}
