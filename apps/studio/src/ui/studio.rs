@@ -1,0 +1,611 @@
+//! The state of the window, and what happens from frame to frame.
+
+use super::actions::Action;
+use super::dialogs::Dialog;
+use crate::model::engine::{Failure, Job, Shown, has_coarse};
+use crate::model::input::Input;
+use crate::model::project::Project;
+use crate::model::randomise::randomise;
+use crate::platform::{Done, Lane, Opened, Platform, Settings};
+use crate::view::camera::{AxisView, Camera};
+use crate::view::renderer::{Colours, Renderer};
+use eframe::egui;
+use glam::Vec3;
+use greenstick::RequestFile;
+use greenstick::schema::Value;
+use greenstick::wood::stem::StemLocation;
+use std::sync::Arc;
+
+/// Seconds of work above which a drag gets a coarse answer first.
+const SLOW: f64 = 0.12;
+/// Seconds after a change before unsaved work is kept for a recovery.
+const KEEP_AFTER: f64 = 2.0;
+/// Radii of the stem around the face that framing a break shows.
+const BREAK_ROOM: f32 = 2.4;
+
+/// A message that stays until it is dismissed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// What it says.
+    pub text: String,
+    /// Whether something failed.
+    pub is_error: bool,
+}
+
+/// How the viewport shows things.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewOptions {
+    /// What colours show.
+    pub colours: Colours,
+    /// Whether edges are drawn.
+    pub wireframe: bool,
+    /// Whether the picture is cut open along the stem.
+    pub section: bool,
+    /// Distance of the pieces in the picture, in diameters of the stem.
+    pub apart: f64,
+}
+
+/// The work for the viewport that is going on.
+#[derive(Debug, Clone, Copy)]
+struct AtWork {
+    number: u64,
+    coarse: bool,
+    since: f64,
+}
+
+/// The studio.
+pub struct Studio {
+    /// What is being worked on.
+    pub project: Project,
+    pub(super) platform: Box<dyn Platform>,
+    /// What the viewport shows.
+    pub(super) shown: Option<(u64, Arc<Shown>)>,
+    pub(super) camera: Camera,
+    pub(super) view: ViewOptions,
+    pub(super) messages: Vec<Message>,
+    pub(super) dialog: Option<Dialog>,
+    pub(super) settings: Settings,
+    /// What is searched for among the parameters.
+    pub(super) search: String,
+    pub(super) gallery: bool,
+    /// What was done last, in the status line.
+    pub(super) said: String,
+    /// Whether the card is the processor, which draws slowly.
+    pub(super) slow_card: bool,
+    /// Whether there is a card at all.
+    pub(super) has_card: bool,
+    /// What the picture of the next result is asked with, and whether it is a drag.
+    wanted: Option<bool>,
+    at_work: Option<AtWork>,
+    /// Seconds that the last whole answer took.
+    pub(super) last_seconds: f64,
+    numbers: u64,
+    /// Whether the next result is framed.
+    frame_next: bool,
+    /// When the project was changed, until it is kept.
+    changed_at: Option<f64>,
+    /// A path that is being opened, as titles say it.
+    pub(super) opening: Option<String>,
+    pub(super) gallery_pictures: super::gallery::Pictures,
+    quit: bool,
+}
+
+impl Studio {
+    /// A studio that opens `path`, or shows the built-in branch.
+    pub fn new(ctx: &egui::Context, platform: Box<dyn Platform>, path: Option<&str>) -> Self {
+        let settings = platform.settings();
+        ctx.options_mut(|o| o.zoom_with_keyboard = false);
+        let mut studio = Studio {
+            project: Project::new(Input::built_in(), RequestFile::default()),
+            platform,
+            shown: None,
+            camera: Camera::default(),
+            view: ViewOptions {
+                colours: Colours::Wood,
+                wireframe: false,
+                section: false,
+                apart: 1.6,
+            },
+            messages: Vec::new(),
+            dialog: None,
+            settings,
+            search: String::new(),
+            gallery: true,
+            said: String::new(),
+            slow_card: false,
+            has_card: false,
+            wanted: Some(false),
+            at_work: None,
+            last_seconds: 0.0,
+            numbers: 0,
+            frame_next: true,
+            changed_at: None,
+            opening: None,
+            gallery_pictures: super::gallery::Pictures::default(),
+            quit: false,
+        };
+        studio.apply_settings(ctx);
+        if let Some(path) = path {
+            studio.open(path);
+        } else if let Some(kept) = studio.platform.kept() {
+            studio.dialog = Some(Dialog::Recover(kept));
+        }
+        studio
+    }
+
+    /// Draws on the card of a window.
+    pub fn use_card(&mut self, state: &eframe::egui_wgpu::RenderState) {
+        let renderer = Renderer::new(&state.device, &state.queue, state.target_format);
+        state.renderer.write().callback_resources.insert(renderer);
+        self.has_card = true;
+        self.slow_card = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+    }
+
+    /// The picture is asked for anew with another view of the pieces; nothing else changes.
+    pub(super) fn changed_view(&mut self, drag: bool) {
+        self.wanted = Some(drag);
+    }
+
+    pub(super) fn apply_settings(&mut self, ctx: &egui::Context) {
+        let Settings { dark, scale } = self.settings;
+        ctx.set_theme(if dark {
+            egui::Theme::Dark
+        } else {
+            egui::Theme::Light
+        });
+        ctx.set_zoom_factor(scale);
+        self.platform.keep_settings(&self.settings);
+    }
+
+    /// Starts to open a file.
+    pub fn open(&mut self, path: &str) {
+        self.opening = Some(path.to_owned());
+        self.platform.open(path, self.project.file.unit);
+    }
+
+    /// Shows a message that stays.
+    pub(super) fn fail(&mut self, failure: &Failure) {
+        if failure.cancelled {
+            self.said = "Stopped.".to_owned();
+            return;
+        }
+        let message = Message {
+            text: failure.message.clone(),
+            is_error: true,
+        };
+        if !self.messages.contains(&message) {
+            self.messages.push(message);
+        }
+    }
+
+    /// Whether work for the viewport is going on or about to begin.
+    pub fn is_busy(&self) -> bool {
+        self.at_work.is_some() || self.wanted.is_some() || self.opening.is_some()
+    }
+
+    /// Number of triangles that are shown.
+    pub fn triangles(&self) -> usize {
+        let shown = self.shown.as_ref();
+        shown.map_or(0, |s| s.1.drawn.indices.len() / 3)
+    }
+
+    /// Messages that wait to be dismissed.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
+    /// The report on what is shown.
+    pub fn report(&self) -> Option<&greenstick::BreakReport> {
+        self.shown.as_ref().map(|s| &s.1.report)
+    }
+
+    /// Notes that the request changed; `drag` while a hand still moves.
+    pub(super) fn changed(&mut self, drag: bool, now: f64) {
+        self.wanted = Some(drag);
+        self.changed_at = Some(now);
+    }
+
+    /// Sets one parameter as part of a drag, or as one step.
+    pub fn set(&mut self, key: &str, value: &Value, drag: bool, now: f64) {
+        match self.project.set(key, value, drag) {
+            Ok(true) => self.changed(drag, now),
+            Ok(false) => {}
+            Err(problem) => self.said = problem,
+        }
+    }
+
+    /// The hand rests: what was a drag is a step, and the whole answer is asked for.
+    pub(super) fn rest(&mut self, now: f64) {
+        self.project.history.rest();
+        self.changed(false, now);
+    }
+
+    /// Puts a break at a place of the scene; the point is that of the unbroken stem.
+    pub(super) fn move_break(&mut self, place: StemLocation, now: f64) {
+        let moved = self.project.change("place of the break", false, |file| {
+            file.common.place = place;
+            if let [only] = &mut file.breaks[..] {
+                only.place = place;
+            }
+            Ok::<(), String>(())
+        });
+        match moved {
+            Ok(true) => self.changed(false, now),
+            Ok(false) => {}
+            Err(problem) => self.fail(&Failure::new(problem)),
+        }
+    }
+
+    /// Begins with another input or project.
+    fn begin(&mut self, opened: Opened, path: &str) {
+        match opened {
+            Opened::Input(input) => {
+                let mut file = self.project.file.clone();
+                // A place on another stem says nothing on this one.
+                file.common.place = StemLocation::Fraction(0.5);
+                file.breaks.clear();
+                self.project = Project::new(input, file);
+            }
+            Opened::Project(input, file) => {
+                self.project = Project::new(input, *file);
+                let kept = self.platform.kept();
+                if kept.as_deref() == Some(path) {
+                    self.project.path = None;
+                } else {
+                    self.project.path = Some(path.to_owned());
+                }
+            }
+        }
+        for note in self.project.input.notes.clone() {
+            self.messages.push(Message {
+                text: note,
+                is_error: false,
+            });
+        }
+        self.shown = None;
+        self.frame_next = true;
+        self.wanted = Some(false);
+    }
+
+    /// Takes what came to an end, and starts what is wanted.
+    pub fn tick(&mut self, ctx: &egui::Context) {
+        let now = ctx.input(|i| i.time);
+        while let Some(done) = self.platform.poll() {
+            self.take(done, now);
+        }
+        if let Some(at) = self.changed_at
+            && now - at > KEEP_AFTER
+        {
+            self.changed_at = None;
+            let input = self.project.input.path.clone();
+            self.platform
+                .keep(Some((&self.project.file, input.as_deref())));
+        } else if self.changed_at.is_some() {
+            ctx.request_repaint_after_secs(KEEP_AFTER as f32);
+        }
+        self.start_work(now);
+    }
+
+    fn start_work(&mut self, now: f64) {
+        let (Some(drag), None) = (self.wanted, &self.opening) else {
+            return;
+        };
+        // What a drag asks for waits until the answer before is there: else there would never be one.
+        if self.at_work.is_some_and(|w| drag && w.coarse) {
+            return;
+        }
+        let coarse = drag && self.last_seconds > SLOW && has_coarse(&self.project.file);
+        if self.at_work.is_some() && drag && !coarse {
+            return;
+        }
+        self.numbers += 1;
+        self.wanted = None;
+        self.at_work = Some(AtWork {
+            number: self.numbers,
+            coarse: drag,
+            since: now,
+        });
+        let mut file = self.project.file.clone();
+        let apart = self.view.apart * self.diameter();
+        file.common.separation = file.common.separation.max(apart);
+        for one in &mut file.breaks {
+            one.separation = one.separation.max(apart);
+        }
+        let job = Job {
+            input: self.project.input.clone(),
+            file,
+            coarse,
+        };
+        self.platform.show(self.numbers, job);
+    }
+
+    /// Diameter of the stem at the first break, m; 0 where it is not known yet.
+    pub(super) fn diameter(&self) -> f64 {
+        let report = self.shown.as_ref().map(|s| &s.1.report);
+        report.map_or(0.0, |r| 2.0 * r.place.radius_m)
+    }
+
+    fn take(&mut self, done: Done, now: f64) {
+        match done {
+            Done::Shown(number, outcome) => {
+                let current = self.at_work.filter(|w| w.number == number);
+                let Some(work) = current else { return };
+                self.at_work = None;
+                match outcome {
+                    Ok(shown) => self.take_shown(number, *shown, work, now),
+                    Err(failure) => self.fail(&failure),
+                }
+            }
+            Done::Opened(path, opened) => {
+                self.opening = None;
+                match opened {
+                    Ok(opened) => {
+                        self.platform.note_recent(&path);
+                        self.said = format!("Opened {path}.");
+                        self.begin(opened, &path);
+                    }
+                    Err(failure) => self.fail(&failure),
+                }
+            }
+            Done::Exported(path, Ok(files)) => {
+                let bytes: usize = files.iter().map(|f| f.1).sum();
+                let size = bytes as f64 / 1e6;
+                self.said = format!("Wrote {path} ({} files, {size:.1} MB).", files.len());
+            }
+            Done::Exported(_, Err(failure)) => self.fail(&failure),
+        }
+    }
+
+    fn take_shown(&mut self, number: u64, shown: Shown, work: AtWork, now: f64) {
+        if !shown.coarse {
+            self.last_seconds = now - work.since;
+        }
+        // The size of the stem was not known when the pieces of the first picture were moved apart.
+        let first = self.shown.is_none() && self.view.apart > 0.0;
+        let refine = shown.coarse && self.wanted.is_none();
+        self.shown = Some((number, Arc::new(shown)));
+        if first || refine {
+            self.wanted = Some(false);
+        }
+        if self.frame_next && !first {
+            self.frame_next = false;
+            self.frame_break(1.4);
+        } else if first {
+            self.frame_break(1.4);
+        }
+    }
+
+    /// Shows the break from near, for a viewport of this ratio of width to height.
+    pub(super) fn frame_break(&mut self, aspect: f32) {
+        let Some((_, shown)) = &self.shown else {
+            return;
+        };
+        let Some(at) = shown.drawn.breaks.first() else {
+            return;
+        };
+        let apart = (self.view.apart * self.diameter()) as f32;
+        let radius = at.reach + BREAK_ROOM * at.radius + 0.5 * apart;
+        let centre = at.place + at.along * (0.5 * apart);
+        self.camera.frame(centre, radius, aspect);
+        // Both faces are seen best from aside and a little along the stem.
+        if self.frame_next {
+            let flat = Vec3::new(at.along.x, 0.0, at.along.z);
+            if flat.length() > 0.5 {
+                self.camera.yaw = flat.x.atan2(flat.z) + 1.1;
+                self.camera.pitch = 0.35;
+            }
+        }
+    }
+
+    pub(super) fn frame_all(&mut self, aspect: f32) {
+        if let Some((_, shown)) = &self.shown {
+            self.camera
+                .frame(Vec3::ZERO, shown.drawn.radius as f32, aspect);
+        }
+    }
+
+    /// Does an action.
+    pub fn act(&mut self, action: Action, ctx: &egui::Context) {
+        let now = ctx.input(|i| i.time);
+        let aspect = 1.4;
+        let mut look = |view, opposite| self.camera.look(view, opposite);
+        match action {
+            Action::ViewFront => look(AxisView::Front, false),
+            Action::ViewBack => look(AxisView::Front, true),
+            Action::ViewRight => look(AxisView::Right, false),
+            Action::ViewLeft => look(AxisView::Right, true),
+            Action::ViewTop => look(AxisView::Top, false),
+            Action::ViewBottom => look(AxisView::Top, true),
+            Action::Perspective => self.camera.parallel ^= true,
+            Action::Wireframe => self.view.wireframe ^= true,
+            Action::Section => self.view.section ^= true,
+            Action::NextColours => {
+                let next = (self.view.colours as usize + 1) % Colours::ALL.len();
+                self.view.colours = Colours::ALL[next];
+            }
+            Action::FrameBreak => self.frame_break(aspect),
+            Action::FrameAll => self.frame_all(aspect),
+            Action::Gallery => self.gallery ^= true,
+            Action::Undo => self.step_back(now),
+            Action::Redo => self.step_forward(now),
+            Action::Randomise => self.randomise(now),
+            Action::NewSeed => self.new_seed(now),
+            Action::ResetAll => {
+                let reset = self.project.change("reset of all values", false, |file| {
+                    *file = RequestFile {
+                        unit: file.unit,
+                        ..RequestFile::default()
+                    };
+                    Ok::<(), String>(())
+                });
+                if reset == Ok(true) {
+                    self.changed(false, now);
+                }
+            }
+            Action::BuiltIn => self.begin(Opened::Input(Input::built_in()), ""),
+            Action::Theme => {
+                self.settings.dark ^= true;
+                self.apply_settings(ctx);
+            }
+            Action::Larger | Action::Smaller => {
+                let factor = if action == Action::Larger {
+                    1.1
+                } else {
+                    1.0 / 1.1
+                };
+                self.settings.scale = (self.settings.scale * factor).clamp(0.5, 4.0);
+                self.apply_settings(ctx);
+            }
+            Action::Save => self.save(),
+            Action::Open
+            | Action::SaveAs
+            | Action::Export
+            | Action::Palette
+            | Action::Shortcuts => self.dialog = Dialog::of(action, self),
+            Action::Cancel => self.cancel(),
+            Action::Quit => self.quit = true,
+        }
+    }
+
+    fn cancel(&mut self) {
+        if self.dialog.is_some() {
+            self.dialog = None;
+        } else if self.at_work.is_some() {
+            self.platform.cancel(Lane::Show);
+        } else {
+            self.platform.cancel(Lane::Files);
+        }
+    }
+
+    fn step_back(&mut self, now: f64) {
+        if let Some(label) = self.project.history.undo(&mut self.project.file) {
+            self.said = format!("Took back: {label}.");
+            self.changed(false, now);
+        }
+    }
+
+    fn step_forward(&mut self, now: f64) {
+        if let Some(label) = self.project.history.redo(&mut self.project.file) {
+            self.said = format!("Made again: {label}.");
+            self.changed(false, now);
+        }
+    }
+
+    fn randomise(&mut self, now: f64) {
+        let locked = self.project.locked.clone();
+        let seed = now.to_bits();
+        let drawn = self.project.change("random values", false, |file| {
+            randomise(file, &locked, seed);
+            Ok::<(), String>(())
+        });
+        if drawn == Ok(true) {
+            self.changed(false, now);
+        }
+    }
+
+    fn new_seed(&mut self, now: f64) {
+        let seed = self.project.file.common.recipe.face.seed;
+        let next = Value::Integer(i128::from(seed) % 1_000_000 + 1);
+        self.set("break.seed", &next, false, now);
+    }
+
+    /// Saves the project where it was saved before, or asks where.
+    fn save(&mut self) {
+        match self.project.path.clone() {
+            Some(path) => self.save_to(&path),
+            None => self.dialog = Dialog::of(Action::SaveAs, self),
+        }
+    }
+
+    pub(super) fn save_to(&mut self, path: &str) {
+        let input = self.project.input.path.clone();
+        match self
+            .platform
+            .save(path, &self.project.file, input.as_deref())
+        {
+            Ok(()) => {
+                self.project.saved = self.project.file.clone();
+                self.project.path = Some(path.to_owned());
+                self.platform.note_recent(path);
+                self.platform.keep(None);
+                self.changed_at = None;
+                self.said = format!("Saved {path}.");
+            }
+            Err(failure) => self.fail(&failure),
+        }
+    }
+
+    fn shortcuts(&mut self, ctx: &egui::Context) {
+        if ctx.text_edit_focused() {
+            return;
+        }
+        // Keys with more modifiers first: Ctrl+Shift+Z is not Ctrl+Z.
+        let mut all: Vec<_> = Action::ALL
+            .iter()
+            .flat_map(|a| a.3.iter().map(move |k| (a.0, *k)))
+            .collect();
+        all.sort_by_key(|(_, (m, _))| {
+            std::cmp::Reverse(u8::from(m.shift) + u8::from(m.command) + u8::from(m.alt))
+        });
+        let pressed = all
+            .into_iter()
+            .find(|(_, (m, k))| ctx.input_mut(|i| i.consume_key(*m, *k)));
+        if let Some((action, _)) = pressed {
+            self.act(action, ctx);
+        }
+    }
+
+    fn dropped(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+        if let Some(file) = dropped.last() {
+            let path = file.path().display().to_string();
+            self.open(&path);
+        }
+    }
+
+    /// One frame.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        self.tick(&ctx);
+        self.dropped(&ctx);
+        self.shortcuts(&ctx);
+        self.menu(ui);
+        self.status(ui);
+        if self.gallery {
+            self.gallery_panel(ui);
+        }
+        self.parameters(ui);
+        self.viewport(ui);
+        self.dialogs(&ctx);
+        if self.quit {
+            self.quit = false;
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        let title = format!(
+            "{}{} – Greenstick",
+            if self.project.is_changed() {
+                "• "
+            } else {
+                ""
+            },
+            self.project.input.title()
+        );
+        ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+
+    fn on_exit(&mut self) {
+        if self.project.is_changed() {
+            let input = self.project.input.path.clone();
+            self.platform
+                .keep(Some((&self.project.file, input.as_deref())));
+        } else {
+            self.platform.keep(None);
+        }
+    }
+}
