@@ -4,8 +4,9 @@
 use glam::Vec3;
 use greenstick::RequestFile;
 use greenstick::geometry::Context;
-use greenstick_studio::model::engine::{Engine, Job, Shown};
+use greenstick_studio::model::engine::{Engine, Job};
 use greenstick_studio::model::input::Input;
+use greenstick_studio::model::meshes::DrawnScene;
 use greenstick_studio::view::camera::Camera;
 use greenstick_studio::view::renderer::{Colours, Renderer, View};
 use std::sync::Arc;
@@ -35,14 +36,19 @@ fn card(test: &str) -> Option<Card> {
     Some(Card { device, queue })
 }
 
-fn shown(settings: &[&str]) -> Arc<Shown> {
+fn shown(settings: &[&str]) -> Arc<DrawnScene> {
     let file = RequestFile::resolve(&[], None, settings).unwrap();
     let job = Job {
         input: Input::built_in(),
         file,
         coarse: false,
     };
-    Arc::new(Engine::default().work(&job, &Context::quiet()).unwrap())
+    Arc::new(
+        Engine::default()
+            .work(&job, &Context::quiet())
+            .unwrap()
+            .drawn,
+    )
 }
 
 impl Card {
@@ -83,8 +89,8 @@ impl Card {
     }
 }
 
-fn frame(shown: &Arc<Shown>, colours: Colours) -> View {
-    let at = shown.drawn.breaks[0];
+fn frame(shown: &Arc<DrawnScene>, colours: Colours) -> View {
+    let at = shown.breaks[0];
     let mut camera = Camera {
         yaw: 1.2,
         pitch: 0.4,
@@ -162,7 +168,7 @@ fn every_kind_of_colours_shows_something_else() {
         .count();
     assert!(differ > 2000, "wireframe: {differ}");
     let mut open = frame(&shown, Colours::Clay);
-    let at = shown.drawn.breaks[0];
+    let at = shown.breaks[0];
     let normal = at.along.cross(Vec3::Y).normalize();
     open.section = Some((normal, normal.dot(at.place)));
     let cut = card.draw(&mut renderer, &open);

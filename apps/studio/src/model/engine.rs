@@ -4,12 +4,11 @@ use super::input::{Input, InputContent};
 use super::meshes::DrawnScene;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
-use greenstick::wood::stem::StemLocation;
+use greenstick::wood::stem::{StemError, StemLocation};
 use greenstick::{
     BreakReport, BreakRequest, BreakSession, BreakStage, Broken, Error, ErrorKind, RequestFile,
     break_scene,
 };
-use std::sync::Arc;
 
 /// Most circles and sectors of a coarse answer.
 const COARSE: (u32, u32) = (24, 60);
@@ -42,13 +41,23 @@ pub struct Shown {
     pub origin: [f64; 3],
 }
 
+/// The meshes of an input before anything is broken; none of a scan, whose bark is still to be laid.
+pub fn unbroken(input: &Input) -> Option<DrawnScene> {
+    match &*input.content {
+        InputContent::Mesh(scene) => Some(DrawnScene::unbroken(scene)),
+        InputContent::Cloud(_) => None,
+    }
+}
+
 /// What went wrong, as a message that stays until it is read.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// What was found, where, and what would be right.
     pub message: String,
     /// Whether the work was only cancelled.
     pub cancelled: bool,
+    /// The nearest place that works, where it is only the place that does not.
+    pub place: Option<StemLocation>,
 }
 
 impl Failure {
@@ -57,15 +66,25 @@ impl Failure {
         Failure {
             message: message.to_string(),
             cancelled: false,
+            place: None,
         }
     }
 }
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
+        let place = match &error {
+            Error::Stem(
+                StemError::OffStem { nearest, .. }
+                | StemError::Unusable { nearest, .. }
+                | StemError::FarFromWood { nearest, .. },
+            ) => Some(*nearest),
+            _ => None,
+        };
         Failure {
             cancelled: error.kind() == ErrorKind::Cancelled,
             message: error.to_string(),
+            place,
         }
     }
 }
@@ -225,6 +244,3 @@ pub fn export(
     broken.report.scan = scan;
     Ok(broken)
 }
-
-/// A shared job result.
-pub type Outcome = Result<Arc<Shown>, Failure>;

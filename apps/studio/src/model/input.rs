@@ -67,6 +67,11 @@ impl Input {
         path.rsplit(['/', '\\']).next()
     }
 
+    /// Whether its vertical is z, as that of scans is; meshes have y up, as in glTF.
+    pub fn has_z_up(&self) -> bool {
+        matches!(&*self.content, InputContent::Cloud(_))
+    }
+
     /// What titles and menus call it.
     pub fn title(&self) -> &str {
         self.file_name().unwrap_or("built-in branch")

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
 use greenstick::session::BrokenWood;
+use greenstick::wood::appearance::BarkAppearance;
 use greenstick::wood::noise::unit;
 use greenstick::wood::rings::StemAddress;
 use greenstick::wood::stem::StemKind;
@@ -55,6 +56,28 @@ fn color(c: [f64; 3]) -> [f32; 4] {
 /// 64 bits of a seed as 32.
 fn folded(seed: u64) -> u32 {
     (seed ^ (seed >> 32)) as u32
+}
+
+impl Default for WoodLook {
+    /// The wood of a stem of which nothing is known: its bark shows that of a branch.
+    fn default() -> Self {
+        let bark = BarkAppearance::default();
+        WoodLook {
+            numbers: WoodNumbers {
+                ridge: color(bark.ridge_color),
+                furrow: color(bark.furrow_color),
+                edges: [1.0; 4],
+                rings: [1.0, 0.0, 0.5, 0.0],
+                vessels: [0.0, 0.0, 1.0, bark.lenticels as f32],
+                square: [-1.0, -1.0, 2.0, 1.0],
+                bark: [bark.furrow_width as f32, bark.furrow_depth as f32, 0.0, 0.0],
+                ..WoodNumbers::default()
+            },
+            field_side: 1,
+            field: vec![[0.5, 0.0, 0.0, 1.0]],
+            years: years(&[], 0),
+        }
+    }
 }
 
 impl WoodLook {

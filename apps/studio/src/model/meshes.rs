@@ -103,7 +103,7 @@ pub struct DrawnBreak {
     pub length: f32,
 }
 
-/// Most nodes that are numbered as pieces of their own.
+/// The number of what no break touched.
 const UNTOUCHED: f32 = 0.0;
 
 impl DrawnScene {
@@ -142,8 +142,30 @@ impl DrawnScene {
             };
             out.push(node, piece, &mut by_material);
         }
-        out.add_batches(broken, by_material);
+        let woods: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
+        out.add_batches(scene, &woods, by_material);
         out.breaks = breaks(broken, out.middle);
+        out
+    }
+
+    /// A scene in which nothing is broken.
+    pub fn unbroken(scene: &Scene) -> Self {
+        let (low, high) = bounds(scene);
+        let mut out = DrawnScene {
+            middle: (low + high) * 0.5,
+            radius: (0.5 * (high - low).length()).max(1e-6),
+            woods: vec![WoodLook::default()],
+            pieces: vec![DrawnPiece {
+                name: "unbroken".to_owned(),
+                motion: DAffine3::IDENTITY,
+            }],
+            ..DrawnScene::default()
+        };
+        let mut by_material = BTreeMap::new();
+        for node in &scene.nodes {
+            out.push(node, 0.0, &mut by_material);
+        }
+        out.add_batches(scene, &[], by_material);
         out
     }
 
@@ -172,8 +194,8 @@ impl DrawnScene {
         }
     }
 
-    fn add_batches(&mut self, broken: &Broken, by_material: BTreeMap<u32, Vec<u32>>) {
-        let scene = &broken.scene;
+    /// Makes batches of the triangles of each material; those of the wood inside breaks are `woods`.
+    fn add_batches(&mut self, scene: &Scene, woods: &[u32], by_material: BTreeMap<u32, Vec<u32>>) {
         let blank = without_color(scene);
         let mut images: BTreeMap<usize, Option<usize>> = BTreeMap::new();
         for (number, corners) in by_material {
@@ -181,7 +203,7 @@ impl DrawnScene {
             let count = corners.len() as u32;
             self.indices.extend(corners);
             let material = scene.materials.get(number as usize);
-            let wood = broken.woods.iter().position(|w| w.material == number);
+            let wood = woods.iter().position(|w| *w == number);
             let texture = material.and_then(|m| self.texture(scene, m, &mut images));
             let own_bark = material.is_some_and(|m| m.name == BARK_MATERIAL_NAME);
             let is_blank = blank.get(number as usize).copied().unwrap_or(true);
@@ -224,11 +246,6 @@ impl DrawnScene {
         });
         let (offset, turn, scale) = reference.transform.unwrap_or(([0.0; 2], 0.0, [1.0; 2]));
         Some((found?, [scale[0], scale[1], offset[0], offset[1]], turn))
-    }
-
-    /// Approximate memory of the vertices and triangles, bytes.
-    pub fn bytes(&self) -> usize {
-        self.vertices.len() * size_of::<Vertex>() + 4 * self.indices.len()
     }
 }
 

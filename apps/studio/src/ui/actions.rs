@@ -24,6 +24,7 @@ pub enum Action {
     ViewTop,
     ViewBottom,
     Perspective,
+    VerticalAxis,
     Wireframe,
     Section,
     NextColours,
@@ -160,6 +161,12 @@ impl Action {
             "Perspective or parallel",
             "Changes between the two.",
             &[(NONE, Key::Num5)],
+        ),
+        (
+            Action::VerticalAxis,
+            "Y or Z up",
+            "Changes which axis of the file is the vertical.",
+            &[(NONE, Key::U)],
         ),
         (
             Action::Wireframe,

@@ -15,6 +15,8 @@ pub struct FileDialog {
     problem: Option<String>,
     /// Endings of the files that are listed, in lower case; none for all.
     endings: Vec<String>,
+    /// Whether the name is about to be ready to be typed, as at the start.
+    focus: bool,
 }
 
 impl FileDialog {
@@ -23,6 +25,7 @@ impl FileDialog {
         let mut dialog = FileDialog {
             name: name.to_owned(),
             endings: endings.iter().map(|e| e.to_lowercase()).collect(),
+            focus: true,
             ..FileDialog::default()
         };
         dialog.go(platform, folder);
@@ -101,6 +104,9 @@ impl FileDialog {
             ui.label("Name");
             let edit = egui::TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
             let response = ui.add(edit);
+            if std::mem::take(&mut self.focus) {
+                response.request_focus();
+            }
             let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
             if entered && !self.name.trim().is_empty() {
                 chosen = Some(self.path(platform));

@@ -32,6 +32,7 @@ const MENUS: [(&str, &[Option<Action>]); 4] = [
             Some(Action::ViewTop),
             Some(Action::ViewBottom),
             Some(Action::Perspective),
+            Some(Action::VerticalAxis),
         ],
     ),
     (

@@ -11,7 +11,7 @@ impl Studio {
             ui.horizontal(|ui| {
                 let text = match self.report() {
                     Some(report) => summary(report),
-                    None => "Nothing is broken yet.".to_owned(),
+                    None => "Nothing is broken yet: click where it shall break.".to_owned(),
                 };
                 let notes = self.report().map(|r| r.notes.clone()).unwrap_or_default();
                 let whole = self.report().map(ToString::to_string).unwrap_or_default();
@@ -32,7 +32,7 @@ impl Studio {
                         }
                     });
                 }
-                if self.shown.as_ref().is_some_and(|s| s.1.coarse) {
+                if self.shown.as_ref().is_some_and(|s| s.coarse) {
                     ui.label(RichText::new("coarse").weak());
                 }
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -2,8 +2,9 @@
 
 use super::actions::Action;
 use super::dialogs::Dialog;
-use crate::model::engine::{Failure, Job, Shown, has_coarse};
+use crate::model::engine::{Failure, Job, Shown, has_coarse, unbroken};
 use crate::model::input::Input;
+use crate::model::meshes::DrawnScene;
 use crate::model::project::Project;
 use crate::model::randomise::randomise;
 use crate::platform::{Done, Lane, Opened, Platform, Settings};
@@ -24,12 +25,14 @@ const KEEP_AFTER: f64 = 2.0;
 const BREAK_ROOM: f32 = 2.4;
 
 /// A message that stays until it is dismissed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     /// What it says.
     pub text: String,
     /// Whether something failed.
     pub is_error: bool,
+    /// A place of the break that would work.
+    pub place: Option<StemLocation>,
 }
 
 /// How the viewport shows things.
@@ -58,8 +61,12 @@ pub struct Studio {
     /// What is being worked on.
     pub project: Project,
     pub(super) platform: Box<dyn Platform>,
-    /// What the viewport shows.
-    pub(super) shown: Option<(u64, Arc<Shown>)>,
+    /// The last answer; none while nothing of this input is broken.
+    pub(super) shown: Option<Shown>,
+    /// What the viewport draws, and a number that tells it apart.
+    pub(super) drawn: Option<(u64, Arc<DrawnScene>)>,
+    /// Width of the viewport over its height.
+    pub(super) aspect: f32,
     pub(super) camera: Camera,
     pub(super) view: ViewOptions,
     pub(super) messages: Vec<Message>,
@@ -99,6 +106,8 @@ impl Studio {
             project: Project::new(Input::built_in(), RequestFile::default()),
             platform,
             shown: None,
+            drawn: None,
+            aspect: 1.4,
             camera: Camera::default(),
             view: ViewOptions {
                 colours: Colours::Wood,
@@ -172,6 +181,7 @@ impl Studio {
         let message = Message {
             text: failure.message.clone(),
             is_error: true,
+            place: failure.place,
         };
         if !self.messages.contains(&message) {
             self.messages.push(message);
@@ -185,8 +195,8 @@ impl Studio {
 
     /// Number of triangles that are shown.
     pub fn triangles(&self) -> usize {
-        let shown = self.shown.as_ref();
-        shown.map_or(0, |s| s.1.drawn.indices.len() / 3)
+        let drawn = self.drawn.as_ref();
+        drawn.map_or(0, |d| d.1.indices.len() / 3)
     }
 
     /// Messages that wait to be dismissed.
@@ -196,7 +206,7 @@ impl Studio {
 
     /// The report on what is shown.
     pub fn report(&self) -> Option<&greenstick::BreakReport> {
-        self.shown.as_ref().map(|s| &s.1.report)
+        self.shown.as_ref().map(|s| &s.report)
     }
 
     /// Notes that the request changed; `drag` while a hand still moves.
@@ -260,9 +270,15 @@ impl Studio {
             self.messages.push(Message {
                 text: note,
                 is_error: false,
+                place: None,
             });
         }
         self.shown = None;
+        self.numbers += 1;
+        let number = self.numbers;
+        self.drawn = unbroken(&self.project.input).map(|d| (number, Arc::new(d)));
+        self.camera.z_up = self.project.input.has_z_up();
+        self.frame_all();
         self.frame_next = true;
         self.wanted = Some(false);
     }
@@ -306,7 +322,7 @@ impl Studio {
             since: now,
         });
         let mut file = self.project.file.clone();
-        let apart = self.view.apart * self.diameter();
+        let apart = self.apart();
         file.common.separation = file.common.separation.max(apart);
         for one in &mut file.breaks {
             one.separation = one.separation.max(apart);
@@ -319,9 +335,21 @@ impl Studio {
         self.platform.show(self.numbers, job);
     }
 
+    /// How far the picture pulls the pieces apart, m. Those that hang on each other stay together.
+    fn apart(&self) -> f64 {
+        let file = &self.project.file;
+        let breaks = std::iter::once(&file.common).chain(&file.breaks);
+        let hangs = breaks.into_iter().any(|b| b.recipe.face.hang > 0.0);
+        if hangs {
+            0.0
+        } else {
+            self.view.apart * self.diameter()
+        }
+    }
+
     /// Diameter of the stem at the first break, m; 0 where it is not known yet.
     pub(super) fn diameter(&self) -> f64 {
-        let report = self.shown.as_ref().map(|s| &s.1.report);
+        let report = self.shown.as_ref().map(|s| &s.report);
         report.map_or(0.0, |r| 2.0 * r.place.radius_m)
     }
 
@@ -356,58 +384,52 @@ impl Studio {
         }
     }
 
-    fn take_shown(&mut self, number: u64, shown: Shown, work: AtWork, now: f64) {
+    fn take_shown(&mut self, number: u64, mut shown: Shown, work: AtWork, now: f64) {
         if !shown.coarse {
             self.last_seconds = now - work.since;
         }
         // The size of the stem was not known when the pieces of the first picture were moved apart.
-        let first = self.shown.is_none() && self.view.apart > 0.0;
+        let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
         let refine = shown.coarse && self.wanted.is_none();
-        self.shown = Some((number, Arc::new(shown)));
-        if first || refine {
+        let drawn = Arc::new(std::mem::take(&mut shown.drawn));
+        self.drawn = Some((number, drawn));
+        self.shown = Some(shown);
+        if (first && self.apart() > 0.0) || refine {
             self.wanted = Some(false);
         }
-        if self.frame_next && !first {
+        if self.frame_next {
+            self.frame_break();
             self.frame_next = false;
-            self.frame_break(1.4);
-        } else if first {
-            self.frame_break(1.4);
         }
     }
 
-    /// Shows the break from near, for a viewport of this ratio of width to height.
-    pub(super) fn frame_break(&mut self, aspect: f32) {
-        let Some((_, shown)) = &self.shown else {
+    /// Shows the break from near.
+    pub(super) fn frame_break(&mut self) {
+        let Some((_, drawn)) = &self.drawn else {
             return;
         };
-        let Some(at) = shown.drawn.breaks.first() else {
-            return;
+        let Some(at) = drawn.breaks.first() else {
+            return self.frame_all();
         };
-        let apart = (self.view.apart * self.diameter()) as f32;
+        let apart = self.apart() as f32;
         let radius = at.reach + BREAK_ROOM * at.radius + 0.5 * apart;
         let centre = at.place + at.along * (0.5 * apart);
-        self.camera.frame(centre, radius, aspect);
-        // Both faces are seen best from aside and a little along the stem.
+        self.camera.frame(centre, radius, self.aspect);
         if self.frame_next {
-            let flat = Vec3::new(at.along.x, 0.0, at.along.z);
-            if flat.length() > 0.5 {
-                self.camera.yaw = flat.x.atan2(flat.z) + 1.1;
-                self.camera.pitch = 0.35;
-            }
+            self.camera.look_from_aside(at.along);
         }
     }
 
-    pub(super) fn frame_all(&mut self, aspect: f32) {
-        if let Some((_, shown)) = &self.shown {
+    pub(super) fn frame_all(&mut self) {
+        if let Some((_, drawn)) = &self.drawn {
             self.camera
-                .frame(Vec3::ZERO, shown.drawn.radius as f32, aspect);
+                .frame(Vec3::ZERO, drawn.radius as f32, self.aspect);
         }
     }
 
     /// Does an action.
     pub fn act(&mut self, action: Action, ctx: &egui::Context) {
         let now = ctx.input(|i| i.time);
-        let aspect = 1.4;
         let mut look = |view, opposite| self.camera.look(view, opposite);
         match action {
             Action::ViewFront => look(AxisView::Front, false),
@@ -417,14 +439,15 @@ impl Studio {
             Action::ViewTop => look(AxisView::Top, false),
             Action::ViewBottom => look(AxisView::Top, true),
             Action::Perspective => self.camera.parallel ^= true,
+            Action::VerticalAxis => self.camera.z_up ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
             Action::NextColours => {
                 let next = (self.view.colours as usize + 1) % Colours::ALL.len();
                 self.view.colours = Colours::ALL[next];
             }
-            Action::FrameBreak => self.frame_break(aspect),
-            Action::FrameAll => self.frame_all(aspect),
+            Action::FrameBreak => self.frame_break(),
+            Action::FrameAll => self.frame_all(),
             Action::Gallery => self.gallery ^= true,
             Action::Undo => self.step_back(now),
             Action::Redo => self.step_forward(now),

@@ -25,6 +25,7 @@ impl Studio {
             self.header(ui);
             let size = ui.available_size();
             let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+            self.aspect = rect.width() / rect.height().max(1.0);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
             let moving = self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
@@ -153,7 +154,7 @@ impl Studio {
             return;
         }
         let view = View {
-            shown: self.shown.clone(),
+            shown: self.drawn.clone(),
             camera: self.camera,
             size,
             colours: self.view.colours,
@@ -167,8 +168,8 @@ impl Studio {
 
     /// The plane that cuts the picture open: along the stem at the break, with its open side towards the camera.
     fn section(&self) -> Option<(glam::Vec3, f32)> {
-        let (_, shown) = self.shown.as_ref().filter(|_| self.view.section)?;
-        let at = shown.drawn.breaks.first()?;
+        let (_, drawn) = self.drawn.as_ref().filter(|_| self.view.section)?;
+        let at = drawn.breaks.first()?;
         let towards = self.camera.backward();
         let across = towards - at.along * towards.dot(at.along);
         let normal = across.normalize_or(self.camera.right());
@@ -187,7 +188,8 @@ impl Studio {
         let Some(picked) = self.picked(rect, pos) else {
             return;
         };
-        if picked.grain.is_none() && !clicked {
+        let unbroken = self.shown.is_none();
+        if picked.grain.is_none() && !clicked && !unbroken {
             return;
         }
         let place = self.place_of(&picked);
@@ -202,21 +204,22 @@ impl Studio {
     }
 
     fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {
-        let (_, shown) = self.shown.as_ref()?;
+        let (_, drawn) = self.drawn.as_ref()?;
         let aspect = rect.width() / rect.height().max(1.0);
         let (origin, direction) = self.camera.ray(picture_point(rect, pos), aspect);
-        pick(&shown.drawn, origin, direction)
+        pick(drawn, origin, direction)
     }
 
     /// Where a point of the picture lies on the unbroken stem, in the coordinates of its file, m.
     fn place_of(&self, picked: &Picked) -> DVec3 {
-        let Some((_, shown)) = &self.shown else {
+        let Some((_, drawn)) = &self.drawn else {
             return DVec3::ZERO;
         };
-        let world = picked.position.as_dvec3() + shown.drawn.middle;
-        let piece = shown.drawn.pieces.get(picked.piece);
+        let origin = self.shown.as_ref().map_or([0.0; 3], |s| s.origin);
+        let world = picked.position.as_dvec3() + drawn.middle;
+        let piece = drawn.pieces.get(picked.piece);
         let still = piece.map_or(world, |p| p.motion.inverse().transform_point3(world));
-        still + DVec3::from_array(shown.origin)
+        still + DVec3::from_array(origin)
     }
 
     /// What is laid over the picture: messages and progress.
@@ -231,7 +234,7 @@ impl Studio {
     }
 
     fn message_cards(&mut self, ui: &mut Ui) {
-        let mut dismissed = None;
+        let (mut dismissed, mut go) = (None, None);
         for (i, message) in self.messages.iter().enumerate() {
             let accent = if message.is_error {
                 Color32::from_rgb(214, 78, 60)
@@ -246,6 +249,13 @@ impl Studio {
                         if ui.button("Dismiss").clicked() {
                             dismissed = Some(i);
                         }
+                        if let Some(place) = message.place {
+                            let button = ui.button(format!("Break at {place}"));
+                            if button.clicked() {
+                                dismissed = Some(i);
+                                go = Some(place);
+                            }
+                        }
                         ui.add(egui::Label::new(&message.text).wrap().selectable(true));
                     });
                 });
@@ -253,6 +263,9 @@ impl Studio {
         }
         if let Some(i) = dismissed {
             self.messages.remove(i);
+        }
+        if let Some(place) = go {
+            self.move_break(place, ui.input(|i| i.time));
         }
     }
 

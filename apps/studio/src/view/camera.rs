@@ -2,7 +2,7 @@
 
 use glam::camera::rh::proj::directx::{orthographic, perspective};
 use glam::camera::rh::view::look_at_mat4;
-use glam::{Mat4, Quat, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 
 /// A camera that turns about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Camera {
     pub pitch: f32,
     /// Whether there is no perspective.
     pub parallel: bool,
+    /// Whether z is up and not y.
+    pub z_up: bool,
 }
 
 /// Half of the vertical angle of view (40° in all): close to that of a 50 mm lens.
@@ -25,6 +27,10 @@ const HALF_ANGLE: f32 = 0.349;
 const TURN_PER_POINT: f32 = 0.0065;
 /// Steepest view: straight down, but for the last bit, at which left and right would swap.
 const MAX_PITCH: f32 = 1.5706;
+/// How much of a direction is horizontal where something lies more than it stands.
+const LYING: f32 = 0.5;
+/// Angle at which something that lies is looked at first, rad: nearly from its side, so that its faces show.
+const ASIDE: f32 = 1.1;
 /// Room around what is framed.
 const MARGIN: f32 = 1.12;
 
@@ -36,6 +42,7 @@ impl Default for Camera {
             yaw: 0.7,
             pitch: 0.45,
             parallel: false,
+            z_up: false,
         }
     }
 }
@@ -43,7 +50,7 @@ impl Default for Camera {
 /// A view along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisView {
-    /// From +z.
+    /// From the front: +z, or −y where z is up.
     Front,
     /// From +x.
     Right,
@@ -56,13 +63,41 @@ impl Camera {
     pub fn backward(&self) -> Vec3 {
         let (sp, cp) = self.pitch.sin_cos();
         let (sy, cy) = self.yaw.sin_cos();
-        Vec3::new(sy * cp, sp, cy * cp)
+        self.world(Vec3::new(sy * cp, sp, cy * cp))
+    }
+
+    /// A direction whose second coordinate is the vertical, in the world.
+    fn world(&self, v: Vec3) -> Vec3 {
+        if self.z_up {
+            Vec3::new(v.x, -v.z, v.y)
+        } else {
+            v
+        }
+    }
+
+    /// Unit direction upwards in the world.
+    pub fn vertical(&self) -> Vec3 {
+        self.world(Vec3::Y)
+    }
+
+    /// Looks from aside at something that lies along this unit direction.
+    pub fn look_from_aside(&mut self, along: Vec3) {
+        let along = if self.z_up {
+            Vec3::new(along.x, along.z, -along.y)
+        } else {
+            along
+        };
+        let flat = Vec3::new(along.x, 0.0, along.z);
+        if flat.length() > LYING {
+            self.yaw = flat.x.atan2(flat.z) + ASIDE;
+            self.pitch = 0.35;
+        }
     }
 
     /// Unit direction to the right.
     pub fn right(&self) -> Vec3 {
         let (sy, cy) = self.yaw.sin_cos();
-        Vec3::new(cy, 0.0, -sy)
+        self.world(Vec3::new(cy, 0.0, -sy))
     }
 
     /// Unit direction upwards in the picture.
@@ -148,11 +183,6 @@ impl Camera {
         }
         (self.eye(), (aside - self.backward()).normalize())
     }
-
-    /// A turn of the camera's frame, for what moves with it.
-    pub fn turn(&self) -> Quat {
-        Quat::from_rotation_y(self.yaw)
-    }
 }
 
 #[cfg(test)]
@@ -166,6 +196,11 @@ mod tests {
             distance: 2.0,
             ..Camera::default()
         };
+        let turned = Camera {
+            z_up: true,
+            ..camera
+        };
+        assert!((turned.up().z - camera.up().y).abs() < 1e-6 && turned.vertical() == Vec3::Z);
         let matrix = camera.projection(1.6, 3.0);
         for at in [Vec2::ZERO, Vec2::new(0.7, -0.4), Vec2::new(-0.9, 0.8)] {
             let (origin, direction) = camera.ray(at, 1.6);

@@ -2,7 +2,6 @@
 
 use super::camera::Camera;
 use super::resources::{COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, entry};
-use crate::model::engine::Shown;
 use crate::model::meshes::{Batch, DrawnScene, Shading};
 use bytemuck::{Pod, Zeroable};
 use eframe::egui;
@@ -58,7 +57,7 @@ impl Colours {
 #[derive(Debug, Clone)]
 pub struct View {
     /// What is drawn, and a number that tells results apart.
-    pub shown: Option<(u64, Arc<Shown>)>,
+    pub shown: Option<(u64, Arc<DrawnScene>)>,
     /// From where.
     pub camera: Camera,
     /// Size of the picture, pixels.
@@ -261,13 +260,13 @@ impl Renderer {
         if let Some((id, shown)) = &frame.shown
             && self.loaded.as_ref().is_none_or(|l| l.id != *id)
         {
-            self.loaded = Some(self.load(device, queue, *id, &shown.drawn));
+            self.loaded = Some(self.load(device, queue, *id, shown));
         }
         if frame.wireframe
             && let (Some(loaded), Some((_, shown))) = (&mut self.loaded, &frame.shown)
             && loaded.edges.is_none()
         {
-            loaded.edges = Some(edges(device, &shown.drawn));
+            loaded.edges = Some(edges(device, shown));
         }
         let numbers = globals(frame);
         queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&numbers));
@@ -477,22 +476,18 @@ const SOFTNESS: f32 = 0.004;
 fn globals(frame: &View) -> Globals {
     let camera = &frame.camera;
     let aspect = frame.size[0] as f32 / frame.size[1].max(1) as f32;
-    let radius = frame
-        .shown
-        .as_ref()
-        .map_or(1.0, |s| s.1.drawn.radius as f32);
+    let radius = frame.shown.as_ref().map_or(1.0, |s| s.1.radius as f32);
     // The lights turn with the camera, as in greenstick's pictures.
-    let right = camera.right();
-    let toward = right.cross(Vec3::Y);
-    let direction = |x: f32, y: f32, z: f32| (right * x + Vec3::Y * y + toward * z).normalize();
+    let (right, vertical) = (camera.right(), camera.vertical());
+    let toward = right.cross(vertical);
+    let direction = |x: f32, y: f32, z: f32| (right * x + vertical * y + toward * z).normalize();
     let (key, rim) = (direction(-0.75, 0.95, 0.55), direction(0.85, 0.55, -0.75));
     // The shadow map covers what is in the picture; what casts shadows may lie anywhere between.
     let covered = (0.55 * camera.distance).min(radius * 1.05).max(1e-6);
     let centre = camera.target;
     let reach = centre.length() + radius + covered;
-    let up = if key.y.abs() > 0.99 { Vec3::X } else { Vec3::Y };
     let light = orthographic(-covered, covered, -covered, covered, 0.0, 2.0 * reach)
-        * look_at_mat4(centre + key * reach, centre, up);
+        * look_at_mat4(centre + key * reach, centre, vertical);
     let eye = if camera.parallel {
         camera.target + camera.backward() * 1e3 * camera.distance
     } else {
@@ -509,7 +504,7 @@ fn globals(frame: &View) -> Globals {
         view_projection: camera.projection(aspect, radius).to_cols_array_2d(),
         light_projection: light.to_cols_array_2d(),
         eye: eye.extend(pixel).to_array(),
-        up: Vec3::Y.extend(frame.colours as u8 as f32).to_array(),
+        up: vertical.extend(frame.colours as u8 as f32).to_array(),
         key_direction: key.extend(SOFTNESS).to_array(),
         rim_direction: rim.extend(0.0).to_array(),
         background: [
