@@ -33,7 +33,17 @@ def xdotool(*words):
 
 def press(key):
     xdotool("key", key)
-    time.sleep(1.5)
+    time.sleep(2)
+
+
+def enter_until(what, path):
+    """Presses Return until a file is there: the dialog that it accepts may take its time to appear."""
+
+    def is_there():
+        press("Return")
+        return is_complete(path)
+
+    wait_for(what, is_there)
 
 
 def drag_a_slider():
@@ -70,13 +80,11 @@ def drive(studio, mesh, folder):
         time.sleep(8)
         drag_a_slider()
         press("ctrl+s")
-        press("Return")
         project = folder / f"{mesh.stem}.greenstick.toml"
-        wait_for("a saved project", lambda: is_complete(project))
+        enter_until("a saved project", project)
         press("ctrl+e")
-        press("Return")
         pieces = folder / "broken.glb"
-        wait_for("an export", lambda: is_complete(pieces))
+        enter_until("an export", pieces)
         press("ctrl+q")
         code = window.wait(PATIENCE)
         if code != 0:

@@ -2,6 +2,7 @@
 //!
 //! `model` is what it knows, `view` what the viewport draws, `ui` the window, and `platform` what it needs of the machine. All but
 //! `platform::native` works without threads and files.
+#![deny(missing_docs)]
 
 pub mod model;
 pub mod platform;

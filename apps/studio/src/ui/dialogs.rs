@@ -1,6 +1,7 @@
 //! Dialogs: opening, saving, exporting, finding a command, the list of keys, recovery.
 
 use super::actions::Action;
+use super::dialog::Dialog;
 use super::file_dialog::FileDialog;
 use super::studio::Studio;
 use crate::model::command::equivalent;
@@ -8,23 +9,6 @@ use crate::platform::Export;
 use eframe::egui::{self, Grid, Id, Modal, RichText, Ui};
 use greenstick::formats::{CloudFormat, Format, OutputFormat};
 use greenstick::schema::{Parameters, Value};
-
-/// A dialog that is open.
-#[derive(Debug, Clone)]
-pub enum Dialog {
-    /// Choosing a file to open.
-    Open(FileDialog),
-    /// Choosing where to save the project.
-    Save(FileDialog),
-    /// Choosing where and how to export.
-    Export(FileDialog),
-    /// Finding a command by its name.
-    Palette(String),
-    /// The list of keys.
-    Shortcuts,
-    /// Unsaved work was found, at this path.
-    Recover(String),
-}
 
 /// Ending of project files.
 const PROJECT_ENDING: &str = ".greenstick.toml";
@@ -67,11 +51,11 @@ fn folder(studio: &Studio) -> String {
         .unwrap_or_else(|| ".".to_owned())
 }
 
-impl Dialog {
+impl Studio {
     /// The dialog of an action.
-    pub fn of(action: Action, studio: &Studio) -> Option<Dialog> {
+    pub(super) fn dialog_of(&self, action: Action) -> Option<Dialog> {
         let files = |name: &str, endings: &[&str]| {
-            FileDialog::new(&*studio.platform, &folder(studio), name, endings)
+            FileDialog::new(&*self.platform, &folder(self), name, endings)
         };
         Some(match action {
             Action::Open => {
@@ -81,7 +65,7 @@ impl Dialog {
                 endings.push("toml");
                 Dialog::Open(files("", &endings))
             }
-            Action::SaveAs => Dialog::Save(files(&project_name(studio), &[".toml"])),
+            Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
                 let formats = OutputFormat::all();
                 let endings: Vec<&str> = formats.iter().map(|f| f.extension()).collect();
@@ -93,19 +77,6 @@ impl Dialog {
         })
     }
 
-    fn title(&self) -> &'static str {
-        match self {
-            Dialog::Open(_) => "Open a mesh, a scan, a recipe or a project",
-            Dialog::Save(_) => "Save the project",
-            Dialog::Export(_) => "Export the pieces",
-            Dialog::Palette(_) => "Find a command",
-            Dialog::Shortcuts => "Keyboard and mouse",
-            Dialog::Recover(_) => "Unsaved work was found",
-        }
-    }
-}
-
-impl Studio {
     /// Shows the dialog that is open.
     pub(super) fn dialogs(&mut self, ctx: &egui::Context) {
         let Some(mut dialog) = self.dialog.take() else {

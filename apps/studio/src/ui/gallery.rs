@@ -1,11 +1,9 @@
 //! The gallery of presets, with pictures; a click shows one on the stem at hand.
 
 use super::studio::Studio;
-use eframe::egui::{self, ColorImage, RichText, TextureHandle, Ui};
-use greenstick::formats::photograph::read_photograph;
+use eframe::egui::{self, RichText, Ui};
 use greenstick::fracture::presets::Preset;
 use greenstick::fracture::recipe::apply_preset;
-use std::collections::BTreeMap;
 
 /// A preset and its picture, a PNG file.
 macro_rules! pictured {
@@ -24,29 +22,6 @@ const SHOWN: [(&str, &[u8]); 15] = pictured! {
 };
 /// Width of a picture, points.
 const WIDTH: f32 = 132.0;
-
-/// Pictures that were decoded.
-#[derive(Default)]
-pub struct Pictures(BTreeMap<&'static str, TextureHandle>);
-
-impl Pictures {
-    fn get(
-        &mut self,
-        ctx: &egui::Context,
-        name: &'static str,
-        png: &[u8],
-    ) -> Option<TextureHandle> {
-        if let Some(found) = self.0.get(name) {
-            return Some(found.clone());
-        }
-        let image = read_photograph(png).ok()?;
-        let size = [image.width as usize, image.height as usize];
-        let pixels = ColorImage::from_rgb(size, &image.rgb);
-        let handle = ctx.load_texture(name, pixels, egui::TextureOptions::LINEAR);
-        self.0.insert(name, handle.clone());
-        Some(handle)
-    }
-}
 
 impl Studio {
     /// The panel on the left.

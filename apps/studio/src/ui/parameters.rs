@@ -14,6 +14,8 @@ const OPEN: [&str; 3] = ["Where", "wood", "branch"];
 const ELSEWHERE: [&str; 1] = ["Picture"];
 /// Keys that the window has other places for.
 const ELSEWHERE_KEYS: [&str; 2] = ["input", "texture_size"];
+/// Width of a number with its unit.
+const VALUE_WIDTH: f32 = 74.0;
 /// Width of a parameter's name.
 const NAME_WIDTH: f32 = 128.0;
 
@@ -341,37 +343,40 @@ fn number(ui: &mut Ui, p: &ParameterInfo, (min, max): (f64, f64), name: egui::Id
         _ => before,
     };
     let wide = max - min > WIDEST_RANGE.max(WIDEST_RANGE * default.abs());
-    let response = if wide {
-        let speed = if whole {
-            1.0
-        } else {
-            (0.01 * shown.abs()).max(0.01)
-        };
-        let drag = egui::DragValue::new(&mut shown)
-            .range(min * factor..=max * factor)
-            .speed(speed)
-            .suffix(suffix);
-        ui.add(if whole {
-            drag.fixed_decimals(0)
-        } else {
-            drag.max_decimals(4)
-        })
-    } else {
-        ui.spacing_mut().slider_width = (ui.available_width() - 78.0).max(40.0);
+    // Of fixed sizes, or the panel would grow with what is in it.
+    let height = ui.spacing().interact_size.y;
+    let slider_width = ui.available_width() - VALUE_WIDTH - 2.0 * ui.spacing().item_spacing.x;
+    let range = min * factor..=max * factor;
+    let slider = (!wide && slider_width > 40.0).then(|| {
+        ui.spacing_mut().slider_width = slider_width;
         // A range that begins at 0 and whose usual values lie near it is divided by factors as well.
         let low = min >= 0.0 && default > 0.0 && default < 0.06 * max;
-        let logarithmic = p.scale == Scale::Logarithmic || low;
-        let slider = Slider::new(&mut shown, min * factor..=max * factor)
-            .logarithmic(logarithmic)
+        let slider = Slider::new(&mut shown, range.clone())
+            .logarithmic(p.scale == Scale::Logarithmic || low)
             .smallest_positive(1e-3)
-            .suffix(suffix);
-        ui.add(if whole {
-            slider.integer()
-        } else {
-            slider.max_decimals(3)
-        })
+            .show_value(false);
+        ui.add(if whole { slider.integer() } else { slider })
+            .labelled_by(name)
+    });
+    let speed = if whole {
+        1.0
+    } else {
+        (0.01 * shown.abs()).max(0.01)
     };
-    let response = response.labelled_by(name);
+    let field = egui::DragValue::new(&mut shown)
+        .range(range)
+        .speed(speed)
+        .suffix(suffix);
+    let field = if whole {
+        field.fixed_decimals(0)
+    } else {
+        field.max_decimals(3)
+    };
+    let field = ui.add_sized([VALUE_WIDTH, height], field).labelled_by(name);
+    let response = match slider {
+        Some(slider) => slider.union(field),
+        None => field,
+    };
     let reset = ui.input(|i| {
         i.pointer
             .button_double_clicked(egui::PointerButton::Primary)
@@ -427,7 +432,7 @@ fn text(ui: &mut Ui, p: &ParameterInfo, name: egui::Id) -> Option<Edit> {
     let id = ui.make_persistent_id(("text", &p.key));
     let held: Option<String> = ui.data(|d| d.get_temp(id));
     let mut text = held.clone().unwrap_or_else(|| p.value.to_string());
-    let width = ui.available_width().max(60.0);
+    let width = (ui.available_width() - 2.0 * ui.spacing().item_spacing.x).max(60.0);
     let response = ui.add(egui::TextEdit::singleline(&mut text).desired_width(width));
     let response = response.labelled_by(name);
     if response.changed() {
@@ -448,9 +453,16 @@ fn place(ui: &mut Ui, p: &ParameterInfo, name: egui::Id) -> Option<Edit> {
         return text(ui, p, name);
     };
     let mut fraction = before;
-    ui.spacing_mut().slider_width = (ui.available_width() - 78.0).max(40.0);
-    let slider = Slider::new(&mut fraction, 0.0..=1.0).max_decimals(3);
-    let response = ui.add(slider).labelled_by(name);
+    let spacing = 2.0 * ui.spacing().item_spacing.x;
+    ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - spacing).max(40.0);
+    let slider = Slider::new(&mut fraction, 0.0..=1.0).show_value(false);
+    let slider = ui.add(slider).labelled_by(name);
+    let height = ui.spacing().interact_size.y;
+    let field = egui::DragValue::new(&mut fraction)
+        .range(0.0..=1.0)
+        .speed(0.002)
+        .fixed_decimals(3);
+    let response = slider.union(ui.add_sized([VALUE_WIDTH, height], field).labelled_by(name));
     if fraction != before {
         let value = Value::Text(fraction.to_string());
         return Some(Edit::To(value, response.dragged()));

@@ -181,11 +181,8 @@ impl Pipelines {
             blend: false,
         };
         let make = |plan: Plan| pipeline(device, &module, &plan);
-        let encoded = if window.is_srgb() {
-            "fragment_copy_linear"
-        } else {
-            "fragment_copy"
-        };
+        let names = ["fragment_copy", "fragment_copy_linear"];
+        let encoded = names[usize::from(window.is_srgb())];
         Pipelines {
             shadow: make(Plan {
                 layouts: &[Some(&only_numbers)],

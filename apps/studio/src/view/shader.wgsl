@@ -525,7 +525,9 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
         if (is_wood || sawn) {
             look = wood_at(across, v.grain.z, end, footprint);
         } else if (is_skin) {
-            var place = v.position.xzy;
+            // Off the stem, as in the pictures: about the vertical, as far out as the stem is thick.
+            let out = normal.xz / max(length(normal.xz), 1e-6);
+            var place = vec3<f32>(out * wood.edges.x, v.position.y);
             if (on_stem) { place = vec3<f32>(across, v.grain.z); }
             look = bark_at(place, footprint);
         } else {

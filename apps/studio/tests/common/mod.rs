@@ -42,7 +42,8 @@ pub fn studio(folder: &Folder, path: Option<&str>) -> Harness<'static, Studio> {
     let state = Studio::new(&egui::Context::default(), Box::new(platform), path);
     Harness::builder()
         .with_size(egui::vec2(1360.0, 860.0))
-        .with_max_steps(64)
+        // A double click takes four frames.
+        .with_step_dt(1.0 / 60.0)
         .build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
 }
 
