@@ -10,6 +10,7 @@ use greenstick::geometry::{CancelToken, Context, Progress};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 /// Wakes the window.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -17,6 +18,8 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 /// Work that is going on in a lane.
 #[derive(Clone, Default)]
 struct Working {
+    /// When it was begun.
+    since: Option<Instant>,
     token: CancelToken,
     progress: Arc<Mutex<Option<WorkProgress>>>,
 }
@@ -50,6 +53,11 @@ impl Working {
         }
     }
 
+    /// Whether it is still going on after longer than anybody waits for work that was asked to stop.
+    fn is_stuck(&self) -> bool {
+        self.at().is_some() && self.since.is_some_and(|s| s.elapsed() > PATIENCE)
+    }
+
     fn end(&self) {
         if let Ok(mut at) = self.progress.lock() {
             *at = None;
@@ -58,6 +66,9 @@ impl Working {
 }
 
 type ShowJob = (u64, Job, Working);
+
+/// How long work may go on after another was asked for, before it is left behind: a few stages do not ask whether to stop.
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The machine.
 pub struct Native {
@@ -98,14 +109,11 @@ impl Native {
     /// The machine, which keeps things in `folder` and wakes the window by `wake`.
     pub fn new(folder: Option<PathBuf>, wake: Wake) -> Self {
         let (tell, done) = channel();
-        let (jobs, queue) = channel::<ShowJob>();
-        let (teller, waker) = (tell.clone(), wake.clone());
-        std::thread::spawn(move || show_jobs(&queue, &teller, &waker));
         Native {
+            jobs: worker(&tell, &wake),
             wake,
             done,
             tell,
-            jobs,
             showing: Working::default(),
             filing: Working::default(),
             folder,
@@ -140,6 +148,14 @@ impl Native {
             wake();
         });
     }
+}
+
+/// Starts a thread for what the viewport shows. It ends when nobody can send it jobs any more.
+fn worker(tell: &Sender<Done>, wake: &Wake) -> Sender<ShowJob> {
+    let (jobs, queue) = channel::<ShowJob>();
+    let (tell, wake) = (tell.clone(), wake.clone());
+    std::thread::spawn(move || show_jobs(&queue, &tell, &wake));
+    jobs
 }
 
 /// Does what the viewport shows, one after the other, with one engine that keeps the stages.
@@ -240,7 +256,13 @@ fn write_pieces(wanted: &Export, context: &Context) -> Result<Vec<(String, usize
 impl Platform for Native {
     fn show(&mut self, number: u64, job: Job) {
         self.showing.token.cancel();
-        self.showing = Working::default();
+        if self.showing.is_stuck() {
+            self.jobs = worker(&self.tell, &self.wake);
+        }
+        self.showing = Working {
+            since: Some(Instant::now()),
+            ..Working::default()
+        };
         self.showing.begin();
         let _ = self.jobs.send((number, job, self.showing.clone()));
     }

@@ -43,7 +43,7 @@ impl Studio {
             ui.horizontal(|ui| {
                 let edit = egui::TextEdit::singleline(&mut self.search)
                     .hint_text("Search parameters")
-                    .desired_width(ui.available_width() - 86.0);
+                    .desired_width(ui.available_width() - 110.0);
                 ui.add(edit);
                 if ui
                     .button("Randomise")
@@ -480,7 +480,7 @@ fn species(ui: &mut Ui, p: &ParameterInfo) -> Option<Edit> {
     let mut chosen = None;
     egui::ComboBox::from_id_salt("species")
         .selected_text(present.clone())
-        .width(ui.available_width() - 8.0)
+        .width(ui.available_width() - 24.0)
         .height(320.0)
         .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
         .show_ui(ui, |ui| {

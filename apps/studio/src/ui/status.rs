@@ -11,6 +11,7 @@ impl Studio {
             ui.horizontal(|ui| {
                 let text = match self.report() {
                     Some(report) => summary(report),
+                    None if self.is_busy() => "Breaking …".to_owned(),
                     None => "Nothing is broken yet: click where it shall break.".to_owned(),
                 };
                 let notes = self.report().map(|r| r.notes.clone()).unwrap_or_default();

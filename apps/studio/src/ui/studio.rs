@@ -134,7 +134,10 @@ impl Studio {
         studio.apply_settings(ctx);
         if let Some(path) = path {
             studio.open(path);
-        } else if let Some(kept) = studio.platform.kept() {
+            return studio;
+        }
+        studio.begin(Opened::Input(Input::built_in()), "");
+        if let Some(kept) = studio.platform.kept() {
             studio.dialog = Some(Dialog::Recover(kept));
         }
         studio
