@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Drives the studio's real window under Xvfb as a person would: starts it on a file, drags a slider, saves the project and
+exports the pieces by keys, and compares what it wrote with what the command line makes of the same project, byte for byte.
+
+Usage: studio.py STUDIO GREENSTICK MESH FOLDER. Needs Xvfb, xdotool and a Vulkan driver (mesa-vulkan-drivers)."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+DISPLAY = ":93"
+WIDTH, HEIGHT = 1360, 860
+PATIENCE = 240  # seconds, on a busy machine
+
+
+def wait_for(what, condition):
+    start = time.monotonic()
+    while time.monotonic() - start < PATIENCE:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.2)
+    sys.exit(f"{what} did not happen within {PATIENCE} s")
+
+
+def xdotool(*words):
+    done = subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True)
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def press(key):
+    xdotool("key", key)
+    time.sleep(2)
+
+
+def enter_until(what, path):
+    """Presses Return until a file is there: the dialog that it accepts may take its time to appear."""
+
+    def is_there():
+        press("Return")
+        return is_complete(path)
+
+    wait_for(what, is_there)
+
+
+def drag_a_slider():
+    """The first sliders of the panel on the right: at one of these heights lies that of a number."""
+    x = WIDTH - 150
+    for y in (211, 280, 303):
+        xdotool("mousemove", x - 12, y)
+        time.sleep(0.3)
+        xdotool("mousedown", 1)
+        for _ in range(5):
+            xdotool("mousemove_relative", "--", 7, 0)
+            time.sleep(0.15)
+        xdotool("mouseup", 1)
+        time.sleep(0.5)
+
+
+def is_complete(path):
+    if not path.is_file():
+        return False
+    size = path.stat().st_size
+    time.sleep(1)
+    return size > 0 and path.stat().st_size == size
+
+
+def drive(studio, mesh, folder):
+    """Runs the window; returns the project and the pieces that it wrote."""
+    environment = dict(os.environ, DISPLAY=DISPLAY, XDG_CONFIG_HOME=str(folder / "config"))
+    environment.setdefault("XDG_RUNTIME_DIR", str(folder))
+    environment.pop("WAYLAND_DISPLAY", None)
+    window = subprocess.Popen([studio, mesh.name], cwd=folder, env=environment)
+    try:
+        number = wait_for("a window", lambda: xdotool("search", "--name", mesh.name))
+        xdotool("windowfocus", number.splitlines()[0])
+        time.sleep(8)
+        drag_a_slider()
+        press("ctrl+s")
+        project = folder / f"{mesh.stem}.greenstick.toml"
+        enter_until("a saved project", project)
+        press("ctrl+e")
+        pieces = folder / "broken.glb"
+        enter_until("an export", pieces)
+        press("ctrl+q")
+        code = window.wait(PATIENCE)
+        if code != 0:
+            sys.exit(f"the studio ended with code {code}")
+    finally:
+        if window.poll() is None:
+            window.kill()
+    return project, pieces
+
+
+def main():
+    studio, greenstick, mesh, folder = sys.argv[1:]
+    folder = pathlib.Path(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for file in pathlib.Path(mesh).parent.glob(pathlib.Path(mesh).stem + ".*"):
+        shutil.copy(file, folder)
+    copy = folder / pathlib.Path(mesh).name
+    server = subprocess.Popen(["Xvfb", DISPLAY, "-screen", "0", f"{WIDTH}x{HEIGHT}x24"], stderr=subprocess.DEVNULL)
+    os.environ["DISPLAY"] = DISPLAY
+    try:
+        wait_for("a display", lambda: xdotool("getdisplaygeometry"))
+        project, pieces = drive(studio, copy, folder)
+    finally:
+        server.terminate()
+    expected = folder / "expected.glb"
+    subprocess.run(
+        [greenstick, "break", "--recipe", project.name, "-o", expected.name, "--quiet"], cwd=folder, check=True
+    )
+    subprocess.run([greenstick, "break", copy.name, "-o", "unchanged.glb", "--quiet"], cwd=folder, check=True)
+    if pieces.read_bytes() == (folder / "unchanged.glb").read_bytes():
+        sys.exit("no slider was dragged: the pieces are those of a request without changes")
+    if pieces.read_bytes() != expected.read_bytes():
+        sys.exit(f"{pieces} differs from what the command line makes of {project}")
+    print(f"the window's pieces are those of the command line: {pieces.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()

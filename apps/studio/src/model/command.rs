@@ -1,0 +1,79 @@
+//! The command line that does the same.
+
+use greenstick::RequestFile;
+use greenstick::schema::{Parameters, Value};
+
+/// Returns the command that breaks `input` by the request of `file` into `output`. Settings that the command line cannot take one by
+/// one come from a saved project, whose name is `project`.
+pub fn equivalent(file: &RequestFile, input: Option<&str>, output: &str, project: &str) -> String {
+    let mut words = vec!["greenstick".to_owned(), "break".to_owned()];
+    words.extend(input.map(quoted));
+    let changed: Vec<_> = file
+        .changed()
+        .into_iter()
+        .filter(|p| p.key != "input")
+        .collect();
+    let complex = |value: &Value| matches!(value, Value::List(_));
+    if changed
+        .iter()
+        .any(|p| p.key.contains('[') || complex(&p.value))
+    {
+        words.push("--recipe".to_owned());
+        words.push(quoted(project));
+    } else {
+        for p in changed {
+            words.push("--set".to_owned());
+            words.push(quoted(&format!("{}={}", p.key, text(&p.value, p.unit()))));
+        }
+    }
+    words.push("-o".to_owned());
+    words.push(quoted(output));
+    words.join(" ")
+}
+
+/// A value as a setting: lengths must say their unit.
+fn text(value: &Value, unit: &str) -> String {
+    match (value, unit) {
+        (Value::Number(x), "m") => format!("{x}m"),
+        _ => value.to_string(),
+    }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_give_the_same_request() {
+        let settings = [
+            "species=white oak",
+            "at=12cm",
+            "break.inclination=12.5",
+            "part=3cm",
+            "break.seed=9",
+        ];
+        let file = RequestFile::resolve(&["green-stick"], None, &settings).unwrap();
+        let command = equivalent(&file, Some("my tree.glb"), "out.glb", "p.greenstick.toml");
+        assert!(
+            command.starts_with("greenstick break 'my tree.glb' --set "),
+            "{command}"
+        );
+        let settings: Vec<String> = file
+            .changed()
+            .iter()
+            .map(|p| format!("{}={}", p.key, text(&p.value, p.unit())))
+            .collect();
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        assert_eq!(RequestFile::resolve(&[], None, &settings).unwrap(), file);
+    }
+}

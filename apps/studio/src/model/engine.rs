@@ -1,0 +1,246 @@
+//! The work behind the window: a request becomes a broken scene, by the one chain of stages that all of Greenstick's programs use.
+
+use super::input::{Input, InputContent};
+use super::meshes::DrawnScene;
+use greenstick::geometry::{Context, Scene};
+use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
+use greenstick::wood::stem::{StemError, StemLocation};
+use greenstick::{
+    BreakReport, BreakRequest, BreakSession, BreakStage, Broken, Error, ErrorKind, RequestFile,
+    break_scene,
+};
+
+/// Most circles and sectors of a coarse answer.
+const COARSE: (u32, u32) = (24, 60);
+/// The fraction of the work on a cloud that laying the bark over it takes.
+const SCANNING: f64 = 0.6;
+
+/// A request for a picture.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// What is broken.
+    pub input: Input,
+    /// How.
+    pub file: RequestFile,
+    /// Whether a coarse face will do.
+    pub coarse: bool,
+}
+
+/// What a job gives.
+#[derive(Debug)]
+pub struct Shown {
+    /// The meshes as the card draws them.
+    pub drawn: DrawnScene,
+    /// The report.
+    pub report: BreakReport,
+    /// Whether the face is coarser than was asked for.
+    pub coarse: bool,
+    /// The first stage that was recomputed.
+    pub started_at: Option<BreakStage>,
+    /// What was subtracted from the coordinates of a cloud, m.
+    pub origin: [f64; 3],
+}
+
+/// The meshes of an input before anything is broken; none of a scan, whose bark is still to be laid.
+pub fn unbroken(input: &Input) -> Option<DrawnScene> {
+    match &*input.content {
+        InputContent::Mesh(scene) => Some(DrawnScene::unbroken(scene)),
+        InputContent::Cloud(_) => None,
+    }
+}
+
+/// What went wrong, as a message that stays until it is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// What was found, where, and what would be right.
+    pub message: String,
+    /// Whether the work was only cancelled.
+    pub cancelled: bool,
+    /// The nearest place that works, where it is only the place that does not.
+    pub place: Option<StemLocation>,
+}
+
+impl Failure {
+    /// A message.
+    pub fn new(message: impl ToString) -> Self {
+        Failure {
+            message: message.to_string(),
+            cancelled: false,
+            place: None,
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let place = match &error {
+            Error::Stem(
+                StemError::OffStem { nearest, .. }
+                | StemError::Unusable { nearest, .. }
+                | StemError::FarFromWood { nearest, .. },
+            ) => Some(*nearest),
+            _ => None,
+        };
+        Failure {
+            cancelled: error.kind() == ErrorKind::Cancelled,
+            message: error.to_string(),
+            place,
+        }
+    }
+}
+
+/// What a session is of: an input and, where a scan is laid over with bark, how and where.
+#[derive(Debug, Clone, PartialEq)]
+struct SceneKey {
+    input: u64,
+    scan: Option<(StemLocation, ScanParameters)>,
+}
+
+/// A scene that is ready to be broken.
+#[derive(Debug)]
+struct Opened {
+    key: SceneKey,
+    session: BreakSession,
+    /// The first break's place in the scene, where it is that of a scan.
+    place: Option<StemLocation>,
+    scan: Option<ScannedReport>,
+}
+
+/// Does jobs, and keeps what the next one can use.
+#[derive(Debug, Default)]
+pub struct Engine {
+    opened: Option<Opened>,
+}
+
+/// A scan's scene, the place of the first break in it, and its report.
+type Laid = (Scene, Option<StemLocation>, Option<ScannedReport>);
+
+/// The scene of an input: its meshes, or the bark that is laid over its points.
+fn lay(input: &Input, file: &RequestFile, context: &Context) -> Result<Laid, Error> {
+    let sampled;
+    let cloud = match &*input.content {
+        InputContent::Mesh(scene) if !file.scan.as_scan => return Ok((scene.clone(), None, None)),
+        InputContent::Mesh(scene) => {
+            sampled = cloud_from_scene(scene);
+            &sampled
+        }
+        InputContent::Cloud(cloud) => cloud,
+    };
+    let place = first_place(file);
+    let scanned = scan_to_scene(cloud, &place, &file.scan.request(), context)?;
+    Ok((scanned.scene, Some(scanned.location), Some(scanned.report)))
+}
+
+fn first_place(file: &RequestFile) -> StemLocation {
+    file.breaks.first().unwrap_or(&file.common).place
+}
+
+fn key(input: &Input, file: &RequestFile) -> SceneKey {
+    let is_scan = matches!(&*input.content, InputContent::Cloud(_)) || file.scan.as_scan;
+    SceneKey {
+        input: input.id,
+        scan: is_scan.then(|| (first_place(file), file.scan.clone())),
+    }
+}
+
+/// The request of a file in the coordinates of the scene that its scan became.
+fn request_of(
+    file: &RequestFile,
+    place: Option<StemLocation>,
+    scan: Option<&ScannedReport>,
+) -> BreakRequest {
+    let mut request = file.request();
+    if let Some(place) = place {
+        request.breaks[0].place = place;
+    }
+    let origin = scan.map_or([0.0; 3], |s| s.origin_m);
+    for one in &mut request.breaks[1..] {
+        if let StemLocation::Point(p) = &mut one.place {
+            (p.x, p.y, p.z) = (p.x - origin[0], p.y - origin[1], p.z - origin[2]);
+        }
+    }
+    request
+}
+
+/// Makes the faces of a request coarse; false where they are no finer already.
+fn coarsen(request: &mut BreakRequest) -> bool {
+    let mut changed = false;
+    for one in &mut request.breaks {
+        let face = &mut one.recipe.face;
+        changed |= face.rings > COARSE.0 || face.sectors > COARSE.1;
+        face.rings = face.rings.min(COARSE.0);
+        face.sectors = face.sectors.min(COARSE.1);
+    }
+    changed
+}
+
+/// Whether a coarse answer is any coarser than the request.
+pub fn has_coarse(file: &RequestFile) -> bool {
+    coarsen(&mut file.request())
+}
+
+impl Engine {
+    /// Does a job.
+    ///
+    /// # Errors
+    /// What is wrong with the request or its input, or that the work was cancelled.
+    pub fn work(&mut self, job: &Job, context: &Context) -> Result<Shown, Error> {
+        let key = key(&job.input, &job.file);
+        let [laying, breaking] = context.split([
+            (STEM, if key.scan.is_some() { SCANNING } else { 0.0 }),
+            (BREAK, 1.0 - SCANNING),
+        ]);
+        if self.opened.as_ref().is_none_or(|o| o.key != key) {
+            self.opened = None;
+            let (scene, place, scan) = lay(&job.input, &job.file, &laying)?;
+            self.opened = Some(Opened {
+                key,
+                session: BreakSession::new(scene),
+                place,
+                scan,
+            });
+        }
+        let Some(opened) = &mut self.opened else {
+            return Err(Error::Amount("no scene is open".to_owned()));
+        };
+        let mut request = request_of(&job.file, opened.place, opened.scan.as_ref());
+        // The viewport evaluates the wood at each pixel.
+        request.texture_width = 0;
+        let coarse = job.coarse && coarsen(&mut request);
+        let mut broken = opened.session.broken(&request, &breaking)?;
+        broken.report.scan.clone_from(&opened.scan);
+        let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
+        Ok(Shown {
+            drawn: DrawnScene::new(&broken),
+            report: broken.report,
+            coarse,
+            started_at: opened.session.started_at(),
+            origin,
+        })
+    }
+}
+
+const STEM: greenstick::geometry::Stage = greenstick::geometry::Stage::new("stem");
+const BREAK: greenstick::geometry::Stage = greenstick::geometry::Stage::new("break");
+
+/// Breaks an input as the command line does, textures included. `prepare` may change the scene before it is broken: what refers
+/// to files is carried to where it will be written.
+///
+/// # Errors
+/// As [`Engine::work`].
+pub fn export(
+    input: &Input,
+    file: &RequestFile,
+    prepare: impl FnOnce(&mut Scene),
+    context: &Context,
+) -> Result<Broken, Error> {
+    let [laying, breaking] = context.split([(STEM, 0.3), (BREAK, 0.7)]);
+    let (mut scene, place, scan) = lay(input, file, &laying)?;
+    let request = request_of(file, place, scan.as_ref());
+    prepare(&mut scene);
+    let mut broken = break_scene(scene, &request, &breaking)?;
+    let provenance = file.provenance(input.file_name(), scan.as_ref());
+    broken.scene.metadata = provenance.metadata();
+    broken.report.scan = scan;
+    Ok(broken)
+}

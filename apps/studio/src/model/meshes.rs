@@ -1,0 +1,350 @@
+//! A broken scene as the card draws it: one list of vertices, one of triangles, and batches of one material each.
+
+use super::look::WoodLook;
+use bytemuck::{Pod, Zeroable};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use greenstick::formats::photograph::{Photograph, read_photograph};
+use greenstick::geometry::mesh::NO_MATERIAL;
+use greenstick::geometry::{ImageSource, Material, Mesh, Node, Scene};
+use greenstick::session::{Broken, NodeRole, PieceRole};
+use greenstick::skin::materials::without_color;
+use greenstick::wood::branch::BARK_MATERIAL_NAME;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A vertex.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// From the scene's middle, m.
+    pub position: [f32; 3],
+    /// Unit normal; 0 for that of the triangle.
+    pub normal: [f32; 3],
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Coordinates along the grain, m, and 1 where there are any.
+    pub grain: [f32; 4],
+    /// Tissue and piece.
+    pub zone_piece: [f32; 2],
+}
+
+/// How a batch is shaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shading {
+    /// By its own material.
+    Material,
+    /// As wood inside the break of this number.
+    Wood(usize),
+    /// As the skin of the stem: bark, or sawn wood.
+    Skin,
+}
+
+/// Triangles of one material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Batch {
+    /// First index.
+    pub first: u32,
+    /// Number of indices.
+    pub count: u32,
+    /// How it is shaded.
+    pub shading: Shading,
+    /// Linear colour.
+    pub base: [f32; 4],
+    /// Metalness and roughness.
+    pub metal_rough: [f32; 2],
+    /// Its texture, an index into [`DrawnScene::images`], with scale, offset and turn of its coordinates.
+    pub texture: Option<(usize, [f32; 4], f32)>,
+}
+
+/// A piece that is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnPiece {
+    /// Its name.
+    pub name: String,
+    /// Its motion from where it was in the unbroken scene.
+    pub motion: DAffine3,
+}
+
+/// A broken scene as the card draws it.
+#[derive(Debug, Clone, Default)]
+pub struct DrawnScene {
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// Corners of triangles.
+    pub indices: Vec<u32>,
+    /// Batches, which cover all indices.
+    pub batches: Vec<Batch>,
+    /// Pieces, by the number in their vertices.
+    pub pieces: Vec<DrawnPiece>,
+    /// Decoded textures.
+    pub images: Vec<Arc<Photograph>>,
+    /// The wood inside each break.
+    pub woods: Vec<WoodLook>,
+    /// The middle, m: what is subtracted from positions.
+    pub middle: DVec3,
+    /// Radius of a sphere about the middle that holds all, m.
+    pub radius: f64,
+    /// Each break from the middle: where it is, along the stem, and how large the stem is there, m.
+    pub breaks: Vec<DrawnBreak>,
+}
+
+/// Where a break is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnBreak {
+    /// Its place from the middle, m.
+    pub place: Vec3,
+    /// Unit direction of the stem.
+    pub along: Vec3,
+    /// Radius of the stem, m.
+    pub radius: f32,
+    /// Half the height of the face, m.
+    pub reach: f32,
+    /// Length along the grain, m.
+    pub length: f32,
+}
+
+/// The number of what no break touched.
+const UNTOUCHED: f32 = 0.0;
+
+impl DrawnScene {
+    /// A broken scene.
+    pub fn new(broken: &Broken) -> Self {
+        let scene = &broken.scene;
+        let (low, high) = bounds(scene);
+        let mut out = DrawnScene {
+            middle: (low + high) * 0.5,
+            radius: (0.5 * (high - low).length()).max(1e-6),
+            woods: broken.woods.iter().map(WoodLook::new).collect(),
+            ..DrawnScene::default()
+        };
+        let still = at_rest(broken);
+        out.pieces.push(DrawnPiece {
+            name: "untouched".to_owned(),
+            motion: DAffine3::IDENTITY,
+        });
+        let mut by_material: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut upper = 0.0;
+        for (node, role) in scene.nodes.iter().zip(&broken.roles) {
+            let piece = match role {
+                NodeRole::Piece(role) => {
+                    let number = out.pieces.len() as f32;
+                    out.pieces.push(DrawnPiece {
+                        name: node.name.clone(),
+                        motion: node.transform * still.inverse(),
+                    });
+                    if matches!(role, PieceRole::Upper | PieceRole::Segment(_)) {
+                        upper = number;
+                    }
+                    number
+                }
+                NodeRole::Carried => upper,
+                NodeRole::Untouched => UNTOUCHED,
+            };
+            out.push(node, piece, &mut by_material);
+        }
+        let woods: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
+        out.add_batches(scene, &woods, by_material);
+        out.breaks = breaks(broken, out.middle);
+        out
+    }
+
+    /// A scene in which nothing is broken.
+    pub fn unbroken(scene: &Scene) -> Self {
+        let (low, high) = bounds(scene);
+        let mut out = DrawnScene {
+            middle: (low + high) * 0.5,
+            radius: (0.5 * (high - low).length()).max(1e-6),
+            woods: vec![WoodLook::default()],
+            pieces: vec![DrawnPiece {
+                name: "unbroken".to_owned(),
+                motion: DAffine3::IDENTITY,
+            }],
+            ..DrawnScene::default()
+        };
+        let mut by_material = BTreeMap::new();
+        for node in &scene.nodes {
+            out.push(node, 0.0, &mut by_material);
+        }
+        out.add_batches(scene, &[], by_material);
+        out
+    }
+
+    fn push(&mut self, node: &Node, piece: f32, by_material: &mut BTreeMap<u32, Vec<u32>>) {
+        let mesh = &node.mesh;
+        let first = self.vertices.len() as u32;
+        let turned = normal_map(&node.transform);
+        let reader = Reader::new(mesh);
+        for (i, &p) in mesh.positions.iter().enumerate() {
+            let world = node.transform.transform_point3(p) - self.middle;
+            let mut vertex = reader.vertex(i);
+            vertex.position = world.as_vec3().to_array();
+            let n = turned * Vec3::from_array(vertex.normal).as_dvec3();
+            vertex.normal = n.normalize_or_zero().as_vec3().to_array();
+            vertex.zone_piece[1] = piece;
+            self.vertices.push(vertex);
+        }
+        let mirrored = node.transform.matrix3.determinant() < 0.0;
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            let mut corners = corners.map(|c| c + first);
+            if mirrored {
+                corners.swap(1, 2);
+            }
+            let list = by_material.entry(mesh.material(t)).or_default();
+            list.extend(corners);
+        }
+    }
+
+    /// Makes batches of the triangles of each material; those of the wood inside breaks are `woods`.
+    fn add_batches(&mut self, scene: &Scene, woods: &[u32], by_material: BTreeMap<u32, Vec<u32>>) {
+        let blank = without_color(scene);
+        let mut images: BTreeMap<usize, Option<usize>> = BTreeMap::new();
+        for (number, corners) in by_material {
+            let first = self.indices.len() as u32;
+            let count = corners.len() as u32;
+            self.indices.extend(corners);
+            let material = scene.materials.get(number as usize);
+            let wood = woods.iter().position(|w| *w == number);
+            let texture = material.and_then(|m| self.texture(scene, m, &mut images));
+            let own_bark = material.is_some_and(|m| m.name == BARK_MATERIAL_NAME);
+            let is_blank = blank.get(number as usize).copied().unwrap_or(true);
+            let shading = match wood {
+                Some(wood) => Shading::Wood(wood),
+                None if own_bark || number == NO_MATERIAL || (is_blank && texture.is_none()) => {
+                    Shading::Skin
+                }
+                None => Shading::Material,
+            };
+            let plain = Material::default();
+            let m = material.unwrap_or(&plain);
+            self.batches.push(Batch {
+                first,
+                count,
+                shading,
+                base: m.base_color,
+                metal_rough: [m.metallic, m.roughness],
+                texture,
+            });
+        }
+    }
+
+    /// The texture of a material's base colour, decoded once.
+    fn texture(
+        &mut self,
+        scene: &Scene,
+        material: &Material,
+        images: &mut BTreeMap<usize, Option<usize>>,
+    ) -> Option<(usize, [f32; 4], f32)> {
+        let reference = material.base_color_texture.as_ref()?;
+        let image = scene.textures.get(reference.texture)?.image?;
+        let decoded = &mut self.images;
+        let found = *images.entry(image).or_insert_with(|| {
+            let ImageSource::Bytes(bytes) = &scene.images.get(image)?.source else {
+                return None;
+            };
+            decoded.push(Arc::new(read_photograph(bytes).ok()?));
+            Some(decoded.len() - 1)
+        });
+        let (offset, turn, scale) = reference.transform.unwrap_or(([0.0; 2], 0.0, [1.0; 2]));
+        Some((found?, [scale[0], scale[1], offset[0], offset[1]], turn))
+    }
+}
+
+/// Reads vertices of a mesh.
+struct Reader<'a> {
+    mesh: &'a Mesh,
+}
+
+impl<'a> Reader<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        Reader { mesh }
+    }
+
+    fn values<const N: usize>(&self, name: &str, i: usize) -> Option<[f32; N]> {
+        let attribute = self.mesh.attributes.get(name)?;
+        let start = i * attribute.width;
+        let found = attribute.data.get(start..start + attribute.width.min(N))?;
+        let mut values = [0.0; N];
+        values[..found.len()].copy_from_slice(found);
+        Some(values)
+    }
+
+    /// The attributes of vertex `i`.
+    fn vertex(&self, i: usize) -> Vertex {
+        let [x, y, z] = self.values("_GRAIN", i).unwrap_or([0.0; 3]);
+        let on_stem = [x, y, z] != [0.0; 3];
+        Vertex {
+            position: [0.0; 3],
+            normal: self.values("NORMAL", i).unwrap_or([0.0; 3]),
+            uv: self.values("TEXCOORD_0", i).unwrap_or([0.0; 2]),
+            grain: [x, y, z, f32::from(u8::from(on_stem))],
+            zone_piece: [self.values::<1>("_ZONE", i).unwrap_or([0.0])[0], 0.0],
+        }
+    }
+}
+
+/// How normals turn with a transform, with the direction of its inverse transpose.
+fn normal_map(transform: &DAffine3) -> DMat3 {
+    let m = transform.matrix3;
+    let cofactors = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    if m.determinant() < 0.0 {
+        cofactors * -1.0
+    } else {
+        cofactors
+    }
+}
+
+/// The transform of the stem's node before it was broken: that of the piece at the base.
+fn at_rest(broken: &Broken) -> DAffine3 {
+    let base = |role: &NodeRole| {
+        matches!(
+            role,
+            NodeRole::Piece(PieceRole::Lower | PieceRole::Segment(0))
+        )
+    };
+    let at = broken.roles.iter().position(base);
+    at.map_or(DAffine3::IDENTITY, |i| broken.scene.nodes[i].transform)
+}
+
+fn bounds(scene: &Scene) -> (DVec3, DVec3) {
+    let mut low = DVec3::splat(f64::INFINITY);
+    let mut high = DVec3::splat(f64::NEG_INFINITY);
+    for node in &scene.nodes {
+        for &p in &node.mesh.positions {
+            let p = node.transform.transform_point3(p);
+            (low, high) = (low.min(p), high.max(p));
+        }
+    }
+    if low.is_finite() && high.is_finite() {
+        (low, high)
+    } else {
+        (DVec3::ZERO, DVec3::ZERO)
+    }
+}
+
+/// Where the breaks are, of several the further ones without the height of their faces.
+fn breaks(broken: &Broken, middle: DVec3) -> Vec<DrawnBreak> {
+    let of = |(i, wood): (usize, &greenstick::session::BrokenWood)| {
+        let stem = &wood.stem;
+        let frame = stem.grain.axis().frame(stem.location);
+        let report = &broken.report;
+        let range = match i {
+            0 => report.face.range_m,
+            _ => report
+                .further_breaks
+                .get(i - 1)
+                .map_or([0.0; 2], |b| b.face.range_m),
+        };
+        DrawnBreak {
+            place: (frame.origin - middle).as_vec3(),
+            along: frame.tangent.as_vec3(),
+            radius: stem.radius as f32,
+            reach: (0.5 * (range[1] - range[0])) as f32,
+            length: stem.location as f32,
+        }
+    };
+    broken.woods.iter().enumerate().map(of).collect()
+}

@@ -1,0 +1,127 @@
+//! What the studio needs of the machine it runs on: work beside the window, files, and places to keep things.
+
+#[cfg(not(target_arch = "wasm32"))]
+pub mod native;
+
+use crate::model::engine::{Failure, Job, Shown};
+use crate::model::input::Input;
+use greenstick::RequestFile;
+use greenstick::formats::LengthUnit;
+
+/// How far some work is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorkProgress {
+    /// The name of its stage.
+    pub stage: &'static str,
+    /// 0 to 1.
+    pub overall: f64,
+}
+
+/// The two things that go on beside the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lane {
+    /// What the viewport shows.
+    Show,
+    /// Reading and writing of files.
+    Files,
+}
+
+/// Pieces that are to be written.
+#[derive(Debug, Clone)]
+pub struct Export {
+    /// What is broken.
+    pub input: Input,
+    /// How.
+    pub file: RequestFile,
+    /// The file's path; its ending decides the format.
+    pub path: String,
+}
+
+/// What was opened.
+#[derive(Debug)]
+pub enum Opened {
+    /// A mesh or a scan.
+    Input(Input),
+    /// A project or a recipe, and what it is about.
+    Project(Input, Box<RequestFile>),
+}
+
+/// Work that came to an end.
+#[derive(Debug)]
+pub enum Done {
+    /// What the viewport shows, by the number it was asked for with.
+    Shown(u64, Result<Box<Shown>, Failure>),
+    /// A file that was read: its path, and what is in it.
+    Opened(String, Result<Opened, Failure>),
+    /// Files that were written, with their sizes in bytes.
+    Exported(String, Result<Vec<(String, usize)>, Failure>),
+}
+
+/// A file or folder.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Entry {
+    /// Whether it is no folder; folders come first.
+    pub is_file: bool,
+    /// Its name.
+    pub name: String,
+}
+
+/// The machine.
+pub trait Platform {
+    /// Starts to make what the viewport shows; what is still at work is given up if `replace`, else finished first.
+    fn show(&mut self, number: u64, job: Job);
+    /// Starts to read a file: a mesh, a scan, a recipe or a project.
+    fn open(&mut self, path: &str, unit: Option<LengthUnit>);
+    /// Starts to break as the command line does, and to write the pieces.
+    fn export(&mut self, export: Export);
+    /// Asks work to stop.
+    fn cancel(&mut self, lane: Lane);
+    /// How far work is; none where nothing is at work.
+    fn progress(&self, lane: Lane) -> Option<WorkProgress>;
+    /// The next work that came to an end.
+    fn poll(&mut self) -> Option<Done>;
+    /// Writes a project, with the path of its input.
+    ///
+    /// # Errors
+    /// Why it could not be written.
+    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure>;
+    /// The entries of a folder, and its whole path.
+    ///
+    /// # Errors
+    /// Why it could not be read.
+    fn list(&self, folder: &str) -> Result<(String, Vec<Entry>), Failure>;
+    /// The path of a name in a folder.
+    fn join(&self, folder: &str, name: &str) -> String;
+    /// The folder above one.
+    fn parent(&self, folder: &str) -> Option<String>;
+    /// Files that were opened lately, the last one first.
+    fn recent(&self) -> Vec<String>;
+    /// Notes that a file was opened or saved.
+    fn note_recent(&mut self, path: &str);
+    /// Keeps a request so that it survives a crash; `None` once it is saved or given up.
+    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>);
+    /// What was kept when the program last ended without saving: where it is.
+    fn kept(&self) -> Option<String>;
+    /// Settings of the window.
+    fn settings(&self) -> Settings;
+    /// Keeps settings of the window.
+    fn keep_settings(&mut self, settings: &Settings);
+}
+
+/// Settings of the window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Whether it is dark.
+    pub dark: bool,
+    /// How large everything is.
+    pub scale: f32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            dark: true,
+            scale: 1.0,
+        }
+    }
+}

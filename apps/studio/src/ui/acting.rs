@@ -1,0 +1,173 @@
+//! Doing actions: by menus, keys and drops.
+
+use super::actions::Action;
+use super::studio::Studio;
+use crate::model::input::Input;
+use crate::model::randomise::randomise;
+use crate::platform::{Lane, Opened};
+use crate::view::camera::AxisView;
+use crate::view::renderer::Colours;
+use eframe::egui;
+use greenstick::RequestFile;
+use greenstick::schema::Value;
+
+impl Studio {
+    /// Does an action.
+    pub(super) fn act(&mut self, action: Action, ctx: &egui::Context) {
+        let now = ctx.input(|i| i.time);
+        let mut look = |view, opposite| self.camera.look(view, opposite);
+        match action {
+            Action::ViewFront => look(AxisView::Front, false),
+            Action::ViewBack => look(AxisView::Front, true),
+            Action::ViewRight => look(AxisView::Right, false),
+            Action::ViewLeft => look(AxisView::Right, true),
+            Action::ViewTop => look(AxisView::Top, false),
+            Action::ViewBottom => look(AxisView::Top, true),
+            Action::Perspective => self.camera.parallel ^= true,
+            Action::VerticalAxis => self.camera.z_up ^= true,
+            Action::Wireframe => self.view.wireframe ^= true,
+            Action::Section => self.view.section ^= true,
+            Action::NextColours => {
+                let next = (self.view.colours as usize + 1) % Colours::ALL.len();
+                self.view.colours = Colours::ALL[next];
+            }
+            Action::FrameBreak => self.frame_break(),
+            Action::FrameAll => self.frame_all(),
+            Action::Gallery => self.gallery ^= true,
+            Action::Undo => self.step_back(now),
+            Action::Redo => self.step_forward(now),
+            Action::Randomise => self.randomise(now),
+            Action::NewSeed => self.new_seed(now),
+            Action::ResetAll => {
+                let reset = self.project.change("reset of all values", false, |file| {
+                    *file = RequestFile {
+                        unit: file.unit,
+                        ..RequestFile::default()
+                    };
+                    Ok::<(), String>(())
+                });
+                if reset == Ok(true) {
+                    self.changed(false, now);
+                }
+            }
+            Action::BuiltIn => self.begin(Opened::Input(Input::built_in()), ""),
+            Action::Theme => {
+                self.settings.dark ^= true;
+                self.apply_settings(ctx);
+            }
+            Action::Larger | Action::Smaller => {
+                let factor = if action == Action::Larger {
+                    1.1
+                } else {
+                    1.0 / 1.1
+                };
+                self.settings.scale = (self.settings.scale * factor).clamp(0.5, 4.0);
+                self.apply_settings(ctx);
+            }
+            Action::Save => self.save(),
+            Action::Open
+            | Action::SaveAs
+            | Action::Export
+            | Action::Palette
+            | Action::Shortcuts => self.dialog = self.dialog_of(action),
+            Action::Cancel => self.cancel(),
+            Action::Quit => self.quit = true,
+        }
+    }
+
+    fn cancel(&mut self) {
+        if self.dialog.is_some() {
+            self.dialog = None;
+        } else if self.at_work.is_some() {
+            self.platform.cancel(Lane::Show);
+        } else {
+            self.platform.cancel(Lane::Files);
+        }
+    }
+
+    fn step_back(&mut self, now: f64) {
+        if let Some(label) = self.project.history.undo(&mut self.project.file) {
+            self.said = format!("Took back: {label}.");
+            self.changed(false, now);
+        }
+    }
+
+    fn step_forward(&mut self, now: f64) {
+        if let Some(label) = self.project.history.redo(&mut self.project.file) {
+            self.said = format!("Made again: {label}.");
+            self.changed(false, now);
+        }
+    }
+
+    fn randomise(&mut self, now: f64) {
+        let locked = self.project.locked.clone();
+        let seed = now.to_bits();
+        let drawn = self.project.change("random values", false, |file| {
+            randomise(file, &locked, seed);
+            Ok::<(), String>(())
+        });
+        if drawn == Ok(true) {
+            self.changed(false, now);
+        }
+    }
+
+    fn new_seed(&mut self, now: f64) {
+        let seed = self.project.file.common.recipe.face.seed;
+        let next = Value::Integer(i128::from(seed) % 1_000_000 + 1);
+        self.set("break.seed", &next, false, now);
+    }
+
+    /// Saves the project where it was saved before, or asks where.
+    fn save(&mut self) {
+        match self.project.path.clone() {
+            Some(path) => self.save_to(&path),
+            None => self.dialog = self.dialog_of(Action::SaveAs),
+        }
+    }
+
+    pub(super) fn save_to(&mut self, path: &str) {
+        let input = self.project.input.path.clone();
+        match self
+            .platform
+            .save(path, &self.project.file, input.as_deref())
+        {
+            Ok(()) => {
+                self.project.saved = self.project.file.clone();
+                self.project.path = Some(path.to_owned());
+                self.platform.note_recent(path);
+                self.platform.keep(None);
+                self.changed_at = None;
+                self.said = format!("Saved {path}.");
+            }
+            Err(failure) => self.fail(&failure),
+        }
+    }
+
+    pub(super) fn shortcuts(&mut self, ctx: &egui::Context) {
+        if ctx.text_edit_focused() {
+            return;
+        }
+        // Keys with more modifiers first: Ctrl+Shift+Z is not Ctrl+Z.
+        let mut all: Vec<_> = Action::ALL
+            .iter()
+            .flat_map(|a| a.3.iter().map(move |k| (a.0, *k)))
+            .collect();
+        all.sort_by_key(|(_, (m, _))| {
+            std::cmp::Reverse(u8::from(m.shift) + u8::from(m.command) + u8::from(m.alt))
+        });
+        let pressed = all
+            .into_iter()
+            .find(|(_, (m, k))| ctx.input_mut(|i| i.consume_key(*m, *k)));
+        if let Some((action, _)) = pressed {
+            self.act(action, ctx);
+        }
+    }
+
+    pub(super) fn dropped(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+        if let Some(file) = dropped.last() {
+            let path = file.path().display().to_string();
+            self.open(&path);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Which dialog is open.
+
+use super::file_dialog::FileDialog;
+
+/// A dialog that is open.
+#[derive(Debug, Clone)]
+pub enum Dialog {
+    /// Choosing a file to open.
+    Open(FileDialog),
+    /// Choosing where to save the project.
+    Save(FileDialog),
+    /// Choosing where and how to export.
+    Export(FileDialog),
+    /// Finding a command by its name.
+    Palette(String),
+    /// The list of keys.
+    Shortcuts,
+    /// Unsaved work was found, at this path.
+    Recover(String),
+}
+
+impl Dialog {
+    /// Its heading.
+    pub fn title(&self) -> &'static str {
+        match self {
+            Dialog::Open(_) => "Open a mesh, a scan, a recipe or a project",
+            Dialog::Save(_) => "Save the project",
+            Dialog::Export(_) => "Export the pieces",
+            Dialog::Palette(_) => "Find a command",
+            Dialog::Shortcuts => "Keyboard and mouse",
+            Dialog::Recover(_) => "Unsaved work was found",
+        }
+    }
+}

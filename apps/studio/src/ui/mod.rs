@@ -1,0 +1,14 @@
+//! The window: state, panels and dialogs.
+
+mod acting;
+mod actions;
+mod dialog;
+mod dialogs;
+mod file_dialog;
+mod gallery;
+mod menu;
+mod parameters;
+mod pictures;
+mod status;
+pub mod studio;
+mod viewport;

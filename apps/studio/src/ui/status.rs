@@ -1,0 +1,89 @@
+//! The line at the bottom: what is shown, what was said last, what the mouse does.
+
+use super::studio::Studio;
+use eframe::egui::{self, RichText, Ui};
+use greenstick::BreakReport;
+
+impl Studio {
+    /// The line at the bottom.
+    pub(super) fn status(&mut self, ui: &mut Ui) {
+        egui::Panel::bottom("status").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let text = match self.report() {
+                    Some(report) => summary(report),
+                    None if self.is_busy() => "Breaking …".to_owned(),
+                    None => "Nothing is broken yet: click where it shall break.".to_owned(),
+                };
+                let notes = self.report().map(|r| r.notes.clone()).unwrap_or_default();
+                let whole = self.report().map(ToString::to_string).unwrap_or_default();
+                let label = ui.add(egui::Label::new(text).selectable(true));
+                label.on_hover_ui(|ui| {
+                    ui.set_max_width(560.0);
+                    ui.label(RichText::new(whole).monospace());
+                });
+                if !notes.is_empty() {
+                    let title = match notes.len() {
+                        1 => "1 note".to_owned(),
+                        n => format!("{n} notes"),
+                    };
+                    ui.menu_button(title, |ui| {
+                        ui.set_max_width(480.0);
+                        for note in notes {
+                            ui.add(egui::Label::new(note).wrap().selectable(true));
+                        }
+                    });
+                }
+                if self.shown.as_ref().is_some_and(|s| s.coarse) {
+                    ui.label(RichText::new("coarse").weak());
+                }
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let hint = "drag turns · Shift drag shifts · wheel nears · click breaks · ? lists keys";
+                    let text = if self.said.is_empty() { hint } else { &self.said };
+                    ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
+                });
+            });
+        });
+    }
+}
+
+/// The report in one line.
+fn summary(report: &BreakReport) -> String {
+    let place = &report.place;
+    let triangles: usize = report.pieces.iter().map(|p| p.triangles).sum();
+    let species = report
+        .species
+        .as_ref()
+        .map_or(String::new(), |s| format!("{} · ", s.name));
+    format!(
+        "{species}{:.1} cm thick · at {:.2} of {:.2} m · {} pieces · {} triangles",
+        200.0 * place.radius_m,
+        place.length_m,
+        place.stem_length_m,
+        report.pieces.len(),
+        thousands(triangles),
+    )
+}
+
+/// A number with spaces between thousands.
+fn thousands(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thousands;
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!(thousands(7), "7");
+        assert_eq!(thousands(123_456), "123\u{202f}456");
+    }
+}

@@ -1,0 +1,477 @@
+//! The state of the window, and what happens from frame to frame.
+
+use super::dialog::Dialog;
+use crate::model::engine::{Failure, Job, Shown, has_coarse, unbroken};
+use crate::model::input::Input;
+use crate::model::meshes::DrawnScene;
+use crate::model::project::Project;
+use crate::platform::{Done, Opened, Platform, Settings};
+use crate::view::camera::Camera;
+use crate::view::renderer::{Colours, Renderer};
+use eframe::egui;
+use glam::Vec3;
+use greenstick::RequestFile;
+use greenstick::schema::Value;
+use greenstick::wood::stem::StemLocation;
+use std::sync::Arc;
+
+/// Seconds of work above which a drag gets a coarse answer first.
+const SLOW: f64 = 0.12;
+/// Seconds after a change before unsaved work is kept for a recovery.
+const KEEP_AFTER: f64 = 2.0;
+/// Radii of the stem around the face that framing a break shows.
+const BREAK_ROOM: f32 = 2.4;
+
+/// A message that stays until it is dismissed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Message {
+    /// What it says.
+    pub text: String,
+    /// Whether something failed.
+    pub is_error: bool,
+    /// A place of the break that would work.
+    pub place: Option<StemLocation>,
+}
+
+/// How the viewport shows things.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewOptions {
+    /// What colours show.
+    pub colours: Colours,
+    /// Whether edges are drawn.
+    pub wireframe: bool,
+    /// Whether the picture is cut open along the stem.
+    pub section: bool,
+    /// Distance of the pieces in the picture, in diameters of the stem.
+    pub apart: f64,
+}
+
+/// The work for the viewport that is going on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AtWork {
+    number: u64,
+    coarse: bool,
+    since: f64,
+}
+
+/// The studio.
+pub struct Studio {
+    /// What is being worked on.
+    pub project: Project,
+    pub(super) platform: Box<dyn Platform>,
+    /// The last answer; none while nothing of this input is broken.
+    pub(super) shown: Option<Shown>,
+    /// What the viewport draws, and a number that tells it apart.
+    pub(super) drawn: Option<(u64, Arc<DrawnScene>)>,
+    /// Width of the viewport over its height.
+    pub(super) aspect: f32,
+    pub(super) camera: Camera,
+    pub(super) view: ViewOptions,
+    pub(super) messages: Vec<Message>,
+    pub(super) dialog: Option<Dialog>,
+    pub(super) settings: Settings,
+    /// What is searched for among the parameters.
+    pub(super) search: String,
+    pub(super) gallery: bool,
+    /// What was done last, in the status line.
+    pub(super) said: String,
+    /// Whether the card is the processor, which draws slowly.
+    pub(super) slow_card: bool,
+    /// Whether there is a card at all.
+    pub(super) has_card: bool,
+    /// What the picture of the next result is asked with, and whether it is a drag.
+    wanted: Option<bool>,
+    pub(super) at_work: Option<AtWork>,
+    /// Seconds that the last whole answer took.
+    pub(super) last_seconds: f64,
+    numbers: u64,
+    /// Whether the next result is framed.
+    frame_next: bool,
+    /// When the project was changed, until it is kept.
+    pub(super) changed_at: Option<f64>,
+    /// A path that is being opened, as titles say it.
+    pub(super) opening: Option<String>,
+    pub(super) gallery_pictures: super::pictures::Pictures,
+    pub(super) quit: bool,
+}
+
+impl Studio {
+    /// A studio that opens `path`, or shows the built-in branch.
+    pub fn new(ctx: &egui::Context, platform: Box<dyn Platform>, path: Option<&str>) -> Self {
+        let settings = platform.settings();
+        ctx.options_mut(|o| o.zoom_with_keyboard = false);
+        let mut studio = Studio {
+            project: Project::new(Input::built_in(), RequestFile::default()),
+            platform,
+            shown: None,
+            drawn: None,
+            aspect: 1.4,
+            camera: Camera::default(),
+            view: ViewOptions {
+                colours: Colours::Wood,
+                wireframe: false,
+                section: false,
+                apart: 1.6,
+            },
+            messages: Vec::new(),
+            dialog: None,
+            settings,
+            search: String::new(),
+            gallery: true,
+            said: String::new(),
+            slow_card: false,
+            has_card: false,
+            wanted: Some(false),
+            at_work: None,
+            last_seconds: 0.0,
+            numbers: 0,
+            frame_next: true,
+            changed_at: None,
+            opening: None,
+            gallery_pictures: super::pictures::Pictures::default(),
+            quit: false,
+        };
+        studio.apply_settings(ctx);
+        if let Some(path) = path {
+            studio.open(path);
+            return studio;
+        }
+        studio.begin(Opened::Input(Input::built_in()), "");
+        if let Some(kept) = studio.platform.kept() {
+            studio.dialog = Some(Dialog::Recover(kept));
+        }
+        studio
+    }
+
+    /// Draws on the card of a window.
+    pub fn use_card(&mut self, state: &eframe::egui_wgpu::RenderState) {
+        let renderer = Renderer::new(&state.device, &state.queue, state.target_format);
+        state.renderer.write().callback_resources.insert(renderer);
+        self.has_card = true;
+        self.slow_card = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+    }
+
+    /// The picture is asked for anew with another view of the pieces; nothing else changes.
+    pub(super) fn changed_view(&mut self, drag: bool) {
+        self.wanted = Some(drag);
+    }
+
+    pub(super) fn apply_settings(&mut self, ctx: &egui::Context) {
+        let Settings { dark, scale } = self.settings;
+        ctx.set_theme(if dark {
+            egui::Theme::Dark
+        } else {
+            egui::Theme::Light
+        });
+        ctx.set_zoom_factor(scale);
+        self.platform.keep_settings(&self.settings);
+    }
+
+    /// Starts to open a file.
+    pub fn open(&mut self, path: &str) {
+        self.opening = Some(path.to_owned());
+        self.platform.open(path, self.project.file.unit);
+    }
+
+    /// Shows a message that stays.
+    pub(super) fn fail(&mut self, failure: &Failure) {
+        if failure.cancelled {
+            self.said = "Stopped.".to_owned();
+            return;
+        }
+        let message = Message {
+            text: failure.message.clone(),
+            is_error: true,
+            place: failure.place,
+        };
+        if !self.messages.contains(&message) {
+            self.messages.push(message);
+        }
+    }
+
+    /// Whether work for the viewport is going on or about to begin.
+    pub fn is_busy(&self) -> bool {
+        self.at_work.is_some() || self.wanted.is_some() || self.opening.is_some()
+    }
+
+    /// Number of triangles that are shown.
+    pub fn triangles(&self) -> usize {
+        let drawn = self.drawn.as_ref();
+        drawn.map_or(0, |d| d.1.indices.len() / 3)
+    }
+
+    /// Messages that wait to be dismissed.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
+    /// The report on what is shown.
+    pub fn report(&self) -> Option<&greenstick::BreakReport> {
+        self.shown.as_ref().map(|s| &s.report)
+    }
+
+    /// Notes that the request changed; `drag` while a hand still moves.
+    pub(super) fn changed(&mut self, drag: bool, now: f64) {
+        self.wanted = Some(drag);
+        self.changed_at = Some(now);
+    }
+
+    /// Sets one parameter as part of a drag, or as one step.
+    pub fn set(&mut self, key: &str, value: &Value, drag: bool, now: f64) {
+        match self.project.set(key, value, drag) {
+            Ok(true) => self.changed(drag, now),
+            Ok(false) => {}
+            Err(problem) => self.said = problem,
+        }
+    }
+
+    /// The hand rests: what was a drag is a step, and the whole answer is asked for.
+    pub(super) fn rest(&mut self, now: f64) {
+        self.project.history.rest();
+        self.changed(false, now);
+    }
+
+    /// Puts a break at a place of the scene; the point is that of the unbroken stem.
+    pub(super) fn move_break(&mut self, place: StemLocation, now: f64) {
+        let moved = self.project.change("place of the break", false, |file| {
+            file.common.place = place;
+            if let [only] = &mut file.breaks[..] {
+                only.place = place;
+            }
+            Ok::<(), String>(())
+        });
+        match moved {
+            Ok(true) => self.changed(false, now),
+            Ok(false) => {}
+            Err(problem) => self.fail(&Failure::new(problem)),
+        }
+    }
+
+    /// Begins with another input or project.
+    pub(super) fn begin(&mut self, opened: Opened, path: &str) {
+        match opened {
+            Opened::Input(input) => {
+                let mut file = self.project.file.clone();
+                // A place on another stem says nothing on this one.
+                file.common.place = StemLocation::Fraction(0.5);
+                file.breaks.clear();
+                self.project = Project::new(input, file);
+            }
+            Opened::Project(input, file) => {
+                self.project = Project::new(input, *file);
+                let kept = self.platform.kept();
+                if kept.as_deref() == Some(path) {
+                    self.project.path = None;
+                } else {
+                    self.project.path = Some(path.to_owned());
+                }
+            }
+        }
+        let notes = self.project.input.notes.join("\n");
+        if !notes.is_empty() {
+            self.messages.push(Message {
+                text: notes,
+                is_error: false,
+                place: None,
+            });
+        }
+        self.shown = None;
+        self.numbers += 1;
+        let number = self.numbers;
+        self.drawn = unbroken(&self.project.input).map(|d| (number, Arc::new(d)));
+        self.camera.z_up = self.project.input.has_z_up();
+        self.frame_all();
+        self.frame_next = true;
+        self.wanted = Some(false);
+    }
+
+    /// Takes what came to an end, and starts what is wanted.
+    pub fn tick(&mut self, ctx: &egui::Context) {
+        let now = ctx.input(|i| i.time);
+        while let Some(done) = self.platform.poll() {
+            self.take(done, now);
+        }
+        if let Some(at) = self.changed_at
+            && now - at > KEEP_AFTER
+        {
+            self.changed_at = None;
+            let input = self.project.input.path.clone();
+            self.platform
+                .keep(Some((&self.project.file, input.as_deref())));
+        } else if self.changed_at.is_some() {
+            ctx.request_repaint_after_secs(KEEP_AFTER as f32);
+        }
+        self.start_work(now);
+    }
+
+    fn start_work(&mut self, now: f64) {
+        let (Some(drag), None) = (self.wanted, &self.opening) else {
+            return;
+        };
+        // What a drag asks for waits until the answer before is there: else there would never be one.
+        if self.at_work.is_some_and(|w| drag && w.coarse) {
+            return;
+        }
+        let coarse = drag && self.last_seconds > SLOW && has_coarse(&self.project.file);
+        if self.at_work.is_some() && drag && !coarse {
+            return;
+        }
+        self.numbers += 1;
+        self.wanted = None;
+        self.at_work = Some(AtWork {
+            number: self.numbers,
+            coarse: drag,
+            since: now,
+        });
+        let mut file = self.project.file.clone();
+        let apart = self.apart();
+        file.common.separation = file.common.separation.max(apart);
+        for one in &mut file.breaks {
+            one.separation = one.separation.max(apart);
+        }
+        let job = Job {
+            input: self.project.input.clone(),
+            file,
+            coarse,
+        };
+        self.platform.show(self.numbers, job);
+    }
+
+    /// How far the picture pulls the pieces apart, m. Those that hang on each other stay together.
+    fn apart(&self) -> f64 {
+        let file = &self.project.file;
+        let breaks = std::iter::once(&file.common).chain(&file.breaks);
+        let hangs = breaks.into_iter().any(|b| b.recipe.face.hang > 0.0);
+        if hangs {
+            0.0
+        } else {
+            self.view.apart * self.diameter()
+        }
+    }
+
+    /// Diameter of the stem at the first break, m; 0 where it is not known yet.
+    pub(super) fn diameter(&self) -> f64 {
+        let report = self.shown.as_ref().map(|s| &s.report);
+        report.map_or(0.0, |r| 2.0 * r.place.radius_m)
+    }
+
+    fn take(&mut self, done: Done, now: f64) {
+        match done {
+            Done::Shown(number, outcome) => {
+                let current = self.at_work.filter(|w| w.number == number);
+                let Some(work) = current else { return };
+                self.at_work = None;
+                match outcome {
+                    Ok(shown) => self.take_shown(number, *shown, work, now),
+                    Err(failure) => self.fail(&failure),
+                }
+            }
+            Done::Opened(path, opened) => {
+                self.opening = None;
+                match opened {
+                    Ok(opened) => {
+                        self.platform.note_recent(&path);
+                        self.said = format!("Opened {path}.");
+                        self.begin(opened, &path);
+                    }
+                    Err(failure) => self.fail(&failure),
+                }
+            }
+            Done::Exported(path, Ok(files)) => {
+                let bytes: usize = files.iter().map(|f| f.1).sum();
+                let size = bytes as f64 / 1e6;
+                self.said = format!("Wrote {path} ({} files, {size:.1} MB).", files.len());
+            }
+            Done::Exported(_, Err(failure)) => self.fail(&failure),
+        }
+    }
+
+    fn take_shown(&mut self, number: u64, mut shown: Shown, work: AtWork, now: f64) {
+        if !shown.coarse {
+            self.last_seconds = now - work.since;
+        }
+        // The size of the stem was not known when the pieces of the first picture were moved apart.
+        let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
+        let refine = shown.coarse && self.wanted.is_none();
+        let drawn = Arc::new(std::mem::take(&mut shown.drawn));
+        self.drawn = Some((number, drawn));
+        self.shown = Some(shown);
+        if (first && self.apart() > 0.0) || refine {
+            self.wanted = Some(false);
+        }
+        if self.frame_next {
+            self.frame_break();
+            self.frame_next = false;
+        }
+    }
+
+    /// Shows the break from near.
+    pub(super) fn frame_break(&mut self) {
+        let Some((_, drawn)) = &self.drawn else {
+            return;
+        };
+        let Some(at) = drawn.breaks.first() else {
+            return self.frame_all();
+        };
+        let apart = self.apart() as f32;
+        let radius = at.reach + BREAK_ROOM * at.radius + 0.5 * apart;
+        let centre = at.place + at.along * (0.5 * apart);
+        self.camera.frame(centre, radius, self.aspect);
+        if self.frame_next {
+            self.camera.look_from_aside(at.along);
+        }
+    }
+
+    pub(super) fn frame_all(&mut self) {
+        if let Some((_, drawn)) = &self.drawn {
+            self.camera
+                .frame(Vec3::ZERO, drawn.radius as f32, self.aspect);
+        }
+    }
+
+    /// One frame.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
+        let ctx = ui.ctx().clone();
+        self.tick(&ctx);
+        self.dropped(&ctx);
+        self.shortcuts(&ctx);
+        self.menu(ui);
+        self.status(ui);
+        if self.gallery {
+            self.gallery_panel(ui);
+        }
+        self.parameters(ui);
+        self.viewport(ui);
+        self.dialogs(&ctx);
+        if self.quit {
+            self.quit = false;
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        let title = format!(
+            "{}{} – Greenstick",
+            if self.project.is_changed() {
+                "• "
+            } else {
+                ""
+            },
+            self.project.input.title()
+        );
+        ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.frame(ui);
+    }
+
+    fn on_exit(&mut self) {
+        if self.project.is_changed() {
+            let input = self.project.input.path.clone();
+            self.platform
+                .keep(Some((&self.project.file, input.as_deref())));
+        } else {
+            self.platform.keep(None);
+        }
+    }
+}

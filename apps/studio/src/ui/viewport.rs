@@ -1,0 +1,316 @@
+//! The viewport: turning, shifting, going nearer, and clicking where it shall break.
+
+use super::actions::Action;
+use super::studio::Studio;
+use crate::platform::Lane;
+use crate::view::pick::{Picked, pick};
+use crate::view::renderer::{Colours, View};
+use eframe::egui::{
+    self, Color32, CursorIcon, Event, MouseWheelUnit, PointerButton, Pos2, Rect, RichText, Sense,
+    Ui, Vec2,
+};
+use eframe::egui_wgpu;
+use glam::DVec3;
+use greenstick::wood::stem::StemLocation;
+
+/// How much nearer one notch of the wheel goes.
+const NOTCH: f32 = 0.88;
+/// Points of a touchpad's movement that are as much as one point of a mouse's.
+const TOUCHPAD: f32 = 1.0;
+
+/// To what the point of a click is rounded, m: nobody clicks more exactly, and short numbers can be read.
+const CLICK: f64 = 1e-4;
+
+impl Studio {
+    /// The middle of the window.
+    pub(super) fn viewport(&mut self, ui: &mut Ui) {
+        egui::CentralPanel::no_frame().show(ui, |ui| {
+            self.header(ui);
+            let size = ui.available_size();
+            let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+            self.aspect = rect.width() / rect.height().max(1.0);
+            let response = response.on_hover_cursor(CursorIcon::Crosshair);
+            let moving = self.navigate(ui, rect, &response);
+            self.paint(ui, rect, moving);
+            self.click(ui, rect, &response);
+            self.overlays(ui, rect);
+        });
+    }
+
+    fn header(&mut self, ui: &mut Ui) {
+        let frame = egui::Frame::side_top_panel(ui.style());
+        frame.show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.set_min_width(ui.available_width());
+                let label = self.view.colours.label().0;
+                egui::ComboBox::from_id_salt("colours")
+                    .selected_text(label)
+                    .width(72.0)
+                    .show_ui(ui, |ui| {
+                        for colours in Colours::ALL {
+                            let (label, about) = colours.label();
+                            ui.selectable_value(&mut self.view.colours, colours, label)
+                                .on_hover_text(about);
+                        }
+                    });
+                ui.toggle_value(&mut self.view.wireframe, "Wireframe")
+                    .on_hover_text("The edges of triangles (W).");
+                ui.toggle_value(&mut self.view.section, "Section")
+                    .on_hover_text("Cuts the picture open along the stem (X).");
+                ui.separator();
+                let before = self.view.apart;
+                let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
+                    .suffix(" ×")
+                    .fixed_decimals(1)
+                    .text("apart");
+                let response = ui.add(slider).on_hover_text(
+                    "How far apart the picture shows the pieces, in diameters of the stem. They are pulled as one would pull \
+                     them, so that they never meet. What is exported is moved by \"part\" alone.",
+                );
+                if self.view.apart != before {
+                    self.changed_view(response.dragged());
+                }
+                ui.separator();
+                for action in [Action::FrameBreak, Action::FrameAll] {
+                    let name = action.label().replace("Frame ", "");
+                    let name = if name == "the break" { "Break" } else { "All" };
+                    if ui.button(name).on_hover_text(action.about()).clicked() {
+                        self.act(action, &ui.ctx().clone());
+                    }
+                }
+            });
+        });
+    }
+
+    /// Moves the camera; returns whether it is being moved.
+    fn navigate(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> bool {
+        let height = rect.height();
+        let aspect = rect.width() / height.max(1.0);
+        let (modifiers, delta) = ui.input(|i| (i.modifiers, i.pointer.delta()));
+        let by = glam::Vec2::new(delta.x, delta.y);
+        let middle = response.dragged_by(PointerButton::Middle);
+        let left = response.dragged_by(PointerButton::Primary);
+        let right = response.dragged_by(PointerButton::Secondary);
+        if (middle && modifiers.shift) || right || (left && modifiers.shift) {
+            self.camera.pan(by, height);
+        } else if middle && modifiers.command {
+            let factor = (1.0 + by.y * 0.006).clamp(0.5, 2.0);
+            self.camera.zoom(factor, glam::Vec2::ZERO, aspect);
+        } else if middle || left {
+            self.camera.orbit(by);
+        }
+        if !response.contains_pointer() {
+            return response.dragged();
+        }
+        let pinch = ui.input(egui::InputState::zoom_delta);
+        let at = response
+            .hover_pos()
+            .map_or(glam::Vec2::ZERO, |p| picture_point(rect, p));
+        let mut moved = response.dragged();
+        let events = ui.input(|i| i.events.clone());
+        for event in events {
+            let Event::MouseWheel {
+                unit,
+                delta,
+                modifiers,
+                ..
+            } = event
+            else {
+                continue;
+            };
+            moved = true;
+            match unit {
+                // A touchpad: two fingers turn, with Shift they shift, with Ctrl they go nearer.
+                MouseWheelUnit::Point if !modifiers.command => {
+                    let by = glam::Vec2::new(delta.x, delta.y) * TOUCHPAD;
+                    if modifiers.shift {
+                        self.camera.pan(by, height);
+                    } else {
+                        self.camera.orbit(by);
+                    }
+                }
+                MouseWheelUnit::Point => {}
+                _ => self.camera.zoom(NOTCH.powf(delta.y), at, aspect),
+            }
+        }
+        if pinch != 1.0 {
+            self.camera.zoom(1.0 / pinch, at, aspect);
+            moved = true;
+        }
+        moved
+    }
+
+    fn paint(&self, ui: &Ui, rect: Rect, moving: bool) {
+        // A processor that draws is slow: while the camera moves, it draws fewer pixels.
+        let scale = ui.pixels_per_point() * if moving && self.slow_card { 0.5 } else { 1.0 };
+        let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
+        if moving && self.slow_card {
+            ui.ctx().request_repaint();
+        }
+        let background = if self.settings.dark {
+            [0.060, 0.064, 0.070]
+        } else {
+            [0.62, 0.62, 0.61]
+        };
+        if !self.has_card {
+            ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
+            return;
+        }
+        let view = View {
+            shown: self.drawn.clone(),
+            camera: self.camera,
+            size,
+            colours: self.view.colours,
+            wireframe: self.view.wireframe,
+            section: self.section(),
+            background,
+        };
+        let callback = egui_wgpu::Callback::new_paint_callback(rect, view);
+        ui.painter().add(callback);
+    }
+
+    /// The plane that cuts the picture open: along the stem at the break, with its open side towards the camera.
+    fn section(&self) -> Option<(glam::Vec3, f32)> {
+        let (_, drawn) = self.drawn.as_ref().filter(|_| self.view.section)?;
+        let at = drawn.breaks.first()?;
+        let towards = self.camera.backward();
+        let across = towards - at.along * towards.dot(at.along);
+        let normal = across.normalize_or(self.camera.right());
+        Some((normal, normal.dot(at.place)))
+    }
+
+    fn click(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        let Some(pos) = response.hover_pos().filter(|_| !response.dragged()) else {
+            return;
+        };
+        let clicked = response.clicked();
+        let still = ui.input(|i| i.pointer.delta() == Vec2::ZERO);
+        if !clicked && !still {
+            return;
+        }
+        let Some(picked) = self.picked(rect, pos) else {
+            return;
+        };
+        let unbroken = self.shown.is_none();
+        if picked.grain.is_none() && !clicked && !unbroken {
+            return;
+        }
+        let place = self.place_of(&picked);
+        if clicked {
+            let now = ui.input(|i| i.time);
+            self.move_break(StemLocation::Point(place), now);
+            return;
+        }
+        let painter = ui.painter_at(rect);
+        let color = Color32::from_rgb(255, 140, 40);
+        painter.circle_stroke(pos, 7.0, egui::Stroke::new(1.5, color));
+    }
+
+    fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {
+        let (_, drawn) = self.drawn.as_ref()?;
+        let aspect = rect.width() / rect.height().max(1.0);
+        let (origin, direction) = self.camera.ray(picture_point(rect, pos), aspect);
+        pick(drawn, origin, direction)
+    }
+
+    /// Where a point of the picture lies on the unbroken stem, in the coordinates of its file, m.
+    fn place_of(&self, picked: &Picked) -> DVec3 {
+        let Some((_, drawn)) = &self.drawn else {
+            return DVec3::ZERO;
+        };
+        let origin = self.shown.as_ref().map_or([0.0; 3], |s| s.origin);
+        let world = picked.position.as_dvec3() + drawn.middle;
+        let piece = drawn.pieces.get(picked.piece);
+        let still = piece.map_or(world, |p| p.motion.inverse().transform_point3(world));
+        ((still + DVec3::from_array(origin)) / CLICK).round() * CLICK
+    }
+
+    /// What is laid over the picture: messages and progress.
+    fn overlays(&mut self, ui: &mut Ui, rect: Rect) {
+        let area = Rect::from_min_max(rect.min + Vec2::splat(10.0), rect.max - Vec2::splat(10.0));
+        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
+        self.message_cards(&mut ui);
+        self.progress_cards(&mut ui);
+        if !self.has_card {
+            ui.label("No graphics adapter: there is no picture here.");
+        }
+    }
+
+    fn message_cards(&mut self, ui: &mut Ui) {
+        let (mut dismissed, mut go) = (None, None);
+        for (i, message) in self.messages.iter().enumerate() {
+            let accent = if message.is_error {
+                Color32::from_rgb(214, 78, 60)
+            } else {
+                Color32::from_rgb(90, 130, 190)
+            };
+            egui::Frame::popup(ui.style())
+                .stroke(egui::Stroke::new(1.5, accent))
+                .show(ui, |ui| {
+                    ui.set_max_width(560.0);
+                    ui.horizontal_top(|ui| {
+                        if ui.button("Dismiss").clicked() {
+                            dismissed = Some(i);
+                        }
+                        if let Some(place) = message.place {
+                            let button = ui.button(format!("Break at {place}"));
+                            if button.clicked() {
+                                dismissed = Some(i);
+                                go = Some(place);
+                            }
+                        }
+                        ui.add(egui::Label::new(&message.text).wrap().selectable(true));
+                    });
+                });
+            ui.add_space(6.0);
+        }
+        if let Some(i) = dismissed {
+            self.messages.remove(i);
+        }
+        if let Some(place) = go {
+            self.move_break(place, ui.input(|i| i.time));
+        }
+    }
+
+    fn progress_cards(&mut self, ui: &mut Ui) {
+        let lanes = [(Lane::Show, "Breaking"), (Lane::Files, "Files")];
+        for (lane, title) in lanes {
+            let Some(progress) = self.platform.progress(lane) else {
+                continue;
+            };
+            // Nobody reads what is over at once.
+            let id = egui::Id::unique(("progress", title));
+            let shown = ui.ctx().animate_bool_with_time(id, true, 0.3);
+            if shown < 1.0 && self.shown.is_some() {
+                continue;
+            }
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    let about = match (&self.opening, lane) {
+                        (Some(path), Lane::Files) => format!("Opening {path}"),
+                        (None, Lane::Files) => "Writing the pieces".to_owned(),
+                        _ => title.to_owned(),
+                    };
+                    ui.label(RichText::new(format!("{about}: {}", progress.stage)));
+                    let bar = egui::ProgressBar::new(progress.overall as f32);
+                    ui.add(bar.desired_width(140.0).show_percentage());
+                    if ui.button("Stop").clicked() {
+                        self.platform.cancel(lane);
+                    }
+                });
+            });
+        }
+        for (lane, title) in lanes {
+            if self.platform.progress(lane).is_none() {
+                let id = egui::Id::unique(("progress", title));
+                ui.ctx().animate_bool_with_time(id, false, 0.0);
+            }
+        }
+    }
+}
+
+/// A point of the window in the picture: −1 to 1 across and up.
+fn picture_point(rect: Rect, pos: Pos2) -> glam::Vec2 {
+    let at = (pos - rect.min) / rect.size();
+    glam::Vec2::new(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0)
+}

@@ -1,0 +1,6 @@
+//! The viewport: camera, what lies under the pointer, and drawing on the card.
+
+pub mod camera;
+pub mod pick;
+pub mod renderer;
+mod resources;

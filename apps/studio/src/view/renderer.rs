@@ -1,0 +1,556 @@
+//! Draws the viewport into a picture of its own, only when something changed, and copies it to the window.
+
+use super::camera::Camera;
+use super::resources::{COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, entry};
+use crate::model::meshes::{Batch, DrawnScene, Shading};
+use bytemuck::{Pod, Zeroable};
+use eframe::egui;
+use eframe::egui_wgpu::{self, CallbackResources, ScreenDescriptor};
+use glam::Vec3;
+use glam::camera::rh::proj::directx::orthographic;
+use glam::camera::rh::view::look_at_mat4;
+use std::sync::Arc;
+use wgpu::util::DeviceExt;
+
+/// What colours show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Colours {
+    /// Wood, bark and materials.
+    #[default]
+    Wood,
+    /// Tissues.
+    Zones,
+    /// Annual rings.
+    Rings,
+    /// Pieces.
+    Pieces,
+    /// Clay: the shape alone.
+    Clay,
+}
+
+impl Colours {
+    /// All of them.
+    pub const ALL: [Colours; 5] = [
+        Colours::Wood,
+        Colours::Zones,
+        Colours::Rings,
+        Colours::Pieces,
+        Colours::Clay,
+    ];
+
+    /// Name and what it shows.
+    pub fn label(self) -> (&'static str, &'static str) {
+        match self {
+            Colours::Wood => ("Wood", "Wood, bark and the materials of the input."),
+            Colours::Zones => (
+                "Zones",
+                "Tissues: pith, heartwood, sapwood, phloem and bark.",
+            ),
+            Colours::Rings => ("Rings", "Annual rings, each in a colour of its own."),
+            Colours::Pieces => ("Pieces", "Pieces, each in a colour of its own."),
+            Colours::Clay => ("Clay", "The shape alone, as of clay."),
+        }
+    }
+}
+
+/// One frame of the viewport.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// What is drawn, and a number that tells results apart.
+    pub shown: Option<(u64, Arc<DrawnScene>)>,
+    /// From where.
+    pub camera: Camera,
+    /// Size of the picture, pixels.
+    pub size: [u32; 2],
+    /// What colours show.
+    pub colours: Colours,
+    /// Whether the edges of triangles are drawn.
+    pub wireframe: bool,
+    /// Plane beyond which nothing is drawn: unit normal and distance from the middle.
+    pub section: Option<(Vec3, f32)>,
+    /// Linear colour of the background.
+    pub background: [f32; 3],
+}
+
+/// What decides the pixels, to draw only where it changes.
+#[derive(Debug, Clone, PartialEq)]
+struct Drawn {
+    id: u64,
+    camera: Camera,
+    size: [u32; 2],
+    colours: Colours,
+    wireframe: bool,
+    section: Option<(Vec3, f32)>,
+    background: [f32; 3],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Globals {
+    view_projection: [[f32; 4]; 4],
+    light_projection: [[f32; 4]; 4],
+    eye: [f32; 4],
+    up: [f32; 4],
+    key_direction: [f32; 4],
+    rim_direction: [f32; 4],
+    background: [f32; 4],
+    section: [f32; 4],
+    flags: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct SurfaceNumbers {
+    base: [f32; 4],
+    kind: [f32; 4],
+    texture_map: [f32; 4],
+    turn: [f32; 4],
+}
+
+/// A scene on the card.
+struct Loaded {
+    id: u64,
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    count: u32,
+    /// Two corners of each edge, made when they are first asked for.
+    edges: Option<(wgpu::Buffer, u32)>,
+    /// Index range, wood and material of each batch.
+    batches: Vec<(std::ops::Range<u32>, usize, wgpu::BindGroup)>,
+    woods: Vec<wgpu::BindGroup>,
+}
+
+/// The picture that is drawn, of one size.
+struct Target {
+    size: [u32; 2],
+    samples: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    resolved: wgpu::TextureView,
+    copy: wgpu::BindGroup,
+    /// The same as a texture, to be read back.
+    texture: wgpu::Texture,
+}
+
+/// Draws the viewport.
+pub struct Renderer {
+    pipelines: Pipelines,
+    globals: wgpu::Buffer,
+    shadow_map: wgpu::TextureView,
+    globals_group: wgpu::BindGroup,
+    shadow_group: wgpu::BindGroup,
+    linear: wgpu::Sampler,
+    blank: wgpu::TextureView,
+    loaded: Option<Loaded>,
+    target: Option<Target>,
+    drawn: Option<Drawn>,
+}
+
+fn texture(
+    device: &wgpu::Device,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    samples: u32,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: samples,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+const DRAWN_AND_READ: wgpu::TextureUsages =
+    wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::TEXTURE_BINDING);
+
+impl Renderer {
+    /// A renderer for a window of this format.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, window: wgpu::TextureFormat) -> Self {
+        let pipelines = Pipelines::new(device, window);
+        let globals = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("globals"),
+            size: size_of::<Globals>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let side = [SHADOW_SIDE; 2];
+        let shadow_map = view(&texture(device, side, DEPTH, 1, DRAWN_AND_READ));
+        let comparing = device.create_sampler(&wgpu::SamplerDescriptor {
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let linear = device.create_sampler(&wgpu::SamplerDescriptor {
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let globals_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("globals"),
+            layout: &pipelines.globals,
+            entries: &[
+                entry(0, globals.as_entire_binding()),
+                entry(1, wgpu::BindingResource::TextureView(&shadow_map)),
+                entry(2, wgpu::BindingResource::Sampler(&comparing)),
+            ],
+        });
+        let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shadow"),
+            layout: &pipelines.shadow.get_bind_group_layout(0),
+            entries: &[entry(0, globals.as_entire_binding())],
+        });
+        let white = greenstick::formats::photograph::Photograph {
+            width: 1,
+            height: 1,
+            rgb: vec![255; 3],
+        };
+        Renderer {
+            blank: color_texture(device, queue, &white),
+            pipelines,
+            globals,
+            shadow_map,
+            globals_group,
+            shadow_group,
+            linear,
+            loaded: None,
+            target: None,
+            drawn: None,
+        }
+    }
+
+    /// Draws a frame, unless it is the one that was drawn last. Returns whether it drew.
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &View,
+    ) -> bool {
+        let wanted = Drawn {
+            id: frame.shown.as_ref().map_or(0, |s| s.0),
+            camera: frame.camera,
+            size: frame.size,
+            colours: frame.colours,
+            wireframe: frame.wireframe,
+            section: frame.section,
+            background: frame.background,
+        };
+        if self.drawn.as_ref() == Some(&wanted) {
+            return false;
+        }
+        if self.target.as_ref().is_none_or(|t| t.size != frame.size) {
+            self.target = Some(self.make_target(device, frame.size));
+        }
+        if let Some((id, shown)) = &frame.shown
+            && self.loaded.as_ref().is_none_or(|l| l.id != *id)
+        {
+            self.loaded = Some(self.load(device, queue, *id, shown));
+        }
+        if frame.wireframe
+            && let (Some(loaded), Some((_, shown))) = (&mut self.loaded, &frame.shown)
+            && loaded.edges.is_none()
+        {
+            loaded.edges = Some(edges(device, shown));
+        }
+        let numbers = globals(frame);
+        queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&numbers));
+        self.draw_shadow(encoder);
+        self.draw_picture(encoder, frame);
+        self.drawn = Some(wanted);
+        true
+    }
+
+    fn make_target(&self, device: &wgpu::Device, size: [u32; 2]) -> Target {
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let samples = view(&texture(device, size, COLOR, SAMPLES, drawn));
+        let depth = view(&texture(device, size, DEPTH, SAMPLES, drawn));
+        let usage = DRAWN_AND_READ | wgpu::TextureUsages::COPY_SRC;
+        let texture = texture(device, size, COLOR, 1, usage);
+        let resolved = view(&texture);
+        let copy = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("copy"),
+            layout: &self.pipelines.copy,
+            entries: &[
+                entry(0, wgpu::BindingResource::TextureView(&resolved)),
+                entry(1, wgpu::BindingResource::Sampler(&self.linear)),
+            ],
+        });
+        Target {
+            size,
+            samples,
+            depth,
+            resolved,
+            copy,
+            texture,
+        }
+    }
+
+    fn load(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        id: u64,
+        scene: &DrawnScene,
+    ) -> Loaded {
+        let buffer = |contents: &[u8], usage| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: None,
+                contents,
+                usage,
+            })
+        };
+        let images: Vec<wgpu::TextureView> = (scene.images.iter())
+            .map(|image| color_texture(device, queue, image))
+            .collect();
+        let woods: Vec<_> = (scene.woods.iter())
+            .map(|look| self.pipelines.wood_group(device, queue, look))
+            .collect();
+        let batches = scene.batches.iter().map(|batch| {
+            let numbers = buffer(
+                bytemuck::bytes_of(&surface_numbers(batch)),
+                wgpu::BufferUsages::UNIFORM,
+            );
+            let image = batch.texture.and_then(|t| images.get(t.0));
+            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("material"),
+                layout: &self.pipelines.material,
+                entries: &[
+                    entry(0, numbers.as_entire_binding()),
+                    entry(
+                        1,
+                        wgpu::BindingResource::TextureView(image.unwrap_or(&self.blank)),
+                    ),
+                    entry(2, wgpu::BindingResource::Sampler(&self.linear)),
+                ],
+            });
+            let wood = match batch.shading {
+                Shading::Wood(wood) => wood,
+                Shading::Material | Shading::Skin => 0,
+            };
+            (batch.first..batch.first + batch.count, wood, group)
+        });
+        Loaded {
+            id,
+            vertices: buffer(
+                bytemuck::cast_slice(&scene.vertices),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                bytemuck::cast_slice(&scene.indices),
+                wgpu::BufferUsages::INDEX,
+            ),
+            count: scene.indices.len() as u32,
+            edges: None,
+            batches: batches.collect(),
+            woods,
+        }
+    }
+
+    fn draw_shadow(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow"),
+            depth_stencil_attachment: Some(depth_attachment(&self.shadow_map)),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
+            return;
+        };
+        pass.set_pipeline(&self.pipelines.shadow);
+        pass.set_bind_group(0, &self.shadow_group, &[]);
+        pass.set_vertex_buffer(0, loaded.vertices.slice(..));
+        pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..loaded.count, 0, 0..1);
+    }
+
+    fn draw_picture(&self, encoder: &mut wgpu::CommandEncoder, frame: &View) {
+        let Some(target) = &self.target else { return };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.samples,
+                depth_slice: None,
+                resolve_target: Some(&target.resolved),
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Discard,
+                },
+            })],
+            depth_stencil_attachment: Some(depth_attachment(&target.depth)),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_bind_group(0, &self.globals_group, &[]);
+        pass.set_pipeline(&self.pipelines.background);
+        pass.draw(0..3, 0..1);
+        let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
+            return;
+        };
+        pass.set_pipeline(&self.pipelines.surface);
+        pass.set_vertex_buffer(0, loaded.vertices.slice(..));
+        pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for (range, wood, material) in &loaded.batches {
+            let Some(wood) = loaded.woods.get(*wood) else {
+                continue;
+            };
+            pass.set_bind_group(1, wood, &[]);
+            pass.set_bind_group(2, material, &[]);
+            pass.draw_indexed(range.clone(), 0, 0..1);
+        }
+        if let (true, Some((edges, count))) = (frame.wireframe, &loaded.edges) {
+            pass.set_pipeline(&self.pipelines.lines);
+            pass.set_index_buffer(edges.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..*count, 0, 0..1);
+        }
+    }
+
+    /// The picture that was drawn last.
+    pub fn picture(&self) -> Option<&wgpu::Texture> {
+        self.target.as_ref().map(|t| &t.texture)
+    }
+}
+
+fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(1.0),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
+    let kind = match batch.shading {
+        Shading::Material => 0.0,
+        Shading::Wood(_) => 1.0,
+        Shading::Skin => 2.0,
+    };
+    let (map, turn) = batch
+        .texture
+        .map_or(([1.0, 1.0, 0.0, 0.0], 0.0), |t| (t.1, t.2));
+    let [metal, rough] = batch.metal_rough;
+    let textured = f32::from(u8::from(batch.texture.is_some()));
+    SurfaceNumbers {
+        base: batch.base,
+        kind: [metal, rough, kind, textured],
+        texture_map: map,
+        turn: [turn.sin(), turn.cos(), 0.0, 0.0],
+    }
+}
+
+/// The edges of all triangles, each once.
+fn edges(device: &wgpu::Device, scene: &DrawnScene) -> (wgpu::Buffer, u32) {
+    let mut list: Vec<[u32; 2]> = Vec::with_capacity(scene.indices.len());
+    for &[a, b, c] in scene.indices.as_chunks::<3>().0 {
+        list.extend([[a, b], [b, c], [c, a]].map(|[i, j]| [i.min(j), i.max(j)]));
+    }
+    list.sort_unstable();
+    list.dedup();
+    let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("edges"),
+        contents: bytemuck::cast_slice(&list),
+        usage: wgpu::BufferUsages::INDEX,
+    });
+    (buffer, 2 * list.len() as u32)
+}
+
+/// Part of the shadow map over which the edge of a shadow is spread.
+const SOFTNESS: f32 = 0.004;
+
+fn globals(frame: &View) -> Globals {
+    let camera = &frame.camera;
+    let aspect = frame.size[0] as f32 / frame.size[1].max(1) as f32;
+    let radius = frame.shown.as_ref().map_or(1.0, |s| s.1.radius as f32);
+    // The lights turn with the camera, as in greenstick's pictures.
+    let (right, vertical) = (camera.right(), camera.vertical());
+    let toward = right.cross(vertical);
+    let direction = |x: f32, y: f32, z: f32| (right * x + vertical * y + toward * z).normalize();
+    let (key, rim) = (direction(-0.75, 0.95, 0.55), direction(0.85, 0.55, -0.75));
+    // The shadow map covers what is in the picture; what casts shadows may lie anywhere between.
+    let covered = (0.55 * camera.distance).min(radius * 1.05).max(1e-6);
+    let centre = camera.target;
+    let reach = centre.length() + radius + covered;
+    let light = orthographic(-covered, covered, -covered, covered, 0.0, 2.0 * reach)
+        * look_at_mat4(centre + key * reach, centre, vertical);
+    let eye = if camera.parallel {
+        camera.target + camera.backward() * 1e3 * camera.distance
+    } else {
+        camera.eye()
+    };
+    let pixel = if camera.parallel {
+        camera.pixel(frame.size[1] as f32) / 1e3
+    } else {
+        camera.pixel(frame.size[1] as f32)
+    };
+    let (normal, distance) = frame.section.unwrap_or((Vec3::X, 0.0));
+    let on = |x: bool| f32::from(u8::from(x));
+    Globals {
+        view_projection: camera.projection(aspect, radius).to_cols_array_2d(),
+        light_projection: light.to_cols_array_2d(),
+        eye: eye.extend(pixel).to_array(),
+        up: vertical.extend(frame.colours as u8 as f32).to_array(),
+        key_direction: key.extend(SOFTNESS).to_array(),
+        rim_direction: rim.extend(0.0).to_array(),
+        background: [
+            frame.background[0],
+            frame.background[1],
+            frame.background[2],
+            0.0,
+        ],
+        section: normal.extend(distance).to_array(),
+        flags: [
+            on(frame.section.is_some()),
+            (2.0 * covered / SHADOW_SIDE as f32).max(SOFTNESS * covered),
+            0.0,
+            0.0,
+        ],
+    }
+}
+
+impl egui_wgpu::CallbackTrait for View {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(renderer) = resources.get_mut::<Renderer>() {
+            renderer.draw(device, queue, encoder, self);
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        let Some(renderer) = resources.get::<Renderer>() else {
+            return;
+        };
+        if let Some(target) = &renderer.target {
+            pass.set_pipeline(&renderer.pipelines.to_window);
+            pass.set_bind_group(0, &target.copy, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}

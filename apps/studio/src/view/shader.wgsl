@@ -1,0 +1,615 @@
+// What the viewport shows: wood and bark as functions of their address, after greenstick's wood::appearance, and the
+// input's own materials, in the light of greenstick's pictures: a large key light with shadow, a rim light, a sky.
+// The figures are those of the pictures; only the hash behind them differs, as shaders have no 64-bit numbers.
+
+struct Globals {
+    view_projection: mat4x4<f32>,
+    light_projection: mat4x4<f32>,
+    eye: vec4<f32>,            // w: size of a pixel at a distance of 1
+    up: vec4<f32>,             // w: what colours show
+    key_direction: vec4<f32>,  // w: radius of the soft shadow in the shadow map
+    rim_direction: vec4<f32>,
+    background: vec4<f32>,     // w: 1 where the target is encoded by the card
+    section: vec4<f32>,        // plane beyond which nothing is drawn
+    flags: vec4<f32>,          // x: section on, y: by how much surfaces are lifted out of their own shadow
+};
+
+struct Wood {
+    sapwood: vec4<f32>,
+    latewood: vec4<f32>,
+    heartwood: vec4<f32>,
+    pith: vec4<f32>,
+    phloem: vec4<f32>,
+    cork: vec4<f32>,
+    ridge: vec4<f32>,
+    furrow: vec4<f32>,
+    edges: vec4<f32>,    // radius, pith, heartwood, phloem
+    rings: vec4<f32>,    // cork, contrast of latewood, its width, ring-porous
+    vessels: vec4<f32>,  // diameter, contrast of rays, their height, lenticels
+    square: vec4<f32>,   // least x and y of the ring field, its side, texels along a side
+    bark: vec4<f32>,     // width and depth of furrows, whether a board, whether rings are in the field
+    seed: vec4<u32>,
+    middle: vec4<f32>,   // pith in the section
+};
+
+struct Surface {
+    base: vec4<f32>,
+    // metalness, roughness, kind (0 its own material, 1 wood, 2 skin of the stem), whether it has a texture
+    kind: vec4<f32>,
+    // scale and offset of texture coordinates
+    texture_map: vec4<f32>,
+    // sine and cosine of their turn
+    turn: vec4<f32>,
+};
+
+@group(0) @binding(0) var<uniform> g: Globals;
+@group(0) @binding(1) var shadow_map: texture_depth_2d;
+@group(0) @binding(2) var shadow_sampler: sampler_comparison;
+@group(1) @binding(0) var<uniform> wood: Wood;
+@group(1) @binding(1) var ring_field: texture_2d<f32>;
+@group(1) @binding(2) var ring_years: texture_2d<f32>;
+@group(2) @binding(0) var<uniform> surface: Surface;
+@group(2) @binding(1) var base_texture: texture_2d<f32>;
+@group(2) @binding(2) var base_sampler: sampler;
+
+struct VertexIn {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) grain: vec4<f32>,
+    @location(4) zone_piece: vec2<f32>,
+};
+
+struct Varying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) grain: vec4<f32>,
+    @location(4) zone_piece: vec2<f32>,
+};
+
+@vertex
+fn vertex_main(v: VertexIn) -> Varying {
+    var out: Varying;
+    out.clip = g.view_projection * vec4<f32>(v.position, 1.0);
+    out.position = v.position;
+    out.normal = v.normal;
+    out.uv = v.uv;
+    out.grain = v.grain;
+    out.zone_piece = v.zone_piece;
+    return out;
+}
+
+@vertex
+fn vertex_shadow(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
+    return g.light_projection * vec4<f32>(position, 1.0);
+}
+
+// Lines a little nearer than the surface they lie on.
+@vertex
+fn vertex_line(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
+    var clip = g.view_projection * vec4<f32>(position, 1.0);
+    clip.z -= 2e-4 * clip.w;
+    return clip;
+}
+
+@fragment
+fn fragment_line() -> @location(0) vec4<f32> {
+    return vec4<f32>(0.02, 0.03, 0.05, 0.55);
+}
+
+// ---------------------------------------------------------------- noise
+
+fn mixed(h0: u32) -> u32 {
+    var h = h0;
+    h = (h ^ (h >> 16u)) * 0x7feb352du;
+    h = (h ^ (h >> 15u)) * 0x846ca68bu;
+    return h ^ (h >> 16u);
+}
+
+fn hash(seed: u32, x: i32, y: i32, z: i32) -> u32 {
+    let a = mixed(seed ^ (u32(x) * 0x9e3779b9u));
+    let b = mixed(a ^ (u32(y) * 0x85ebca6bu));
+    return mixed(b ^ (u32(z) * 0xc2b2ae35u));
+}
+
+fn unit(seed: u32, x: i32, y: i32, z: i32) -> f32 {
+    return f32(hash(seed, x, y, z) >> 8u) / 16777216.0;
+}
+
+fn corner(seed: u32, cell: vec3<i32>, f: vec3<f32>, o: vec3<i32>) -> vec4<f32> {
+    let c = cell + o;
+    let h = hash(seed, c.x, c.y, c.z);
+    let grad = vec3<f32>(f32(h & 1023u), f32((h >> 10u) & 1023u), f32((h >> 20u) & 1023u)) * (2.0 / 1023.0) - 1.0;
+    return vec4<f32>(grad, dot(grad, f - vec3<f32>(o)));
+}
+
+// A step of interpolation of gradient (xyz) and value (w) along one axis.
+fn joined(a: vec4<f32>, b: vec4<f32>, s: f32, ds: vec3<f32>) -> vec4<f32> {
+    var r = a + (b - a) * s;
+    r = vec4<f32>(r.xyz + ds * (b.w - a.w), r.w);
+    return r;
+}
+
+// Gradient noise with features as wide as 1: gradient in xyz, value (about -1 to 1) in w.
+fn noise(seed: u32, p: vec3<f32>) -> vec4<f32> {
+    let low = floor(p);
+    let cell = vec3<i32>(low);
+    let f = p - low;
+    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let ds = f * f * (f * (f - 2.0) + 1.0) * 30.0;
+    let dx = vec3<f32>(ds.x, 0.0, 0.0);
+    let dy = vec3<f32>(0.0, ds.y, 0.0);
+    let x00 = joined(corner(seed, cell, f, vec3<i32>(0, 0, 0)), corner(seed, cell, f, vec3<i32>(1, 0, 0)), s.x, dx);
+    let x10 = joined(corner(seed, cell, f, vec3<i32>(0, 1, 0)), corner(seed, cell, f, vec3<i32>(1, 1, 0)), s.x, dx);
+    let x01 = joined(corner(seed, cell, f, vec3<i32>(0, 0, 1)), corner(seed, cell, f, vec3<i32>(1, 0, 1)), s.x, dx);
+    let x11 = joined(corner(seed, cell, f, vec3<i32>(0, 1, 1)), corner(seed, cell, f, vec3<i32>(1, 1, 1)), s.x, dx);
+    let y0 = joined(x00, x10, s.y, dy);
+    let y1 = joined(x01, x11, s.y, dy);
+    return joined(y0, y1, s.z, vec3<f32>(0.0, 0.0, ds.z)) * 1.25;
+}
+
+// How much of a figure of a size is left when averaged over a footprint.
+fn visible(size: f32, footprint: f32) -> f32 {
+    return 1.0 - smoothstep(0.4, 1.2, footprint / size);
+}
+
+// ---------------------------------------------------------------- wood
+
+struct Look {
+    color: vec3<f32>,
+    roughness: f32,
+    slope: vec3<f32>,
+};
+
+// Ring coordinate, and for rings that follow no coordinate their number, place in the ring and width.
+fn field_at(across: vec2<f32>) -> vec4<f32> {
+    let n = i32(wood.square.w);
+    let t = (across - wood.square.xy) / wood.square.z * wood.square.w - 0.5;
+    let low = floor(t);
+    let f = t - low;
+    let c = vec2<i32>(low);
+    let last = vec2<i32>(n - 1);
+    let zero = vec2<i32>(0);
+    let a = textureLoad(ring_field, clamp(c, zero, last), 0);
+    let b = textureLoad(ring_field, clamp(c + vec2<i32>(1, 0), zero, last), 0);
+    let d = textureLoad(ring_field, clamp(c + vec2<i32>(0, 1), zero, last), 0);
+    let e = textureLoad(ring_field, clamp(c + vec2<i32>(1, 1), zero, last), 0);
+    let rho = mix(mix(a.x, b.x, f.x), mix(d.x, e.x, f.x), f.y);
+    let nearest = textureLoad(ring_field, clamp(vec2<i32>(floor(t + 0.5)), zero, last), 0);
+    return vec4<f32>(rho, nearest.yzw);
+}
+
+struct Year {
+    number: f32,
+    fraction: f32,
+    width: f32,
+    strength: f32,
+};
+
+// Years by ring coordinate: texels of 1/1638.4, each with the ring in its middle.
+fn year_at(field: vec4<f32>) -> Year {
+    var year: Year;
+    if (wood.bark.w > 0.5) {
+        year.number = field.y;
+        year.fraction = field.z;
+        year.width = field.w;
+        year.strength = unit(wood.seed.x ^ 0x59454152u, i32(field.y), 0, 0);
+        return year;
+    }
+    let last = i32(textureDimensions(ring_years).x) - 1;
+    var at = clamp(i32(field.x * 1638.4), 0, last);
+    var ring = textureLoad(ring_years, vec2<i32>(at, 0), 0);
+    if (field.x > ring.z && at < last) {
+        ring = textureLoad(ring_years, vec2<i32>(at + 1, 0), 0);
+    } else if (field.x < ring.y && at > 0) {
+        ring = textureLoad(ring_years, vec2<i32>(at - 1, 0), 0);
+    }
+    year.width = max(ring.z - ring.y, 1e-6);
+    year.number = ring.x;
+    year.fraction = clamp((field.x - ring.y) / year.width, 0.0, 1.0);
+    year.strength = ring.w;
+    return year;
+}
+
+fn late_rise(f: f32, start: f32) -> f32 {
+    return max((f - floor(f) - start) / (1.0 - start), 0.0);
+}
+
+fn late_integral(f: f32, start: f32) -> f32 {
+    let x = late_rise(f, start);
+    let one = (1.0 - start) / 3.0;
+    return floor(f) * one + one * x * x * x;
+}
+
+fn vessel_at(place: vec3<f32>, first: f32, footprint: f32) -> f32 {
+    let diameter = wood.vessels.x;
+    if (diameter <= 0.0) { return 0.0; }
+    let seen = visible(diameter * 1.6, footprint);
+    var density = 0.5;
+    if (wood.rings.w > 0.5) { density = 0.06 + 0.94 * first; }
+    let average = 0.22 * density;
+    if (seen <= 0.0) { return average; }
+    let width = diameter * 1.5;
+    let p = place.xy / width;
+    let cell = vec2<i32>(floor(p));
+    let seed = wood.seed.x ^ 0x56u;
+    let z = place.z / (diameter * 130.0) + unit(seed, cell.x, cell.y, -1);
+    let k = floor(z);
+    let h = hash(seed, cell.x, cell.y, i32(k));
+    if (f32(h & 255u) / 256.0 > density) { return average * (1.0 - seen); }
+    let radius = 0.24 + 0.10 * f32((h >> 8u) & 255u) / 256.0;
+    let centre = vec2<f32>(radius) + (1.0 - 2.0 * radius) * vec2<f32>(f32((h >> 16u) & 255u), f32(h >> 24u)) / 256.0;
+    let off = length(p - vec2<f32>(cell) - centre);
+    let soft = max(0.5 * footprint / width, 0.05);
+    let taper = smoothstep(0.0, 0.08, min(z - k, 1.0 - (z - k)));
+    return mix(average, 1.0 - smoothstep(radius - soft, radius + soft, off), seen) * taper;
+}
+
+fn ray_of(number: i32, share: f32, radius: f32, turn: f32, along: f32, footprint: f32) -> f32 {
+    let wide = max(0.12e-3, footprint);
+    let x = fract(turn) * f32(number);
+    let sector = i32(floor(x)) % number;
+    let seed = wood.seed.x ^ 0x59u ^ (u32(number) << 8u);
+    let z = along / wood.vessels.z + unit(seed, sector, -1, 0);
+    let level = i32(floor(z));
+    let out = radius / 14e-3 + unit(seed, sector, level, -2);
+    let h = hash(seed, sector, level, i32(floor(out)));
+    if (f32(h & 1023u) / 1024.0 > 0.75 * clamp(share, 0.0, 1.0)) { return 0.0; }
+    let off = abs(fract(x) - 0.2 - 0.6 * f32((h >> 10u) & 1023u) / 1024.0) * 6.2831853 * radius / f32(number);
+    let fz = fract(z);
+    let fr = fract(out);
+    let lens = 4.0 * fz * (1.0 - fz);
+    let ends = smoothstep(0.0, 0.15, min(fr, 1.0 - fr));
+    let thick = wide * (0.4 + 0.6 * lens);
+    let body = (1.0 - smoothstep(0.3 * thick, thick, off)) * ends * smoothstep(0.0, 0.3, lens);
+    return body * (0.35 + 0.65 * f32((h >> 20u) & 1023u) / 1024.0) * 0.12e-3 / wide;
+}
+
+fn ray_at(across: vec2<f32>, rho: f32, along: f32, footprint: f32) -> f32 {
+    let radius = length(across);
+    if (wood.vessels.y <= 0.0 || rho > wood.edges.w || radius < 1e-6) { return 0.0; }
+    let seen = visible(min(0.55e-3, wood.vessels.z), footprint);
+    if (seen <= 0.0) { return 0.046; }
+    let wanted = 6.2831853 * radius / 1.1e-3;
+    let sectors = max(4.0, exp2(floor(log2(max(wanted, 1.0)))));
+    let turn = atan2(across.y, across.x) / 6.2831853;
+    let a = ray_of(i32(sectors), 2.0 - wanted / sectors, radius, turn, along, footprint);
+    let b = ray_of(i32(sectors) * 2, wanted / sectors - 1.0, radius, turn, along, footprint);
+    return mix(0.046, max(a, b), seen);
+}
+
+struct Streaks { shade: f32, slope: vec3<f32> };
+
+fn streaks_at(place: vec3<f32>, footprint: f32) -> Streaks {
+    var widths = array<f32, 4>(5.0e-3, 1.3e-3, 0.35e-3, 0.10e-3);
+    var shares = array<f32, 4>(0.10, 0.17, 0.24, 0.24);
+    var reliefs = array<f32, 4>(120e-6, 90e-6, 48e-6, 16e-6);
+    var out: Streaks;
+    out.shade = 0.0;
+    out.slope = vec3<f32>(0.0);
+    for (var i = 0; i < 4; i++) {
+        let seen = visible(widths[i], footprint);
+        if (seen <= 0.0) { break; }
+        let scale = vec3<f32>(1.0, 1.0, 1.0 / 40.0) / widths[i];
+        let n = noise(wood.seed.x ^ 0x53u ^ (u32(i) << 8u), place * scale);
+        let squash = select(0.5, 0.35, n.w > 0.0);
+        out.shade += n.w * (1.0 - squash * n.w) * shares[i] * seen;
+        out.slope += n.xyz * scale * (reliefs[i] * seen);
+    }
+    return out;
+}
+
+fn tissue(color: vec3<f32>, tissue_color: vec3<f32>, speck: f32, shade: f32, end: f32, inside: f32) -> vec3<f32> {
+    return mix(color, tissue_color * ((1.0 + speck + 0.5 * shade) * (1.0 - 0.15 * end)), inside);
+}
+
+fn wood_at(across: vec2<f32>, along: f32, end0: f32, footprint: f32) -> Look {
+    let end = clamp(end0, 0.0, 1.0);
+    let place = vec3<f32>(across, along);
+    let radius = wood.edges.x;
+    let field = field_at(across);
+    let rho = field.x;
+    let year = year_at(field);
+    let ring_width = year.width * radius;
+    let half = max(0.6 * footprint / ring_width, 0.02);
+    let start = 1.0 - clamp(wood.rings.z, 0.02, 1.0);
+    let mean = (late_integral(year.fraction + half, start) - late_integral(year.fraction - half, start)) / (2.0 * half);
+    let a = late_rise(year.fraction + half, start);
+    let b = late_rise(year.fraction - half, start);
+    let strength = wood.rings.y * (0.55 + 0.45 * year.strength);
+    let late = mean * strength;
+    let late_slope = (a * a - b * b) / (2.0 * half) * strength / ring_width;
+    let first = select(1.0, 1.0 - smoothstep(0.12, 0.34, year.fraction), wood.rings.w > 0.5);
+    let streaks = streaks_at(place, footprint);
+    let vessel = vessel_at(place, first, footprint);
+    let ray = wood.vessels.y * ray_at(across, rho, along, footprint);
+
+    var heart = 0.0;
+    if (wood.edges.z > 0.0) {
+        let wander = noise(wood.seed.x ^ 0x48u, place / vec3<f32>(0.4, 0.4, 10.0) / radius).w;
+        let edge = wood.edges.z + 0.07 * wander;
+        heart = 1.0 - smoothstep(edge - 0.035, edge + 0.025, rho);
+    }
+    var color = mix(wood.sapwood.rgb, wood.heartwood.rgb, heart);
+    color *= mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), late);
+    color *= 1.0 - 0.30 * end * (1.0 - 0.25 * late);
+    color *= vec3<f32>(1.0) - vec3<f32>(0.50, 0.58, 0.66) * vessel;
+    color *= mix(vec3<f32>(0.80, 0.74, 0.68), vec3<f32>(1.22, 1.24, 1.26), end) * ray + (1.0 - ray);
+    color *= max(vec3<f32>(1.0) + vec3<f32>(1.0, 1.18, 1.45) * streaks.shade, vec3<f32>(0.1));
+
+    // Pith and barks over the wood near and beyond their edges.
+    let soft = max(footprint / radius, 0.004);
+    let thick = clamp(wood.rings.x - wood.edges.w, 0.0, 0.1);
+    if (rho > wood.edges.w - soft - 0.01 - thick || rho <= wood.edges.y * 1.15 + soft + 0.01) {
+        let ragged = noise(wood.seed.x ^ 0x4bu, place * vec3<f32>(900.0, 900.0, 125.0)).w;
+        let speck = ragged * visible(1.1e-3, footprint);
+        let in_pith = 1.0 - smoothstep(wood.edges.y * 0.7 - soft, wood.edges.y * 1.15 + soft, rho + 0.008 * ragged);
+        color = tissue(color, wood.pith.rgb, 0.22 * speck, streaks.shade, end, in_pith * step(1e-6, wood.edges.y));
+        let u1 = noise(wood.seed.x ^ 0x14bu, place / (0.5 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
+        let u2 = noise(wood.seed.x ^ 0x24bu, place / (0.13 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
+        let wavy = rho + 0.008 * ragged + thick * (0.5 * u1 + 0.32 * u2);
+        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy);
+        color = tissue(color, wood.phloem.rgb, 0.20 * speck, streaks.shade, end, in_phloem);
+        let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, wavy);
+        color = tissue(color, wood.cork.rgb, 0.42 * speck, streaks.shade, end, in_cork);
+    }
+    var look: Look;
+    look.color = clamp(color, vec3<f32>(0.004), vec3<f32>(1.0));
+    look.roughness = clamp(0.78 - 0.10 * late + 0.12 * end + 0.3 * abs(streaks.shade), 0.3, 1.0);
+    let outward = across / max(length(across), 1e-6);
+    look.slope = streaks.slope + vec3<f32>(outward * (40e-6 * late_slope), 0.0);
+    return look;
+}
+
+fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
+    let width = wood.bark.x;
+    let depth = wood.bark.y;
+    let seed = wood.seed.y ^ 0xba7cu;
+    var sizes = array<f32, 3>(1.0, 0.45, 0.17);
+    var stretches = array<f32, 3>(6.0, 3.5, 2.2);
+    var shares = array<f32, 3>(1.0, 0.55, 0.35);
+    var ridge = 1.0;
+    var slope = vec3<f32>(0.0);
+    for (var i = 0; i < 3; i++) {
+        let size = sizes[i] * width;
+        let seen = visible(size, footprint);
+        var open = 0.78;
+        if (seen > 0.0) {
+            let own = seed ^ (u32(i + 1) << 16u);
+            let shift = noise(own ^ 1u, place * vec3<f32>(0.9, 0.9, 0.35) / size).w;
+            let moved = place + vec3<f32>(shift, -shift, 0.0) * (0.5 * size);
+            let scale = vec3<f32>(1.0, 1.0, 1.0 / stretches[i]) / size;
+            let n = noise(own, moved * scale);
+            let opening = noise(own ^ 2u, place * vec3<f32>(0.7, 0.7, 0.3) / size).w;
+            let edge = 0.17 * max(1.0 + 1.1 * opening, 0.12);
+            let x = min(abs(n.w) / edge, 1.0);
+            open = mix(0.78, x * x * (3.0 - 2.0 * x), seen);
+            if (x < 1.0) {
+                slope += n.xyz * scale * sign(n.w) / edge * (6.0 * x * (1.0 - x) * depth * shares[i] * seen);
+            }
+        }
+        ridge *= 1.0 - shares[i] * (1.0 - open);
+    }
+    var flake_sizes = array<f32, 4>(1.7, 0.5, 0.16, 0.055);
+    var flake_shares = array<f32, 4>(0.18, 0.22, 0.26, 0.24);
+    var shade = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let size = flake_sizes[i] * width;
+        let seen = visible(size, footprint);
+        if (seen <= 0.0) { break; }
+        let scale = vec3<f32>(1.0, 1.0, 0.6) / size;
+        let n = noise(seed ^ (u32(i + 2) << 8u), place * scale);
+        shade += n.w * flake_shares[i] * seen;
+        slope += n.xyz * scale * (0.16 * min(size, depth * 4.0) * seen);
+    }
+    let patchy = noise(seed ^ 3u, place * vec3<f32>(1.0, 1.0, 0.6) / (4.0 * width)).w;
+    let weathered = mix(wood.ridge.rgb, vec3<f32>(0.24, 0.24, 0.19), clamp(0.30 + 0.5 * patchy, 0.0, 0.6));
+    var look: Look;
+    var color = mix(wood.furrow.rgb, weathered, ridge) * max(1.0 + 1.3 * shade, 0.15);
+    if (wood.vessels.w > 0.0) {
+        let v = noise(seed ^ 4u, place * vec3<f32>(1.0, 1.0, 6.0) / (0.5 * width)).w;
+        let spot = smoothstep(0.45, 0.62, v) * wood.vessels.w * visible(0.1 * width, footprint);
+        color = mix(color, vec3<f32>(0.30, 0.22, 0.15), spot);
+    }
+    look.color = clamp(color, vec3<f32>(0.004), vec3<f32>(1.0));
+    look.roughness = 0.95;
+    look.slope = slope;
+    return look;
+}
+
+// ---------------------------------------------------------------- light
+
+fn shadow_at(position: vec3<f32>, normal: vec3<f32>, pixel: vec2<f32>) -> f32 {
+    let lit = g.light_projection * vec4<f32>(position + normal * (1.5 * g.flags.y), 1.0);
+    let uv = vec2<f32>(0.5, -0.5) * lit.xy + 0.5;
+    let depth = lit.z;
+    // A turn for each pixel of a 4 x 4 tile hides the pattern of the taps.
+    let tile = vec2<u32>(pixel) % vec2<u32>(4u);
+    let turn = f32((tile.x * 5u + tile.y * 11u) % 16u) * 0.3927;
+    let c = cos(turn);
+    let s = sin(turn);
+    var sum = 0.0;
+    for (var i = 0; i < 12; i++) {
+        let r = sqrt((f32(i) + 0.5) / 12.0);
+        let angle = f32(i) * 2.39996;
+        let d = vec2<f32>(cos(angle), sin(angle)) * r;
+        let tap = uv + vec2<f32>(d.x * c - d.y * s, d.x * s + d.y * c) * g.key_direction.w;
+        sum += textureSampleCompareLevel(shadow_map, shadow_sampler, tap, depth);
+    }
+    // The near and far planes hold the whole scene; beside the map there is light.
+    let inside = all(uv >= vec2<f32>(0.0)) && all(uv <= vec2<f32>(1.0));
+    return select(1.0, sum / 12.0, inside);
+}
+
+fn scatter(color: vec3<f32>, roughness: f32, metal: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
+    let h = normalize(l + v);
+    let nl = max(dot(n, l), 1e-4);
+    let nv = max(dot(n, v), 0.05);
+    let nh = max(dot(n, h), 0.0);
+    let vh = clamp(dot(v, h), 0.0, 1.0);
+    let r = roughness * roughness;
+    let a = r * r;
+    let d = nh * nh * (a - 1.0) + 1.0;
+    let masking = nl * sqrt(nv * nv * (1.0 - a) + a) + nv * sqrt(nl * nl * (1.0 - a) + a);
+    let f0 = mix(vec3<f32>(0.04), color, metal);
+    let fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+    return color * (1.0 - metal) * (1.0 - fresnel) / 3.14159265 + a / (3.14159265 * d * d) * 0.5 / masking * fresnel;
+}
+
+fn tone(v: vec3<f32>) -> vec3<f32> {
+    let over = max(v - 0.65, vec3<f32>(0.0)) / 0.35;
+    let mapped = select(v, 0.65 + 0.35 * over / (1.0 + over), v > vec3<f32>(0.65));
+    let low = mapped * 12.92;
+    let high = 1.055 * pow(max(mapped, vec3<f32>(1e-6)), vec3<f32>(1.0 / 2.4)) - 0.055;
+    return select(high, low, mapped <= vec3<f32>(0.0031308));
+}
+
+fn hue(t: f32) -> vec3<f32> {
+    let p = abs(fract(t + vec3<f32>(0.0, 0.6667, 0.3333)) * 6.0 - 3.0);
+    return mix(vec3<f32>(1.0), clamp(p - 1.0, vec3<f32>(0.0), vec3<f32>(1.0)), 0.55) * 0.62;
+}
+
+fn zone_color(zone: f32) -> vec3<f32> {
+    let z = i32(round(zone));
+    if (z == 0) { return vec3<f32>(0.16, 0.06, 0.03); }
+    if (z == 1) { return vec3<f32>(0.42, 0.14, 0.06); }
+    if (z == 2) { return vec3<f32>(0.75, 0.47, 0.17); }
+    if (z == 3) { return vec3<f32>(0.25, 0.42, 0.10); }
+    return vec3<f32>(0.11, 0.10, 0.12);
+}
+
+@fragment
+fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let to_eye = g.eye.xyz - v.position;
+    let distance = length(to_eye);
+    let view = to_eye / distance;
+    let footprint = distance * g.eye.w;
+    // The plane of the triangle, and how the grain coordinates rise along it.
+    let dp1 = dpdx(v.position);
+    let dp2 = dpdy(v.position);
+    let dg1 = dpdx(v.grain.xyz);
+    let dg2 = dpdy(v.grain.xyz);
+    let tex = vec2<f32>(surface.turn.y * v.uv.x + surface.turn.x * v.uv.y, surface.turn.y * v.uv.y - surface.turn.x * v.uv.x);
+    let texel = textureSample(base_texture, base_sampler, tex * surface.texture_map.xy + surface.texture_map.zw);
+    if (g.flags.x > 0.5 && dot(g.section.xyz, v.position) > g.section.w) { discard; }
+    let plane = cross(dp1, dp2);
+    let area = max(length(plane), 1e-20);
+    var flat = plane / area;
+    if (dot(flat, view) < 0.0) { flat = -flat; }
+    let m = plane / area;
+    let g1 = cross(dp2, m) / area;
+    let g2 = cross(m, dp1) / area;
+    let rise_x = g1 * dg1.x + g2 * dg2.x;
+    let rise_y = g1 * dg1.y + g2 * dg2.y;
+    let rise_z = g1 * dg1.z + g2 * dg2.z;
+    var normal = flat;
+    if (dot(v.normal, v.normal) > 0.1) {
+        normal = normalize(v.normal);
+        if (dot(normal, flat) < 0.0) { normal = -normal; }
+    }
+    let end = sqrt(max(1.0 - dot(rise_z, rise_z), 0.0));
+    let on_stem = v.grain.w > 0.5;
+    let mode = i32(g.up.w);
+    let across = v.grain.xy - wood.middle.xy;
+    var look: Look;
+    look.color = surface.base.rgb;
+    look.roughness = surface.kind.y;
+    look.slope = vec3<f32>(0.0);
+    var metal = 0.0;
+    let is_wood = surface.kind.z > 0.5 && surface.kind.z < 1.5 && on_stem;
+    let is_skin = surface.kind.z > 1.5;
+    let sawn = is_skin && on_stem && (wood.bark.z > 0.5 || dot(rise_z, rise_z) < 0.19);
+    if (mode == 0) {
+        if (is_wood || sawn) {
+            look = wood_at(across, v.grain.z, end, footprint);
+        } else if (is_skin) {
+            // Off the stem, as in the pictures: about the vertical, as far out as the stem is thick.
+            let out = normal.xz / max(length(normal.xz), 1e-6);
+            var place = vec3<f32>(out * wood.edges.x, v.position.y);
+            if (on_stem) { place = vec3<f32>(across, v.grain.z); }
+            look = bark_at(place, footprint);
+        } else {
+            metal = surface.kind.x;
+            if (surface.kind.w > 0.5) { look.color *= texel.rgb; }
+        }
+    } else if (mode == 1) {
+        look.color = select(vec3<f32>(0.3), zone_color(v.zone_piece.x), on_stem);
+        look.roughness = 0.9;
+    } else if (mode == 2) {
+        look.color = vec3<f32>(0.3);
+        if (on_stem && (is_wood || sawn)) {
+            let year = year_at(field_at(across));
+            look.color = hue(year.number * 0.381966) * (1.0 - 0.55 * smoothstep(0.6, 1.0, year.fraction));
+        }
+        look.roughness = 0.9;
+    } else if (mode == 3) {
+        look.color = hue(v.zone_piece.y * 0.381966 + 0.08);
+        look.roughness = 0.9;
+    } else {
+        look.color = vec3<f32>(0.55, 0.55, 0.54);
+        look.roughness = 0.85;
+    }
+    let rise = rise_x * look.slope.x + rise_y * look.slope.y + rise_z * look.slope.z;
+    let tangential = rise - normal * dot(normal, rise);
+    var n = normalize(normal - tangential);
+    let cosine = dot(n, flat);
+    if (cosine < 0.1) { n = normalize(n + flat * (0.1 - cosine)); }
+
+    let right_light = shadow_at(v.position, flat, v.clip.xy);
+    let key = g.key_direction.xyz;
+    let rim = g.rim_direction.xyz;
+    let up = g.up.xyz;
+    let roughness = clamp(look.roughness, 0.3, 1.0);
+    // As in the pictures: what faces away from a light in its plane is in its own shadow.
+    var radiance = scatter(look.color, roughness, metal, n, view, key) * vec3<f32>(2.55, 2.45, 2.28)
+        * max(dot(n, key), 0.0) * smoothstep(-0.1, 0.15, dot(flat, key)) * right_light;
+    radiance += scatter(look.color, roughness, metal, n, view, rim) * vec3<f32>(0.85, 0.92, 1.05)
+        * max(dot(n, rim), 0.0) * smoothstep(-0.1, 0.15, dot(flat, rim));
+    let sky = mix(vec3<f32>(0.336), vec3<f32>(0.50, 0.53, 0.58), 0.5 + 0.5 * dot(n, up));
+    // Where the key light does not get in, less of the sky does either.
+    let open = mix(0.72, 1.0, right_light);
+    radiance += look.color * sky * open * (1.0 - 0.5 * metal);
+    return vec4<f32>(tone(radiance), 1.0);
+}
+
+// ---------------------------------------------------------------- background and copy to the window
+
+struct Screen {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) uv: vec2<f32>,
+};
+
+@vertex
+fn vertex_screen(@builtin(vertex_index) i: u32) -> Screen {
+    var out: Screen;
+    let p = vec2<f32>(f32((i << 1u) & 2u), f32(i & 2u));
+    out.clip = vec4<f32>(p * 2.0 - 1.0, 1.0, 1.0);
+    out.uv = vec2<f32>(p.x, 1.0 - p.y);
+    return out;
+}
+
+@fragment
+fn fragment_background(s: Screen) -> @location(0) vec4<f32> {
+    let p = s.uv * 2.0 - 1.0;
+    let far = min(dot(p, p) * 0.5, 1.0);
+    let shade = 1.0 - 0.28 * far * far * (3.0 - 2.0 * far);
+    return vec4<f32>(tone(g.background.rgb * shade), 1.0);
+}
+
+@group(0) @binding(0) var picture: texture_2d<f32>;
+@group(0) @binding(1) var picture_sampler: sampler;
+
+@fragment
+fn fragment_copy(s: Screen) -> @location(0) vec4<f32> {
+    return vec4<f32>(textureSampleLevel(picture, picture_sampler, s.uv, 0.0).rgb, 1.0);
+}
+
+@fragment
+fn fragment_copy_linear(s: Screen) -> @location(0) vec4<f32> {
+    let c = textureSampleLevel(picture, picture_sampler, s.uv, 0.0).rgb;
+    let low = c / 12.92;
+    let high = pow((c + 0.055) / 1.055, vec3<f32>(2.4));
+    return vec4<f32>(select(high, low, c <= vec3<f32>(0.04045)), 1.0);
+}

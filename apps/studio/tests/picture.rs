@@ -1,0 +1,177 @@
+//! Pictures of the viewport, on whatever adapter there is. Without one these tests say that they did not run;
+//! `.ci/run` sets GREENSTICK_NEEDS_ADAPTER, so that there they fail.
+
+use glam::Vec3;
+use greenstick::RequestFile;
+use greenstick::geometry::Context;
+use greenstick_studio::model::engine::{Engine, Job};
+use greenstick_studio::model::input::Input;
+use greenstick_studio::model::meshes::DrawnScene;
+use greenstick_studio::view::camera::Camera;
+use greenstick_studio::view::renderer::{Colours, Renderer, View};
+use std::sync::Arc;
+
+const SIDE: u32 = 256;
+
+/// A card without a window.
+struct Card {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+}
+
+fn card(test: &str) -> Option<Card> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter =
+        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+    let Ok(adapter) = adapter else {
+        assert!(
+            std::env::var_os("GREENSTICK_NEEDS_ADAPTER").is_none(),
+            "there is no graphics adapter"
+        );
+        eprintln!("{test} did not run: there is no graphics adapter; install mesa-vulkan-drivers");
+        return None;
+    };
+    let asked = adapter.request_device(&wgpu::DeviceDescriptor::default());
+    let (device, queue) = pollster::block_on(asked).unwrap();
+    Some(Card { device, queue })
+}
+
+fn shown(settings: &[&str]) -> Arc<DrawnScene> {
+    let file = RequestFile::resolve(&[], None, settings).unwrap();
+    let job = Job {
+        input: Input::built_in(),
+        file,
+        coarse: false,
+    };
+    Arc::new(
+        Engine::default()
+            .work(&job, &Context::quiet())
+            .unwrap()
+            .drawn,
+    )
+}
+
+impl Card {
+    /// Draws a frame and reads it back: red, green, blue and 255 of each pixel.
+    fn draw(&self, renderer: &mut Renderer, frame: &View) -> Vec<[u8; 4]> {
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        assert!(renderer.draw(&self.device, &self.queue, &mut encoder, frame));
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: u64::from(4 * SIDE * SIDE),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let picture = renderer.picture().unwrap();
+        encoder.copy_texture_to_buffer(
+            picture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(4 * SIDE),
+                    rows_per_image: None,
+                },
+            },
+            picture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        buffer
+            .slice(..)
+            .map_async(wgpu::MapMode::Read, |r| r.unwrap());
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap();
+        let bytes = buffer.slice(..).get_mapped_range().unwrap().to_vec();
+        bytes.as_chunks::<4>().0.to_vec()
+    }
+}
+
+fn frame(shown: &Arc<DrawnScene>, colours: Colours) -> View {
+    let at = shown.breaks[0];
+    let mut camera = Camera {
+        yaw: 1.2,
+        pitch: 0.4,
+        ..Camera::default()
+    };
+    camera.frame(at.place, 3.0 * at.radius + at.reach, 1.0);
+    View {
+        shown: Some((1, shown.clone())),
+        camera,
+        size: [SIDE; 2],
+        colours,
+        wireframe: false,
+        section: None,
+        background: [0.0, 0.0, 1.0],
+    }
+}
+
+fn is_background(p: &[u8; 4]) -> bool {
+    p[0] == 0 && p[1] == 0 && p[2] > 150
+}
+
+#[test]
+fn wood_is_drawn_in_the_colours_of_wood() {
+    let Some(card) = card("wood_is_drawn_in_the_colours_of_wood") else {
+        return;
+    };
+    let shown = shown(&["part=6cm"]);
+    let mut renderer = Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
+    let pixels = card.draw(&mut renderer, &frame(&shown, Colours::Wood));
+    let stem: Vec<_> = pixels.iter().filter(|p| !is_background(p)).collect();
+    let share = stem.len() as f64 / pixels.len() as f64;
+    assert!((0.1..0.9).contains(&share), "{share}");
+    // Wood and bark are warm: red over green over blue, at nearly every pixel.
+    let warm = stem.iter().filter(|p| p[0] >= p[1] && p[1] >= p[2]).count();
+    assert!(
+        warm as f64 > 0.9 * stem.len() as f64,
+        "{warm} of {}",
+        stem.len()
+    );
+    let bright = stem.iter().filter(|p| p[0] > 120).count();
+    assert!(bright > 300, "the broken face shows no pale wood: {bright}");
+    // The same frame is not drawn again.
+    let mut encoder = card
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    assert!(!renderer.draw(
+        &card.device,
+        &card.queue,
+        &mut encoder,
+        &frame(&shown, Colours::Wood)
+    ));
+}
+
+#[test]
+fn every_kind_of_colours_shows_something_else() {
+    let Some(card) = card("every_kind_of_colours_shows_something_else") else {
+        return;
+    };
+    let shown = shown(&["part=6cm"]);
+    let mut renderer = Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
+    let pictures = Colours::ALL.map(|colours| card.draw(&mut renderer, &frame(&shown, colours)));
+    for (i, a) in pictures.iter().enumerate() {
+        for b in &pictures[..i] {
+            let differ = a.iter().zip(b).filter(|(p, q)| p != q).count();
+            assert!(differ > 2000, "{i}: {differ} pixels differ");
+        }
+    }
+    let mut wire = frame(&shown, Colours::Clay);
+    wire.wireframe = true;
+    let lines = card.draw(&mut renderer, &wire);
+    let differ = lines
+        .iter()
+        .zip(&pictures[4])
+        .filter(|(p, q)| p != q)
+        .count();
+    assert!(differ > 2000, "wireframe: {differ}");
+    let mut open = frame(&shown, Colours::Clay);
+    let at = shown.breaks[0];
+    let normal = at.along.cross(Vec3::Y).normalize();
+    open.section = Some((normal, normal.dot(at.place)));
+    let cut = card.draw(&mut renderer, &open);
+    let differ = cut.iter().zip(&pictures[4]).filter(|(p, q)| p != q).count();
+    assert!(differ > 1000, "section: {differ}");
+}
