@@ -16,6 +16,7 @@ use greenstick::skin::film;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::stem::{StemError, StemLocation};
+use greenstick_sweep::InputError;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -178,6 +179,16 @@ from_errors! {
     PictureError => |_| None,
     FilmError => film_hint,
     SimulateError => simulate_hint,
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::File(error) => error.into(),
+            InputError::Scan { path, error } => Failure::from(*error).about(&path),
+            InputError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
 }
 
 impl From<film::FilmError> for Failure {

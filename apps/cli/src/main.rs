@@ -18,7 +18,6 @@ mod list;
 mod outcome;
 mod progress;
 mod rings;
-mod scan;
 mod simulate;
 mod skin;
 mod species;
