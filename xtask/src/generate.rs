@@ -6,11 +6,12 @@ use std::path::Path;
 use std::process::Command;
 
 /// Pages, and the program's commands that print them.
-const PAGES: [(&str, &str); 4] = [
+const PAGES: [(&str, &str); 5] = [
     ("parameters", "parameters"),
     ("presets", "presets"),
     ("scenes", "simulate"),
     ("species", "species"),
+    ("sweeps", "sweep"),
 ];
 
 /// The first line of every page, which says where to change it.

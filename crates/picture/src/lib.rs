@@ -19,6 +19,7 @@ mod sampling;
 mod scale_bar;
 mod scene;
 mod shader;
+mod sheet;
 mod smooth;
 mod surface;
 
@@ -30,3 +31,4 @@ pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
 pub use render::{PictureOptions, render, render_scene};
 pub use shader::{Appearance, Hit, PlainMaterial, PlainShader, Shader};
+pub use sheet::{SheetCell, contact_sheet};
