@@ -1,42 +1,54 @@
-//! The reference pages below `docs/reference`, as the program prints them.
+//! The reference pages below `docs/reference`, as the program prints them, and the types of parameters for Python.
 
+use crate::stubs;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 /// Pages, and the program's commands that print them.
-const PAGES: [(&str, &str); 4] = [
+const PAGES: [(&str, &str); 5] = [
     ("parameters", "parameters"),
     ("presets", "presets"),
     ("scenes", "simulate"),
     ("species", "species"),
+    ("sweeps", "sweep"),
 ];
 
 /// The first line of every page, which says where to change it.
 const MARK: &str =
     "<!-- Written by `cargo xtask generate`; change the declarations, not this file. -->\n\n";
 
-/// Writes every page or, with `check`, only compares it. Returns a message for each page that differs.
+/// The file of types for Python.
+const STUBS: &str = "python/greenstick/_keys.pyi";
+
+/// Writes every file or, with `check`, only compares it. Returns a message for each page that differs.
 pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     let folder = root.join("docs/reference");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let mut faults = Vec::new();
+    let mut texts = Vec::new();
     for (page, command) in PAGES {
-        let path = folder.join(format!("{page}.md"));
-        let text = format!("{MARK}{}", printed(root, command)?);
+        let text = format!("{MARK}{}", printed(root, &[command, "--markdown"])?);
+        texts.push((format!("docs/reference/{page}.md"), text));
+    }
+    let listed = printed(root, &["parameters", "--json"])?;
+    texts.push((STUBS.to_owned(), stubs::stubs(&listed)?));
+    let mut faults = Vec::new();
+    for (name, text) in texts {
+        let path = root.join(&name);
         if !check {
             fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
         } else if fs::read_to_string(&path).ok().as_deref() != Some(&text) {
             faults.push(format!(
-                "docs/reference/{page}.md is not what the program prints; run `cargo xtask generate`"
+                "{name} is not what the program prints; run `cargo xtask generate`"
             ));
         }
     }
     Ok(faults)
 }
 
-/// Returns what `greenstick COMMAND --markdown` prints.
-fn printed(root: &Path, command: &str) -> Result<String, String> {
+/// Returns what `greenstick ARGUMENTS` prints.
+fn printed(root: &Path, wanted: &[&str]) -> Result<String, String> {
+    let command = wanted.join(" ");
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let arguments = [
         "run",
@@ -48,14 +60,14 @@ fn printed(root: &Path, command: &str) -> Result<String, String> {
     ];
     let output = Command::new(cargo)
         .args(arguments)
-        .args([command, "--markdown"])
+        .args(wanted)
         .current_dir(root)
         .output()
         .map_err(|e| format!("cargo run did not start: {e}"))?;
     let errors = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
-        return Err(format!("greenstick {command} --markdown failed: {errors}"));
+        return Err(format!("greenstick {command} failed: {errors}"));
     }
     String::from_utf8(output.stdout)
-        .map_err(|e| format!("greenstick {command} --markdown did not print UTF-8: {e}"))
+        .map_err(|e| format!("greenstick {command} did not print UTF-8: {e}"))
 }

@@ -10,6 +10,7 @@ mod lexer;
 mod modules;
 mod references;
 mod sources;
+mod stubs;
 mod workspace;
 
 use std::path::Path;
@@ -28,11 +29,11 @@ fn main() -> ExitCode {
         ),
         ["generate"] => (
             generate::generate(&root, false),
-            "the pages in docs/reference are written",
+            "the pages in docs/reference and the types for Python are written",
         ),
         ["generate", "--check"] => (
             generate::generate(&root, true),
-            "the pages in docs/reference are what the program prints",
+            "the pages in docs/reference and the types for Python are what the program prints",
         ),
         _ => {
             eprintln!("{USAGE}");

@@ -10,6 +10,7 @@ mod fracture_test;
 mod shared;
 mod simulate;
 mod skin;
+mod sweep;
 mod unit;
 
 pub use anatomy::AnatomyOptions;
@@ -22,6 +23,7 @@ pub use fracture_test::FractureTestOptions;
 pub use shared::{MeshOptions, ReportingOptions};
 pub use simulate::SimulateOptions;
 pub use skin::SkinOptions;
+pub use sweep::SweepOptions;
 pub use unit::UnitChoice;
 
 use clap::{Arg, Args, Parser, Subcommand};
@@ -38,6 +40,7 @@ Examples
   greenstick break tree.glb --at 0.3,2.1,-0.4          the limb at a point, the rest of the tree stays
   greenstick break beam.stl --unit mm --at 120cm       STL, OBJ, PLY and OFF do not say their unit
   greenstick break --preset splintering-tension --species \"white oak\" --seed 7
+  greenstick sweep sweep.toml -o variants              many breaks, and a table of them
   greenstick simulate three-blocks -o run              bonded fibres, moved and broken
   greenstick skin run -o film.glb                      its skin, as a film
   greenstick bend-test --species \"white oak\"           strength of a species in bending
@@ -87,6 +90,8 @@ pub struct Arguments {
 pub enum Command {
     /// Break a mesh, or the branch that comes with the program
     Break(Box<BreakOptions>),
+    /// Break wood many times, with parameters that vary, and list what came of it
+    Sweep(SweepOptions),
     /// Show the inside of a stem: sections, rings, voxels, particles
     Anatomy(Box<AnatomyOptions>),
     /// Say whether meshes are closed, oriented, manifold and free of crossings

@@ -7,7 +7,7 @@ use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::{scan, simulate};
+use crate::simulate;
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files;
 use greenstick::files::run::read_body_meshes;
@@ -22,6 +22,7 @@ use greenstick::simulate::{
 use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
 use greenstick::{BreakReport, Broken, picture_of_break};
+use greenstick_sweep::Input;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -237,7 +238,7 @@ fn read_mesh(
         Some(_) => request.file.common.place,
         None => setting.stem.at,
     };
-    let loaded = scan::load(path, at, request.file.unit, &request.file.scan, context)?;
+    let loaded = Input::load(path, at, request.file.unit, &request.file.scan, context)?;
     setting.stem.at = loaded.place;
     setting.stem.kind = StemChoice::Input;
     setting.stem.up = setting.stem.up.or(simulate::up_axis(path));

@@ -5,14 +5,13 @@ use crate::break_files::{Targets, format_end, recipe_text};
 use crate::failure::{Failure, parameter_hint, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::scan::{self, Loaded};
 use crate::values;
 use greenstick::files;
 use greenstick::formats::{InputFormat, LengthUnit};
-use greenstick::geometry::{Context, Provenance};
+use greenstick::geometry::Provenance;
 use greenstick::schema::{Field, ParameterError, Parameters};
-use greenstick::wood::stem::StemLocation;
-use greenstick::{BreakReport, BreakRequest, RequestFile, RequestFileError};
+use greenstick::{BreakReport, RequestFile, RequestFileError};
+use greenstick_sweep::Input;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,18 +40,16 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let progress = Progress::start(options.reporting.quiet);
     let [read, work, write] =
         progress.split([("read", 0.5), ("break", 2.0), ("write", targets.seconds())]);
-    let mut request = file.request();
-    let source = load(&file, input.as_deref(), request.breaks[0].place, &read)?;
+    let mut source = Input::of_request(&file, input.as_deref(), &read)?;
     targets.check(&source.files)?;
-    set_locations(&mut request, &source);
-    let mut scene = source.scene;
+    let request = source.request(&file);
+    let mut scene = std::mem::take(&mut source.scene);
     if let (Some(input), Some(pieces)) = (&input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
+    source.note_origin(&mut broken, &file, input.as_deref());
     let provenance = file.provenance(file_name(input.as_deref()).as_deref(), source.scan.as_ref());
-    broken.scene.metadata = provenance.metadata();
-    broken.report.scan = source.scan;
     let warning = unit_warning(input.as_deref(), unit, broken.report.place.stem_length_m);
     warning.into_iter().for_each(|note| broken.note(note));
     let outputs = targets.write(
@@ -93,37 +90,6 @@ fn hash(file: &RequestFile, input: Option<&Path>) -> String {
 pub fn file_name(path: Option<&Path>) -> Option<String> {
     let name = path.and_then(Path::file_name)?;
     Some(name.to_string_lossy().into_owned())
-}
-
-/// Sets the locations of the breaks on the stem that was reconstructed from a scan; that of the first was found with it.
-fn set_locations(request: &mut BreakRequest, source: &Loaded) {
-    request.breaks[0].place = source.place;
-    let origin = source.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
-    for one in &mut request.breaks[1..] {
-        if let StemLocation::Point(p) = &mut one.place {
-            (p.x, p.y, p.z) = (p.x - origin[0], p.y - origin[1], p.z - origin[2]);
-        }
-    }
-}
-
-/// Loads the input of a request, or the branch that comes with the program.
-fn load(
-    file: &RequestFile,
-    input: Option<&Path>,
-    place: StemLocation,
-    context: &Context,
-) -> Result<Loaded, Failure> {
-    context.report(0.0)?;
-    match input {
-        Some(path) => scan::load(path, place, file.unit, &file.scan, context),
-        None => Ok(Loaded {
-            scene: greenstick::built_in_branch(),
-            place,
-            scan: None,
-            cleaned: None,
-            files: Vec::new(),
-        }),
-    }
 }
 
 /// Length of a stem above which its unit is doubtful, m: the tallest tree known is 116 m high.

@@ -6,6 +6,7 @@ use crate::{break_wood, simulate};
 use clap::{CommandFactory, Parser};
 use greenstick::RequestFile;
 use greenstick::fibre::scene::Scene;
+use greenstick_sweep::Sweep;
 use std::path::{Path, PathBuf};
 
 /// A command, and where it stands.
@@ -200,10 +201,14 @@ fn files_of_page(path: &Path) -> Vec<Documented> {
     blocks.enumerate().map(documented).collect()
 }
 
-/// What is wrong with a recipe or a scene; only scenes have rods.
+/// What is wrong with a recipe, a scene or a sweep; only scenes have rods, and only sweeps have keys that vary.
 fn file_fault(text: &str) -> Option<String> {
     if text.contains("\n[rods]") {
         Scene::read(text).err().map(|e| e.to_string())
+    } else if text.contains("\n[vary]") {
+        Sweep::read(text, Path::new(""))
+            .err()
+            .map(|e| e.to_string())
     } else {
         let file = RequestFile::resolve(&[], Some(text), &[]);
         file.err().map(|e| e.to_string())

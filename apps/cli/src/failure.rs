@@ -16,6 +16,7 @@ use greenstick::skin::film;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::stem::{StemError, StemLocation};
+use greenstick_sweep::{InputError, SweepError};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -178,6 +179,34 @@ from_errors! {
     PictureError => |_| None,
     FilmError => film_hint,
     SimulateError => simulate_hint,
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::File(error) => error.into(),
+            InputError::Scan { path, error } => Failure::from(*error).about(&path),
+            InputError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        let resume = "the same command goes on with what is missing";
+        match error {
+            SweepError::File(error) => {
+                Failure::from(error).hint(format!("make room on the disk; then {resume}"))
+            }
+            SweepError::Io { ref source, .. } if is_full(source) => {
+                Failure::work(error).hint(format!("make room on the disk; then {resume}"))
+            }
+            SweepError::Another { .. } => {
+                Failure::request(error).hint("-o names another folder for this one")
+            }
+            other => Failure::new(other.kind(), other),
+        }
+    }
 }
 
 impl From<film::FilmError> for Failure {

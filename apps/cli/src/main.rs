@@ -18,10 +18,10 @@ mod list;
 mod outcome;
 mod progress;
 mod rings;
-mod scan;
 mod simulate;
 mod skin;
 mod species;
+mod sweep;
 mod test_output;
 mod values;
 mod video;
@@ -46,6 +46,7 @@ fn main() -> ExitCode {
             (None, Some(folder)) => break_run::run(options, folder),
             (None, None) => break_wood::run(options),
         },
+        Command::Sweep(options) => sweep::run(options),
         Command::Anatomy(options) => anatomy::run(options),
         Command::BendTest(options) => bend_test::run(options),
         Command::FractureTest(options) => fracture_test::run(options),

@@ -5,7 +5,6 @@ use crate::break_wood::{file_name, use_threads};
 use crate::failure::{Failure, is_full, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
-use crate::scan::load;
 use crate::skin::{self, FilmPlan, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice, UpChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
@@ -21,6 +20,7 @@ use greenstick::simulate::{
     energy_chart, find_break, load_chart, simulate,
 };
 use greenstick::wood::scan::with_scan;
+use greenstick_sweep::Input;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ fn read_stem(
     context: &Context,
 ) -> Result<StemInput, Failure> {
     let unit = options.mesh.unit.map(LengthUnit::from);
-    let loaded = load(path, scene.stem.at, unit, &options.scan.set()?, context)?;
+    let loaded = Input::load(path, scene.stem.at, unit, &options.scan.set()?, context)?;
     (scene.stem.kind, scene.stem.at) = (StemChoice::Input, loaded.place);
     scene.stem.up = scene.stem.up.or(up_axis(path));
     let Some(scan) = loaded.scan else {

@@ -186,6 +186,12 @@ impl InFile<'_> {
         }
     }
 
+    /// Refuses a table for a fault that it has.
+    pub fn faulty_table(self, fault: String) -> FormatError {
+        let right = "columns of equal length with distinct names of letters, digits and _";
+        self.unwritable(fault, right)
+    }
+
     /// Refuses `claimed` entries of at least `entry_size` bytes each if `available` bytes cannot hold them.
     pub fn check_count(
         self,

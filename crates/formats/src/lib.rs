@@ -50,6 +50,8 @@ pub use companions::{
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat, OutputFormat};
 pub use mesh::{read, write, write_as};
+#[cfg(feature = "parquet")]
+pub use table::ParquetStream;
 pub use table::{
     CSVW_FILE, DENSITY_UNITS, DescribedTable, MeasurementError, STRESS_UNITS, TableFormat, TextRow,
     TextTable, UnitColumn, read_csv, read_measurements, write_csv_metadata, write_table,

@@ -1,7 +1,9 @@
 //! Surface materials in the metallic–roughness model of glTF 2.0 (§3.9), as read from a file.
 
+use serde::{Deserialize, Serialize};
+
 /// An image: its encoded bytes, or a reference to a file that may be absent.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Image {
     /// Name, may be empty.
     pub name: String,
@@ -12,7 +14,7 @@ pub struct Image {
 }
 
 /// Where an image's pixels are.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ImageSource {
     /// A path or URI. Writers write it as it was read, whether or not the file exists.
     Reference(String),
@@ -32,7 +34,7 @@ pub struct Pixels {
 }
 
 /// An image with a sampler.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Texture {
     /// Index into [`crate::Scene::images`]; `None` if only an extension names an image.
     pub image: Option<usize>,
@@ -43,7 +45,7 @@ pub struct Texture {
 }
 
 /// The use of a texture by a material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TextureReference {
     /// Index into [`crate::Scene::textures`].
     pub texture: usize,
@@ -56,7 +58,7 @@ pub struct TextureReference {
 }
 
 /// A material in the metallic–roughness model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Name, may be empty.
     pub name: String,

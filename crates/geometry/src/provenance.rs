@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 /// Named texts that go into files whose formats have a place for them.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Metadata {
     /// The texts, in order.
     pub entries: Vec<MetadataEntry>,
 }
 
 /// A named text.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MetadataEntry {
     /// Name: letters, digits and `_`.
     pub name: String,

@@ -22,6 +22,7 @@ mod sampling;
 mod scale_bar;
 mod scene;
 mod shader;
+mod sheet;
 mod surface;
 mod texture;
 
@@ -33,4 +34,5 @@ pub use parameters::{PictureParameters, PictureSize, ViewDirection};
 pub use picture::Picture;
 pub use render::{PictureOptions, render, render_scene};
 pub use shader::{Appearance, Hit, PlainMaterial, PlainShader, Shader};
+pub use sheet::{SheetCell, contact_sheet};
 pub use texture::TexturedMaterial;

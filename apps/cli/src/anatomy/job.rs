@@ -5,7 +5,6 @@ use crate::break_wood::unit_warning;
 use crate::failure::Failure;
 use crate::outcome::{Written, spent};
 use crate::progress::{StageTime, split};
-use crate::scan::{self, Loaded};
 use greenstick::anatomy::{ANATOMY_FILE, AnatomyFile, AnatomyInput, report_file};
 use greenstick::files::{self, Batch, FileError, Output};
 use greenstick::formats::Encoded;
@@ -14,6 +13,7 @@ use greenstick::scanning::{ScannedReport, outline_error};
 use greenstick::wood::anatomy::{
     AnatomyReport, ElementsReport, LimbReport, MassReport, MensurationReport, SegmentReport,
 };
+use greenstick_sweep::Input;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -169,17 +169,11 @@ impl Drop for OutputFolder {
 }
 
 /// Loads the scene of an input, of a cloud the bark of its stem, or the branch that comes with the program.
-fn load(input: Option<&Path>, file: &AnatomyFile, context: &Context) -> Result<Loaded, Failure> {
+fn load(input: Option<&Path>, file: &AnatomyFile, context: &Context) -> Result<Input, Failure> {
     let place = file.request.location;
     match input {
-        Some(path) => scan::load(path, place, file.unit, &file.scan, context),
-        None => Ok(Loaded {
-            scene: greenstick::built_in_branch(),
-            place,
-            scan: None,
-            cleaned: None,
-            files: Vec::new(),
-        }),
+        Some(path) => Ok(Input::load(path, place, file.unit, &file.scan, context)?),
+        None => Ok(Input::of_scene(greenstick::built_in_branch(), place)),
     }
 }
 

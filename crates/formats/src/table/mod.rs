@@ -14,6 +14,8 @@ pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
 pub use measurements::{
     DENSITY_UNITS, MeasurementError, STRESS_UNITS, UnitColumn, read_measurements,
 };
+#[cfg(feature = "parquet")]
+pub use parquet::ParquetStream;
 pub(crate) use positions::positions;
 pub use read_csv::{TextRow, TextTable, read_csv};
 
@@ -78,8 +80,7 @@ impl TableFormat {
 pub fn write_table(format: TableFormat, table: &Table, name: &str) -> Result<Encoded, FormatError> {
     let file = InFile(name);
     if let Some(fault) = table.fault() {
-        let right = "columns of equal length with distinct names of letters, digits and _";
-        return Err(file.unwritable(fault, right));
+        return Err(file.faulty_table(fault));
     }
     let texts = table
         .columns

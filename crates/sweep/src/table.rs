@@ -1,0 +1,208 @@
+//! The table of a sweep: a row for every variant that is done, in their order, as Parquet. It is written in groups of rows, so
+//! that its memory does not grow with the number of variants.
+
+use crate::axis::Axis;
+use crate::error::SweepError;
+use crate::journal::{Figures, Journal, Record};
+use crate::plan::Sweep;
+use greenstick::files::{self, FileError};
+use greenstick::formats::ParquetStream;
+use greenstick::geometry::{Column, Context, Table, Values};
+use greenstick::schema::{Kind, Value};
+use std::path::Path;
+
+/// Name of the table in the folder of a sweep.
+pub const TABLE_FILE: &str = "variants.parquet";
+/// Rows that are in memory at a time.
+const ROWS: usize = 20_000;
+
+/// A figure of a report as a column: name, unit, meaning, value.
+type FigureColumn = (
+    &'static str,
+    &'static str,
+    &'static str,
+    fn(&Figures) -> f64,
+);
+
+const FIGURES: [FigureColumn; 14] = [
+    ("pieces", "", "pieces", |f| f.pieces as f64),
+    ("closed", "", "1 where all pieces are closed", |f| {
+        f64::from(u8::from(f.closed))
+    }),
+    ("triangles", "", "triangles of all pieces", |f| {
+        f.triangles as f64
+    }),
+    ("input_volume", "m3", "volume of the input", |f| {
+        or_missing(f.input_volume_m3)
+    }),
+    (
+        "lower_volume",
+        "m3",
+        "volume of the piece at the base",
+        |f| or_missing(f.lower_volume_m3),
+    ),
+    ("volume", "m3", "volume of all pieces", |f| {
+        or_missing(f.volume_m3)
+    }),
+    ("bundles", "", "fibre bundles of the face", |f| {
+        f.bundles as f64
+    }),
+    ("thorns", "", "thorns of the face", |f| f.thorns as f64),
+    (
+        "face_low",
+        "m",
+        "lowest point of the face along the grain, from the place of the break",
+        |f| f.range_m[0],
+    ),
+    (
+        "face_high",
+        "m",
+        "highest point of the face along the grain, from the place of the break",
+        |f| f.range_m[1],
+    ),
+    (
+        "moved",
+        "m",
+        "how far the face was moved along the stem",
+        |f| f.moved_m,
+    ),
+    (
+        "species_height",
+        "m",
+        "height of the face by the species",
+        |f| or_missing(f.height_m),
+    ),
+    ("length", "m", "length along the stem to the break", |f| {
+        f.length_m
+    }),
+    ("notes", "", "notes of the report", |f| f.notes as f64),
+];
+
+/// A number that may be missing, as tables have it.
+fn or_missing(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::NAN)
+}
+
+/// Writes the table of all variants that are done into the folder of a sweep, beside its place first.
+///
+/// # Errors
+/// [`SweepError`] where the journal cannot be read or the table cannot be written, or the caller cancelled.
+pub fn write_table(
+    sweep: &Sweep,
+    journal: &Journal,
+    folder: &Path,
+    context: &Context,
+) -> Result<(), SweepError> {
+    let places = journal.places()?;
+    let done: Vec<u64> = places.into_iter().flatten().collect();
+    let path = folder.join(TABLE_FILE);
+    let name = path.display().to_string();
+    files::write_streamed(&path, |file| {
+        let encoding = |e| SweepError::File(FileError::Encoding(e));
+        let mut stream = ParquetStream::new(file, &rows(sweep, &[]), &name).map_err(encoding)?;
+        let count = done.len().div_ceil(ROWS);
+        for (at, part) in done.chunks(ROWS).enumerate() {
+            context.item(at, count).report(0.0)?;
+            let records = part.iter().map(|place| journal.at(*place));
+            let records: Vec<Record> = records.collect::<Result<_, _>>()?;
+            stream.write(&rows(sweep, &records)).map_err(encoding)?;
+        }
+        stream.finish().map_err(encoding)
+    })
+}
+
+/// The rows of some variants.
+fn rows(sweep: &Sweep, records: &[Record]) -> Table {
+    let numbers = records.iter().map(|r| r.variant as u32).collect();
+    let mut columns = vec![Column::new(
+        "variant",
+        "",
+        "number of the variant",
+        Values::U32(numbers),
+    )];
+    let values: Vec<Vec<Value>> = records.iter().map(|r| sweep.values(r.variant)).collect();
+    for (k, axis) in sweep.axes.iter().enumerate() {
+        columns.push(varied(axis, values.iter().map(|row| &row[k])));
+    }
+    if sweep.axes.iter().all(|axis| axis.info.key != "break.seed") {
+        let seed = sweep.base.common.recipe.face.seed;
+        let seeds = Values::Text(vec![seed.to_string(); records.len()]);
+        columns.push(Column::new("seed", "", "seed of the break", seeds));
+    }
+    for (name, unit, meaning, get) in FIGURES {
+        let numbers = records
+            .iter()
+            .map(|r| r.figures.as_ref().map_or(f64::NAN, get));
+        columns.push(Column::new(
+            name,
+            unit,
+            meaning,
+            Values::F64(numbers.collect()),
+        ));
+    }
+    let text = |get: fn(&Record) -> &Option<String>| {
+        let texts = records.iter().map(|r| get(r).clone().unwrap_or_default());
+        Values::Text(texts.collect())
+    };
+    let seconds = records.iter().map(|r| r.seconds).collect();
+    columns.push(Column::new(
+        "file",
+        "",
+        "file of the pieces",
+        text(|r| &r.file),
+    ));
+    columns.push(Column::new(
+        "seconds",
+        "s",
+        "time it took",
+        Values::F64(seconds),
+    ));
+    columns.push(Column::new(
+        "error",
+        "",
+        "why it failed",
+        text(|r| &r.error),
+    ));
+    // The provenance of a recipe, which varies in what the columns say.
+    let input = sweep.input_path(&sweep.base);
+    let name = input.as_deref().and_then(Path::file_name);
+    let name = name.map(|name| name.to_string_lossy().into_owned());
+    let mut provenance = sweep.base.provenance(name.as_deref(), None);
+    provenance.command = "sweep".to_owned();
+    Table {
+        columns,
+        metadata: provenance.metadata(),
+    }
+}
+
+/// The column of a key that varies: numbers as numbers, and all else as texts.
+fn varied<'a>(axis: &Axis, values: impl Iterator<Item = &'a Value>) -> Column {
+    let key = axis
+        .info
+        .key
+        .strip_prefix("break.")
+        .unwrap_or(&axis.info.key);
+    let name = format!("vary_{}", key.replace('.', "_"));
+    let unit = match axis.info.unit() {
+        "%" => "percent",
+        "°" => "degree",
+        unit if unit.bytes().all(|b| b.is_ascii_alphanumeric()) => unit,
+        _ => "",
+    };
+    let values = if axis.is_small() {
+        let whole = |value: &Value| match value {
+            Value::Integer(n) => u32::try_from(*n).unwrap_or_default(),
+            _ => 0,
+        };
+        Values::U32(values.map(whole).collect())
+    } else if matches!(axis.info.kind, Kind::Number { .. }) {
+        let number = |value: &Value| match value {
+            Value::Number(x) => *x,
+            _ => f64::NAN,
+        };
+        Values::F64(values.map(number).collect())
+    } else {
+        Values::Text(values.map(ToString::to_string).collect())
+    };
+    Column::new(&name, unit, &axis.info.doc, values)
+}

@@ -1,0 +1,288 @@
+//! Making variants, one after the other.
+
+use crate::error::SweepError;
+use crate::input::{Input, InputError};
+use crate::journal::{Figures, Record};
+use crate::plan::{PieceFormat, Sweep};
+use greenstick::files::{self, FileError, Output};
+use greenstick::formats::LengthUnit;
+use greenstick::geometry::{Cancelled, Context};
+use greenstick::scanning::ScanParameters;
+use greenstick::wood::stem::StemLocation;
+use greenstick::{BreakReport, BreakSession, Broken, RequestFile, picture_of_break};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folder of the pieces in that of a sweep.
+const VARIANTS: &str = "variants";
+/// The folder of the small pictures in that of a sweep.
+const SHEET: &str = "sheet";
+/// Variants whose files are in one folder: file systems and people are slow with many more.
+const IN_FOLDER: u64 = 1000;
+/// Width and height of a small picture, pixels.
+pub const CELL: [u32; 2] = [240, 180];
+/// Camera rays for each of its pixels.
+const CELL_SAMPLES: u32 = 4;
+
+/// The name of the pieces of a variant, relative to the folder of the sweep; `None` where none are written.
+pub fn piece_file(sweep: &Sweep, number: u64) -> Option<String> {
+    let ending = match sweep.settings.file {
+        PieceFormat::None => return None,
+        format => format.word(),
+    };
+    let folder = number / IN_FOLDER;
+    Some(format!("{VARIANTS}/{folder:04}/{number:07}.{ending}"))
+}
+
+/// The name of the small picture of a variant, relative to the folder of the sweep.
+pub fn cell_file(number: u64) -> String {
+    format!("{SHEET}/{number:07}.png")
+}
+
+/// Removes what a process that was killed left in the folder of a sweep: files that were not renamed yet. The journal must be
+/// open, so that no other process writes there.
+pub fn remove_leftovers(folder: &Path) {
+    let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut folders = vec![folder.to_owned(), folder.join(SHEET)];
+    folders.extend(entries(&folder.join(VARIANTS)).map(|entry| entry.path()));
+    for entry in folders.iter().flat_map(|folder| entries(folder)) {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with('.') && name.ends_with(".part") {
+            // One that stays is only litter.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// What decides how an input is loaded.
+#[derive(Debug, Clone, PartialEq)]
+struct Loading {
+    path: Option<PathBuf>,
+    unit: Option<LengthUnit>,
+    scan: ScanParameters,
+    /// The first place, which scans are made about.
+    place: StemLocation,
+}
+
+/// An input and the session that breaks it.
+#[derive(Debug)]
+struct Loaded {
+    loading: Loading,
+    input: Input,
+    session: BreakSession,
+}
+
+/// Makes variants of a sweep. It keeps the stages of the last one; what it makes does not depend on that. Each thread has its
+/// own.
+#[derive(Debug)]
+pub struct Worker<'a> {
+    sweep: &'a Sweep,
+    folder: &'a Path,
+    loaded: Option<Loaded>,
+}
+
+/// Why a variant was not made.
+enum Trouble {
+    /// It cannot be: its row says why.
+    Variant(String),
+    /// The sweep must stop.
+    Stop(SweepError),
+}
+
+impl From<Cancelled> for Trouble {
+    fn from(cancelled: Cancelled) -> Self {
+        Trouble::Stop(cancelled.into())
+    }
+}
+
+impl From<greenstick::Error> for Trouble {
+    fn from(error: greenstick::Error) -> Self {
+        match error {
+            greenstick::Error::Cancelled(cancelled) => cancelled.into(),
+            other => Trouble::Variant(other.to_string()),
+        }
+    }
+}
+
+impl From<FileError> for Trouble {
+    fn from(error: FileError) -> Self {
+        match error {
+            // No other variant could be written either.
+            FileError::Unwritable { .. } => Trouble::Stop(error.into()),
+            other => Trouble::Variant(other.to_string()),
+        }
+    }
+}
+
+impl From<InputError> for Trouble {
+    fn from(error: InputError) -> Self {
+        match error {
+            InputError::Cancelled(cancelled) => cancelled.into(),
+            other => Trouble::Variant(other.to_string()),
+        }
+    }
+}
+
+impl<'a> Worker<'a> {
+    /// A worker that writes into the folder of a sweep.
+    pub fn new(sweep: &'a Sweep, folder: &'a Path) -> Self {
+        Worker {
+            sweep,
+            folder,
+            loaded: None,
+        }
+    }
+
+    /// Makes a variant and writes its files. The time in the record is left to the caller. A variant that cannot be made has a
+    /// record that says why.
+    ///
+    /// # Errors
+    /// [`SweepError`] where the sweep cannot go on: a file cannot be written, or the caller cancelled.
+    pub fn make(&mut self, number: u64, context: &Context) -> Result<Record, SweepError> {
+        let made = match self.sweep.request(number)? {
+            Ok(file) => self.written(number, &file, context),
+            Err(error) => Err(Trouble::Variant(error.to_string())),
+        };
+        let (figures, error) = match made {
+            Ok(figures) => (Some(figures), None),
+            Err(Trouble::Variant(error)) => (None, Some(error)),
+            Err(Trouble::Stop(error)) => return Err(error),
+        };
+        let file = piece_file(self.sweep, number).filter(|_| figures.is_some());
+        Ok(Record {
+            variant: number,
+            seconds: 0.0,
+            file,
+            figures,
+            error,
+        })
+    }
+
+    fn written(
+        &mut self,
+        number: u64,
+        file: &RequestFile,
+        context: &Context,
+    ) -> Result<Figures, Trouble> {
+        let name = piece_file(self.sweep, number);
+        let target = name.map(|name| self.folder.join(name));
+        let broken = self.broken(file, target.as_deref(), context)?;
+        let mut outputs = Vec::new();
+        if let Some(target) = &target {
+            make_folder_of(target)?;
+            let unit = file.unit.unwrap_or_default();
+            outputs.extend(files::encode(&broken.scene, target, unit)?);
+        }
+        if self.sweep.is_shown(number)
+            && let Some(bytes) = cell(&broken, file, context)?
+        {
+            let path = self.folder.join(cell_file(number));
+            make_folder_of(&path)?;
+            outputs.push(Output { path, bytes });
+        }
+        context.check()?;
+        files::write_all(&outputs)?;
+        Ok(figures(&broken.report))
+    }
+
+    /// Breaks the input of a request, which is loaded where it is not that of the last one.
+    fn broken(
+        &mut self,
+        file: &RequestFile,
+        target: Option<&Path>,
+        context: &Context,
+    ) -> Result<Broken, Trouble> {
+        let path = self.sweep.input_path(file);
+        let first = file.breaks.first().unwrap_or(&file.common).place;
+        let mut loading = Loading {
+            path: path.clone(),
+            unit: file.unit,
+            scan: file.scan.clone(),
+            place: first,
+        };
+        if let Some(last) = &self.loaded
+            && last.input.scan.is_none()
+            && !file.scan.as_scan
+        {
+            // Meshes are the same wherever they are broken.
+            loading.place = last.loading.place;
+        }
+        let mut loaded = match self.loaded.take() {
+            Some(last) if last.loading == loading => last,
+            _ => {
+                let mut input = Input::of_request(file, path.as_deref(), context)?;
+                if let (Some(path), Some(target)) = (&path, target) {
+                    files::carry_images(&mut input.scene, path, target);
+                }
+                let session = BreakSession::new(std::mem::take(&mut input.scene));
+                Loaded {
+                    loading,
+                    input,
+                    session,
+                }
+            }
+        };
+        if loaded.input.scan.is_none() {
+            loaded.input.place = first;
+        }
+        let mut request = loaded.input.request(file);
+        if !self.sweep.settings.textures {
+            request.texture_width = 0;
+        }
+        let broken = loaded.session.broken(&request, context);
+        let mut broken = match broken {
+            Ok(broken) => broken,
+            Err(error) => {
+                self.loaded = Some(loaded);
+                return Err(error.into());
+            }
+        };
+        loaded.input.note_origin(&mut broken, file, path.as_deref());
+        self.loaded = Some(loaded);
+        Ok(broken)
+    }
+}
+
+/// Creates the folder of a file.
+fn make_folder_of(path: &Path) -> Result<(), Trouble> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(|source| {
+        let path = folder.to_owned();
+        Trouble::Stop(FileError::Unwritable { path, source }.into())
+    })
+}
+
+/// The small picture of a break as PNG; `None` where none can be taken.
+fn cell(
+    broken: &Broken,
+    file: &RequestFile,
+    context: &Context,
+) -> Result<Option<Vec<u8>>, Cancelled> {
+    let mut options = file.picture.options();
+    [options.width, options.height] = CELL;
+    options.samples = CELL_SAMPLES;
+    let picture = picture_of_break(broken, &options, context);
+    context.check()?;
+    Ok(picture.ok().map(|picture| picture.png()))
+}
+
+/// The figures of a report.
+fn figures(report: &BreakReport) -> Figures {
+    let volumes = report.pieces.iter().map(|p| p.volume_m3);
+    Figures {
+        pieces: report.pieces.len(),
+        closed: report.pieces.iter().all(|p| p.closed),
+        triangles: report.pieces.iter().map(|p| p.triangles).sum(),
+        input_volume_m3: report.input.volume_m3,
+        lower_volume_m3: report.pieces.first().and_then(|p| p.volume_m3),
+        volume_m3: volumes.sum(),
+        bundles: report.face.bundles,
+        thorns: report.face.thorns,
+        range_m: report.face.range_m,
+        moved_m: report.face.moved_m,
+        height_m: report.species.as_ref().map(|s| s.height_m),
+        length_m: report.place.length_m,
+        notes: report.notes.len(),
+    }
+}

@@ -1,0 +1,40 @@
+//! `import greenstick`: the library `greenstick` for Python, and nothing of its own.
+//!
+//! Classes hold what the library returns. Work runs without the interpreter's lock ([`work`]), arrays look into the library's
+//! memory where that is possible ([`arrays`]), and errors become exceptions with the same messages ([`failure`]).
+
+mod arrays;
+mod broken;
+mod convert;
+mod failure;
+mod pictures;
+mod request;
+mod scene;
+mod session;
+mod species;
+mod values;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::broken::{Broken, break_wood};
+    #[pymodule_export]
+    use super::pictures::Picture;
+    #[pymodule_export]
+    use super::request::{Request, presets};
+    #[pymodule_export]
+    use super::scene::{Mesh, Node, Scene, built_in_branch};
+    #[pymodule_export]
+    use super::session::{Piece, Session};
+    #[pymodule_export]
+    use super::species::{Species, species};
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

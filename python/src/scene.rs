@@ -1,0 +1,669 @@
+//! Meshes, nodes and scenes.
+
+use crate::arrays::{self, Expected};
+use crate::convert::{Reduced, report};
+use crate::failure::Failure;
+use crate::pictures::Picture;
+use crate::values::each;
+use crate::work;
+use glam::{DAffine3, DMat3, DVec3};
+use greenstick::ErrorKind;
+use greenstick::files;
+use greenstick::formats::LengthUnit;
+use greenstick::geometry::mesh::NO_MATERIAL;
+use greenstick::geometry::{
+    Attribute, CheckOptions, Image, Material, Mesh as Triangles, Metadata, Node as Placed,
+    Scene as Meshes, Texture,
+};
+use greenstick::picture::PictureParameters;
+use greenstick::schema::{Field, Parameters};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A triangle mesh with attributes of its vertices and materials of its triangles.
+///
+/// `positions` are of shape (n, 3) in metres of the node that holds the mesh; `triangles` are of shape (m, 3), counter-clockwise
+/// seen from outside; `attributes` are of shape (n, k) under their glTF names (`NORMAL`, `TEXCOORD_0`, `_RING` ...);
+/// `materials` are of shape (m,). Arrays of any strides and number types are taken, and copied; those that a mesh gives look
+/// into its memory without a copy, and are read-only.
+#[pyclass(module = "greenstick", frozen)]
+pub struct Mesh {
+    pub mesh: Arc<Triangles>,
+}
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    #[pyo3(signature = (positions, triangles, attributes=None, materials=None))]
+    fn new(
+        positions: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        attributes: Option<&Bound<'_, PyDict>>,
+        materials: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (flat, vertices) = arrays::rows::<f64>(
+            positions,
+            &Expected {
+                name: "positions",
+                columns: 3,
+                dtype: "float64",
+                kinds: "fiu",
+            },
+        )?;
+        if let Some(at) = flat.iter().position(|x| !x.is_finite()) {
+            let (row, column) = (at / 3, at % 3);
+            let found = flat[at];
+            return Err(Failure::value(format!(
+                "positions[{row}, {column}] is {found}; expected finite numbers"
+            ))
+            .into());
+        }
+        let triangles = indices(triangles, vertices)?;
+        let mut mesh = Triangles {
+            positions: flat.chunks_exact(3).map(DVec3::from_slice).collect(),
+            materials: match materials {
+                Some(given) => material_numbers(given, triangles.len())?,
+                None => Vec::new(),
+            },
+            triangles,
+            attributes: BTreeMap::new(),
+        };
+        for (name, given) in attributes.into_iter().flatten() {
+            let name: String = name.extract()?;
+            let attribute = attribute(&name, &given, vertices)?;
+            mesh.attributes.insert(name, attribute);
+        }
+        Ok(Mesh {
+            mesh: Arc::new(mesh),
+        })
+    }
+
+    /// Vertex positions: shape (n, 3), float64, metres of the node. A read-only view without a copy.
+    #[getter]
+    fn positions<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let flat: &[f64] = bytemuck::cast_slice(&slf.get().mesh.positions);
+        arrays::view(slf.as_any(), flat, 3)
+    }
+
+    /// Vertices of each triangle: shape (m, 3), uint32, counter-clockwise seen from outside. A read-only view without a copy.
+    #[getter]
+    fn triangles<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let flat: &[u32] = bytemuck::cast_slice(&slf.get().mesh.triangles);
+        arrays::view(slf.as_any(), flat, 3)
+    }
+
+    /// Attributes of the vertices by name: shape (n, k), float32. Read-only views without a copy.
+    #[getter]
+    fn attributes<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let dictionary = PyDict::new(slf.py());
+        for (name, attribute) in &slf.get().mesh.attributes {
+            let array = arrays::view(slf.as_any(), &attribute.data, attribute.width)?;
+            dictionary.set_item(name, array)?;
+        }
+        Ok(dictionary)
+    }
+
+    /// Material of each triangle: shape (m,), uint32, an index into the materials of the scene, 4294967295 for none; `None`
+    /// where no triangle has one. A read-only view without a copy.
+    #[getter]
+    fn materials<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
+        let materials = &slf.get().mesh.materials;
+        if materials.is_empty() {
+            return Ok(None);
+        }
+        let flat = arrays::view(slf.as_any(), materials, 1)?;
+        flat.reshape([materials.len()]).map(Some)
+    }
+
+    /// Signed volume, m³ where positions are in metres: positive for a closed mesh oriented outwards, meaningless for an open
+    /// one.
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.mesh.volume()
+    }
+
+    /// Sum of the triangles' areas, m² where positions are in metres.
+    #[getter]
+    fn area(&self) -> f64 {
+        self.mesh.area()
+    }
+
+    /// Says whether the mesh is closed, oriented, manifold and, unless that is not asked for, free of crossings.
+    #[pyo3(signature = (self_intersections=true))]
+    fn check<'py>(&self, py: Python<'py>, self_intersections: bool) -> PyResult<Bound<'py, PyAny>> {
+        let found = py.detach(|| self.mesh.check_with(CheckOptions { self_intersections }));
+        report(py, &found)
+    }
+
+    /// The mesh as a `trimesh.Trimesh`, which copies the arrays. Attributes go into `vertex_attributes`.
+    fn to_trimesh<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        foreign(slf.py())?.call_method1("mesh_to_trimesh", (slf,))
+    }
+
+    /// The mesh as a `pyvista.PolyData`, which copies the arrays. Attributes go into `point_data`, materials into `cell_data`.
+    fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        foreign(slf.py())?.call_method1("mesh_to_pyvista", (slf,))
+    }
+
+    /// A mesh of a `trimesh.Trimesh`, whose arrays are copied.
+    #[staticmethod]
+    fn from_trimesh<'py>(py: Python<'py>, mesh: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        foreign(py)?.call_method1("mesh_from_trimesh", (mesh,))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        let other = other.cast::<Mesh>().ok();
+        other.is_some_and(|other| other.get().mesh == self.mesh)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<greenstick.Mesh {} vertices, {} triangles>",
+            self.mesh.positions.len(),
+            self.mesh.triangles.len()
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, MeshParts<'py>> {
+        let parts = (
+            Mesh::positions(slf)?,
+            Mesh::triangles(slf)?,
+            Mesh::attributes(slf)?,
+            Mesh::materials(slf)?,
+        );
+        Ok((slf.get_type().into_any(), parts))
+    }
+}
+
+/// What a pickle of a mesh holds.
+type MeshParts<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<u32>>,
+    Bound<'py, PyDict>,
+    Option<Bound<'py, PyArray1<u32>>>,
+);
+
+fn foreign(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+    py.import("greenstick._foreign")
+}
+
+/// Reads indices of vertices.
+fn indices(given: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
+    let expected = Expected {
+        name: "triangles",
+        columns: 3,
+        dtype: "int64",
+        kinds: "iu",
+    };
+    let (flat, _) = arrays::rows::<i64>(given, &expected)?;
+    if let Some(at) = flat.iter().position(|&i| i < 0 || i >= vertices as i64) {
+        let (row, column, found) = (at / 3, at % 3, flat[at]);
+        return Err(Failure::value(format!(
+            "triangles[{row}, {column}] is {found}; there are {vertices} vertices"
+        ))
+        .into());
+    }
+    let corner = |c: &[i64]| [c[0] as u32, c[1] as u32, c[2] as u32];
+    Ok(flat.chunks_exact(3).map(corner).collect())
+}
+
+/// Reads materials of triangles.
+fn material_numbers(given: &Bound<'_, PyAny>, triangles: usize) -> PyResult<Vec<u32>> {
+    let column = given
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (given,))?;
+    let column = column.call_method1("reshape", ((-1, 1),))?;
+    let expected = Expected {
+        name: "materials",
+        columns: 1,
+        dtype: "int64",
+        kinds: "iu",
+    };
+    let (flat, count) = arrays::rows::<i64>(&column, &expected)?;
+    if count != triangles {
+        return Err(Failure::value(format!(
+            "materials has {count} numbers; expected {triangles}, one for each triangle"
+        ))
+        .into());
+    }
+    let number = |&m: &i64| u32::try_from(m).ok();
+    let all: Option<Vec<u32>> = flat.iter().map(number).collect();
+    Ok(all.ok_or_else(|| {
+        Failure::value(format!("materials has numbers beyond 0 to {NO_MATERIAL}"))
+    })?)
+}
+
+/// Reads an attribute of vertices.
+fn attribute(name: &str, given: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Attribute> {
+    let array = given
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (given,))?;
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    let width = match shape[..] {
+        [n] if n == vertices => 1,
+        [n, width] if n == vertices && (1..=16).contains(&width) => width,
+        _ => {
+            return Err(Failure::value(format!(
+                "the attribute {name} has the shape {shape:?}; expected ({vertices}, k), k from 1 to 16"
+            ))
+            .into());
+        }
+    };
+    let rows = array.call_method1("reshape", ((vertices, width),))?;
+    let expected = Expected {
+        name: "an attribute",
+        columns: width,
+        dtype: "float32",
+        kinds: "fiu",
+    };
+    let (data, _) = arrays::rows::<f32>(&rows, &expected)?;
+    Ok(Attribute { width, data })
+}
+
+/// A mesh placed in the world.
+///
+/// `transform` is of shape (3, 4) or (4, 4): local coordinates to world coordinates in metres; without it they are the same.
+#[pyclass(module = "greenstick", frozen)]
+pub struct Node {
+    /// Its name, may be empty.
+    #[pyo3(get)]
+    name: String,
+    /// Its mesh, in local coordinates.
+    #[pyo3(get)]
+    mesh: Py<Mesh>,
+    transform: DAffine3,
+    /// The index of the node that carries this one, if any.
+    #[pyo3(get)]
+    parent: Option<usize>,
+}
+
+#[pymethods]
+impl Node {
+    #[new]
+    #[pyo3(signature = (name, mesh, transform=None, parent=None))]
+    fn new(
+        name: String,
+        mesh: Py<Mesh>,
+        transform: Option<&Bound<'_, PyAny>>,
+        parent: Option<usize>,
+    ) -> PyResult<Self> {
+        let transform = transform.map_or(Ok(DAffine3::IDENTITY), affine)?;
+        Ok(Node {
+            name,
+            mesh,
+            transform,
+            parent,
+        })
+    }
+
+    /// Local coordinates to world coordinates in metres: shape (4, 4), float64. A copy.
+    #[getter]
+    fn transform<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (m, t) = (self.transform.matrix3, self.transform.translation);
+        let row = |k: usize| vec![m.x_axis[k], m.y_axis[k], m.z_axis[k], t[k]];
+        let rows = [row(0), row(1), row(2), vec![0.0, 0.0, 0.0, 1.0]];
+        Ok(PyArray2::from_vec2(py, &rows).map_err(|e| Failure::value(e.to_string()))?)
+    }
+
+    /// The mesh in world coordinates, metres.
+    fn world_mesh(&self, py: Python<'_>) -> Mesh {
+        let mesh = self.mesh.get().mesh.clone();
+        let mesh = py.detach(|| mesh.transformed(&self.transform));
+        Mesh {
+            mesh: Arc::new(mesh),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let mesh = self.mesh.get();
+        format!("<greenstick.Node {:?}: {}>", self.name, mesh.__repr__())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, NodeParts<'py>> {
+        let node = slf.get();
+        let parts = (
+            node.name.clone(),
+            node.mesh.clone_ref(slf.py()),
+            node.transform(slf.py())?,
+            node.parent,
+        );
+        Ok((slf.get_type().into_any(), parts))
+    }
+}
+
+/// What a pickle of a node holds.
+type NodeParts<'py> = (String, Py<Mesh>, Bound<'py, PyArray2<f64>>, Option<usize>);
+
+/// Reads a transform.
+fn affine(given: &Bound<'_, PyAny>) -> PyResult<DAffine3> {
+    let expected = Expected {
+        name: "transform",
+        columns: 4,
+        dtype: "float64",
+        kinds: "fiu",
+    };
+    let (flat, rows) = arrays::rows::<f64>(given, &expected)?;
+    let is_affine = rows == 3 || (rows == 4 && flat[12..] == [0.0, 0.0, 0.0, 1.0]);
+    if !is_affine || !flat.iter().all(|x| x.is_finite()) {
+        return Err(Failure::value(
+            "transform is no affine map; expected finite numbers of shape (3, 4), or (4, 4) with 0, 0, 0, 1 as last row",
+        )
+        .into());
+    }
+    let at = |row: usize, column: usize| flat[4 * row + column];
+    let column = |c: usize| DVec3::new(at(0, c), at(1, c), at(2, c));
+    Ok(DAffine3 {
+        matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+        translation: column(3),
+    })
+}
+
+/// What a scene has beside its nodes, as pickles hold it.
+#[derive(Serialize, Deserialize)]
+struct Surroundings {
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    images: Vec<Image>,
+    notes: Vec<String>,
+    metadata: Metadata,
+}
+
+/// Placed meshes with their materials: what files hold.
+///
+/// `Scene([Node("branch", mesh)])` or `Scene(mesh)` makes one without materials; `Scene.read` reads a file.
+#[pyclass(module = "greenstick", frozen)]
+pub struct Scene {
+    pub scene: Arc<Meshes>,
+    /// The file that it was read from.
+    pub path: Option<PathBuf>,
+}
+
+impl Scene {
+    pub fn new(scene: Meshes, path: Option<PathBuf>) -> Self {
+        Scene {
+            scene: Arc::new(scene),
+            path,
+        }
+    }
+}
+
+/// Reads a unit of length.
+pub fn unit(word: Option<&str>) -> Result<Option<LengthUnit>, Failure> {
+    let Some(word) = word else { return Ok(None) };
+    let found = LengthUnit::from_value(&greenstick::schema::Value::Text(word.to_owned()));
+    found.map(Some).ok_or_else(|| {
+        Failure::new(
+            "ParameterError",
+            ErrorKind::Request,
+            format!("unit is \"{word}\", but it must be one of mm, cm, m"),
+        )
+    })
+}
+
+/// Encodes a scene that was read from `source` as the files at `path`. Images that `source` refers to are embedded where the
+/// folders differ.
+pub fn encode(
+    scene: &Meshes,
+    source: Option<&Path>,
+    path: &Path,
+    unit: Option<LengthUnit>,
+) -> Result<Vec<files::Output>, Failure> {
+    let mut scene = scene.clone();
+    if let Some(source) = source {
+        files::carry_images(&mut scene, source, path);
+    }
+    Ok(files::encode(&scene, path, unit.unwrap_or_default())?)
+}
+
+/// The files of `outputs` as a dictionary of names and bytes.
+pub fn file_dictionary<'py>(
+    py: Python<'py>,
+    outputs: Vec<files::Output>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    for output in outputs {
+        let name = output.path.file_name().unwrap_or_default();
+        dictionary.set_item(name.to_string_lossy(), PyBytes::new(py, &output.bytes))?;
+    }
+    Ok(dictionary)
+}
+
+/// Reads what is asked of a picture.
+pub fn picture_parameters(keys: Option<&Bound<'_, PyDict>>) -> PyResult<PictureParameters> {
+    let mut parameters = PictureParameters::default();
+    each([keys, None], |key, value| Ok(parameters.set(key, value)?))?;
+    Ok(parameters)
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn of_nodes(nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut scene = Meshes::default();
+        if let Ok(mesh) = nodes.cast::<Mesh>() {
+            let mesh = mesh.get().mesh.clone();
+            scene
+                .nodes
+                .push(Placed::new("mesh", DAffine3::IDENTITY, mesh));
+            return Ok(Scene::new(scene, None));
+        }
+        for node in nodes.try_iter()? {
+            let node = node?;
+            let node = node
+                .cast::<Node>()
+                .map_err(|_| Failure::value("a scene is made of a Mesh or of a list of Node"))?;
+            scene.nodes.push(placed(node.get()));
+        }
+        check_parents(&scene)?;
+        Ok(Scene::new(scene, None))
+    }
+
+    /// Reads a mesh file (.glb, .gltf, .obj, .ply, .stl or .off). `unit` ("mm", "cm" or "m") is the unit of length in it,
+    /// where its format has none.
+    #[staticmethod]
+    #[pyo3(signature = (path, unit=None))]
+    fn read(py: Python<'_>, path: PathBuf, unit: Option<&str>) -> PyResult<Self> {
+        let unit = self::unit(unit)?;
+        let read = work::run(py, None, |_| Ok(files::read(&path, unit)?))?;
+        Ok(Scene::new(read, Some(path)))
+    }
+
+    /// The nodes. Their meshes are not copied, and nodes that hold the same mesh hold the same object.
+    #[getter]
+    fn nodes(&self, py: Python<'_>) -> PyResult<Vec<Node>> {
+        let mut made: Vec<(*const Triangles, Py<Mesh>)> = Vec::new();
+        let mut nodes = Vec::new();
+        for node in &self.scene.nodes {
+            let address = Arc::as_ptr(&node.mesh);
+            let known = made.iter().find(|m| m.0 == address);
+            let mesh = match known {
+                Some((_, mesh)) => mesh.clone_ref(py),
+                None => {
+                    let mesh = Py::new(
+                        py,
+                        Mesh {
+                            mesh: node.mesh.clone(),
+                        },
+                    )?;
+                    made.push((address, mesh.clone_ref(py)));
+                    mesh
+                }
+            };
+            nodes.push(Node {
+                name: node.name.clone(),
+                mesh,
+                transform: node.transform,
+                parent: node.parent,
+            });
+        }
+        Ok(nodes)
+    }
+
+    /// What the reader left out or repaired, one sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.scene.notes.clone()
+    }
+
+    /// Where the scene comes from: names and texts.
+    #[getter]
+    fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dictionary = PyDict::new(py);
+        for entry in &self.scene.metadata.entries {
+            dictionary.set_item(&entry.name, &entry.text)?;
+        }
+        Ok(dictionary)
+    }
+
+    /// Names of the materials that `Mesh.materials` are indices of.
+    #[getter]
+    fn materials(&self) -> Vec<String> {
+        self.scene
+            .materials
+            .iter()
+            .map(|m| m.name.clone())
+            .collect()
+    }
+
+    /// Encodes the scene in the format of the ending of `name`: names of files and their bytes, the first of `name`, then
+    /// its companions.
+    #[pyo3(signature = (name, unit=None))]
+    fn encode<'py>(
+        &self,
+        py: Python<'py>,
+        name: PathBuf,
+        unit: Option<&str>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let unit = self::unit(unit)?;
+        let (scene, source) = (&self.scene, self.path.as_deref());
+        let outputs = work::run(py, None, |_| encode(scene, source, &name, unit))?;
+        file_dictionary(py, outputs)
+    }
+
+    /// Writes the scene in the format of the ending of `path`, with its companions: all files or none. Returns the paths.
+    #[pyo3(signature = (path, unit=None))]
+    fn write(&self, py: Python<'_>, path: PathBuf, unit: Option<&str>) -> PyResult<Vec<PathBuf>> {
+        let unit = self::unit(unit)?;
+        let (scene, source) = (&self.scene, self.path.as_deref());
+        work::run(py, None, |_| {
+            let outputs = encode(scene, source, &path, unit)?;
+            files::write_all(&outputs)?;
+            Ok(outputs.into_iter().map(|o| o.path).collect())
+        })
+    }
+
+    /// Takes a picture in the plain colours of the materials. Keys are those of pictures: `picture_size="640x480"`,
+    /// `samples=16`, `view="30,15"`.
+    #[pyo3(signature = (*, progress=None, **keys))]
+    fn picture(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Picture> {
+        let options = picture_parameters(keys)?.options();
+        let scene = &self.scene;
+        let drawn = work::run(py, progress, |context| {
+            Ok(greenstick::picture_of_scene(scene, &options, context)?)
+        })?;
+        Ok(Picture::new(drawn, self.scene.metadata.clone()))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        let other = other.cast::<Scene>().ok();
+        other.is_some_and(|other| other.get().scene == self.scene)
+    }
+
+    fn __len__(&self) -> usize {
+        self.scene.nodes.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let triangles = self.scene.nodes.iter().map(|n| n.mesh.triangles.len());
+        format!(
+            "<greenstick.Scene {} nodes, {} triangles>",
+            self.scene.nodes.len(),
+            triangles.sum::<usize>()
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, SceneParts<'py>> {
+        let scene = slf.get();
+        let whole = &scene.scene;
+        let rest = Surroundings {
+            materials: whole.materials.clone(),
+            textures: whole.textures.clone(),
+            images: whole.images.clone(),
+            notes: whole.notes.clone(),
+            metadata: whole.metadata.clone(),
+        };
+        let rest = postcard::to_stdvec(&rest)
+            .map_err(|e| Failure::value(format!("the scene cannot be pickled: {e}")))?;
+        let parts = (
+            scene.nodes(slf.py())?,
+            PyBytes::new(slf.py(), &rest),
+            scene.path.clone(),
+        );
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The scene of a pickle.
+    #[staticmethod]
+    fn _again(nodes: Vec<Bound<'_, Node>>, rest: &[u8], path: Option<PathBuf>) -> PyResult<Self> {
+        let rest: Surroundings = postcard::from_bytes(rest).map_err(|e| {
+            Failure::value(format!(
+                "the pickle is of another version of greenstick, or damaged: {e}"
+            ))
+        })?;
+        let scene = Meshes {
+            nodes: nodes.iter().map(|node| placed(node.get())).collect(),
+            materials: rest.materials,
+            textures: rest.textures,
+            images: rest.images,
+            notes: rest.notes,
+            metadata: rest.metadata,
+        };
+        check_parents(&scene)?;
+        Ok(Scene::new(scene, path))
+    }
+}
+
+/// What a pickle of a scene holds.
+type SceneParts<'py> = (Vec<Node>, Bound<'py, PyBytes>, Option<PathBuf>);
+
+fn placed(node: &Node) -> Placed {
+    Placed {
+        parent: node.parent,
+        ..Placed::new(
+            node.name.clone(),
+            node.transform,
+            node.mesh.get().mesh.clone(),
+        )
+    }
+}
+
+/// Checks that every node that carries another exists.
+fn check_parents(scene: &Meshes) -> Result<(), Failure> {
+    let count = scene.nodes.len();
+    for (number, node) in scene.nodes.iter().enumerate() {
+        if node.parent.is_some_and(|p| p >= count || p == number) {
+            return Err(Failure::value(format!(
+                "node {number} has no parent among the {count} nodes"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The branch that comes with the library.
+#[pyfunction]
+pub fn built_in_branch(py: Python<'_>) -> Scene {
+    Scene::new(py.detach(greenstick::built_in_branch), None)
+}
