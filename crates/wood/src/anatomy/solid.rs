@@ -1,6 +1,6 @@
 //! A stem as an orthotropic solid: its hexahedra with the elastic constants and densities of a species.
 
-use super::elements::{StemElement, StemElements};
+use super::hexahedra::{StemElement, StemElements};
 use super::mensuration::WoodMass;
 use crate::moisture::{FIBRE_SATURATION_PERCENT, Fallback, MoistureError};
 use crate::species::{EngineeringConstants, Species};
@@ -102,7 +102,7 @@ impl StemElements {
             name: name.to_owned(),
             nodes: numbers[range].iter().flatten().copied().collect(),
         };
-        let (all, section) = (self.nodes.len(), self.nodes_per_section);
+        let (all, [butt, top]) = (self.nodes.len(), self.end_nodes);
         SolidModel {
             hexahedra: elements.iter().map(|e| e.corners.map(number)).collect(),
             axes: elements.iter().map(|e| [e.axes[0], e.axes[1]]).collect(),
@@ -110,7 +110,7 @@ impl StemElements {
                 .into_iter()
                 .filter(|p| !p.elements.is_empty())
                 .collect(),
-            node_sets: vec![end("BUTT", 0..section), end("TOP", all - section..all)],
+            node_sets: vec![end("BUTT", 0..butt), end("TOP", all - top..all)],
             nodes: kept,
             metadata: Metadata::default(),
         }

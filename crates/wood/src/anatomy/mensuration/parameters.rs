@@ -29,7 +29,7 @@ parameters! {
             cores: u32 = 4, count(1, MAX_CORES);
             /// Calendar year in which the outermost ring grew; without it, rings are counted from the pith.
             last_year: Option<u32> = None, count(1, 9998).auto();
-            /// How wide finite elements are; "auto" is a fifth of the radius.
+            /// How wide finite elements are; "auto" is a fifth of the radius, in a board a quarter of the thickness at most.
             element_size: Option<f64> = None, length(0.0, MAX_LENGTH).above().auto();
         }
     }
