@@ -80,6 +80,29 @@ fn a_cylinder_has_its_volume_and_its_rings() {
 }
 
 #[test]
+fn wood_without_measured_rings_stays_so_when_another_stem_takes_them() {
+    let folder = Folder::new();
+    folder.write("log.obj", cylinder());
+    let base = "anatomy log.obj --unit cm --resolution 48 --layers 3 --only cores";
+    let rings = |out: &str, more: &str| {
+        let arguments = format!("{base} -o {out} {more}");
+        let run = folder.run(&arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!(run.code, 0, "{}", run.err);
+        let report = numbers(&folder, &format!("{out}/anatomy.json"));
+        let widths = String::from_utf8(folder.read(&format!("{out}/ring_widths.csv"))).unwrap();
+        (report, widths)
+    };
+    // Two years of 5 mm in a radius of 10 mm, of which the bark takes a part.
+    let (first, widths) = rings("in", "--ring-widths 2mm,3mm");
+    assert_eq!(first["unmeasured_ring"], 3);
+    assert_eq!(widths.lines().count(), 1 + 4 * 2, "{widths}");
+    let (second, again) = rings("again", "--rings-from in");
+    assert_eq!(second["unmeasured_ring"], 3);
+    assert_eq!(second["rings"], first["rings"]);
+    assert_eq!(again.lines().count(), 1 + 4 * 2, "{again}");
+}
+
+#[test]
 fn eroded_rings_are_those_of_the_publication() {
     let folder = Folder::new();
     folder.write("log.obj", cylinder());

@@ -45,6 +45,9 @@ pub struct AnatomyReport {
     pub voxel_volume_m3: Option<f64>,
     /// Number of rings; by erosion that of the section with most.
     pub rings: u16,
+    /// The one of them, counted from 1, that is no year but wood whose rings were not measured, below the bark.
+    #[serde(default)]
+    pub unmeasured_ring: Option<u16>,
     /// Where rings come from: `field`, or `erosion` with its schedule and its inner circle.
     pub rings_by: String,
     /// Sectors of each ring, from the pith outwards.
@@ -216,6 +219,7 @@ impl AnatomyFindings<'_> {
             left_out_volume_m3: left_out_volume,
             voxel_volume_m3: voxel_volume,
             rings: self.anatomy.ring_count(),
+            unmeasured_ring: self.anatomy.rings().unfinished().map(|k| k as u16 + 1),
             rings_by: self.ring_method.to_string(),
             sectors: self.layers.layout.sectors.clone(),
             layers: self.layers.layers.len(),
@@ -335,12 +339,15 @@ impl SectionReport {
 
 impl AnatomyReport {
     /// Mean radii of the rings as shares of the section's, from the pith outwards, in the middle one of its sections: what
-    /// another stem takes of them. `None` where there are none.
+    /// another stem takes of them. They end where wood begins whose rings were not measured. `None` where there are none.
     pub fn ring_shares(&self) -> Option<Vec<f64>> {
         let radii = &self.sections.get(self.sections.len() / 2)?.rings.radius_m;
         let outer = radii.last().copied().filter(|&r| r > 0.0)?;
-        let mut shares: Vec<f64> = Vec::with_capacity(radii.len());
-        for share in radii.iter().map(|r| r / outer) {
+        let measured = self.unmeasured_ring.map_or(radii.len(), |ring| {
+            usize::from(ring.saturating_sub(1)).min(radii.len())
+        });
+        let mut shares: Vec<f64> = Vec::with_capacity(measured);
+        for share in radii[..measured].iter().map(|r| r / outer) {
             // An erosion may leave a ring out of a section.
             if share > shares.last().copied().unwrap_or(0.0) {
                 shares.push(share);
