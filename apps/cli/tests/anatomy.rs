@@ -83,7 +83,7 @@ fn a_cylinder_has_its_volume_and_its_rings() {
 fn wood_without_measured_rings_stays_so_when_another_stem_takes_them() {
     let folder = Folder::new();
     folder.write("log.obj", cylinder());
-    let base = "anatomy log.obj --unit cm --resolution 48 --layers 3 --only sections";
+    let base = "anatomy log.obj --unit cm --resolution 48 --layers 3 --only cores";
     let rings = |out: &str, more: &str| {
         let arguments = format!("{base} -o {out} {more}");
         let run = folder.run(&arguments.split(' ').collect::<Vec<_>>());

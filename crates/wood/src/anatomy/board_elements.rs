@@ -4,7 +4,7 @@
 //! lie in the faces, and those at a side, of the board or of a gap in it (a handle, a slot, a bored hole), are moved to that
 //! side. Where a side runs across the grain it is bounded by steps as long as a cell.
 
-use super::elements::{ElementError, MAX_ELEMENTS, SLENDERNESS, StemElement, StemElements};
+use super::hexahedra::{ElementError, MAX_ELEMENTS, SLENDERNESS, StemElement, StemElements};
 use super::model::Anatomy;
 use super::sections::TransverseSection;
 use crate::polygon;

@@ -35,6 +35,7 @@ mod board_elements;
 mod cores;
 mod elements;
 mod error;
+mod hexahedra;
 mod layers;
 mod limb_report;
 mod limits;
@@ -68,8 +69,8 @@ mod surface;
 mod voxels;
 
 pub use cores::{Core, core_table};
-pub use elements::{ElementError, StemElement, StemElements};
 pub use error::AnatomyError;
+pub use hexahedra::{ElementError, StemElement, StemElements};
 pub use layers::{BundleSpread, LayerOptions, ParticleLayer, ParticleLayers};
 pub use limb_report::{LimbReport, limb_table};
 pub use limits::{MAX_PARTICLES, RESOLUTION_RANGE};

@@ -1,6 +1,6 @@
 //! The numbers of a stem's inside: `anatomy.json`, and a few lines for people.
 
-use super::elements::StemElements;
+use super::hexahedra::StemElements;
 use super::layers::ParticleLayers;
 use super::limb_report::LimbReport;
 use super::measures::SectionMeasures;

@@ -1,6 +1,6 @@
 //! A stem as an orthotropic solid: its hexahedra with the elastic constants and densities of a species.
 
-use super::elements::{StemElement, StemElements};
+use super::hexahedra::{StemElement, StemElements};
 use super::mensuration::WoodMass;
 use crate::moisture::{FIBRE_SATURATION_PERCENT, Fallback, MoistureError};
 use crate::species::{EngineeringConstants, Species};
