@@ -93,6 +93,7 @@ impl Shader for StemShader<'_> {
                 color: field.color(value[0]),
                 roughness: FIELD_ROUGHNESS,
                 normal: hit.normal,
+                fibre: DVec3::ZERO,
             };
         }
         let point = self.point(hit);
@@ -109,6 +110,7 @@ impl Shader for StemShader<'_> {
             color: oriented.surface.color,
             roughness: oriented.surface.roughness,
             normal: hit.bumped_normal(oriented.relief_gradient()),
+            fibre: inside.map_or(DVec3::ZERO, |_| oriented.directions[2]),
         }
     }
 
@@ -278,7 +280,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         direction,
         elevation,
     } = view.sight(broken.hinge);
-    (options.up, options.floor) = (up, false);
+    options.up = up;
     if options.view == View::Automatic {
         options.view = View::Direction {
             azimuth: azimuth_of_view(up, direction),

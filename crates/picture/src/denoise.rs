@@ -1,8 +1,7 @@
 //! Denoising of light: an edge-avoiding à-trous wavelet filter (Dammertz et al. 2010) guided by normals, planes, and the variance
 //! of the light itself (Schied et al. 2017). It sees light without the colours of surfaces, so that it leaves wood sharp.
 
-use crate::light::luminance;
-use crate::lighting::Light;
+use crate::light::{Light, luminance};
 use crate::surface::{Met, Place};
 use rayon::prelude::*;
 

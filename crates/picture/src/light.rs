@@ -1,4 +1,5 @@
-//! The studio: a large soft key light, a weaker rim light, a sky dome, and a pale floor that fades into the background.
+//! The studio: a key light like a low sun through thin cloud, a weaker rim light, a weak sky dome, and a floor that fades into
+//! the background.
 
 use crate::camera::Camera;
 use glam::{DVec3, Vec3};
@@ -12,6 +13,15 @@ pub(crate) struct Lamp {
     pub sine: f32,
     /// Irradiance on a surface that faces it.
     pub irradiance: Vec3,
+}
+
+/// The light at a place.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Light {
+    /// Share of each lamp that is not hidden, 0 to 1.
+    pub lamps: [f32; 2],
+    /// Irradiance from the sky and from other surfaces.
+    pub indirect: Vec3,
 }
 
 /// A horizontal plane that shows only shadows, as a darkened background. Shadows fade with the distance from the scene.
@@ -33,12 +43,23 @@ pub(crate) struct Studio {
     pub background: [Vec3; 2],
 }
 
-/// Cosine of the angular radius of the key light (22°): its shadows are as soft as those of a large window nearby.
-const KEY_LIGHT_COSINE: f32 = 0.927;
+/// Cosine of the angular radius of the key light (7°): its shadows show the shapes of splinters, with edges as soft as those of a
+/// softbox.
+const KEY_LIGHT_COSINE: f32 = 0.9925;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
 /// Radiance of the floor as seen from items.
-pub(crate) const FLOOR_RADIANCE: f32 = 0.42;
+const FLOOR_RADIANCE: f32 = 0.2;
+
+impl Floor {
+    /// The distance along a ray at which it meets the floor from above.
+    pub fn distance(&self, origin: DVec3, direction: DVec3, up: Vec3) -> Option<f64> {
+        let up = up.as_dvec3();
+        let fall = direction.dot(up);
+        let distance = (self.level - origin.dot(up)) / fall;
+        (fall < 0.0 && distance.is_finite()).then_some(distance)
+    }
+}
 
 impl Lamp {
     /// A lamp in a unit direction whose angular radius has the cosine `cosine`.
@@ -84,9 +105,9 @@ impl Studio {
             up: up.as_vec3(),
             lamps: [
                 Lamp::new(
-                    direction(-0.75, 0.95, 0.55),
+                    direction(-0.85, 0.8, 0.5),
                     KEY_LIGHT_COSINE,
-                    Vec3::new(2.55, 2.45, 2.28),
+                    Vec3::new(3.45, 3.3, 3.02),
                 ),
                 Lamp::new(
                     direction(0.85, 0.55, -0.75),
@@ -95,13 +116,13 @@ impl Studio {
                 ),
             ],
             sky: [
-                Vec3::new(0.50, 0.53, 0.58),
+                Vec3::new(0.27, 0.29, 0.32),
                 Vec3::splat(FLOOR_RADIANCE) * 0.8,
             ],
             floor: floor_level
                 .filter(is_below_camera)
                 .map(|level| Floor { level }),
-            background: [background, background * 0.72],
+            background: [background, background * 0.55],
         }
     }
 

@@ -2,7 +2,7 @@
 //! with a few rays and without regard to what the surface looks like, so that it can be smoothed and the wood stays sharp
 //! (the ratio estimator of Heitz, Hill and McGuire 2018).
 
-use crate::light::{Lamp, Studio};
+use crate::light::{Lamp, Light, Studio};
 use crate::sampling::{Purpose, Sampler, cone_direction, cosine_direction};
 use crate::scene::Scene;
 use crate::surface::{Met, Place};
@@ -10,20 +10,18 @@ use glam::Vec3;
 use std::f32::consts::PI;
 use std::ops::Range;
 
-/// The light at a place.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Light {
-    /// Share of each lamp that is not hidden, 0 to 1.
-    pub lamps: [f32; 2],
-    /// Irradiance from the sky and from other surfaces.
-    pub indirect: Vec3,
-}
-
 /// Fraction of the sky that is assumed to be visible from surfaces that indirect light comes from; their occlusion is not
 /// traced.
 const INDIRECT_OPENNESS: f32 = 0.6;
 /// Share of indirect rays whose surfaces are lit by the rim light; the others take the key light.
 const RIM_LIGHT_SHARE: f32 = 0.25;
+
+/// Part of the light that passes very thin wood, and its colour: what is left after ways through fibres.
+const TRANSLUCENCY: f32 = 0.5;
+const TRANSLUCENT_COLOR: Vec3 = Vec3::new(1.0, 0.78, 0.52);
+/// Thickness that light passes by a quarter, m, and how many of them let nothing through.
+const TRANSLUCENT_DEPTH: f32 = 8e-4;
+const MAX_DEPTHS: f32 = 4.0;
 
 impl Scene<'_> {
     /// The light at a place, from `rays` rays to the key light, as many indirect ones, and half as many to the rim light.
@@ -47,7 +45,37 @@ impl Scene<'_> {
         }
         // The density cosine / π of directions cancels the cosine.
         light.indirect *= PI / rays as f32;
+        if place.is_fibrous {
+            light.indirect += self.through(&studio.lamps[0], place, sampler, rays);
+        }
         light
+    }
+
+    /// Irradiance from a lamp behind thin wood.
+    fn through(&self, lamp: &Lamp, place: &Place, sampler: &Sampler, rays: u32) -> Vec3 {
+        if lamp.direction.dot(place.geometric_normal) > lamp.sine {
+            return Vec3::ZERO;
+        }
+        let mut share = 0.0;
+        for i in 0..rays {
+            let square = sampler.square(i, Purpose::KeyLight);
+            let out = cone_direction(lamp.direction, lamp.cosine, square);
+            let behind = -place.geometric_normal;
+            let cosine = out.dot(behind);
+            if cosine <= 0.0 {
+                continue;
+            }
+            let Some(thickness) = self.thickness(place.position, behind, out) else {
+                continue;
+            };
+            let left = place.position + out * thickness;
+            let depth = thickness / TRANSLUCENT_DEPTH;
+            if depth < MAX_DEPTHS && !self.is_hidden(left, out, out) {
+                let passed = 1.0 + depth * depth;
+                share += cosine / (passed * passed);
+            }
+        }
+        lamp.irradiance * TRANSLUCENT_COLOR * (TRANSLUCENCY * share / rays as f32)
     }
 
     /// The same light with `further` rays to the key light, after the first `rays`.

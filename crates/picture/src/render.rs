@@ -36,7 +36,8 @@ pub struct PictureOptions {
     pub shown: Vec<DVec3>,
     /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
     pub up: DVec3,
-    /// Whether the lowest point lies on a floor that receives shadows. It is invisible from below.
+    /// Whether the lowest of the points that fit into the picture lies on a floor, which receives shadows and hides what is below it. It
+    /// is invisible from below.
     pub floor: bool,
     /// Linear colour of the background at the centre of the picture; it darkens towards the corners.
     pub background: [f64; 3],
@@ -62,7 +63,7 @@ impl PictureOptions {
             shown: Vec::new(),
             up: DVec3::Y,
             floor: true,
-            background: [0.72, 0.72, 0.71],
+            background: [0.40, 0.385, 0.36],
         }
     }
 }
@@ -149,7 +150,7 @@ pub fn render(
     }
     let camera = Camera::new(shown, options.view, options.zoom, options.up, rendered)?;
     let up = options.up.normalize();
-    let level = points
+    let level = shown
         .iter()
         .map(|p| p.dot(up))
         .fold(f64::INFINITY, f64::min);

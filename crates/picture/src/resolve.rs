@@ -3,8 +3,7 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
-use crate::light::{Studio, luminance};
-use crate::lighting::Light;
+use crate::light::{Light, Studio, luminance};
 use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
 use crate::surface::{Met, Seen};

@@ -183,6 +183,12 @@ impl<'a> Scene<'a> {
         Some(found)
     }
 
+    /// The distance through the body behind a surface in a direction.
+    pub fn thickness(&self, from: Vec3, behind: Vec3, out: Vec3) -> Option<f32> {
+        let found = self.bvh.nearest(&self.leaving(from, behind, out))?;
+        Some(found.distance)
+    }
+
     /// What a ray from a surface meets; `footprint` is the size of a pixel on it.
     pub fn bounce(&self, from: Vec3, normal: Vec3, out: Vec3, footprint: f32) -> Option<Bounce> {
         let found = self.nearest(self.leaving(from, normal, out))?;
@@ -245,6 +251,10 @@ impl<'a> Scene<'a> {
             direction: direction.as_vec3(),
             max_distance: f32::INFINITY,
         });
+        // What lies below the floor is hidden.
+        let floor = (studio.floor.as_ref())
+            .and_then(|floor| floor.distance(camera.origin, direction, studio.up));
+        let found = found.filter(|f| floor.is_none_or(|d| f64::from(f.distance) + ahead <= d));
         let Some(found) = found else {
             return self.beyond_items(studio, camera, direction, [u, v]);
         };
@@ -257,6 +267,7 @@ impl<'a> Scene<'a> {
             normal: hit.normal.as_vec3(),
             geometric_normal: hit.geometric_normal.as_vec3(),
             footprint: hit.footprint as f32,
+            is_fibrous: false,
         };
         let distance = |seen: &&Seen| seen.place.position.distance_squared(place.position);
         let is_near = |seen: &&Seen| {
@@ -267,11 +278,22 @@ impl<'a> Scene<'a> {
         let shared =
             (known.iter().filter(is_near)).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(seen) = shared {
-            return Seen { place, ..*seen };
+            let is_fibrous = seen.place.is_fibrous;
+            return Seen {
+                place: Place {
+                    is_fibrous,
+                    ..place
+                },
+                ..*seen
+            };
         }
         let appearance = valid_appearance(self.items[item].shader.shade(&hit), &hit);
         Seen {
-            place,
+            place: Place {
+                is_fibrous: appearance.fibre != DVec3::ZERO,
+                ..place
+            },
+            fibre: appearance.fibre.as_vec3(),
             color: single(appearance.color),
             roughness: appearance.roughness as f32,
             normal: appearance.normal.as_vec3(),
@@ -296,7 +318,9 @@ impl<'a> Scene<'a> {
                 normal: to_viewer,
                 geometric_normal: to_viewer,
                 footprint: 0.0,
+                is_fibrous: false,
             },
+            fibre: Vec3::ZERO,
             color: studio.background(u, v),
             roughness: 1.0,
             normal: to_viewer,
@@ -306,12 +330,9 @@ impl<'a> Scene<'a> {
         let Some(floor) = &studio.floor else {
             return background;
         };
-        let up = studio.up.as_dvec3();
-        let fall = direction.dot(up);
-        let distance = (floor.level - camera.origin.dot(up)) / fall;
-        if fall >= 0.0 || !distance.is_finite() {
+        let Some(distance) = floor.distance(camera.origin, direction, studio.up) else {
             return background;
-        }
+        };
         let position = camera.origin + direction * distance - self.bounds.centre;
         let away = (position.length() / self.bounds.radius - 1.0) * SHADOW_FADE;
         if away >= 1.0 {
@@ -325,6 +346,7 @@ impl<'a> Scene<'a> {
                 normal: studio.up,
                 geometric_normal: studio.up,
                 footprint: (camera.pixel_size * distance) as f32,
+                is_fibrous: false,
             },
             normal: studio.up,
             shadows: 1.0 - fade * fade * (3.0 - 2.0 * fade),
@@ -353,8 +375,8 @@ fn unpack(packed: u64) -> Vec3 {
 mod tests {
     use super::*;
     use crate::light::{Lamp, luminance};
+    use crate::plain::PlainShader;
     use crate::sampling::Sampler;
-    use crate::shader::PlainShader;
     use glam::DAffine3;
     use greenstick_geometry::Mesh;
 

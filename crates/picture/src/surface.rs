@@ -1,7 +1,6 @@
 //! Points of surfaces with their reflectance.
 
-use crate::light::{Lamp, Studio, luminance};
-use crate::lighting::Light;
+use crate::light::{Lamp, Light, Studio, luminance};
 use crate::shader::{Appearance, Hit};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -14,6 +13,10 @@ const MIN_ROUGHNESS: f64 = 0.3;
 const MIN_NORMAL_COSINE: f64 = 0.1;
 /// Largest radiance of a pixel: rare highlights would remain as white pixels.
 const MAX_RADIANCE: f32 = 4.0;
+
+/// Sheen of fibres on the cone, relative to white matt wood, and half the width of its lobe, as a sum of sines of angles.
+const SHEEN: f32 = 0.45;
+const SHEEN_WIDTH: f32 = 0.35;
 
 /// What a camera ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +37,8 @@ pub(crate) struct Place {
     pub geometric_normal: Vec3,
     /// Size of a pixel there, m.
     pub footprint: f32,
+    /// Whether light comes through where it is thin.
+    pub is_fibrous: bool,
 }
 
 /// What a camera ray sees.
@@ -45,6 +50,8 @@ pub(crate) struct Seen {
     pub roughness: f32,
     /// Unit normal with relief finer than the mesh.
     pub normal: Vec3,
+    /// Unit direction of fibres, or zero.
+    pub fibre: Vec3,
     /// Unit direction to the viewer.
     pub to_viewer: Vec3,
     /// How much of the shadows on the floor is shown, from 0 (none) to 1.
@@ -109,7 +116,18 @@ impl Seen {
         let f = 1.0 - vh;
         let fresnel = NORMAL_REFLECTANCE + (1.0 - NORMAL_REFLECTANCE) * f * f * f * f * f;
         let coat = a / (PI * d * d) * 0.5 / masking * fresnel;
-        self.color * ((1.0 - fresnel) / PI) + Vec3::splat(coat)
+        self.color * ((1.0 - fresnel) / PI + self.sheen(out)) + Vec3::splat(coat)
+    }
+
+    /// The sheen of fibres: light from below the surface leaves them near the cone about the fibre on which a mirror along it would
+    /// send it, in the colour of the wood (Marschner et al. 2005, with one lobe).
+    fn sheen(&self, out: Vec3) -> f32 {
+        if self.fibre == Vec3::ZERO {
+            return 0.0;
+        }
+        let off = (self.fibre.dot(out) + self.fibre.dot(self.to_viewer)) / SHEEN_WIDTH;
+        let lobe = 1.0 + off * off;
+        SHEEN / (PI * lobe * lobe)
     }
 }
 
@@ -138,6 +156,7 @@ pub(crate) fn valid_appearance(appearance: Appearance, hit: &Hit) -> Appearance 
         color,
         roughness: roughness.clamp(MIN_ROUGHNESS, 1.0),
         normal,
+        fibre: appearance.fibre.normalize_or_zero(),
     }
 }
 

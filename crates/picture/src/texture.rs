@@ -262,6 +262,7 @@ impl TexturedMaterial {
             color: std::array::from_fn(|c| value[c] * self.factor[c]),
             roughness: self.roughness_factor * roughness.map_or(1.0, |value| value.y),
             normal: normal.unwrap_or(hit.normal),
+            fibre: DVec3::ZERO,
         })
     }
 }
