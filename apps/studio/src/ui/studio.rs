@@ -19,6 +19,8 @@ use std::sync::Arc;
 const SLOW: f64 = 0.12;
 /// Seconds after a change before unsaved work is kept for a recovery.
 const KEEP_AFTER: f64 = 2.0;
+/// Seconds after which a frame follows the last one that something happened in.
+const LAST_FRAME: f32 = 0.05;
 /// Radii of the stem around the face that framing a break shows.
 const BREAK_ROOM: f32 = 2.4;
 
@@ -443,6 +445,10 @@ impl Studio {
         self.parameters(ui);
         self.viewport(ui);
         self.dialogs(&ctx);
+        // Some displays show a frame only with the next one; the picture itself is not drawn again.
+        if ctx.input(|i| !i.events.is_empty()) {
+            ctx.request_repaint_after_secs(LAST_FRAME);
+        }
         if self.quit {
             self.quit = false;
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
