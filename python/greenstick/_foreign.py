@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
@@ -49,3 +50,13 @@ def mesh_to_pyvista(mesh: Mesh) -> Any:
     if mesh.materials is not None:
         made.cell_data["material"] = np.array(mesh.materials)
     return made
+
+
+def parquet_table(files: dict[str, bytes], name: str) -> Any:
+    """A ``pyarrow.Table`` of a Parquet file among ``files``."""
+    import pyarrow.parquet
+
+    known = [file.removesuffix(".parquet") for file in files if file.endswith(".parquet")]
+    if name not in known:
+        raise KeyError(f"there is no table {name!r}; expected one of {known}")
+    return pyarrow.parquet.read_table(io.BytesIO(files[f"{name}.parquet"]))

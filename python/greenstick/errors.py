@@ -62,6 +62,14 @@ class AnatomyError(GreenstickError):
     """The inside of the stem cannot be made."""
 
 
+class BendingError(GreenstickError):
+    """A bending test cannot be made."""
+
+
+class SimulateError(GreenstickError):
+    """A scene cannot be simulated."""
+
+
 class FormatError(GreenstickError):
     """A format cannot represent the result, or a file is damaged."""
 

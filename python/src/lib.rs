@@ -3,7 +3,9 @@
 //! Classes hold what the library returns. Work runs without the interpreter's lock ([`work`]), arrays look into the library's
 //! memory where that is possible ([`arrays`]), and errors become exceptions with the same messages ([`failure`]).
 
+mod anatomy;
 mod arrays;
+mod bending;
 mod broken;
 mod convert;
 mod failure;
@@ -11,6 +13,7 @@ mod pictures;
 mod request;
 mod scene;
 mod session;
+mod simulation;
 mod species;
 mod values;
 mod work;
@@ -19,6 +22,10 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::anatomy::{Anatomy, anatomy};
+    #[pymodule_export]
+    use super::bending::bend_test;
     #[pymodule_export]
     use super::broken::{Broken, break_wood};
     #[pymodule_export]
@@ -29,6 +36,8 @@ mod _native {
     use super::scene::{Mesh, Node, Scene, built_in_branch};
     #[pymodule_export]
     use super::session::{Piece, Session};
+    #[pymodule_export]
+    use super::simulation::{Frame, Run, simulate};
     #[pymodule_export]
     use super::species::{Species, species};
     use super::*;
