@@ -70,6 +70,7 @@ Examples
   greenstick break pole.ply -o halves.glb --part 3cm --picture halves.png
   greenstick break tree.obj --at 0.3,2.1,-0.4 -o broken.obj
   greenstick break board.gltf --kind board --pith 0,-4cm --preset brash
+  greenstick break --variants 5 -o twigs.glb           twigs_1.glb to twigs_5.glb, no two alike
   greenstick break --set high.height=2 --set sapwood.perlin_amplitude=0.3 --set seed=9
   greenstick break --preset twist --save-recipe twist.toml
   greenstick break --recipe twist.toml --json > report.json
@@ -163,7 +164,7 @@ pub struct RingsOptions {
     pub settings: Declared<SectionRingSettings>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(after_help = BREAK_EXAMPLES)]
 pub struct BreakOptions {
     /// Mesh to break (.glb, .gltf, .obj, .ply, .stl or .off), or a point cloud (.ply, .xyz, .txt, .asc, .pts, .las or
@@ -224,6 +225,11 @@ pub struct BreakOptions {
     #[arg(long, value_name = "PATH", help_heading = "Annual rings", conflicts_with_all = ["simulate", "from_run", "ring_shares"])]
     pub rings_from: Option<PathBuf>,
 
+    /// Break it so many times, each with the next seed; a number is added to the names of the files
+    #[arg(long, value_name = "NUMBER", help_heading = "How it breaks",
+        conflicts_with_all = ["simulate", "from_run", "json"], value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub variants: Option<u32>,
+
     #[command(flatten)]
     pub request: Declared<RequestFile>,
 
@@ -244,7 +250,10 @@ impl OptionSet for RequestFile {
             "hang" => option.help_heading("What comes out"),
             // Listed with the input and the output.
             "at" | "unit" => option.help_heading(None::<&str>),
-            "seed" | "species" | "moisture" => option.help_heading("How it breaks"),
+            "seed" => option
+                .help_heading("How it breaks")
+                .help("Seed of everything irregular: a number, or `random`, which the report says [default: 1]"),
+            "species" | "moisture" => option.help_heading("How it breaks"),
             "picture_size" => PictureParameters::adjust(option),
             _ => ScanParameters::adjust(option),
         }

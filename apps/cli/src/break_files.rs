@@ -46,6 +46,28 @@ impl Targets {
         Ok(targets)
     }
 
+    /// Returns the files of a variant, whose number is added to their names; number 0 is the only one.
+    pub fn variant(&self, number: u32) -> Targets {
+        let numbered = |path: &Option<PathBuf>| {
+            let path = path.clone()?;
+            let (Some(stem), true) = (path.file_stem(), number > 0) else {
+                return Some(path);
+            };
+            let mut name = stem.to_os_string();
+            name.push(format!("_{number}"));
+            if let Some(extension) = path.extension() {
+                name.push(".");
+                name.push(extension);
+            }
+            Some(path.with_file_name(name))
+        };
+        Targets {
+            pieces: numbered(&self.pieces),
+            picture: numbered(&self.picture),
+            recipe: numbered(&self.recipe),
+        }
+    }
+
     /// Checks that all files can be written, before any work is done.
     pub fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         let all: Vec<&Path> = [&self.pieces, &self.picture, &self.recipe]

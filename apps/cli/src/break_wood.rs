@@ -13,6 +13,7 @@ use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::{BreakReport, RequestFile, RequestFileError};
 use greenstick_sweep::Input;
 use serde::Serialize;
+use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -30,28 +31,74 @@ struct FullReport<'a> {
 
 pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     let targets = Targets::new(options)?;
-    let ResolvedRequest { file, input } = resolve_request(options)?;
+    let (options, random) = with_random_seed(options);
+    let request = resolve_request(&options)?;
+    use_threads(options.reporting.threads)?;
+    let seeds = options.variants.map_or(0..=0, |count| 1..=count);
+    for number in seeds {
+        break_once(&options, &targets, &request, number, random)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Key of the seed, and the word for one at random.
+const SEED: &str = "break.seed";
+const RANDOM_SEED: &str = "random";
+/// Seeds at random are below this: short enough to be typed again.
+const RANDOM_SEEDS: u64 = 1_000_000;
+
+/// Returns the options with the seed that is taken where one at random is asked for, and that seed.
+fn with_random_seed(options: &BreakOptions) -> (BreakOptions, Option<u64>) {
+    let mut options = options.clone();
+    if options.request.text(SEED) != Some(RANDOM_SEED) {
+        return (options, None);
+    }
+    // The standard library has no other source of chance.
+    let seed = RandomState::new().hash_one(RANDOM_SEED) % RANDOM_SEEDS;
+    options.request.replace(SEED, &seed.to_string());
+    (options, Some(seed))
+}
+
+/// Breaks once; a variant's `number` counts from 1.
+fn break_once(
+    options: &BreakOptions,
+    targets: &Targets,
+    ResolvedRequest { file, input }: &ResolvedRequest,
+    number: u32,
+    random: Option<u64>,
+) -> Result<(), Failure> {
+    let (targets, mut file) = (targets.variant(number), file.clone());
+    let next = u64::from(number.saturating_sub(1));
+    for one in file.breaks.iter_mut().chain([&mut file.common]) {
+        let seed = &mut one.recipe.face.seed;
+        *seed = seed.saturating_add(next).min(i64::MAX as u64);
+    }
+    let file = &file;
     let unit = file.unit;
     let recipe = match &targets.recipe {
-        Some(path) => Some(recipe_text(&file, input.as_deref(), path)?),
+        Some(path) => Some(recipe_text(file, input.as_deref(), path)?),
         None => None,
     };
-    use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [read, work, write] =
         progress.split([("read", 0.5), ("break", 2.0), ("write", targets.seconds())]);
-    let mut source = Input::of_request(&file, input.as_deref(), &read)?;
+    let mut source = Input::of_request(file, input.as_deref(), &read)?;
     targets.check(&source.files)?;
-    let request = source.request(&file);
+    let request = source.request(file);
     let mut scene = std::mem::take(&mut source.scene);
-    if let (Some(input), Some(pieces)) = (&input, &targets.pieces) {
+    if let (Some(input), Some(pieces)) = (input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);
     }
     let mut broken = greenstick::break_scene(scene, &request, &work)?;
-    source.note_origin(&mut broken, &file, input.as_deref());
+    source.note_origin(&mut broken, file, input.as_deref());
     let provenance = file.provenance(file_name(input.as_deref()).as_deref(), source.scan.as_ref());
     let warning = unit_warning(input.as_deref(), unit, broken.report.place.stem_length_m);
     warning.into_iter().for_each(|note| broken.note(note));
+    if random.is_some() || number > 0 {
+        let seed = file.common.recipe.face.seed;
+        let chosen = random.map_or("", |_| ", chosen at random");
+        broken.note(format!("the seed is {seed}{chosen}"));
+    }
     let outputs = targets.write(
         (&broken.scene, unit),
         |context| {
@@ -69,14 +116,14 @@ pub fn run(options: &BreakOptions) -> Result<ExitCode, Failure> {
     if options.reporting.prints_report() {
         let full = FullReport {
             report: &broken.report,
-            request_hash: hash(&file, input.as_deref()),
+            request_hash: hash(file, input.as_deref()),
             provenance: &provenance,
             outputs: &written(&outputs),
             stages: &stages,
         };
         print(&format_report(&full, options.reporting.json)?)?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// The hash of a request, whatever folder its input lies in.

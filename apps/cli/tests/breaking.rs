@@ -331,3 +331,38 @@ fn the_recipe_in_the_guide_is_read_and_its_keys_exist() {
     }
     assert!(keys > 8);
 }
+
+#[test]
+fn variants_take_one_seed_after_the_other() {
+    let folder = Folder::new();
+    let run = folder.quick(&["--variants", "2", "--seed", "7", "-o", "v.ply"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""), "{}", run.out);
+    assert_eq!(folder.names(), ["v_1.ply", "v_2.ply"]);
+    assert!(run.out.contains("the seed is 7") && run.out.contains("the seed is 8"));
+    assert_ne!(folder.read("v_1.ply"), folder.read("v_2.ply"));
+    assert_eq!(folder.quick(&["--seed", "8", "-o", "w.ply"]).code, 0);
+    assert_eq!(folder.read("w.ply"), folder.read("v_2.ply"));
+}
+
+#[test]
+fn a_seed_at_random_is_said_and_can_be_given_again() {
+    let folder = Folder::new();
+    let run = folder.quick(&["--seed", "random", "-o", "a.ply"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""), "{}", run.out);
+    let (_, said) = run.out.split_once("the seed is ").unwrap();
+    let (seed, _) = said.split_once(", chosen at random").unwrap();
+    assert_eq!(folder.quick(&["--seed", seed, "-o", "b.ply"]).code, 0);
+    assert_eq!(folder.read("a.ply"), folder.read("b.ply"));
+}
+
+#[test]
+fn colours_of_wood_are_given_as_hexadecimal_digits() {
+    let folder = Folder::new();
+    let run = folder.quick(&["--sapwood-color", "beige", "-o", "a.glb"]);
+    assert_eq!(run.code, 2);
+    assert!(run.err.contains("#d8ba90"), "{}", run.err);
+    let plain = folder.quick(&["-o", "a.glb"]);
+    let red = folder.quick(&["--set", "sapwood_color=#c04030", "-o", "b.glb"]);
+    assert_eq!((plain.code, red.code), (0, 0), "{}", red.err);
+    assert_ne!(folder.read("a.glb"), folder.read("b.glb"));
+}

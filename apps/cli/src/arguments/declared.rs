@@ -145,6 +145,12 @@ impl<T: OptionSet> Declared<T> {
         given.map(|(_, text)| text.as_str())
     }
 
+    /// Replaces the text that was given for a key.
+    pub fn replace(&mut self, key: &str, text: &str) {
+        let given = self.given.iter_mut().filter(|(p, _)| p.key == key);
+        given.for_each(|(_, known)| text.clone_into(known));
+    }
+
     /// Applies the options to a set that has all of their keys. `rewrite` may replace the text of a key.
     pub fn apply(
         &self,
