@@ -39,8 +39,13 @@ class RequestKeys(TypedDict, total=False):
     fray: float | str
     species: str | float | None
     moisture: float | str | None
+    sapwood_color: str | float | None
+    heartwood_color: str | float | None
+    bark_color: str | float | None
+    latewood_contrast: float | str | None
     picture_size: str | float
     samples: int | str
+    draft: bool
     view: str | float | None
     close_up: float | str | None
     diameter: float | str
@@ -85,7 +90,7 @@ class RequestAttributes:
     def unit(self, value: Literal["mm", "cm", "m"] | None) -> None: ...
     @property
     def texture_size(self) -> int:
-        """Width of the baked textures, pixels; they are half as high."""
+        """Width of the baked textures of the wood inside, pixels."""
     @texture_size.setter
     def texture_size(self, value: int | str) -> None: ...
     @property
@@ -224,15 +229,40 @@ class RequestAttributes:
     @moisture.setter
     def moisture(self, value: float | str | None) -> None: ...
     @property
+    def sapwood_color(self) -> str | None:
+        """Colour of the earlywood of the sapwood, as a photograph shows it: `#e0c296`."""
+    @sapwood_color.setter
+    def sapwood_color(self, value: str | float | None) -> None: ...
+    @property
+    def heartwood_color(self) -> str | None:
+        """Colour of the earlywood of the heartwood."""
+    @heartwood_color.setter
+    def heartwood_color(self, value: str | float | None) -> None: ...
+    @property
+    def bark_color(self) -> str | None:
+        """Colour of the ridges of the bark; furrows and torn bark are darker shades of it. Bark that the input shows keeps its own."""
+    @bark_color.setter
+    def bark_color(self, value: str | float | None) -> None: ...
+    @property
+    def latewood_contrast(self) -> float | None:
+        """How much darker latewood is than earlywood: 0 not at all, 1 as dark as in pine. Unit: one."""
+    @latewood_contrast.setter
+    def latewood_contrast(self, value: float | str | None) -> None: ...
+    @property
     def picture_size(self) -> str:
         """Size of the picture, pixels."""
     @picture_size.setter
     def picture_size(self, value: str | float) -> None: ...
     @property
     def samples(self) -> int:
-        """Camera rays for each pixel of the picture; from 4 on rounded up to a multiple of 4."""
+        """Most camera rays for a pixel of the picture; those without an edge or fine detail take fewer. Light takes an eighth as many."""
     @samples.setter
     def samples(self, value: int | str) -> None: ...
+    @property
+    def draft(self) -> bool:
+        """Renders a rough picture quickly: at half the width and height, with at most four camera rays for a pixel, enlarged."""
+    @draft.setter
+    def draft(self, value: bool) -> None: ...
     @property
     def view(self) -> str | None:
         """Direction from which the picture is taken, degrees; 'auto' chooses one that suits."""
@@ -399,7 +429,7 @@ class RequestAttributes:
     ]) -> Literal["smooth", "fibrous"]: ...
     @overload
     def __getitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft",
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -432,8 +462,8 @@ class RequestAttributes:
     ]) -> float: ...
     @overload
     def __getitem__(self, key: Literal[
-        "eccentricity_onset", "inner_circle", "moisture", "close_up", "crack_groups.large.shrinkage",
-        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
+        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -466,7 +496,7 @@ class RequestAttributes:
     ]) -> str: ...
     @overload
     def __getitem__(self, key: Literal[
-        "input", "pith", "kernels", "species", "view",
+        "input", "pith", "kernels", "species", "sapwood_color", "heartwood_color", "bark_color", "view",
     ]) -> str | None: ...
     @overload
     def __getitem__(self, key: str) -> Any: ...
@@ -496,7 +526,7 @@ class RequestAttributes:
     ], value: Literal["smooth", "fibrous"]) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft",
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
@@ -529,8 +559,8 @@ class RequestAttributes:
     ], value: float | str) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "eccentricity_onset", "inner_circle", "moisture", "close_up", "crack_groups.large.shrinkage",
-        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
+        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
@@ -563,7 +593,7 @@ class RequestAttributes:
     ], value: str | float) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "input", "pith", "kernels", "species", "view",
+        "input", "pith", "kernels", "species", "sapwood_color", "heartwood_color", "bark_color", "view",
     ], value: str | float | None) -> None: ...
     @overload
     def __setitem__(self, key: str, value: object) -> None: ...

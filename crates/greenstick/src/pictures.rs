@@ -10,7 +10,6 @@ use greenstick_picture::{
 use greenstick_skin::view::{self, BreakView, Sight};
 use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
-use greenstick_wood::branch::BARK_MATERIAL_NAME;
 use greenstick_wood::stem::Stem;
 
 /// Shades the wood inside by its address at the pixel, and the skin as bark unless its material has a colour or a texture that is
@@ -51,7 +50,9 @@ impl<'a> Inside<'a> {
 impl<'a> StemShader<'a> {
     fn new(scene: &Scene, woods: Vec<Inside<'a>>, moved: bool) -> Result<Self, PictureError> {
         let inner = |number| woods.iter().any(|wood| wood.material as usize == number);
-        let plain = file_materials(scene, |number, m| !inner(number) && !is_own_bark(scene, m))?;
+        let plain = file_materials(scene, |number, m| {
+            !inner(number) && !materials::is_own_bark(scene, m)
+        })?;
         let blank = materials::without_color(scene).into_iter().zip(0..);
         Ok(StemShader {
             woods,
@@ -123,14 +124,6 @@ impl Shader for StemShader<'_> {
     }
 }
 
-/// Whether a material is our own bark, which is finer by its model than by its texture.
-fn is_own_bark(scene: &Scene, material: &Material) -> bool {
-    let texture =
-        (material.base_color_texture.as_ref()).and_then(|t| scene.textures.get(t.texture));
-    let image = texture.and_then(|t| scene.images.get(t.image?));
-    material.name == BARK_MATERIAL_NAME && image.is_none_or(|i| i.name.starts_with("bark_"))
-}
-
 /// The materials of a scene, of which those that `is_shown` names have the textures whose images are in the scene.
 fn file_materials(
     scene: &Scene,
@@ -149,8 +142,7 @@ fn file_materials(
 /// Returns what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the wood inside, whose materials are
 /// `inner`. Splinters do not count; there is none of wood without such faces.
 pub fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<Sphere> {
-    let (centre, radius) = view::close_up(scene, inner, diameters)?;
-    Some(Sphere { centre, radius })
+    view::close_up(scene, inner, diameters).map(|(centre, radius)| Sphere { centre, radius })
 }
 
 /// Renders wood that has moved since it grew. Splinters do not make the picture wider. `inner` is the material of the wood

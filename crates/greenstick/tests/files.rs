@@ -133,3 +133,20 @@ fn a_mesh_and_its_companions_are_read_and_written() {
     let missing = read(&folder.0.join("none.ply"), None).unwrap_err();
     assert!(missing.to_string().contains("none.ply") && missing.kind() == ErrorKind::Request);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_nothing_is_written_through() {
+    let folder = Folder::new();
+    fs::create_dir_all(folder.0.join("far")).unwrap();
+    let [link, second, file] = ["link", "second", "far/file"].map(|name| folder.0.join(name));
+    std::os::unix::fs::symlink("second", &link).unwrap();
+    std::os::unix::fs::symlink("far/file", &second).unwrap();
+    let output = Output {
+        path: link.clone(),
+        bytes: b"new".to_vec(),
+    };
+    write_all(&[output]).unwrap();
+    assert!(link.is_symlink() && second.is_symlink());
+    assert_eq!(fs::read(&file).unwrap(), b"new");
+}

@@ -29,6 +29,14 @@ pub fn without_color(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(without).collect()
 }
 
+/// Whether a material is our own bark, which is finer by its model than by its texture.
+pub fn is_own_bark(scene: &Scene, material: &Material) -> bool {
+    let texture = material.base_color_texture.as_ref();
+    let texture = texture.and_then(|t| scene.textures.get(t.texture));
+    let image = texture.and_then(|t| scene.images.get(t.image?));
+    material.name == BARK_MATERIAL_NAME && image.is_none_or(|i| i.name.starts_with("bark_"))
+}
+
 /// Returns the number of the next material of a scene, once its triangles without one have bark.
 pub fn next_material(scene: &Scene) -> u32 {
     let lacks_bark = scene.nodes.iter().any(|n| lacks_material(&n.mesh));

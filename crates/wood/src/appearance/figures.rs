@@ -2,6 +2,7 @@
 //! its mean where the footprint grows beyond it.
 
 use super::mix::{mix_scalar, visible_detail};
+use super::noises::{HEARTWOOD_NOISE, STREAK_NOISES};
 use super::wood::WoodAppearance;
 use crate::noise::{Noises, hash, smoothstep, unit};
 use crate::rings::{RingSource, StemAddress, latewood_strength, periodic_cells};
@@ -19,7 +20,7 @@ struct StreakSize {
 }
 
 /// Fibre bundles, slivers and fibres. Their lengths are [`STREAK_LENGTH_WIDTHS`] widths.
-const STREAKS: [StreakSize; 4] = [
+const STREAKS: [StreakSize; STREAK_NOISES] = [
     StreakSize {
         width: 5.0e-3,
         share: 0.10,
@@ -57,9 +58,6 @@ const VESSEL_LENGTH_DIAMETERS: f64 = 130.0;
 /// How far the edge of the heartwood wanders, and how far it can lie from its mean, in ring coordinates.
 const HEARTWOOD_WANDER: f64 = 0.07;
 const MAX_HEARTWOOD_SHIFT: f64 = 0.13;
-
-/// Number of the noise that shifts the heartwood's edge; those of the streaks come before it.
-pub(super) const HEARTWOOD_NOISE: usize = STREAKS.len();
 
 // Purposes in the hash: each figure has its own numbers.
 const STREAK: u64 = 0x53;

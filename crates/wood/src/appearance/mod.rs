@@ -10,6 +10,7 @@ mod bark;
 mod colours;
 mod figures;
 mod mix;
+mod noises;
 mod shading;
 mod stem;
 mod surface;

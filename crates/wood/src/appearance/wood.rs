@@ -1,7 +1,7 @@
 //! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
 
-use super::figures::HEARTWOOD_NOISE;
 use super::mix::{mix, mix_scalar, visible_detail};
+use super::noises::{SPECK_NOISE, UNEVEN_NOISES};
 use super::surface::WoodSurface;
 use crate::colour::linear_from_srgb as srgb;
 use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
@@ -83,9 +83,6 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
-/// Numbers of the noises of pith and bark; those of the streaks and of the heartwood come before them.
-const SPECK_NOISE: usize = HEARTWOOD_NOISE + 1;
-const UNEVEN_NOISES: usize = HEARTWOOD_NOISE + 2;
 /// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
 

@@ -1,0 +1,10 @@
+//! Numbers that tell the noises of wood's appearance apart, in the order of their memory.
+
+/// Streaks: the noises before that of the heartwood.
+pub(super) const STREAK_NOISES: usize = 4;
+/// What shifts the heartwood's edge.
+pub(super) const HEARTWOOD_NOISE: usize = STREAK_NOISES;
+/// Specks of pith and bark.
+pub(super) const SPECK_NOISE: usize = HEARTWOOD_NOISE + 1;
+/// Unevenness of pith and bark, from coarse to fine.
+pub(super) const UNEVEN_NOISES: usize = SPECK_NOISE + 1;
