@@ -288,11 +288,14 @@ fn too_many_instances_of_a_mesh() {
         gltf(|j| {
             j["nodes"] = vec![serde_json::json!({"mesh": 0}); times].into();
             j["scenes"][0]["nodes"] = (0..times).collect::<Vec<_>>().into();
-            j["accessors"][0]["count"] = (1 << 20).into();
-            j["accessors"][0]
-                .as_object_mut()
-                .unwrap()
-                .remove("bufferView");
+            j["accessors"][0] = serde_json::json!({
+                "componentType": 5126, "count": 1 << 20, "type": "VEC3",
+                "sparse": {
+                    "count": 3,
+                    "indices": {"bufferView": 1, "componentType": 5123},
+                    "values": {"bufferView": 0},
+                },
+            });
         })
     };
     assert_eq!(read_alone(Format::Gltf, &placed(3)).unwrap().nodes.len(), 3);

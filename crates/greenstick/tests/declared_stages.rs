@@ -80,10 +80,10 @@ impl Prepared {
         let mut after = self.request.clone();
         let one = &mut after.breaks[0];
         let own = one.list().into_iter().find(|p| p.key == info.key).unwrap();
-        let word = if info.key == "at" {
-            "0.51"
-        } else {
-            "Ash, white"
+        let word = match info.key.as_str() {
+            "at" => "0.51",
+            key if key.ends_with("_color") => "#c08040",
+            _ => "Ash, white",
         };
         let value = match own.kind {
             Kind::Text { .. } => Value::Text(word.into()),

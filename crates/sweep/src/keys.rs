@@ -19,7 +19,7 @@ const BREAK: &str = "break.";
 /// assert_eq!(find(&file, "slab_height")?.key, "break.slab_height");
 /// assert_eq!(find(&file, "annual_rings")?.key, "annual_rings");
 /// let error = find(&file, "slab_hight").unwrap_err();
-/// assert_eq!(error.to_string(), "unknown parameter \"slab_hight\"; did you mean \"slab_height\", \"slab_count\" or \"fibre_height\"?");
+/// assert_eq!(error.to_string(), "unknown parameter \"slab_hight\"; did you mean \"slab_height\", \"step_height\" or \"sliver_height\"?");
 /// # Ok::<(), greenstick::schema::ParameterError>(())
 /// ```
 pub fn find(set: &dyn Parameters, key: &str) -> Result<ParameterInfo, ParameterError> {

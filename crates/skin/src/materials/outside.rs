@@ -119,6 +119,7 @@ fn off_the_limb(corners: [DVec3; 3], radius: f64) -> [DVec2; 3] {
 fn dress(mesh: &mut Mesh, bark: u32, sawn: u32, shown: impl Fn(&Mesh, usize) -> Outside) -> bool {
     // They would belong to other coordinates.
     mesh.attributes.remove("TANGENT");
+    keep_own_coordinates(mesh, bark);
     let name = "TEXCOORD_0";
     let mut uv: Vec<[f32; 2]> = match mesh.attributes.get(name).filter(|a| a.width == 2) {
         Some(known) => known.data.chunks_exact(2).map(|c| [c[0], c[1]]).collect(),
@@ -179,4 +180,24 @@ fn dress(mesh: &mut Mesh, bark: u32, sawn: u32, shown: impl Fn(&Mesh, usize) -> 
     };
     mesh.attributes.insert(name.to_owned(), coordinates);
     has_ends
+}
+
+/// Keeps the coordinates that the input gave the triangles of `bark` as the next set of the mesh. Without any they are all 0.
+fn keep_own_coordinates(mesh: &mut Mesh, bark: u32) {
+    let Some(known) = mesh.attributes.get("TEXCOORD_0") else {
+        return;
+    };
+    let of_bark = |t: &usize| mesh.material(*t) == bark;
+    let mut corners = (0..mesh.triangles.len())
+        .filter(of_bark)
+        .flat_map(|t| mesh.triangles[t]);
+    if !corners.any(|v| known.at(v as usize).iter().any(|c| *c != 0.0)) {
+        return;
+    }
+    let own = known.clone();
+    let names = (1..).map(|set| format!("TEXCOORD_{set}"));
+    let mut free = names.filter(|name| !mesh.attributes.contains_key(name.as_str()));
+    if let Some(name) = free.next() {
+        mesh.attributes.insert(name, own);
+    }
 }

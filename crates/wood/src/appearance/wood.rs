@@ -106,7 +106,7 @@ impl WoodAppearance {
             latewood_color: srgb([168, 118, 70]),
             heartwood_color: srgb([196, 147, 98]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([172, 124, 84]),
+            phloem_color: srgb([161, 116, 78]),
             cork_color: srgb([106, 80, 60]),
             bark_color: None,
             latewood_contrast: 0.95,
