@@ -9,6 +9,7 @@ mod bending;
 mod broken;
 mod convert;
 mod failure;
+mod mesh;
 mod pictures;
 mod request;
 mod scene;
@@ -29,11 +30,13 @@ mod _native {
     #[pymodule_export]
     use super::broken::{Broken, break_wood};
     #[pymodule_export]
+    use super::mesh::Mesh;
+    #[pymodule_export]
     use super::pictures::Picture;
     #[pymodule_export]
     use super::request::{Request, presets};
     #[pymodule_export]
-    use super::scene::{Mesh, Node, Scene, built_in_branch};
+    use super::scene::{Node, Scene, built_in_branch};
     #[pymodule_export]
     use super::session::{Piece, Session};
     #[pymodule_export]

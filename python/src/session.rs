@@ -3,8 +3,9 @@
 use crate::broken::Broken;
 use crate::convert::Reduced;
 use crate::failure::Failure;
+use crate::mesh::Mesh;
 use crate::request::Request;
-use crate::scene::{Mesh, Scene};
+use crate::scene::Scene;
 use crate::work;
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene as Meshes};
