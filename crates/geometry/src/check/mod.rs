@@ -1,5 +1,6 @@
 //! Whether a mesh is sound: closed, oriented, manifold, without degenerate, duplicate or crossing triangles.
 
+mod closed_volume;
 mod examine;
 mod report;
 mod text;

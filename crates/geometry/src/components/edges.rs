@@ -32,28 +32,9 @@ pub(crate) struct Edges {
 impl Edges {
     /// Collects the edges of all triangles whose three corners lie at three points.
     pub fn new(triangles: &[[u32; 3]], points: &[u32], count: usize) -> Self {
-        let each = |visit: &mut dyn FnMut(u32, Use)| {
-            for (t, &triangle) in triangles.iter().enumerate() {
-                let Some([a, b, c]) = corner_points(triangle, points) else {
-                    continue;
-                };
-                if a == b || b == c || c == a {
-                    continue;
-                }
-                for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
-                    visit(
-                        p.min(q),
-                        Use {
-                            high: p.max(q),
-                            half_edge: (3 * t + k) as u32,
-                        },
-                    );
-                }
-            }
-        };
         // A counting sort by the lower point; the few uses of each are then sorted by the higher.
         let mut starts = vec![0u32; count + 1];
-        each(&mut |low, _| starts[low as usize] += 1);
+        each_use(triangles, points, |low, _| starts[low as usize] += 1);
         let mut sum = 0;
         for start in &mut starts {
             sum += *start;
@@ -66,7 +47,7 @@ impl Edges {
             };
             sum as usize
         ];
-        each(&mut |low, used| {
+        each_use(triangles, points, |low, used| {
             starts[low as usize] -= 1;
             uses[starts[low as usize] as usize] = used;
         });
@@ -88,6 +69,23 @@ impl Edges {
                 visit(low as u32, &uses[..end]);
                 uses = &uses[end..];
             }
+        }
+    }
+}
+
+/// Visits the edges of all triangles whose three corners lie at three points, each with its lower point.
+fn each_use(triangles: &[[u32; 3]], points: &[u32], mut visit: impl FnMut(u32, Use)) {
+    for (t, &triangle) in triangles.iter().enumerate() {
+        let Some([a, b, c]) = corner_points(triangle, points) else {
+            continue;
+        };
+        if a == b || b == c || c == a {
+            continue;
+        }
+        for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+            let half_edge = (3 * t + k) as u32;
+            let high = p.max(q);
+            visit(p.min(q), Use { high, half_edge });
         }
     }
 }

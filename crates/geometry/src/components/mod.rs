@@ -5,9 +5,11 @@
 
 mod edges;
 mod points;
+mod topology;
 
 pub(crate) use edges::{Edges, Use};
 pub(crate) use points::{corner_points, number_keys, number_points};
+pub(crate) use topology::Topology;
 
 use crate::Mesh;
 

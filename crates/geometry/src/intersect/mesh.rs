@@ -8,18 +8,22 @@ use glam::DVec3;
 /// Bound of the rounding error of a rotated coordinate, relative to the largest coordinate.
 const ROTATION_ERROR: f64 = 1e-14;
 
-/// Builds a tree of the mesh's triangles for [`self_contacts`], in a frame along the direction of most edges, weighted
-/// by their length: around long triangles inclined to the axes its boxes are far tighter than axis-aligned ones. The tree
-/// is useless for queries by position.
+/// Builds a tree of the mesh's triangles for [`self_contacts`], of their boxes in a frame along the direction of most
+/// edges. The tree is useless for queries by position.
 pub fn contact_tree(mesh: &Mesh) -> Bvh {
+    Bvh::new(&contact_boxes(mesh))
+}
+
+/// Returns boxes of the mesh's triangles in a frame whose first axis is the direction of most edges, weighted by their
+/// length: around long triangles inclined to the axes they are far tighter than axis-aligned ones.
+pub(crate) fn contact_boxes(mesh: &Mesh) -> Vec<Aabb> {
     let [x, y, z] = frame(mesh);
     let rotated: Vec<DVec3> = mesh
         .positions
         .iter()
         .map(|&p| DVec3::new(x.dot(p), y.dot(p), z.dot(p)))
         .collect();
-    let boxes: Vec<Aabb> = mesh
-        .triangles
+    mesh.triangles
         .iter()
         .map(|t| {
             let corners = t.map(|v| rotated[v as usize]);
@@ -30,8 +34,7 @@ pub fn contact_tree(mesh: &Mesh) -> Bvh {
             (bounds.low, bounds.high) = (bounds.low - margin, bounds.high + margin);
             bounds
         })
-        .collect();
-    Bvh::new(&boxes)
+        .collect()
 }
 
 /// An orthonormal frame whose first axis is the main direction of the edges, by power iteration.

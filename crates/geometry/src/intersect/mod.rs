@@ -4,15 +4,17 @@
 //! there is no tolerance. The intervals in which two triangles meet the intersection line of their planes (Möller 1997,
 //! A Fast Triangle-Triangle Intersection Test) are compared by the same predicates, not by computed numbers.
 
+mod box_pairs;
 mod contact;
 mod coplanar;
 mod mesh;
 mod predicates;
 mod projection;
 
+pub(crate) use box_pairs::overlapping_pairs;
 pub use contact::contact;
 pub(crate) use mesh::TriangleContacts;
-pub(crate) use mesh::self_contacts_while;
+pub(crate) use mesh::{contact_boxes, self_contacts_while};
 pub use mesh::{contact_tree, self_contacts};
 pub use predicates::{orient2d, orient3d};
 pub use projection::collinear;

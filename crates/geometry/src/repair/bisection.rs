@@ -5,7 +5,7 @@
 //! so the longest edges of crossing triangles are bisected, in both triangles beside each (M.-C. Rivara, *Algorithms for
 //! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
 
-use crate::intersect::{Contact, TriangleContacts, contact, contact_tree, self_contacts};
+use crate::intersect::{Contact, TriangleContacts, contact, contact_boxes, overlapping_pairs};
 use crate::{Aabb, Bvh, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -170,8 +170,9 @@ pub fn crossing_pairs(
                 triangles: triangles.to_vec(),
                 ..Mesh::default()
             };
-            self_contacts(&all, &contact_tree(&all), |s, t, c| {
-                add(s as u32, t as u32, c);
+            let contacts = TriangleContacts::new(positions, triangles);
+            overlapping_pairs(&contact_boxes(&all), |s, t| {
+                add(s as u32, t as u32, contacts.between(s, t));
             });
         }
         Some(changed) => {
@@ -204,7 +205,7 @@ pub fn crossing_pairs_within(
 ) -> Vec<[u32; 2]> {
     let contacts = TriangleContacts::new(positions, triangles);
     let mut pairs = Vec::new();
-    Bvh::new(boxes).self_pairs(|s, t| {
+    overlapping_pairs(boxes, |s, t| {
         if s < count && contacts.between(s, t) == Contact::Crossing {
             pairs.push([s as u32, t as u32]);
         }

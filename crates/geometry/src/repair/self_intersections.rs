@@ -7,8 +7,10 @@
 
 use super::bisection::crossing_pairs;
 use super::collapse::{Collapsed, EdgeCollapser};
+use super::snap::snap_with_topology;
 use crate::Mesh;
-use crate::intersect::{Contact, contact_tree, self_contacts};
+use crate::components::Topology;
+use crate::intersect::{Contact, TriangleContacts, collinear, contact_boxes, overlapping_pairs};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -42,6 +44,37 @@ fn position_key(p: DVec3) -> [u32; 3] {
 /// Triangles with all corners at `known` positions are left as they are. Snap positions to `f32` first
 /// ([`super::snap_to_f32`]).
 pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
+    resolve(mesh, known, &Topology::of(mesh))
+}
+
+/// A mesh that was rounded to the precision of files.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rounded {
+    /// How self-intersections were resolved.
+    pub collapsed: Collapsed,
+    /// Whether the outcome is closed.
+    pub closed: bool,
+    /// Its volume, if it is closed and oriented, in the unit of its positions cubed.
+    pub volume: Option<f64>,
+}
+
+/// Snaps a mesh to `f32` ([`super::snap_to_f32`]), resolves its self-intersections ([`resolve_self_intersections`]) and
+/// measures the outcome ([`Mesh::closed_volume`]), finding its points and edges once.
+pub fn round_to_f32(mesh: &mut Mesh, inner: u32, known: &KnownPositions) -> Rounded {
+    let mut topology = snap_with_topology(mesh, inner);
+    let collapsed = resolve(mesh, known, &topology);
+    if collapsed.edges > 0 {
+        topology = Topology::of(mesh);
+    }
+    let (closed, volume) = mesh.closed_volume_with(&topology);
+    Rounded {
+        collapsed,
+        closed,
+        volume,
+    }
+}
+
+fn resolve(mesh: &mut Mesh, known: &KnownPositions, topology: &Topology) -> Collapsed {
     let (low, high) = mesh
         .positions
         .iter()
@@ -55,13 +88,7 @@ pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Co
         .iter()
         .map(|t| !t.iter().all(|&v| is_known[v as usize]))
         .collect();
-    let mut collapser = EdgeCollapser::from_mesh(mesh);
-    let mut faults = crossing_among(mesh, &is_ours);
-    let is_faulty = |collapser: &EdgeCollapser, t: u32| {
-        is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
-    };
-    let all = 0..is_ours.len() as u32;
-    faults.extend(all.filter(|&t| is_faulty(&collapser, t)).map(|t| [t, t]));
+    let mut faults = faults_among(mesh, &is_ours, topology);
     let mut done = Collapsed {
         faults: faults.len(),
         remaining: faults.len(),
@@ -70,6 +97,10 @@ pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Co
     if faults.is_empty() || !extent.is_finite() {
         return done;
     }
+    let mut collapser = EdgeCollapser::from_mesh(mesh);
+    let is_faulty = |collapser: &EdgeCollapser, t: u32| {
+        is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
+    };
     for round in 0..ROUNDS {
         let longest = extent * FIRST_LENGTH * f64::from(1 << round);
         let changed = collapser.collapse_edges(&faults, longest, &|_| false, &mut done);
@@ -102,20 +133,42 @@ pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Co
     done
 }
 
-/// Returns the pairs of crossing triangles among those that are `chosen`.
-fn crossing_among(mesh: &Mesh, chosen: &[bool]) -> Vec<[u32; 2]> {
-    let chosen: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
+/// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without
+/// area or at an edge with more than two triangles.
+fn faults_among(mesh: &Mesh, chosen: &[bool], topology: &Topology) -> Vec<[u32; 2]> {
+    let Topology { points, count, .. } = topology;
+    let mut positions = vec![DVec3::ZERO; *count];
+    for (&point, &position) in points.iter().zip(&mesh.positions) {
+        positions[point as usize] = position;
+    }
+    let at_points = |t: usize| mesh.triangles[t].map(|v| points[v as usize]);
+    let ours: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
     let part = Mesh {
-        positions: mesh.positions.clone(),
-        triangles: chosen.iter().map(|&t| mesh.triangles[t]).collect(),
+        positions,
+        triangles: ours.iter().map(|&t| at_points(t)).collect(),
         ..Mesh::default()
     };
-    let mut pairs = Vec::new();
-    self_contacts(&part, &contact_tree(&part), |s, t, contact| {
-        if contact == Contact::Crossing {
-            pairs.push([chosen[s] as u32, chosen[t] as u32]);
+    let contacts = TriangleContacts::new(&part.positions, &part.triangles);
+    let mut faults = Vec::new();
+    overlapping_pairs(&contact_boxes(&part), |s, t| {
+        if contacts.between(s, t) == Contact::Crossing {
+            faults.push([ours[s] as u32, ours[t] as u32]);
         }
     });
-    pairs.sort_unstable();
-    pairs
+    faults.sort_unstable();
+    let mut is_faulty: Vec<bool> = vec![false; chosen.len()];
+    for (t, &index) in ours.iter().enumerate() {
+        let [a, b, c] = part.corners(t);
+        is_faulty[index] = collinear(a, b, c);
+    }
+    topology.edges.each(|_, uses| {
+        if uses.len() > 2 {
+            for used in uses {
+                is_faulty[used.triangle()] |= chosen[used.triangle()];
+            }
+        }
+    });
+    let alone = (0..chosen.len() as u32).filter(|&t| is_faulty[t as usize]);
+    faults.extend(alone.map(|t| [t, t]));
+    faults
 }

@@ -1,42 +1,38 @@
 //! Snaps a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
 
 use crate::Mesh;
-use rustc_hash::{FxHashMap, FxHashSet};
+use crate::components::Topology;
+use rustc_hash::FxHashMap;
 
 /// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
 /// then lie back to back if at least one of the two has the material `inner`; other such pairs come from the input and
 /// stay. Each step leaves every edge with as many triangles in one direction as in the other, so a closed mesh stays
 /// closed.
 pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
+    snap_with_topology(mesh, inner);
+}
+
+/// As [`snap_to_f32`]. Returns the points and edges of the outcome.
+pub(super) fn snap_with_topology(mesh: &mut Mesh, inner: u32) -> Topology {
     for p in &mut mesh.positions {
         *p = p.as_vec3().as_dvec3();
     }
-    let (points, _) = mesh.points();
-    let corners = |t: &[u32; 3]| t.map(|v| points[v as usize]);
-    let key = |t: &[u32; 3]| {
-        let mut sorted = corners(t);
-        sorted.sort_unstable();
-        sorted
-    };
+    let topology = Topology::of(mesh);
+    let points = &topology.points;
+    let corners = |i: usize| mesh.triangles[i].map(|v| points[v as usize]);
     let is_inner = |i: usize| mesh.material(i) == inner;
-    // A pair goes only where one of the two is of the wood inside, and those are few.
-    let of_inner: FxHashSet<[u32; 3]> = (0..mesh.triangles.len())
-        .filter(|&i| is_inner(i))
-        .map(|i| key(&mesh.triangles[i]))
+    let mut keep: Vec<bool> = (0..mesh.triangles.len())
+        .map(|i| {
+            let [a, b, c] = corners(i);
+            a != b && b != c && c != a
+        })
         .collect();
-    let mut keep = vec![true; mesh.triangles.len()];
     // Triangles so far without one back to back with them, by their points.
     let mut single: FxHashMap<[u32; 3], Vec<(usize, bool)>> = FxHashMap::default();
-    for (i, t) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = corners(t);
-        if a == b || b == c || c == a {
-            keep[i] = false;
-            continue;
-        }
-        let sorted = key(t);
-        if !of_inner.contains(&sorted) {
-            continue;
-        }
+    for i in triangles_with_equal_points(mesh, &topology) {
+        let [a, b, c] = corners(i);
+        let mut sorted = [a, b, c];
+        sorted.sort_unstable();
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let forward = turns.contains(&sorted);
         let list = single.entry(sorted).or_default();
@@ -52,12 +48,34 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
         }
     }
     if keep.iter().all(|k| *k) {
-        return;
+        return topology;
     }
     let mut kept = keep.iter();
     mesh.triangles.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = keep.iter();
     mesh.materials.retain(|_| *kept.next().unwrap_or(&true));
+    Topology::of(mesh)
+}
+
+/// Returns the triangles that have all three points in common with another, ascending.
+fn triangles_with_equal_points(mesh: &Mesh, topology: &Topology) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut across: Vec<(u32, usize)> = Vec::new();
+    topology.edges.each(|_, uses| {
+        // They share all edges; they are found at the edge of their two lowest points.
+        across.clear();
+        across.extend(uses.iter().filter_map(|u| {
+            let third = mesh.triangles[u.triangle()][(u.edge() + 2) % 3];
+            let third = topology.points[third as usize];
+            (third > u.high).then_some((third, u.triangle()))
+        }));
+        across.sort_unstable();
+        let pairs = across.windows(2).filter(|w| w[0].0 == w[1].0);
+        found.extend(pairs.flat_map(|w| [w[0].1, w[1].1]));
+    });
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ impl BrokenWood {
             material: stage.inner_material,
             stem: prepared.found.stem.clone(),
             appearance: StemAppearance {
-                ends: prepared.end_sections(),
+                ends: prepared.end_sections().to_vec(),
                 ..appearance
             },
             width: prepared.square.side,

@@ -11,7 +11,7 @@ use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::Mesh;
-use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
+use greenstick_geometry::repair::round_to_f32;
 use rayon::prelude::*;
 
 /// How a break is finished.
@@ -111,13 +111,17 @@ impl Pieces {
     fn write_meshes(&mut self, stages: &BreakStages, meshes: Vec<(PieceRole, Mesh, DAffine3)>) {
         let inner = stages.stem.inner_material;
         // Self-intersections of the input are left as they are.
-        let known = KnownPositions::from_mesh(&stages.stem.sound.node().mesh);
+        let known = stages.stem.sound.known_positions();
         let scale = stages.stem.sound.volume_scale();
         let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
-            snap_to_f32(&mut mesh, inner);
-            let collapsed = resolve_self_intersections(&mut mesh, &known);
-            let report = PieceReport::new(&role.name(), &mesh, scale);
-            (role, mesh, motion, collapsed, report)
+            let rounded = round_to_f32(&mut mesh, inner, known);
+            let report = PieceReport {
+                name: role.name(),
+                triangles: mesh.triangles.len(),
+                volume_m3: rounded.volume.map(|v| v * scale),
+                closed: rounded.closed,
+            };
+            (role, mesh, motion, rounded.collapsed, report)
         });
         let meshes: Vec<_> = meshes.collect();
         for (role, mesh, motion, collapsed, report) in meshes {

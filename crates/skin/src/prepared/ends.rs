@@ -18,9 +18,8 @@ const ROUNDING: f64 = 1e-9;
 const DIRECTIONS: usize = 256;
 
 impl PreparedStem {
-    /// Returns the sections at the ends of a round stem. An end is left out where the stem has none, or where it is so
-    /// torn that no outline parallel to its face is closed.
-    pub fn end_sections(&self) -> Vec<EndSection> {
+    /// As [`PreparedStem::end_sections`], measured anew.
+    pub(super) fn find_end_sections(&self) -> Vec<EndSection> {
         let stem = &self.found.stem;
         if stem.kind == StemKind::Board {
             return Vec::new();

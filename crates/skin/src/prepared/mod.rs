@@ -3,6 +3,7 @@
 mod ends;
 mod extent;
 mod levels;
+mod measured;
 mod orientation;
 
 pub use extent::SectionExtent;
@@ -22,6 +23,7 @@ use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
 };
 use levels::LevelSplitter;
+use measured::Measured;
 use std::sync::Arc;
 
 /// Length of the slices in which the depth of the skin is measured, radii.
@@ -58,6 +60,7 @@ pub struct PreparedStem {
     chart: LayeredGrain,
     /// Lengths between which the map to grain space is affine, m.
     pub levels: Vec<f64>,
+    measured: Measured,
 }
 
 impl PreparedStem {
@@ -169,6 +172,7 @@ impl PreparedStem {
             grain,
             corners,
             split,
+            measured: Measured::default(),
         }
     }
 

@@ -2,7 +2,6 @@
 
 use crate::hang::HangReport;
 use greenstick_geometry::text::one_line;
-use greenstick_geometry::{CheckOptions, Mesh};
 use greenstick_wood::scan::ScannedReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -138,27 +137,6 @@ pub struct FurtherBreak {
     pub hang: Option<HangReport>,
     /// Volume lost to drying cracks, m³.
     pub crack_volume_m3: Option<f64>,
-}
-
-impl PieceReport {
-    /// Reports on a mesh whose volume must be multiplied by `scale`, m³ per unit³.
-    pub(crate) fn new(name: &str, mesh: &Mesh, scale: f64) -> Self {
-        let (closed, volume) = closed_volume(mesh);
-        PieceReport {
-            name: name.to_owned(),
-            triangles: mesh.triangles.len(),
-            volume_m3: volume.map(|v| v * scale),
-            closed,
-        }
-    }
-}
-
-/// Returns whether a mesh is closed, and its volume if it is closed and oriented.
-pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
-    let report = mesh.check_with(CheckOptions {
-        self_intersections: false,
-    });
-    (report.closed, report.volume_m3)
 }
 
 /// How all volumes of a report are written, so that they can be compared: in the unit that suits the largest.
