@@ -1,5 +1,6 @@
-//! Checks of the workspace that the compiler does not make, and the files that are generated from it. Run as
-//! `cargo xtask check`, `cargo xtask generate` and `cargo xtask generate --check`.
+//! Checks of the workspace that the compiler does not make, the files that are generated from it, and what a version is
+//! published as. Run as `cargo xtask check`, `cargo xtask generate`, `cargo xtask generate --check` and
+//! `cargo xtask release --dry-run`.
 
 mod directions;
 mod exceptions;
@@ -9,6 +10,7 @@ mod imports;
 mod lexer;
 mod modules;
 mod references;
+mod release;
 mod sources;
 mod stubs;
 mod workspace;
@@ -16,7 +18,7 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask check | generate [--check]";
+const USAGE: &str = "usage: cargo xtask check | generate [--check] | release --dry-run";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -34,6 +36,10 @@ fn main() -> ExitCode {
         ["generate", "--check"] => (
             generate::generate(&root, true),
             "the pages in docs/reference and the types for Python are what the program prints",
+        ),
+        ["release", "--dry-run"] => (
+            release::build(&root),
+            "target/release-files holds all that a version is published as; nothing was published",
         ),
         _ => {
             eprintln!("{USAGE}");

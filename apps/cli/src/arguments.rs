@@ -121,6 +121,10 @@ pub enum Command {
     Rings(RingsOptions),
     /// Measure the drying cracks on a photograph of a sawn end, and write a recipe that draws them
     Cracks(CracksOptions),
+    /// Print a script with which a shell completes commands and options
+    Completions(CompletionsOptions),
+    /// Write the manual pages
+    Manual(ManualOptions),
 }
 
 const RINGS_EXAMPLES: &str = "\
@@ -343,6 +347,26 @@ pub struct ParametersOptions {
     /// Print a JSON schema of recipes, for editors
     #[arg(long, conflicts_with = "key")]
     pub schema: bool,
+}
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples
+  greenstick completions bash > ~/.local/share/bash-completion/completions/greenstick
+  greenstick completions zsh > ~/.zfunc/_greenstick          a folder in $fpath
+  greenstick completions fish > ~/.config/fish/completions/greenstick.fish";
+
+#[derive(Debug, Args)]
+#[command(after_help = COMPLETIONS_EXAMPLES)]
+pub struct CompletionsOptions {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManualOptions {
+    /// Folder for the pages, greenstick.1 and one for each command
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 #[derive(Debug, Args)]

@@ -14,6 +14,7 @@ mod failure;
 mod fit;
 mod fracture_test;
 mod inspect;
+mod installing;
 mod list;
 mod outcome;
 mod progress;
@@ -61,6 +62,8 @@ fn main() -> ExitCode {
         Command::Rings(options) => rings::run(options),
         Command::Cracks(options) => cracks::run(options),
         Command::Species(options) => species::run(options),
+        Command::Completions(options) => installing::completions(options),
+        Command::Manual(options) => installing::manual(options),
     };
     result.unwrap_or_else(Failure::report)
 }
