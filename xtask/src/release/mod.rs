@@ -1,6 +1,6 @@
 //! Everything that a version is published as, built into one folder: packages for crates.io, the program with its manual
-//! and completions, the wheel for Python, the licences and the bill of materials of what they were built from, and
-//! checksums of it all.
+//! and completions, the wheel for Python, the extension for Blender, the licences and the bill of materials of what they
+//! were built from, and checksums of it all.
 
 mod bill;
 mod dependencies;
@@ -45,6 +45,7 @@ pub fn build(root: &Path) -> Result<Vec<String>, String> {
     packages(root, &folder)?;
     program(root, &folder)?;
     wheel(root, &folder)?;
+    extension(root, &folder)?;
     let files = workspace::files_below(&folder, &|_| true)?;
     let mut sums = String::new();
     for file in &files {
@@ -145,6 +146,21 @@ fn wheel(root: &Path, folder: &Path) -> Result<(), String> {
     run(python).map_err(|e| {
         format!("{e}; `python3 -m pip install maturin` installs what builds the wheel")
     })
+}
+
+/// The extension for Blender, around that wheel.
+fn extension(root: &Path, folder: &Path) -> Result<(), String> {
+    let is_wheel = |path: &Path| path.extension().is_some_and(|e| e == "whl");
+    for wheel in workspace::files_below(folder, &is_wheel)? {
+        let mut python = Command::new("python3");
+        python
+            .arg(root.join("blender/build.py"))
+            .arg(wheel)
+            .arg("-o")
+            .arg(folder);
+        run(python)?;
+    }
+    Ok(())
 }
 
 /// The version of the workspace.

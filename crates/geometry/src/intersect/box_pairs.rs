@@ -17,10 +17,10 @@ const MAX_PAIRS_PER_BOX: usize = 128;
 
 /// Visits every pair of different boxes that overlap once, the smaller index first, in no particular order. Boxes that are
 /// empty or have a coordinate that is not a number overlap nothing.
-pub(crate) fn overlapping_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) {
+pub(crate) fn overlapping_pairs(boxes: &[Aabb], visit: impl FnMut(usize, usize)) {
     match Grid::new(boxes) {
         Some(grid) => grid.pairs(boxes, visit),
-        None => Bvh::new(boxes).self_pairs(|a, b| visit(a, b)),
+        None => Bvh::new(boxes).self_pairs(visit),
     }
 }
 

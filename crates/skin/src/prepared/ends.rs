@@ -122,7 +122,7 @@ mod tests {
         let stem = PreparedStem::find(scene, &middle, &StemOptions::default(), &context).unwrap();
         let ends = stem.end_sections();
         assert_eq!(ends.len(), 2, "{:?}", stem.found.stem.ends);
-        for end in &ends {
+        for end in ends {
             let far = end.length > stem.found.stem.location;
             let (limb, radius) = (&stem.found.limb, stem.found.stem.radius);
             let face = EndFace::fit(&stem.corners, limb, &stem.grain, far, radius).unwrap();

@@ -16,8 +16,9 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::{Context, Mesh, Node, Scene, repair};
-use greenstick_wood::appearance::WoodAppearance;
+use greenstick_geometry::repair::{self, KnownPositions};
+use greenstick_geometry::{Context, Mesh, Node, Scene};
+use greenstick_wood::appearance::{EndSection, WoodAppearance};
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
@@ -229,6 +230,28 @@ impl PreparedStem {
             grain: &self.grain,
             chart: &self.chart,
         }
+    }
+
+    /// Returns the sections at the ends of a round stem. An end is left out where the stem has none, or where it is so
+    /// torn that no outline parallel to its face is closed.
+    pub fn end_sections(&self) -> &[EndSection] {
+        self.measured.ends.get_or_init(|| self.find_end_sections())
+    }
+
+    /// Returns whether the shell that is cut is closed, and the volume that it encloses if it is oriented too, m³.
+    pub(crate) fn closed_volume(&self) -> (bool, Option<f64>) {
+        *self.measured.closed_volume.get_or_init(|| {
+            let shell = self.found.shell.iter().map(|&t| t as usize);
+            let (closed, volume) = self.node().mesh.submesh(shell).closed_volume();
+            (closed, volume.map(|v| v * self.volume_scale()))
+        })
+    }
+
+    /// Returns the positions of the mesh that is cut, whose own faults breaks leave as they are.
+    pub(crate) fn known_positions(&self) -> &KnownPositions {
+        self.measured
+            .positions
+            .get_or_init(|| KnownPositions::from_mesh(&self.node().mesh))
     }
 
     /// Returns how deep the skin lies along the part that can be broken.
