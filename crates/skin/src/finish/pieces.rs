@@ -14,11 +14,16 @@ use greenstick_geometry::Mesh;
 use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
 use rayon::prelude::*;
 
+/// Triangles up to which pieces are written at the same time: with more, the memory that it takes counts more than the time.
+const MOST_AT_ONCE: usize = 2_000_000;
+
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]
 pub struct FinishOptions<'a> {
     /// Parameters of the broken face.
     pub face: &'a BreakParameters,
+    /// Those that were asked for, which may be finer.
+    pub asked: &'a BreakParameters,
     /// How much thorns are bent and torn loose, from 0 (not at all) to 1.
     pub fray: f64,
     /// How far the pieces are moved apart, m.
@@ -33,8 +38,23 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     let stem = stages.stem.stem();
     let p = options.face;
     let inner = stages.inner_wood(p);
+    // Reports need it; of a large mesh it takes as much memory as the pieces, which are not there yet.
+    stages.stem.sound.closed_volume();
     let mut notes = notes_up_to_the_cut(stages, p);
-    let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));
+    let resolution = |p: &BreakParameters| [p.rings, p.sectors];
+    if resolution(p) != resolution(options.asked) {
+        notes.push(BreakNote::Coarser {
+            made: resolution(p),
+            asked: resolution(options.asked),
+        });
+    }
+    // Bending takes the parts of split triangles.
+    let together = resolution(p) != resolution(options.asked) && options.fray == 0.0;
+    let piece = |upper| match together {
+        true => stages.piece_put_together(p, upper),
+        false => stages.piece(p, upper),
+    };
+    let (lower, upper) = rayon::join(|| piece(false), || piece(true));
     let plain = [lower, upper];
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
@@ -113,13 +133,18 @@ impl Pieces {
         // Self-intersections of the input are left as they are.
         let known = KnownPositions::from_mesh(&stages.stem.sound.node().mesh);
         let scale = stages.stem.sound.volume_scale();
-        let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
+        let written = |(role, mut mesh, motion): (PieceRole, Mesh, DAffine3)| {
             snap_to_f32(&mut mesh, inner);
             let collapsed = resolve_self_intersections(&mut mesh, &known);
             let report = PieceReport::new(&role.name(), &mesh, scale);
             (role, mesh, motion, collapsed, report)
-        });
-        let meshes: Vec<_> = meshes.collect();
+        };
+        let triangles: usize = meshes.iter().map(|(_, mesh, _)| mesh.triangles.len()).sum();
+        let meshes: Vec<_> = if triangles > MOST_AT_ONCE {
+            meshes.into_iter().map(written).collect()
+        } else {
+            meshes.into_par_iter().map(written).collect()
+        };
         for (role, mesh, motion, collapsed, report) in meshes {
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {

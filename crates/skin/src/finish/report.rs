@@ -3,9 +3,7 @@
 use super::finished_break::{FinishedBreak, in_order_of_request};
 use super::scene::piece_reports;
 use crate::prepared::{PreparedStem, volume_scale};
-use crate::report::{
-    BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport, closed_volume,
-};
+use crate::report::{BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport};
 use greenstick_fracture::parameters::SurfaceStyle;
 use greenstick_geometry::Scene;
 use greenstick_wood::stem::StemKind;
@@ -115,13 +113,12 @@ fn input_report(input: &BreakInput, stem: &PreparedStem) -> InputReport {
             stem.split
         ));
     }
-    let shell = found.shell.iter().map(|&t| t as usize);
-    let (closed, volume) = closed_volume(&stem.node().mesh.submesh(shell));
+    let (closed, volume_m3) = stem.closed_volume();
     InputReport {
         meshes: stem.scene.nodes.len(),
         triangles: input.triangles,
         area_m2: input.area_m2,
-        volume_m3: volume.map(|v| v * stem.volume_scale()),
+        volume_m3,
         closed,
         repairs,
     }

@@ -9,20 +9,20 @@ pub use extent::SectionExtent;
 pub use orientation::unmirror;
 
 use crate::error::BreakError;
-use crate::source::Source;
+use crate::source::{Source, SplitTriangles};
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
-use greenstick_geometry::{Context, Mesh, Node, Scene, repair};
+use greenstick_geometry::{CheckOptions, Context, Mesh, Node, Scene, repair};
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
     FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
 };
 use levels::LevelSplitter;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Length of the slices in which the depth of the skin is measured, radii.
 const DEPTH_STEP: f64 = 0.1;
@@ -48,6 +48,8 @@ pub struct PreparedStem {
     pub square: SectionSquare,
     /// Triangles of the skin that were split because the stem is bent there.
     pub split: usize,
+    /// Which they are, and their parts.
+    parts: SplitTriangles,
     /// The skin, sorted along the grain.
     pub skin: Skin,
     /// Triangles of the skin in that order.
@@ -58,6 +60,10 @@ pub struct PreparedStem {
     chart: LayeredGrain,
     /// Lengths between which the map to grain space is affine, m.
     pub levels: Vec<f64>,
+    /// Triangles of the shell that is cut, before any was split because the stem is bent or its grain spirals.
+    pub shell_triangles: usize,
+    /// See [`PreparedStem::closed_volume`].
+    closed_volume: OnceLock<(bool, Option<f64>)>,
 }
 
 impl PreparedStem {
@@ -88,7 +94,7 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let seams = close_seams(&mut scene);
+        let seams = repair::close_seams_of_scene(&mut scene);
         let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
@@ -102,6 +108,7 @@ impl PreparedStem {
         mut found: FoundStem,
         layers: LayeredGrain,
     ) -> PreparedStem {
+        let shell_triangles = found.shell.len();
         let transform = scene.nodes[found.node].transform;
         let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
         let mut mesh = Arc::unwrap_or_clone(mesh);
@@ -123,6 +130,7 @@ impl PreparedStem {
             grain,
             limb: std::mem::take(&mut found.limb),
             split: 0,
+            parts: SplitTriangles::default(),
         };
         let new = splitter.split(&layers, &transform, &found);
         found.limb = std::mem::take(&mut splitter.limb);
@@ -132,6 +140,7 @@ impl PreparedStem {
             points,
             grain,
             split,
+            parts,
             ..
         } = splitter;
         let corners: Vec<[u32; 3]> = mesh
@@ -159,6 +168,8 @@ impl PreparedStem {
             vertices,
             chart: layers.transformed(&transform.inverse()),
             levels: layers.levels().collect(),
+            shell_triangles,
+            closed_volume: OnceLock::new(),
             scene: {
                 scene.nodes[found.node].mesh = mesh.into();
                 scene
@@ -169,13 +180,23 @@ impl PreparedStem {
             grain,
             corners,
             split,
+            parts,
         }
     }
 
-    /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m).
-    pub fn with_spiral_grain(&self, turn: f64, between: (f64, f64)) -> PreparedStem {
-        let layers = self.layers.clone().with_spiral(turn, between);
-        PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers)
+    /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m), by `per_level` (rad)
+    /// at most from one level to the next.
+    pub fn with_spiral_grain(
+        &self,
+        turn: f64,
+        between: (f64, f64),
+        per_level: f64,
+    ) -> PreparedStem {
+        let layers = self.layers.clone().with_spiral(turn, between, per_level);
+        let mut made = PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers);
+        made.shell_triangles = self.shell_triangles;
+        made.parts = made.parts.after(&self.parts);
+        made
     }
 
     /// Returns what the wood of a recipe looks like in it.
@@ -216,6 +237,25 @@ impl PreparedStem {
         }
     }
 
+    /// Returns whether the shell that is cut is closed, and its volume if it is closed and oriented, m³.
+    pub(crate) fn closed_volume(&self) -> (bool, Option<f64>) {
+        *self.closed_volume.get_or_init(|| {
+            let mesh = &self.node().mesh;
+            let shell = Mesh {
+                positions: mesh.positions.clone(),
+                triangles: (self.found.shell.iter())
+                    .map(|&t| mesh.triangles[t as usize])
+                    .collect(),
+                ..Mesh::default()
+            };
+            let report = shell.check_with(CheckOptions {
+                self_intersections: false,
+            });
+            let volume = report.volume_m3.map(|v| v * self.volume_scale());
+            (report.closed, volume)
+        })
+    }
+
     /// Returns the mesh as the source of pieces.
     pub fn source(&self) -> Source<'_> {
         Source {
@@ -224,6 +264,15 @@ impl PreparedStem {
             vertices: &self.vertices,
             grain: &self.grain,
             chart: &self.chart,
+            splits: None,
+        }
+    }
+
+    /// Returns the mesh as the source of pieces with as few triangles as there can be.
+    pub fn source_put_together(&self) -> Source<'_> {
+        Source {
+            splits: Some(&self.parts),
+            ..self.source()
         }
     }
 
@@ -273,24 +322,6 @@ impl PreparedStem {
             at: self.layers.to_world(at),
         }
     }
-}
-
-/// Closes seams of the meshes whose sides differ in their last digits. Returns a note on each mesh that had one.
-fn close_seams(scene: &mut Scene) -> Vec<String> {
-    let mut notes = Vec::new();
-    for node in &mut scene.nodes {
-        let mut mesh = Mesh::clone(&node.mesh);
-        let (moved, within) = repair::close_seams(&mut mesh);
-        if moved > 0 {
-            node.mesh = mesh.into();
-            let within = within * node.transform.matrix3.determinant().abs().cbrt();
-            notes.push(format!(
-                "sides of seams of \"{}\" lay apart: {moved} vertices were moved onto others within {within:.1e} m",
-                node.name
-            ));
-        }
-    }
-    notes
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.

@@ -4,7 +4,6 @@ mod notes;
 mod records;
 
 pub use notes::BreakNote;
-pub(crate) use records::closed_volume;
 pub use records::{
     BreakReport, FaceReport, FurtherBreak, InputReport, PieceReport, PlaceReport, SpeciesReport,
 };

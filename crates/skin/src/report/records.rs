@@ -154,7 +154,7 @@ impl PieceReport {
 }
 
 /// Returns whether a mesh is closed, and its volume if it is closed and oriented.
-pub(crate) fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
+fn closed_volume(mesh: &Mesh) -> (bool, Option<f64>) {
     let report = mesh.check_with(CheckOptions {
         self_intersections: false,
     });
