@@ -41,21 +41,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     // Reports need it; of a large mesh it takes as much memory as the pieces, which are not there yet.
     stages.stem.sound.closed_volume();
     let mut notes = notes_up_to_the_cut(stages, p);
-    let resolution = |p: &BreakParameters| [p.rings, p.sectors];
-    if resolution(p) != resolution(options.asked) {
-        notes.push(BreakNote::Coarser {
-            made: resolution(p),
-            asked: resolution(options.asked),
-        });
-    }
-    // Bending takes the parts of split triangles.
-    let together = resolution(p) != resolution(options.asked) && options.fray == 0.0;
-    let piece = |upper| match together {
-        true => stages.piece_put_together(p, upper),
-        false => stages.piece(p, upper),
-    };
-    let (lower, upper) = rayon::join(|| piece(false), || piece(true));
-    let plain = [lower, upper];
+    let plain = plain_pieces(stages, options, &mut notes);
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
         None => plain,
@@ -124,6 +110,28 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     made.write_meshes(stages, meshes);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
+}
+
+/// The pieces without cracks. A face that is coarser than asked for is noted, and with it the skin has as few triangles as there
+/// can be.
+fn plain_pieces(
+    stages: &BreakStages,
+    options: &FinishOptions,
+    notes: &mut Vec<BreakNote>,
+) -> [Mesh; 2] {
+    let p = options.face;
+    let [made, asked] = [p, options.asked].map(|p| [p.rings, p.sectors]);
+    if made != asked {
+        notes.push(BreakNote::Coarser { made, asked });
+    }
+    // Bending takes the parts of split triangles.
+    let together = made != asked && options.fray == 0.0;
+    let piece = |upper| match together {
+        true => stages.piece_put_together(p, upper),
+        false => stages.piece(p, upper),
+    };
+    let (lower, upper) = rayon::join(|| piece(false), || piece(true));
+    [lower, upper]
 }
 
 impl Pieces {
