@@ -35,6 +35,7 @@ class RequestKeys(TypedDict, total=False):
     kernels: str | float | None
     inner_circle: float | str | None
     at: str | float
+    triangles: int | str | None
     part: float | str
     fray: float | str
     species: str | float | None
@@ -208,6 +209,11 @@ class RequestAttributes:
         """Where to break it: a fraction of the stem's length from its base, 0 to 1, a length from its base, or a point in the world, which picks the limb that is nearest."""
     @at.setter
     def at(self, value: str | float) -> None: ...
+    @property
+    def triangles(self) -> int | None:
+        """The most triangles that the pieces together may have beyond those of the stem that is broken. Where they would have more, the face has fewer rings and sectors, and spiral grain fewer levels."""
+    @triangles.setter
+    def triangles(self, value: int | str | None) -> None: ...
     @property
     def part(self) -> float:
         """Move the pieces apart by this length. Unit: metre."""
@@ -476,7 +482,7 @@ class RequestAttributes:
     ]) -> int: ...
     @overload
     def __getitem__(self, key: Literal[
-        "annual_rings",
+        "annual_rings", "triangles",
     ]) -> int | None: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -573,7 +579,7 @@ class RequestAttributes:
     ], value: int | str) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "annual_rings",
+        "annual_rings", "triangles",
     ], value: int | str | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[

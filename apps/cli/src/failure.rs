@@ -194,13 +194,16 @@ impl From<InputError> for Failure {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         let resume = "the same command goes on with what is missing";
+        let full = match &error {
+            SweepError::File(FileError::Unwritable { source, .. })
+            | SweepError::Io { source, .. } => room_hint(source),
+            _ => None,
+        };
+        if let Some(room) = full {
+            return Failure::work(error).hint(format!("{room}; then {resume}"));
+        }
         match error {
-            SweepError::File(error) => {
-                Failure::from(error).hint(format!("make room on the disk; then {resume}"))
-            }
-            SweepError::Io { ref source, .. } if is_full(source) => {
-                Failure::work(error).hint(format!("make room on the disk; then {resume}"))
-            }
+            SweepError::File(error) => error.into(),
             SweepError::Another { .. } => {
                 Failure::request(error).hint("-o names another folder for this one")
             }
@@ -215,20 +218,22 @@ impl From<film::FilmError> for Failure {
     }
 }
 
-/// Whether a file could not be written because there is no room for it.
-pub fn is_full(error: &std::io::Error) -> bool {
+/// What helps where a file could not be written because there is no room for it.
+pub fn room_hint(error: &std::io::Error) -> Option<&'static str> {
     use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
-    matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge)
+    match error.kind() {
+        StorageFull | QuotaExceeded => Some("make room on the disk"),
+        FileTooLarge => Some("let files be larger (`ulimit -f`)"),
+        _ => None,
+    }
 }
 
 fn file_hint(error: &FileError) -> Option<String> {
     match error {
-        FileError::Unwritable { source, .. } if is_full(source) => {
-            Some("make room on the disk, or name another place with -o".to_owned())
-        }
-        FileError::Unwritable { .. } => {
-            Some("name another place with -o or --picture, or create the folder".to_owned())
-        }
+        FileError::Unwritable { source, .. } => Some(match room_hint(source) {
+            Some(room) => format!("{room}, or name another place with -o"),
+            None => "name another place with -o or --picture, or create the folder".to_owned(),
+        }),
         FileError::Unreadable { path, source } => {
             let inner = source.get_ref().and_then(|e| e.downcast_ref());
             if inner == Some(&RefusedReference::Outside) {
@@ -404,6 +409,38 @@ fn escaped_usage(text: &str, arguments: impl Iterator<Item = String>) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::PathBuf;
+
+    #[test]
+    fn what_there_is_no_room_for_has_a_hint_at_room() {
+        use std::io::{Error, ErrorKind};
+        let hint = |source: Error| {
+            let path = PathBuf::from("wood.glb");
+            let failure = Failure::from(FileError::Unwritable { path, source });
+            assert_eq!(exit_code(failure.kind()), 1);
+            failure.hint.unwrap()
+        };
+        let disk = "make room on the disk, or name another place with -o";
+        assert_eq!(hint(ErrorKind::StorageFull.into()), disk);
+        assert_eq!(hint(ErrorKind::QuotaExceeded.into()), disk);
+        assert!(hint(ErrorKind::FileTooLarge.into()).starts_with("let files be larger"));
+        assert!(hint(ErrorKind::PermissionDenied.into()).contains("create the folder"));
+        // A device that is always full, where there is one.
+        if let Ok(mut full) = std::fs::OpenOptions::new().write(true).open("/dev/full") {
+            assert_eq!(hint(full.write_all(b"wood").unwrap_err()), disk);
+        }
+        let sweep = |source: Error| {
+            let path = PathBuf::from("journal");
+            Failure::from(SweepError::File(FileError::Unwritable { path, source })).hint
+        };
+        let full = sweep(ErrorKind::StorageFull.into()).unwrap();
+        assert!(
+            full.contains("make room") && full.contains("goes on"),
+            "{full}"
+        );
+        let other = sweep(ErrorKind::PermissionDenied.into()).unwrap();
+        assert!(!other.contains("room"), "{other}");
+    }
 
     #[test]
     fn usage_errors_escape_arguments() {

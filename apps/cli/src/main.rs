@@ -33,6 +33,7 @@ use failure::Failure;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    hold_back_file_size_signal();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         // Help and version are no errors: they go to stdout with code 0, everything else to stderr with code 2.
@@ -66,4 +67,15 @@ fn main() -> ExitCode {
         Command::Manual(options) => installing::manual(options),
     };
     result.unwrap_or_else(Failure::report)
+}
+
+/// Makes a write beyond the greatest size of files (`ulimit -f`) an error like any other, after which what was begun is
+/// removed; the signal would end the program at once. Threads started later hold it back, too.
+fn hold_back_file_size_signal() {
+    #[cfg(unix)]
+    {
+        use nix::sys::signal::{SigSet, Signal};
+        // Where it cannot be held back, the program ends there as others do.
+        let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::arguments::{ReportingOptions, SimulateOptions};
 use crate::break_wood::{file_name, use_threads};
-use crate::failure::{Failure, is_full, print};
+use crate::failure::{Failure, print, room_hint};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::skin::{self, FilmPlan, is_film};
@@ -325,10 +325,10 @@ fn failure(error: SimulateError, folder: &Path) -> Failure {
         SimulateError::Cancelled(_) => {
             Failure::cancelled(format!("stopped; {resume} in {}", folder.display()))
         }
-        SimulateError::Run(RunError::Unwritable { source, .. }) if is_full(source) => {
-            let hint = format!("make room on the disk; then {resume}");
-            Failure::from(error).hint(hint)
-        }
+        SimulateError::Run(RunError::Unwritable { source, .. }) => match room_hint(source) {
+            Some(room) => Failure::from(error).hint(format!("{room}; then {resume}")),
+            None => error.into(),
+        },
         SimulateError::Taken { .. } => Failure::from(error).hint(resume),
         _ => error.into(),
     }

@@ -190,3 +190,44 @@ fn a_polygon_that_passes_its_corners_twice_is_a_place_where_the_face_does_not_cl
     assert_eq!(run.code, 1, "{}", run.err);
     assert!(run.err.contains("not a manifold there"), "{}", run.err);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_file_beyond_the_greatest_size_leaves_nothing_behind() {
+    let folder = Folder::new();
+    // In blocks of 512 or 1024 bytes, as the shell counts.
+    let limited = "ulimit -f 16 && exec \"$@\"";
+    let program = env!("CARGO_BIN_EXE_greenstick");
+    let run = |arguments: &[&str]| {
+        let run = std::process::Command::new("sh")
+            .args(["-c", limited, "sh", program])
+            .args(arguments)
+            .current_dir(&folder.0)
+            .output()
+            .unwrap();
+        (run.status.code(), String::from_utf8(run.stderr).unwrap())
+    };
+    folder.write("old.glb", "old");
+    let (code, error) = run(&["break", "-o", "old.glb", "--texture-size", "64"]);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("ulimit -f"), "{error}");
+    assert_eq!(folder.names(), ["old.glb"], "{error}");
+    assert_eq!(folder.read("old.glb"), b"old");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_behind_stdout_is_a_failure() {
+    let folder = Folder::new();
+    folder.write("one.obj", named_triangle("one", "none.mtl"));
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+    let run = std::process::Command::new(env!("CARGO_BIN_EXE_greenstick"))
+        .args(["check", "one.obj"])
+        .current_dir(&folder.0)
+        .stdout(full.unwrap())
+        .output()
+        .unwrap();
+    let error = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(1), "{error}");
+    assert!(error.contains("cannot print to stdout"), "{error}");
+}

@@ -54,7 +54,8 @@ pub use mesh::{read, write, write_as};
 pub use table::ParquetStream;
 pub use table::{
     CSVW_FILE, DENSITY_UNITS, DescribedTable, MeasurementError, STRESS_UNITS, TableFormat, TextRow,
-    TextTable, UnitColumn, read_csv, read_measurements, write_csv_metadata, write_table,
+    TextTable, UnitColumn, read_csv, read_measurements, with_csv_metadata, write_csv_metadata,
+    write_table,
 };
 pub use unit::{LengthUnit, UnknownUnit};
 pub use uri::percent_decoded;

@@ -85,6 +85,7 @@ impl From<BreakError> for Error {
             BreakError::Stem(error) => Error::Stem(error),
             BreakError::Cut { error, at } => Error::Cut { error, at },
             BreakError::Crack(error) => Error::Crack(error),
+            BreakError::TooFewTriangles { .. } => Error::Amount(error.to_string()),
             BreakError::Cancelled(cancelled) => Error::Cancelled(cancelled),
         }
     }

@@ -1,7 +1,7 @@
 //! Reports of tests as JSON files, and what their tables have no place for.
 
 use crate::Error;
-use greenstick_formats::{DescribedTable, Encoded, write_csv_metadata};
+use greenstick_formats::{Encoded, with_csv_metadata};
 use greenstick_geometry::Provenance;
 use serde::Serialize;
 
@@ -16,14 +16,8 @@ const TEXT_COLUMNS: [&str; 6] = [
 ];
 
 /// Returns tables, CSV files, and after them the file with their units and where they come from.
-pub(crate) fn with_metadata(mut tables: Vec<Encoded>, provenance: &Provenance) -> Vec<Encoded> {
-    let describe = |table: &Encoded| {
-        let text = String::from_utf8_lossy(&table.bytes);
-        DescribedTable::from_heading(&text, &TEXT_COLUMNS, &table.name)
-    };
-    let described: Vec<DescribedTable> = tables.iter().map(describe).collect();
-    tables.push(write_csv_metadata(&described, &provenance.metadata()));
-    tables
+pub(crate) fn with_metadata(tables: Vec<Encoded>, provenance: &Provenance) -> Vec<Encoded> {
+    with_csv_metadata(tables, &TEXT_COLUMNS, &provenance.metadata())
 }
 
 /// A report that says where it comes from.

@@ -1,7 +1,9 @@
 //! Seams of texture coordinates whose sides differ in the last bits are no holes.
 
 use glam::{DAffine3, DVec3};
+use greenstick::fibre::scene;
 use greenstick::geometry::{Attribute, Context, Mesh, Node, Scene};
+use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
 use greenstick::{BreakRequest, break_scene};
 use std::f64::consts::TAU;
 
@@ -48,15 +50,19 @@ fn tube() -> Mesh {
     mesh
 }
 
+fn scene_of(mesh: Mesh) -> Scene {
+    Scene {
+        nodes: vec![Node::new("tube", DAffine3::IDENTITY, mesh)],
+        ..Scene::default()
+    }
+}
+
 #[test]
 fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported() {
     let mesh = tube();
     assert!(!mesh.check().closed, "its seam is open to the last bit");
     let vertices = mesh.positions.len();
-    let mut scene = Scene::default();
-    scene
-        .nodes
-        .push(Node::new("tube", DAffine3::IDENTITY, mesh));
+    let scene = scene_of(mesh);
     let broken = break_scene(scene, &BreakRequest::default(), &Context::quiet()).unwrap();
     let input = &broken.report.input;
     assert!(input.closed, "{}", broken.report);
@@ -74,4 +80,33 @@ fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported() {
     let data = &broken.scene.nodes[0].mesh.attributes["TEXCOORD_1"].data;
     let us = || data.iter().step_by(2);
     assert!(us().any(|u| *u == 0.0) && us().any(|u| *u == 1.0));
+}
+
+#[test]
+fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported_in_simulations() {
+    let text = "duration = 0.002\n[stem]\nkind = \"input\"\n[wood]\nstiffness = 0.002\n\
+                [rods]\nnumber = 12\nedge = [\"10 cm\", \"12 cm\"]\n[[clamp]]\nto = 0.2\n";
+    let request = SimulateRequest {
+        scene: scene::Scene::read(text).unwrap(),
+        meshes: SceneMeshes {
+            input: Some(scene_of(tube())),
+            ..SceneMeshes::default()
+        },
+        ..SimulateRequest::default()
+    };
+    let report = simulate(&request, &mut MemoryRun::new(), &Context::quiet()).unwrap();
+    let notes = &report.notes;
+    let seams: Vec<&String> = notes.iter().filter(|n| n.contains("seams")).collect();
+    assert_eq!(seams.len(), 1, "{notes:?}");
+    assert!(
+        seams[0].contains("vertices were moved onto others within 6.1e-7 m"),
+        "{notes:?}"
+    );
+    let filled = greenstick::fibre::simulate::fill_scene_stem(
+        &request.scene,
+        request.meshes.input.as_ref(),
+        &Context::quiet(),
+    );
+    let mesh = &filled.unwrap().scene.nodes[0].mesh;
+    assert!(mesh.check().closed, "what skins of the run are made of");
 }

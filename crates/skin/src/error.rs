@@ -23,6 +23,14 @@ pub enum BreakError {
     /// Cracks cannot be made.
     #[error(transparent)]
     Crack(#[from] CrackError),
+    /// The pieces may not have as few triangles.
+    #[error("{most} triangles are too few for this break: even the coarsest face adds {least}")]
+    TooFewTriangles {
+        /// How many they may add to those of the stem.
+        most: usize,
+        /// How many they add at least.
+        least: usize,
+    },
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -6,8 +6,10 @@ use greenstick::RequestFile;
 use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
 use toml::Value as Toml;
 
-/// Most values of one key that are written one by one or made by steps.
+/// Most values of one key.
 const MAX_VALUES: u64 = 1 << 32;
+/// Most values of one key that are made by steps, each of which is kept.
+const MAX_STEPS: u64 = 1 << 20;
 
 /// How a key's values come about.
 #[derive(Debug, Clone, PartialEq)]
@@ -224,14 +226,14 @@ fn stepped(
     table: &toml::Table,
     (whole, logarithmic): (bool, bool),
 ) -> Result<Values, String> {
-    let count = |key: &str, least: i64| match table.get(key) {
+    let count = |key: &str, least: i64, most: u64| match table.get(key) {
         None => Ok(None),
-        Some(Toml::Integer(n)) if (least..=MAX_VALUES as i64).contains(n) => Ok(Some(*n)),
+        Some(Toml::Integer(n)) if (least..=most as i64).contains(n) => Ok(Some(*n)),
         Some(other) => Err(format!(
-            "{key} is {other}; expected a whole number from {least} to {MAX_VALUES}"
+            "{key} is {other}; expected a whole number from {least} to {most}"
         )),
     };
-    match (count("steps", 2)?, count("by", 1)?) {
+    match (count("steps", 2, MAX_STEPS)?, count("by", 1, MAX_VALUES)?) {
         (Some(_), Some(_)) => Err("steps and by exclude each other".to_owned()),
         (Some(steps), None) => {
             let value = |k: i64| {

@@ -103,3 +103,15 @@ fn as_many_are_shown_as_are_wanted() {
         assert_eq!(shown, parts.collect::<Vec<_>>());
     }
 }
+
+#[test]
+fn more_steps_than_there_is_memory_for_are_refused_at_once() {
+    let read = |steps: &str| {
+        let text = format!("[vary]\ninclination = {{ from = 0, to = 30, steps = {steps} }}\n");
+        Sweep::read(&text, "".as_ref())
+    };
+    assert_eq!(read("1048576").unwrap().count(), 1 << 20);
+    let error = read("4294967296").unwrap_err().to_string();
+    let expected = "steps is 4294967296; expected a whole number from 2 to 1048576";
+    assert!(error.contains(expected), "{error}");
+}

@@ -4,7 +4,7 @@ use super::error::SimulateError;
 use crate::bodies::Shape;
 use crate::scene::{BodyKeys, MotionChoice, ShapeChoice, StemChoice};
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Node, Scene};
+use greenstick_geometry::{Node, Scene, repair};
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::stem::StemLocation;
 use std::collections::BTreeMap;
@@ -22,6 +22,8 @@ pub struct SceneMeshes {
 pub(super) struct StemScene {
     pub scene: Scene,
     pub location: StemLocation,
+    /// What was repaired in it, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Returns the mesh with the stem of a scene, m: the input, or one of the scene's own.
@@ -40,13 +42,16 @@ pub(super) fn stem_scene(
             return Ok(StemScene {
                 scene: greenstick_wood::branch::branch_scene(&options),
                 location: StemLocation::Fraction(0.5),
+                notes: Vec::new(),
             });
         }
         StemChoice::Cylinder => primitive::cylinder(0.5 * stem.diameter, stem.length, 48),
         StemChoice::Board => primitive::board(stem.length, stem.width, stem.thickness),
         StemChoice::Input => {
+            let mut scene = input.ok_or(SimulateError::NoInput)?.clone();
             return Ok(StemScene {
-                scene: input.ok_or(SimulateError::NoInput)?.clone(),
+                notes: repair::close_seams_of_scene(&mut scene),
+                scene,
                 location: stem.at,
             });
         }
@@ -57,6 +62,7 @@ pub(super) fn stem_scene(
             ..Scene::default()
         },
         location: StemLocation::Fraction(0.5),
+        notes: Vec::new(),
     })
 }
 

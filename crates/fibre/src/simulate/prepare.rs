@@ -98,7 +98,8 @@ pub fn fill_scene_stem(
     };
     let notes = match scene.stem.kind {
         StemChoice::Input => {
-            let mut notes = notes_on_rest(&of_stem, &found, range, context)?;
+            let mut notes = of_stem.notes.clone();
+            notes.extend(notes_on_rest(&of_stem, &found, range, context)?);
             notes.extend(note_on_inclination(&run_scene, &found, range));
             notes
         }

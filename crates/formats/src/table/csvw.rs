@@ -87,6 +87,22 @@ fn describe(column: &Column) -> Value {
     description
 }
 
+/// Adds to CSV files of one folder the metadata that say what their headings do, and `metadata`. The columns of these names
+/// hold texts.
+pub fn with_csv_metadata(
+    mut tables: Vec<Encoded>,
+    text_columns: &[&str],
+    metadata: &Metadata,
+) -> Vec<Encoded> {
+    let describe = |table: &Encoded| {
+        let text = String::from_utf8_lossy(&table.bytes);
+        DescribedTable::from_heading(&text, text_columns, &table.name)
+    };
+    let described: Vec<DescribedTable> = tables.iter().map(describe).collect();
+    tables.push(write_csv_metadata(&described, metadata));
+    tables
+}
+
 /// Writes the metadata of CSV files in one folder, [`CSVW_FILE`].
 ///
 /// ```

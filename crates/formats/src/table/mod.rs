@@ -10,7 +10,7 @@ mod points;
 mod positions;
 mod read_csv;
 
-pub use csvw::{CSVW_FILE, DescribedTable, write_csv_metadata};
+pub use csvw::{CSVW_FILE, DescribedTable, with_csv_metadata, write_csv_metadata};
 pub use measurements::{
     DENSITY_UNITS, MeasurementError, STRESS_UNITS, UnitColumn, read_measurements,
 };

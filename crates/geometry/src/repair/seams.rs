@@ -1,7 +1,7 @@
 //! Closing of seams: borders that lie on each other but for the last digits, as where texture coordinates end and begin again
 //! and either side worked out its positions by itself. Sine and cosine of 0 and of a whole turn differ so.
 
-use crate::{Mesh, Unions};
+use crate::{Mesh, Scene, Unions};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -62,6 +62,24 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
         }
     }
     (moved, tolerance)
+}
+
+/// Closes the seams of all meshes of a scene. Returns a note on each mesh that had one.
+pub fn close_seams_of_scene(scene: &mut Scene) -> Vec<String> {
+    let mut notes = Vec::new();
+    for node in &mut scene.nodes {
+        let mut mesh = Mesh::clone(&node.mesh);
+        let (moved, within) = close_seams(&mut mesh);
+        if moved > 0 {
+            node.mesh = mesh.into();
+            let within = within * node.transform.matrix3.determinant().abs().cbrt();
+            notes.push(format!(
+                "sides of seams of \"{}\" lay apart: {moved} vertices were moved onto others within {within:.1e} m",
+                node.name
+            ));
+        }
+    }
+    notes
 }
 
 #[cfg(test)]

@@ -35,22 +35,15 @@ pub(super) fn write<E: From<Error>>(
     )?;
     let count = cores[0].widths.len() as i32;
     let first_year = last_year.map_or(1, |last| last - count + 1);
-    let outwards: Vec<RingWidthSeries> = cores
-        .iter()
-        .map(|core| series(core, first_year, core.widths.clone()))
-        .collect();
-    let inwards: Vec<RingWidthSeries> = cores
-        .iter()
-        .map(|core| series(core, 1, core.widths.iter().rev().copied().collect()))
-        .collect();
+    let outwards = |core: &Core| series(core, first_year, core.widths.clone());
+    let inwards = |core: &Core| series(core, 1, core.widths.iter().rev().copied().collect());
+    let all = |series: &dyn Fn(&Core) -> RingWidthSeries| cores.iter().map(series).collect();
+    let back = "bark to pith, not in calendar years";
     for (all, name, numbering) in [
-        (outwards, "rings.rwl", "pith to bark"),
-        (
-            inwards,
-            "rings_inwards.rwl",
-            "bark to pith, not in calendar years",
-        ),
+        (all(&outwards), "rings.rwl", "pith to bark"),
+        (all(&inwards), "rings_inwards.rwl", back),
     ] {
+        let all: Vec<RingWidthSeries> = all;
         let header = TucsonHeader {
             site: SITE.to_owned(),
             site_name: format!("{} {numbering}", input_name(provenance)),

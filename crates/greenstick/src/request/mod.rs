@@ -7,7 +7,7 @@ pub use greenstick_skin::stages::BreakStage;
 
 use greenstick_fracture::height_grid::HeightGrid;
 use greenstick_fracture::recipe::{HasRecipe, Recipe};
-use greenstick_schema::{Unit, length, number, parameters, text};
+use greenstick_schema::{Unit, count, length, number, parameters, text};
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
@@ -23,6 +23,9 @@ parameters! {
             place as "at": StemLocation = StemLocation::Fraction(0.5), text(LOCATION);
         }
         "What comes out", "finish" {
+            /// The most triangles that the pieces together may have beyond those of the stem that is broken. Where they would
+            /// have more, the face has fewer rings and sectors, and spiral grain fewer levels.
+            triangles: Option<u32> = None, count(1, 1_000_000_000).auto().stage("layout");
             /// Move the pieces apart by this length.
             separation as "part": f64 = 0.0, length(0.0, MAX_SEPARATION);
             /// Bend thorns and tear some loose: 0 not at all, 1 badly.

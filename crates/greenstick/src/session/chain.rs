@@ -78,7 +78,7 @@ pub(super) struct Chain {
     /// the break, and the relief of a species is measured on the sound stem.
     found_layout: Slot<(u64, LayoutKey), FaceLayout>,
     found_cache: HeightCache,
-    spiral: Slot<(u64, f64, (f64, f64)), PreparedStem>,
+    spiral: Slot<(u64, SpiralGrain), PreparedStem>,
     opened: Slot<OpenedKey, OpenedEnd>,
     layout: Slot<(u64, LayoutKey), FaceLayout>,
     heights: Slot<HeightKey, HeightStage>,
@@ -373,9 +373,10 @@ impl Chain {
         let layout = self.found_layout((found, rings), p, true, ids)?;
         let (stem, cache) = ((&*found.value, relief), &mut self.found_cache);
         let heights = (layout.value).heights(stem, p, &requested.heights.source()?, cache);
-        let SpiralGrain { turn, between } = SpiralGrain::around(&found.value, p, heights.range);
-        self.spiral.get((found.id, turn, between), ids, |_| {
-            Ok(found.value.with_spiral_grain(turn, between))
+        let grain = SpiralGrain::around(&found.value, p, heights.range);
+        let (turn, between, per_level) = (grain.turn, grain.between, grain.per_level);
+        self.spiral.get((found.id, grain), ids, |_| {
+            Ok((found.value).with_spiral_grain(turn, between, per_level))
         })
     }
 

@@ -13,11 +13,12 @@ pub use crate::Error;
 use crate::request::{Break, BreakRequest, BreakStage};
 use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
+use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::{Context, Scene};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::finish::{
-    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, assemble, break_notes, break_report,
-    finish, left_at_base,
+    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, added_triangles, assemble,
+    break_notes, break_report, finish, left_at_base, within_budget,
 };
 pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces};
 use greenstick_skin::materials::{self, BakedWood};
@@ -207,6 +208,10 @@ impl BreakSession {
         context: &Context,
     ) -> Result<BreakStages, Error> {
         let requested = only(request)?;
+        if requested.triangles.is_some() {
+            let pieces = self.pieces(request, context)?.pop();
+            return Ok(pieces.ok_or_else(no_breaks)?.stages);
+        }
         self.begin(request);
         let input = self.input.clone();
         let input = ChainInput::whole(&input.scene, request);
@@ -245,32 +250,36 @@ impl BreakSession {
         for (at, placed) in order.into_iter().enumerate() {
             let [cutting, finishing] = breaking.item(at, count).split([(CUT, 3.0), (FINISH, 2.0)]);
             let one = &mut self.breaks[at];
-            let (scene, id) = match &remaining {
-                Some((scene, id)) => (&**scene, *id),
-                None => (&input.scene, 0),
-            };
-            let above = finished.last().map(|m| LowestAbove::new(&m.stages));
+            let before = remaining.as_ref();
+            let (scene, id) = before.map_or((&input.scene, 0), |(scene, id)| (&**scene, *id));
             let input = ChainInput {
-                scene,
                 id,
-                stem: &request.stem,
-                rings: &request.rings,
-                above,
+                above: finished.last().map(|m| LowestAbove::new(&m.stages)),
                 inner_wood_before: at as u32,
+                ..ChainInput::whole(scene, request)
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
-            let requested = &placed.requested;
-            let ChainCut { stages, id } =
-                (one.chain).update(&input, requested, ids, changes, &cutting)?;
-            finishing.report(0.0)?;
-            let pieces = one.pieces.get((id, requested.clone()), ids, |_| {
-                let options = FinishOptions {
-                    face: &requested.recipe.face,
-                    fray: requested.fray,
-                    separation: requested.separation,
-                };
-                finish(&stages, &options)
-            })?;
+            let asked = &placed.requested.recipe.face;
+            let make = |face: &BreakParameters| {
+                let mut requested = placed.requested.clone();
+                requested.recipe.face.clone_from(face);
+                let ChainCut { stages, id } =
+                    (one.chain).update(&input, &requested, ids, changes, &cutting)?;
+                finishing.report(0.0)?;
+                let pieces = one.pieces.get((id, requested.clone()), ids, |_| {
+                    let options = FinishOptions {
+                        face,
+                        asked,
+                        fray: requested.fray,
+                        separation: requested.separation,
+                    };
+                    finish(&stages, &options)
+                })?;
+                Ok::<_, Error>((stages, pieces, requested))
+            };
+            let most = placed.requested.triangles;
+            let (stages, pieces, requested) =
+                within_budget(most, asked, make, |m| added_triangles(&m.0, &m.1.value))?;
             changes.note(BreakStage::Finish, pieces.is_new);
             if at + 1 < count {
                 let found = one.remaining.get(pieces.id, ids, |_| {
@@ -280,7 +289,7 @@ impl BreakSession {
             }
             finished.push(BreakPieces {
                 number: placed.number,
-                requested: placed.requested,
+                requested,
                 stages,
                 pieces: pieces.value,
             });
@@ -310,8 +319,7 @@ impl BreakSession {
             woods.push((one.number, wood.0));
         }
         woods.sort_by_key(|w| w.0);
-        let first = breaks.iter().min_by_key(|m| m.number);
-        let pieces = first.map(|m| &m.pieces);
+        let pieces = (breaks.iter().min_by_key(|m| m.number)).map(|m| &m.pieces);
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,

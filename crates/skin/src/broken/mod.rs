@@ -193,7 +193,8 @@ impl Cutter<'_> {
         Ok(self.face_of(cut, chips, None, inner))
     }
 
-    /// Cuts a stem of spiral grain along `surface`, removes the self-intersections of the face, and makes it.
+    /// Cuts a stem of spiral grain along `surface`, removes the self-intersections of the face, and makes it. Where they cannot
+    /// be removed otherwise, the surface is levelled.
     ///
     /// # Errors
     /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
@@ -203,11 +204,15 @@ impl Cutter<'_> {
         inner: &InnerWood,
         workspace: &mut CutWorkspace,
     ) -> Result<BrokenFace, BreakError> {
-        let (mut cut, chips) = self.cut(surface, workspace)?;
-        let (source, layers) = (self.stem.source(), &self.stem.layers);
-        let transform = self.stem.transform();
-        let layers = (layers, self.stem.found.stem.radius);
-        let repair = spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform);
+        let (source, transform) = (self.stem.source(), self.stem.transform());
+        let layers = (&self.stem.layers, self.stem.found.stem.radius);
+        let cut_along = |surface: &FractureSurface, depths: &[f64]| {
+            let (mut cut, chips) = self.cut(surface, workspace)?;
+            let (repair, crossing) =
+                spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform, depths);
+            Ok::<_, BreakError>(((cut, chips), repair, crossing))
+        };
+        let ((cut, chips), repair) = spiral::cut_and_level(surface, cut_along)?;
         Ok(self.face_of(cut, chips, Some(repair), inner))
     }
 

@@ -144,9 +144,21 @@ pub fn piece(
 ) -> Mesh {
     let mut builder = SkinBuilder::new(source, patch);
     let side = if upper { Side::Upper } else { Side::Lower };
+    // Split triangles whose parts are all on this side, or all on the other.
+    let whole = source.splits.map(|splits| {
+        let is_whole = |side| move |t: u32| cut.sides[t as usize] == side;
+        let mut together = splits.put_together(source.mesh, is_whole(Side::Lower));
+        together.extend(splits.put_together(source.mesh, is_whole(Side::Upper)));
+        together
+    });
+    let whole = whole.unwrap_or_default();
     for t in 0..source.mesh.triangles.len() {
         if cut.sides[t] == side {
-            let corners = source.mesh.triangles[t].map(|v| builder.vertex(v));
+            let own = Some(source.mesh.triangles[t]);
+            let Some(corners) = whole.get(&(t as u32)).copied().unwrap_or(own) else {
+                continue;
+            };
+            let corners = corners.map(|v| builder.vertex(v));
             builder.triangle(corners, source.mesh.material(t));
         }
     }

@@ -1,6 +1,7 @@
 //! The finish of a break: its separate pieces, the scene that they and everything that was not cut make, and the report.
 
 mod broken_wood;
+mod budget;
 mod finished_break;
 mod notes;
 mod parting;
@@ -10,6 +11,7 @@ mod report;
 mod scene;
 
 pub use broken_wood::BrokenWood;
+pub use budget::{added_triangles, within_budget};
 pub use finished_break::FinishedBreak;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};

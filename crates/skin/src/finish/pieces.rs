@@ -14,11 +14,16 @@ use greenstick_geometry::Mesh;
 use greenstick_geometry::repair::round_to_f32;
 use rayon::prelude::*;
 
+/// Triangles up to which pieces are written at the same time: with more, the memory that it takes counts more than the time.
+const MOST_AT_ONCE: usize = 2_000_000;
+
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]
 pub struct FinishOptions<'a> {
     /// Parameters of the broken face.
     pub face: &'a BreakParameters,
+    /// Those that were asked for, which may be finer.
+    pub asked: &'a BreakParameters,
     /// How much thorns are bent and torn loose, from 0 (not at all) to 1.
     pub fray: f64,
     /// How far the pieces are moved apart, m.
@@ -33,9 +38,10 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     let stem = stages.stem.stem();
     let p = options.face;
     let inner = stages.inner_wood(p);
+    // Reports need it; of a large mesh it takes as much memory as the pieces, which are not there yet.
+    stages.stem.sound.closed_volume();
     let mut notes = notes_up_to_the_cut(stages, p);
-    let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));
-    let plain = [lower, upper];
+    let plain = plain_pieces(stages, options, &mut notes);
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
         None => plain,
@@ -106,6 +112,28 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     Ok(made)
 }
 
+/// The pieces without cracks. A face that is coarser than asked for is noted, and with it the skin has as few triangles as there
+/// can be.
+fn plain_pieces(
+    stages: &BreakStages,
+    options: &FinishOptions,
+    notes: &mut Vec<BreakNote>,
+) -> [Mesh; 2] {
+    let p = options.face;
+    let [made, asked] = [p, options.asked].map(|p| [p.rings, p.sectors]);
+    if made != asked {
+        notes.push(BreakNote::Coarser { made, asked });
+    }
+    // Bending takes the parts of split triangles.
+    let together = made != asked && options.fray == 0.0;
+    let piece = |upper| match together {
+        true => stages.piece_put_together(p, upper),
+        false => stages.piece(p, upper),
+    };
+    let (lower, upper) = rayon::join(|| piece(false), || piece(true));
+    [lower, upper]
+}
+
 impl Pieces {
     /// Rounds meshes to the precision of files and adds them.
     fn write_meshes(&mut self, stages: &BreakStages, meshes: Vec<(PieceRole, Mesh, DAffine3)>) {
@@ -113,7 +141,7 @@ impl Pieces {
         // Self-intersections of the input are left as they are.
         let known = stages.stem.sound.known_positions();
         let scale = stages.stem.sound.volume_scale();
-        let meshes = meshes.into_par_iter().map(|(role, mut mesh, motion)| {
+        let written = |(role, mut mesh, motion): (PieceRole, Mesh, DAffine3)| {
             let rounded = round_to_f32(&mut mesh, inner, known);
             let report = PieceReport {
                 name: role.name(),
@@ -122,8 +150,13 @@ impl Pieces {
                 closed: rounded.closed,
             };
             (role, mesh, motion, rounded.collapsed, report)
-        });
-        let meshes: Vec<_> = meshes.collect();
+        };
+        let triangles: usize = meshes.iter().map(|(_, mesh, _)| mesh.triangles.len()).sum();
+        let meshes: Vec<_> = if triangles > MOST_AT_ONCE {
+            meshes.into_iter().map(written).collect()
+        } else {
+            meshes.into_par_iter().map(written).collect()
+        };
         for (role, mesh, motion, collapsed, report) in meshes {
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {

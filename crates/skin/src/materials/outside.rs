@@ -40,15 +40,13 @@ pub(super) fn dress_outside(
     let mut has_ends = false;
     for node in &mut scene.nodes {
         if node.mesh.materials.contains(&bark) {
-            let mut mesh = Mesh::clone(&node.mesh);
             let to_world = node.transform;
-            has_ends |= dress(&mut mesh, bark, sawn, |mesh, t| {
+            has_ends |= dress(node.mesh_mut(), bark, sawn, |mesh, t| {
                 on_stem(mesh, t, prepared).unwrap_or_else(|| {
                     let corners = mesh.corners(t).map(|p| to_world.transform_point3(p));
                     Outside::Skin(off_the_limb(corners, prepared.found.stem.radius))
                 })
             });
-            node.mesh = mesh.into();
         }
     }
     if has_ends {

@@ -3,6 +3,7 @@
 //! Between two levels grain space is affine ([`LayeredGrain`]), so triangles that cross no level are the same straight
 //! triangles there and in the world: what is cut in one is cut in the other.
 
+use crate::source::SplitTriangles;
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::Mesh;
 use greenstick_wood::stem::{FoundStem, LayeredGrain};
@@ -19,6 +20,8 @@ pub(super) struct LevelSplitter {
     pub limb: Vec<u32>,
     /// How many triangles were split.
     pub split: usize,
+    /// Which triangles were split into which.
+    pub parts: SplitTriangles,
 }
 
 /// A level of the grain.
@@ -63,6 +66,7 @@ impl LevelSplitter {
     ) -> Vec<u32> {
         let levels: Vec<f64> = layers.levels().collect();
         let before = self.mesh.triangles.len();
+        self.parts = SplitTriangles::of_unsplit(&self.mesh);
         if levels.is_empty() {
             return Vec::new();
         }
@@ -101,6 +105,7 @@ impl LevelSplitter {
                 continue;
             };
             self.split += usize::from((t as usize) < before);
+            self.parts.note(t, corners);
             let level = Level {
                 number: n as u32,
                 length,
@@ -112,6 +117,7 @@ impl LevelSplitter {
                     self.mesh.triangles[t as usize] = part;
                     stack.push(t);
                 } else {
+                    self.parts.add(t);
                     stack.push(self.mesh.triangles.len() as u32);
                     self.mesh.triangles.push(part);
                     self.mesh.materials.extend(material);
@@ -179,6 +185,8 @@ impl LevelSplitter {
         let (a, b, c) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
         let m = self.vertex(a, b, level, maps, made);
         self.split += usize::from((t as usize) < before);
+        self.parts.note(t, corners);
+        self.parts.add(t);
         self.mesh.triangles[t as usize] = [a, m, c];
         let new = self.mesh.triangles.len() as u32;
         self.mesh.triangles.push([m, b, c]);

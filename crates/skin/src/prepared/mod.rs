@@ -10,14 +10,14 @@ pub use extent::SectionExtent;
 pub use orientation::unmirror;
 
 use crate::error::BreakError;
-use crate::source::Source;
+use crate::source::{Source, SplitTriangles};
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::repair::{self, KnownPositions};
-use greenstick_geometry::{Context, Mesh, Node, Scene};
+use greenstick_geometry::{Context, Node, Scene};
 use greenstick_wood::appearance::{EndSection, WoodAppearance};
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
@@ -51,6 +51,8 @@ pub struct PreparedStem {
     pub square: SectionSquare,
     /// Triangles of the skin that were split because the stem is bent there.
     pub split: usize,
+    /// Which they are, and their parts.
+    parts: SplitTriangles,
     /// The skin, sorted along the grain.
     pub skin: Skin,
     /// Triangles of the skin in that order.
@@ -61,6 +63,8 @@ pub struct PreparedStem {
     chart: LayeredGrain,
     /// Lengths between which the map to grain space is affine, m.
     pub levels: Vec<f64>,
+    /// Triangles of the shell that is cut, before any was split because the stem is bent or its grain spirals.
+    pub shell_triangles: usize,
     measured: Measured,
 }
 
@@ -92,7 +96,7 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let seams = close_seams(&mut scene);
+        let seams = repair::close_seams_of_scene(&mut scene);
         let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
@@ -106,6 +110,7 @@ impl PreparedStem {
         mut found: FoundStem,
         layers: LayeredGrain,
     ) -> PreparedStem {
+        let shell_triangles = found.shell.len();
         let transform = scene.nodes[found.node].transform;
         let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
         let mut mesh = Arc::unwrap_or_clone(mesh);
@@ -127,6 +132,7 @@ impl PreparedStem {
             grain,
             limb: std::mem::take(&mut found.limb),
             split: 0,
+            parts: SplitTriangles::default(),
         };
         let new = splitter.split(&layers, &transform, &found);
         found.limb = std::mem::take(&mut splitter.limb);
@@ -136,6 +142,7 @@ impl PreparedStem {
             points,
             grain,
             split,
+            parts,
             ..
         } = splitter;
         let corners: Vec<[u32; 3]> = mesh
@@ -163,6 +170,7 @@ impl PreparedStem {
             vertices,
             chart: layers.transformed(&transform.inverse()),
             levels: layers.levels().collect(),
+            shell_triangles,
             scene: {
                 scene.nodes[found.node].mesh = mesh.into();
                 scene
@@ -173,14 +181,24 @@ impl PreparedStem {
             grain,
             corners,
             split,
+            parts,
             measured: Measured::default(),
         }
     }
 
-    /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m).
-    pub fn with_spiral_grain(&self, turn: f64, between: (f64, f64)) -> PreparedStem {
-        let layers = self.layers.clone().with_spiral(turn, between);
-        PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers)
+    /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m), by `per_level` (rad)
+    /// at most from one level to the next.
+    pub fn with_spiral_grain(
+        &self,
+        turn: f64,
+        between: (f64, f64),
+        per_level: f64,
+    ) -> PreparedStem {
+        let layers = self.layers.clone().with_spiral(turn, between, per_level);
+        let mut made = PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers);
+        made.shell_triangles = self.shell_triangles;
+        made.parts = made.parts.after(&self.parts);
+        made
     }
 
     /// Returns what the wood of a recipe looks like in it.
@@ -229,6 +247,15 @@ impl PreparedStem {
             vertices: &self.vertices,
             grain: &self.grain,
             chart: &self.chart,
+            splits: None,
+        }
+    }
+
+    /// Returns the mesh as the source of pieces with as few triangles as there can be.
+    pub fn source_put_together(&self) -> Source<'_> {
+        Source {
+            splits: Some(&self.parts),
+            ..self.source()
         }
     }
 
@@ -300,24 +327,6 @@ impl PreparedStem {
             at: self.layers.to_world(at),
         }
     }
-}
-
-/// Closes seams of the meshes whose sides differ in their last digits. Returns a note on each mesh that had one.
-fn close_seams(scene: &mut Scene) -> Vec<String> {
-    let mut notes = Vec::new();
-    for node in &mut scene.nodes {
-        let mut mesh = Mesh::clone(&node.mesh);
-        let (moved, within) = repair::close_seams(&mut mesh);
-        if moved > 0 {
-            node.mesh = mesh.into();
-            let within = within * node.transform.matrix3.determinant().abs().cbrt();
-            notes.push(format!(
-                "sides of seams of \"{}\" lay apart: {moved} vertices were moved onto others within {within:.1e} m",
-                node.name
-            ));
-        }
-    }
-    notes
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.

@@ -43,6 +43,13 @@ pub enum BreakNote {
         /// Length of the longest edge collapsed, m.
         longest_m: f64,
     },
+    /// The face is coarser than asked for, so that the pieces have no more triangles than they may.
+    Coarser {
+        /// Its rings and sectors.
+        made: [u32; 2],
+        /// The rings and sectors asked for.
+        asked: [u32; 2],
+    },
     /// A piece was bent.
     Bent {
         /// Name of the piece.
@@ -192,6 +199,11 @@ impl fmt::Display for BreakNote {
             BreakNote::NoSplinters => f.write_str(
                 "no splinter came loose: no fibre bundle away from the skin stands alone over enough length",
             ),
+            BreakNote::Coarser { made, asked } => write!(
+                f,
+                "{} rings and {} sectors instead of {} and {} keep the break within its triangles",
+                made[0], made[1], asked[0], asked[1]
+            ),
             BreakNote::NoSpiralGrain => f.write_str(
                 "the spiral angle was left out: only the fibrous face of a round stem has spiral grain",
             ),
@@ -262,6 +274,13 @@ fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> 
         repair.moved,
         longest_m * 1e6
     )?;
+    if repair.levelled > 0 {
+        write!(
+            f,
+            ", and {} fibre bundles about them were levelled",
+            repair.levelled
+        )?;
+    }
     if repair.remaining > 0 {
         write!(f, ", {} pairs still cross", repair.remaining)?;
     }

@@ -3,9 +3,17 @@
 use crate::prepared::PreparedStem;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_wood::stem::StemKind;
+use std::f64::consts::TAU;
 
 /// The length beyond the break over which grain still spirals, radii.
 const SPIRAL_MARGIN: f64 = 0.5;
+
+/// How far spiral grain turns from one level to the next, in widths of the outermost bundles. Between levels triangles are
+/// straight and off the grain by turn² / 8 radii: here by some per cent of a bundle's width, which is about as far as its
+/// walls are apart. Closer levels cost triangles, which grow as their number.
+const LEVEL_PER_BUNDLE: f64 = 1.5;
+/// The least and the greatest turn from one level to the next, rad: closer ones gain nothing, farther ones look angular.
+const TURNS_PER_LEVEL: (f64, f64) = (0.07, 0.35);
 
 /// Grain that spirals along a part of a stem.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +22,8 @@ pub struct SpiralGrain {
     pub turn: f64,
     /// The lengths between which it does, m.
     pub between: (f64, f64),
+    /// How far it turns from one level to the next at most, rad.
+    pub per_level: f64,
 }
 
 impl SpiralGrain {
@@ -27,6 +37,8 @@ impl SpiralGrain {
                 (stem.location + low - margin).max(stem.usable.0),
                 (stem.location + high + margin).min(stem.usable.1),
             ),
+            per_level: (LEVEL_PER_BUNDLE * TAU / f64::from(p.sectors))
+                .clamp(TURNS_PER_LEVEL.0, TURNS_PER_LEVEL.1),
         }
     }
 }

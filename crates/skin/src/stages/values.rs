@@ -109,6 +109,13 @@ impl BreakStages {
         (self.cut.face).piece(&self.stem.stem().source(), &inner, upper)
     }
 
+    /// The same with as few triangles of the skin as there can be: those that were split, as the stem is bent or its grain
+    /// spirals, are whole again where the break does not meet them.
+    pub(crate) fn piece_put_together(&self, p: &BreakParameters, upper: bool) -> Mesh {
+        let inner = self.inner_wood(p);
+        (self.cut.face).piece(&self.stem.stem().source_put_together(), &inner, upper)
+    }
+
     /// Returns what the broken face shows.
     pub fn inner_wood<'a>(&'a self, p: &BreakParameters) -> InnerWood<'a> {
         inner_wood(&self.stem, &self.layout, p)

@@ -144,3 +144,53 @@ fn png(size: ImageSize, rgb: &[u8], srgb: bool) -> Result<Vec<u8>, TextureError>
         .map_err(|e| TextureError::Encoding(e.to_string()))?;
     Ok(bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick_geometry::CancelToken;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    #[test]
+    fn baking_stops_within_a_band_of_rows() {
+        let token = CancelToken::default();
+        let context = Context::new(token.clone(), |_| ());
+        let (size, baked) = (
+            ImageSize {
+                width: 8,
+                height: 4096,
+            },
+            AtomicU32::new(0),
+        );
+        let made = bake_images(size, &context, |_, _| {
+            if baked.fetch_add(1, Ordering::Relaxed) == 200 {
+                token.cancel();
+            }
+        });
+        assert!(matches!(made, Err(TextureError::Cancelled(_))), "{made:?}");
+        // Rows that other threads had begun are finished.
+        let baked = baked.into_inner();
+        assert!((201..201 + BAND as u32).contains(&baked), "{baked} rows");
+    }
+
+    #[test]
+    fn baking_stops_where_progress_is_reported() {
+        let token = CancelToken::default();
+        let stop = token.clone();
+        let context = Context::new(token, move |p| {
+            if p.overall >= 0.5 {
+                stop.cancel();
+            }
+        });
+        let last = AtomicU32::new(0);
+        let size = ImageSize {
+            width: 8,
+            height: 4096,
+        };
+        let made = bake_images(size, &context, |row, _| {
+            last.fetch_max(row, Ordering::Relaxed);
+        });
+        assert!(matches!(made, Err(TextureError::Cancelled(_))), "{made:?}");
+        assert!(last.into_inner() <= 2048 + BAND as u32);
+    }
+}

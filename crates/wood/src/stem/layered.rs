@@ -40,8 +40,6 @@ struct Level {
 const MIN_DIRECTION_COSINE: f64 = 0.64;
 /// Part of the radius by which the axis may lie off the straight lines between levels.
 const AXIS_TOLERANCE_RADII: f64 = 4e-3;
-/// Greatest turn of spiral grain from level to level, rad.
-const MAX_TURN_PER_LEVEL: f64 = 0.07;
 /// Bound of the rounding error of a grain coordinate, relative to the sum of coordinates.
 const COORDINATE_ROUNDING: f64 = 1e-13;
 
@@ -112,14 +110,14 @@ impl LayeredGrain {
         }
     }
 
-    /// The same with spiral grain that turns about the axis by `turn` rad per m, with levels close enough for it between
-    /// `low` and `high` (m).
-    pub fn with_spiral(mut self, turn: f64, (low, high): (f64, f64)) -> Self {
+    /// The same with spiral grain that turns about the axis by `turn` rad per m, with levels between `low` and `high` (m) from
+    /// one to the next of which it turns by `per_level` rad at most.
+    pub fn with_spiral(mut self, turn: f64, (low, high): (f64, f64), per_level: f64) -> Self {
         if turn == 0.0 {
             return self;
         }
         (self.spiral, self.spiral_range) = (turn, (low, high));
-        let count = ((high - low) * turn.abs() / MAX_TURN_PER_LEVEL)
+        let count = ((high - low) * turn.abs() / per_level)
             .ceil()
             .clamp(1.0, 1000.0);
         let mut levels: Vec<Level> = (0..=count as usize)

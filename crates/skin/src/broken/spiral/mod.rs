@@ -4,27 +4,31 @@
 //! in the world, by as little as straight triangles are off curved ones. So vertices near the skin are moved with it
 //! ([`placement`]), edges that run closely below it from outline to outline get a vertex that can lie below it, and what
 //! still crosses is bisected and its vertices moved, round after round, as little as it takes. All this is done at the
-//! positions that files hold. The face is changed before the pieces are made of it, so both have the same.
+//! positions that files hold. The face is changed before the pieces are made of it, so both have the same. What no round
+//! frees has walls too high and too close to each other: there the surface itself is levelled ([`levelled`]), cut and
+//! repaired again.
 
+mod levelled;
 mod placement;
 
 use crate::source::Source;
 use glam::{DAffine3, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
-use greenstick_fracture::surface::NONE;
+use greenstick_fracture::surface::{FractureSurface, NONE};
 use greenstick_geometry::Aabb;
 use greenstick_geometry::repair::{
     Collapsed, EdgeBisector, EdgeCollapser, Untangler, crossing_pairs, crossing_pairs_within,
 };
 use greenstick_wood::stem::LayeredGrain;
 use placement::Placement;
+use std::collections::BTreeSet;
 
 /// Rounds in which what crosses is bisected and moved.
 const ROUNDS: usize = 8;
 /// Depths below the skin, radii, that vertices within the wood lie at least at, in the order they are tried: more than the
 /// spacing of `f32`, so that wood between the two stays, and less than the depth at which neighbours of a vertex would
-/// have to be moved too. No one depth serves all shapes.
-const LEAST_DEPTHS_RADII: [f64; 4] = [3e-5, 1e-5, 0.0, 1e-4];
+/// have to be moved too. No one depth serves all shapes; what neither serves is levelled, which takes no longer than a third.
+const LEAST_DEPTHS_RADII: [f64; 2] = [3e-5, 1e-5];
 /// An attempt is given up once this many times as many pairs cross as at its best, or after [`PATIENCE`] rounds in which
 /// they did not become fewer: bisecting again what moving has not freed makes ever more, ever smaller triangles.
 const GROWTH: usize = 4;
@@ -45,8 +49,50 @@ pub struct SpiralRepair {
     pub moved: usize,
     /// The farthest that one was moved, in the mesh's unit.
     pub longest: f64,
+    /// Fibre bundles whose heights were levelled.
+    pub levelled: usize,
     /// Pairs that still cross.
     pub remaining: usize,
+}
+
+/// How many cells around what crosses are levelled, each time that something still does.
+const LEVELLED_AROUND: [usize; 4] = [1, 2, 4, 8];
+
+/// Cuts a stem along `surface` by `cut_along`, which also repairs the face, at the depths given, and returns the cells about what
+/// still crosses, and levels the surface there until nothing does. Returns the best of the cuts.
+///
+/// # Errors
+/// Those of `cut_along` with the surface as it is; one that fails once it is levelled is left out.
+pub fn cut_and_level<T, E>(
+    surface: &FractureSurface,
+    mut cut_along: impl FnMut(&FractureSurface, &[f64]) -> Result<(T, SpiralRepair, Vec<u32>), E>,
+) -> Result<(T, SpiralRepair), E> {
+    let (mut best, mut done, mut crossing) = cut_along(surface, &LEAST_DEPTHS_RADII)?;
+    let mut cells = BTreeSet::new();
+    for around in LEVELLED_AROUND {
+        if done.remaining == 0 {
+            break;
+        }
+        let mut about: BTreeSet<u32> = crossing.into_iter().collect();
+        for _ in 0..around {
+            levelled::grow(&surface.layout, &mut about);
+        }
+        cells.extend(about);
+        // One depth: what it leaves is levelled farther around, which is quicker than to try another.
+        let level = levelled::levelled(surface, &cells);
+        let Ok((other, repair, cells_about)) = cut_along(&level, &LEAST_DEPTHS_RADII[..1]) else {
+            break;
+        };
+        crossing = cells_about;
+        if repair.remaining < done.remaining {
+            best = other;
+            done = SpiralRepair {
+                levelled: cells.len(),
+                ..repair
+            };
+        }
+    }
+    Ok((best, done))
 }
 
 /// A cut in the node's coordinates: its face first, then the skin about it.
@@ -67,14 +113,16 @@ struct Face<'a> {
 }
 
 /// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `layers` are those of the
-/// stem, whose radius is given in m and to whose world `transform` leads.
+/// stem, whose radius is given in m and to whose world `transform` leads; of the least `depths` below the skin (radii) the best
+/// is taken. Also returns the cells of what still crosses.
 pub fn repair_spiral_face(
     source: &Source,
     cut: &mut Cut,
     skin: &Skin,
     (layers, radius): (&LayeredGrain, f64),
     transform: &DAffine3,
-) -> SpiralRepair {
+    depths: &[f64],
+) -> (SpiralRepair, Vec<u32>) {
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
     let attempt = |depth: f64| {
         let mut repaired = cut.clone();
@@ -82,18 +130,20 @@ pub fn repair_spiral_face(
         let mut face = Face::new(source, &mut repaired, skin, depths, &to_grain);
         (face.repair(layers, radius), repaired)
     };
-    let [first, others @ ..] = LEAST_DEPTHS_RADII;
-    let mut best = attempt(first);
-    for depth in others {
-        if best.0.remaining == 0 {
+    let mut best: Option<((SpiralRepair, Vec<u32>), Cut)> = None;
+    for &depth in depths {
+        let fewest = best.as_ref().map_or(usize::MAX, |best| best.0.0.remaining);
+        if fewest == 0 {
             break;
         }
         let other = attempt(depth);
-        if other.0.remaining < best.0.remaining {
-            best = other;
+        if other.0.0.remaining < fewest {
+            best = Some(other);
         }
     }
-    let (done, repaired) = best;
+    let Some((done, repaired)) = best else {
+        return (SpiralRepair::default(), Vec::new());
+    };
     *cut = repaired;
     done
 }
@@ -154,8 +204,8 @@ impl<'a> Face<'a> {
         }
     }
 
-    /// Bisects and moves what crosses, round after round.
-    fn repair(&mut self, layers: &LayeredGrain, radius: f64) -> SpiralRepair {
+    /// Bisects and moves what crosses, round after round. Also returns the cells of what still does.
+    fn repair(&mut self, layers: &LayeredGrain, radius: f64) -> (SpiralRepair, Vec<u32>) {
         let mut done = SpiralRepair::default();
         self.merge_equal_positions();
         self.bisect_chords(&mut done);
@@ -173,7 +223,12 @@ impl<'a> Face<'a> {
         }
         self.store();
         done.remaining = pairs.len();
-        done
+        let faces = &self.cut.faces;
+        let of_face = pairs
+            .iter()
+            .flatten()
+            .filter_map(|&t| faces.get(t as usize));
+        (done, of_face.map(|face| face.cell).collect())
     }
 
     /// Adds a vertex within the wood at grain coordinates in which the skin is straight.

@@ -1,0 +1,235 @@
+#!/usr/bin/env python3
+"""Runs the commands of README.md and docs/*.md, each page in a folder of its own with the files that it names.
+
+Usage: documentation.py GREENSTICK [--page NAME] [--folder FOLDER]
+
+What runs are the lines of blocks marked `sh` and the spans of code in paragraphs that begin with `greenstick` and are whole: no
+names of commands alone, no placeholders such as FILE, no `…`. What a page's commands write stays for the next. A command fails
+that ends with another code than 0, or takes longer than 60 s. Results that many commands share, such as `simulate bend -o run`,
+are made once. Pictures are drafts and simulations but for that one are cut short (`SHORTER`), which changes how long they take, not
+whether they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
+"""
+
+import argparse
+import math
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from damage import laz, las, sawn_end, section, stem_points
+
+ROOT = Path(__file__).resolve().parent.parent
+DATA = ROOT / "tests" / "data"
+LIMIT_S = 60
+"""Limit of one command on two free cores; a machine that does other work gets more by GREENSTICK_PATIENCE, a factor."""
+
+# Commands that begin so are not run.
+EXCLUDED = {
+    "greenstick bend-test --all-species": "several minutes for 121 species; one species is run",
+    'greenstick bend-test --species "yellow birch" --specimens 200 --measured birch_bending_lmfor.csv':
+        "measurements that may not be redistributed; others are read in science.md",
+    "greenstick fracture-test": "one to three minutes each; `cargo test -p greenstick-cli --test toughness` runs a short one",
+    "greenstick simulate three-blocks -o film.glb": "a film of a whole run; that of `bend` is made",
+    "greenstick simulate three-blocks --seed 1": "a part of a command, in a table",
+    "greenstick simulate as-published": "minutes: the published numbers of rods and steps",
+    "greenstick simulate twist --solver implicit": "minutes: the implicit solver",
+    "greenstick simulate bend -o slow --solver implicit": "minutes: the implicit solver",
+    "greenstick simulate falling-trunk": "minutes: the explicit solver at the stiffness of wood",
+    "greenstick simulate three-blocks pole.ply --unit mm": "a part of a command, in a paragraph",
+    "greenstick break --from-run bent": "needs a whole run on the scanned pole; that of the branch is broken",
+    "greenstick break pole.ply --unit mm --simulate bend": "minutes: a whole run on the scanned pole",
+    "greenstick skin run --faces rods --frame 45": "needs a whole run of three-blocks",
+    "greenstick skin run -o film.mp4": "needs ffmpeg; `.ci/run` makes videos of a smaller run",
+    "greenstick skin run -o near.mp4": "needs ffmpeg",
+    "greenstick skin run -o strain.mp4": "needs ffmpeg",
+    "greenstick skin run --pictures frames": "a picture of each of 60 frames",
+    "greenstick simulate bend.toml -o run": "the scene with one key changed by hand",
+}
+
+# What is added to commands that begin so. Pictures and durations only.
+SHORTER = {
+    "greenstick simulate": "--duration 0.02 --no-pictures",
+    "greenstick break": "--draft",
+    "greenstick skin": "--draft",
+}
+
+# Commands whose results are made once, whole, for all pages: what is in the folder they write.
+SHARED = {
+    "greenstick simulate bend -o run": "run",
+    'greenstick anatomy pole.ply --unit mm -o inside --species "Sitka spruce"': "inside",
+}
+
+
+def commands(page: Path) -> list[str]:
+    """The commands of a page in their order, as in apps/cli/src/documented_commands.rs; of spans only whole ones."""
+    found, block, paragraph = [], None, ""
+    for line in [*page.read_text().replace("\\\n", " ").split("\n"), ""]:
+        if line.startswith("```"):
+            block = (line == "```sh") if block is None else None
+        elif block is not None:
+            if block and line.startswith("greenstick "):
+                found.append(line.strip())
+        elif line.strip():
+            paragraph += line + " "
+        else:
+            spans = (span for span in paragraph.split("`")[1::2] if span.startswith("greenstick "))
+            found += [span for span in spans if is_whole(span)]
+            paragraph = ""
+    return found
+
+
+def is_whole(span: str) -> bool:
+    """Whether a span of code is a command to type, and not the name of one or of an option."""
+    words = span.split()
+    return len(words) > 2 and words[-1][:2] != "--"
+
+
+def has_placeholder(command: str) -> bool:
+    """Whether there is something to fill in."""
+    words = command.split("#")[0].split()
+    names = [re.split("[/=]", word)[-1] for word in words]
+    return "…" in command or any(re.fullmatch(r"[A-Z]{3,}(\.\w+)?", name) for name in names)
+
+
+def cylinder(file: Path, radius: float, length: float, foot: tuple[float, float, float], up: int) -> None:
+    import numpy
+    import trimesh
+
+    mesh = trimesh.creation.cylinder(radius, length, sections=48)
+    for _ in range(2):
+        mesh = mesh.subdivide()
+    points = mesh.vertices + [0, 0, length / 2]
+    if up == 1:
+        points = points[:, [1, 2, 0]]
+    trimesh.Trimesh(points + numpy.array(foot), mesh.faces).export(file)
+
+
+def make_files(folder: Path) -> None:
+    """The files that the pages name and that no command makes."""
+    for file in DATA.iterdir():
+        if file.name.startswith("homecart"):
+            shutil.copy(file, folder)
+    shutil.copy(DATA / "homecart_cutting_board.gltf", folder / "board.gltf")
+    shutil.copy(DATA / "pole.ply", folder)
+    cylinder(folder / "log.glb", 0.1, 2.0, (0, 0, 0), 2)
+    cylinder(folder / "log.ply", 0.1, 2.0, (0, 0, 0), 2)
+    cylinder(folder / "branch.glb", 0.02, 0.6, (0, 0, 0), 2)
+    cylinder(folder / "tree.glb", 0.15, 4.0, (0.3, 0, -0.4), 1)
+    # A stem 4 m high, and another 5 m away.
+    points = [(x, y, 2 * z) for x, y, z in stem_points(12_000)]
+    (folder / "plot").mkdir()
+    (folder / "tree.las").write_bytes(las(points))
+    for name in ("scan.laz", "tree.laz", "plot/1.laz", "plot/2.laz"):
+        laz(folder / "tree.las", folder / name)
+    (folder / "scan.xyz").write_text("".join(f"{x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in points))
+    (folder / "section.json").write_text(section())
+    (folder / "sawn_end.png").write_bytes(sawn_end())
+    dice = random.Random(3)
+    rows = ((d, 150 * d + dice.gauss(0, 8)) for d in (dice.gauss(0.62, 0.05) for _ in range(60)))
+    (folder / "birch.csv").write_text("Density,Resistance\n" + "".join(f"{d:.3f},{r:.1f}\n" for d, r in rows))
+    (folder / "twigs.toml").write_text(
+        'texture_size = 16\n[break]\nrings = 6\nsectors = 12\n[sweep]\nsheet = 0\n[vary]\nseed = { from = 1, to = 18 }\n'
+    )
+    (folder / "variant.toml").write_text('preset = "brash"\n')
+    (folder / "film.glb").write_bytes((folder / "log.glb").read_bytes())
+
+
+class Runner:
+    def __init__(self, program: Path, top: Path):
+        bin_folder = top / "bin"
+        bin_folder.mkdir()
+        (bin_folder / "greenstick").symlink_to(program)
+        self.environment = {**os.environ, "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+        self.patience = float(os.environ.get("GREENSTICK_PATIENCE", "1"))
+        self.top = top
+
+    def run(self, command: str, folder: Path) -> tuple[float, str]:
+        """Runs a command; its seconds, and what is wrong with how it ended."""
+        started = time.monotonic()
+        try:
+            done = subprocess.run(
+                ["bash", "-euc", command], cwd=folder, env=self.environment, stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LIMIT_S * self.patience,
+            )
+        except subprocess.TimeoutExpired:
+            return time.monotonic() - started, f"longer than {LIMIT_S * self.patience:.0f} s"
+        fault = f"code {done.returncode}: {done.stdout.strip()[-400:]}" if done.returncode else ""
+        return time.monotonic() - started, fault
+
+    def page(self, page: Path) -> list[tuple[str, float, str]]:
+        """The commands of a page that were run, with seconds and faults."""
+        folder = self.top / page.stem
+        shutil.copytree(self.top / "files", folder)
+        outcomes, seen = [], set()
+        for command in commands(page):
+            if has_placeholder(command) or command in seen or any(command.startswith(e) for e in EXCLUDED):
+                continue
+            seen.add(command)
+            shared = SHARED.get(command.split("#")[0].strip())
+            # A run is not written over another one.
+            written = re.search(r"simulate .*-o (\w+)", command)
+            if shared or (written and "--resume" not in command):
+                shutil.rmtree(folder / (shared or written[1]), ignore_errors=True)
+            if shared:
+                shutil.copytree(self.top / "files" / shared, folder / shared)
+                continue
+            typed = command
+            for start, more in SHORTER.items():
+                if command.startswith(start) and not has_option(command, more):
+                    typed = f"{command.split(' #')[0].rstrip()} {more}"
+            outcomes.append((command, *self.run(typed, folder)))
+        return outcomes
+
+
+def has_option(command: str, more: str) -> bool:
+    """Whether a command already has the first of further options, or takes none."""
+    return more.split()[0] in command or "--list" in command or "--save-scene" in command
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("--page", help="one page, such as skin.md")
+    parser.add_argument("--folder", type=Path, help="an empty folder to work in, which stays")
+    options = parser.parse_args()
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    pages = [page for page in pages if options.page in (None, page.name)]
+    everything = [command for page in pages for command in commands(page)]
+    unused = [e for e in [*EXCLUDED, *SHARED] if not any(c.startswith(e) for c in everything)]
+    if unused and not options.page:
+        print("excluded, but in no page:", *unused, sep="\n  ")
+        return 1
+    with tempfile.TemporaryDirectory() as scratch:
+        top = options.folder.resolve() if options.folder else Path(scratch)
+        (top / "files").mkdir(parents=True)
+        make_files(top / "files")
+        runner = Runner(options.program.resolve(), top)
+        faults = []
+        for text in SHARED:
+            seconds, fault = runner.run(text, top / "files")
+            print(f"{seconds:6.1f} s  {text}  (shared)")
+            faults += [f"{text}: {fault}"] if fault else []
+        with ThreadPoolExecutor(2) as pool:
+            done = list(pool.map(runner.page, pages))
+        for page, outcomes in zip(pages, done):
+            print(f"{page.relative_to(ROOT)}: {len(outcomes)} commands in {sum(o[1] for o in outcomes):.0f} s")
+            for command, seconds, fault in outcomes:
+                if fault:
+                    faults.append(f"{page.relative_to(ROOT)}: {command}\n  {fault}")
+                elif seconds > 10:
+                    print(f"{seconds:6.1f} s  {command}")
+    count = sum(map(len, done))
+    print(f"{count} commands run, {len(faults)} failed; {len(EXCLUDED)} left out, see EXCLUDED")
+    print(*faults, sep="\n")
+    return 1 if faults or not count else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
