@@ -23,7 +23,7 @@ pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces
 use greenstick_skin::materials::{self, BakedWood};
 pub use greenstick_skin::report::BreakNote;
 use greenstick_skin::report::BreakReport;
-use greenstick_skin::stages::LowestAbove;
+use greenstick_skin::stages::PlacesError;
 pub use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
 };
@@ -31,7 +31,7 @@ use greenstick_skin::stages::{Ids, Slot};
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
-use order::{BreakOrder, no_breaks};
+use order::BreakOrder;
 use progress::{CUT, FINISH, STEM, TEXTURES};
 use std::sync::Arc;
 
@@ -76,6 +76,8 @@ pub struct BreakSession {
     order: BreakOrder,
     /// In the order in which they are made.
     breaks: Vec<CachedBreak>,
+    /// Places of the last request at which the stem is not free, m.
+    left_out: Vec<f64>,
     changes: Changes,
 }
 
@@ -96,7 +98,6 @@ impl BreakPieces {
     fn finished(&self) -> FinishedBreak<'_> {
         FinishedBreak {
             number: self.number,
-            face: &self.requested.recipe.face,
             stages: &self.stages,
             pieces: &self.pieces,
         }
@@ -139,6 +140,7 @@ impl BreakSession {
             ids: Ids::default(),
             order: BreakOrder::default(),
             breaks: Vec::new(),
+            left_out: Vec::new(),
             changes: Changes::default(),
         }
     }
@@ -150,6 +152,7 @@ impl BreakSession {
             ids: self.ids.clone(),
             order: self.order.clone(),
             breaks: self.breaks.clone(),
+            left_out: self.left_out.clone(),
             changes: Changes::default(),
         }
     }
@@ -191,10 +194,7 @@ impl BreakSession {
         context: &Context,
     ) -> Result<f64, Error> {
         let stem = self.chain_stem(request, context)?;
-        let face = &only(request)?.recipe.face;
-        self.breaks[0]
-            .chain
-            .relief_range(&stem, face, &mut self.ids)
+        self.breaks[0].chain.relief_range(&stem, &mut self.ids)
     }
 
     /// Returns the stages of the request's only break up to the cut: what is drawn.
@@ -232,13 +232,15 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<Vec<BreakPieces>, Error> {
-        self.begin(request);
+        self.changes = Changes::default();
         let input = self.input.clone();
         let [locating, breaking] = context.split([
             (STEM, request.breaks.len() as f64 - 1.0),
             (CUT, 4.0 * request.breaks.len() as f64),
         ]);
-        let order = self.order.resolve(&input.scene, request, &locating)?;
+        let (order, left_out) = self.order.resolve(&input.scene, request, &locating)?;
+        (self.breaks).resize_with(order.len(), CachedBreak::default);
+        self.left_out = left_out;
         let mut finished: Vec<BreakPieces> = Vec::new();
         let mut remaining: Option<(Arc<Scene>, u64)> = None;
         let count = order.len();
@@ -249,14 +251,16 @@ impl BreakSession {
                 Some((scene, id)) => (&**scene, *id),
                 None => (&input.scene, 0),
             };
-            let above = finished.last().map(|m| LowestAbove::new(&m.stages));
+            let above = finished.last().map(|m| &m.stages);
             let input = ChainInput {
                 scene,
                 id,
                 stem: &request.stem,
                 rings: &request.rings,
-                above,
+                neighbours: placed.neighbours.beyond(above),
                 inner_wood_before: at as u32,
+                whole: placed.whole,
+                number: placed.number,
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
             let requested = &placed.requested;
@@ -265,7 +269,6 @@ impl BreakSession {
             finishing.report(0.0)?;
             let pieces = one.pieces.get((id, requested.clone()), ids, |_| {
                 let options = FinishOptions {
-                    face: &requested.recipe.face,
                     fray: requested.fray,
                     separation: requested.separation,
                 };
@@ -315,9 +318,10 @@ impl BreakSession {
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,
-            report: break_report(&self.input, &finished, &scene).ok_or_else(no_breaks)?,
+            report: break_report(&self.input, &finished, &scene, &self.left_out)
+                .ok_or(PlacesError::None)?,
             scene,
-            notes: break_notes(&finished),
+            notes: break_notes(&finished, &self.left_out),
             woods: woods.into_iter().map(|w| w.1).collect(),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),
             end: pieces.and_then(|p| p.end),
@@ -360,11 +364,14 @@ impl BreakSession {
 
 /// Returns the only break of a request.
 fn only(request: &BreakRequest) -> Result<&Break, Error> {
-    match &request.breaks[..] {
-        [only] => Ok(only),
-        others => Err(Error::Amount(format!(
+    match (&request.breaks[..], request.every) {
+        ([only], None) => Ok(only),
+        (others, None) => Err(Error::Amount(format!(
             "{} breaks; expected 1",
             others.len()
+        ))),
+        (_, Some(every)) => Err(Error::Amount(format!(
+            "a break every {every} m; expected 1 break"
         ))),
     }
 }

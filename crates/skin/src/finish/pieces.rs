@@ -9,16 +9,13 @@ use crate::hang::hang;
 use crate::report::{BreakNote, PieceReport};
 use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
-use greenstick_fracture::parameters::BreakParameters;
 use greenstick_geometry::Mesh;
 use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
 use rayon::prelude::*;
 
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]
-pub struct FinishOptions<'a> {
-    /// Parameters of the broken face.
-    pub face: &'a BreakParameters,
+pub struct FinishOptions {
     /// How much thorns are bent and torn loose, from 0 (not at all) to 1.
     pub fray: f64,
     /// How far the pieces are moved apart, m.
@@ -31,7 +28,7 @@ pub struct FinishOptions<'a> {
 /// [`BreakError`] where splinters cannot be cut loose.
 pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, BreakError> {
     let stem = stages.stem.stem();
-    let p = options.face;
+    let p = &stages.stem.face;
     let inner = stages.inner_wood(p);
     let mut notes = notes_up_to_the_cut(stages, p);
     let (lower, upper) = rayon::join(|| stages.piece(p, false), || stages.piece(p, true));

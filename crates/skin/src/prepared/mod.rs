@@ -10,6 +10,7 @@ pub use orientation::unmirror;
 
 use crate::error::BreakError;
 use crate::source::Source;
+use crate::stages::Neighbours;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
@@ -19,7 +20,7 @@ use greenstick_geometry::{Context, Mesh, Node, Scene, repair};
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
-    FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
+    FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem_along,
 };
 use levels::LevelSplitter;
 use std::sync::Arc;
@@ -82,18 +83,35 @@ impl PreparedStem {
     /// # Ok::<(), greenstick_wood::stem::StemError>(())
     /// ```
     pub fn find(
-        mut scene: Scene,
+        scene: Scene,
         location: &StemLocation,
         options: &StemOptions,
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
+        PreparedStem::find_between(scene, location, options, &Neighbours::default(), context)
+    }
+
+    /// Finds the stem at a location for one of several breaks.
+    ///
+    /// # Errors
+    /// As [`PreparedStem::find`].
+    pub fn find_between(
+        mut scene: Scene,
+        location: &StemLocation,
+        options: &StemOptions,
+        neighbours: &Neighbours,
+        context: &Context,
+    ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
         let seams = close_seams(&mut scene);
-        let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
+        let (meshes, along) = (scene.world_meshes(), neighbours.along());
+        let mut found = find_stem_along(&meshes, location, options, along, context)?;
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
-        Ok(PreparedStem::from_found(scene, found, layers))
+        let mut prepared = PreparedStem::from_found(scene, found, layers);
+        neighbours.limit(&mut prepared.found);
+        Ok(prepared)
     }
 
     /// Maps a stem that was found in a scene to grain space.

@@ -2,6 +2,7 @@
 
 use super::cracks::Cracks;
 use super::species_relief::SpeciesRelief;
+use super::whole_stem::WholeStem;
 use crate::broken::{BrokenFace, Cutter, FaceLayout, InnerWood};
 use crate::cracks::{CrackedFace, OpenedEnd, crack_faces};
 use crate::error::BreakError;
@@ -25,6 +26,10 @@ pub struct StemStage {
     pub opened: Option<Arc<OpenedEnd>>,
     /// The index of the material of the wood inside.
     pub inner_material: u32,
+    /// The stem before any break of the request.
+    pub whole: WholeStem,
+    /// The parameters of the face of this break: those of the request with a seed of its own, at the size of the stem.
+    pub face: BreakParameters,
 }
 
 impl StemStage {
