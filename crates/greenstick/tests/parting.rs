@@ -79,7 +79,7 @@ fn halves_of_a_bent_limb_slide_out_of_each_other() {
             separation,
             ..Break::default()
         };
-        (one.recipe.face.slab_height, one.recipe.face.slab_count) = (2.5, 12);
+        (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
         BreakRequest {
             texture_width: 16,
             ..BreakRequest::single(one)
