@@ -251,7 +251,7 @@ impl BreakSession {
                 Some((scene, id)) => (&**scene, *id),
                 None => (&input.scene, 0),
             };
-            let above = finished.last().map(|m| &m.stages);
+            let above = finished.last().map(|m| m.stages.lowest_point());
             let input = ChainInput {
                 scene,
                 id,

@@ -3,14 +3,15 @@
 mod ends;
 mod extent;
 mod levels;
+mod neighbours;
 mod orientation;
 
 pub use extent::SectionExtent;
+pub use neighbours::Neighbours;
 pub use orientation::unmirror;
 
 use crate::error::BreakError;
 use crate::source::Source;
-use crate::stages::Neighbours;
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};

@@ -3,7 +3,6 @@
 
 mod break_stage;
 mod cracks;
-mod neighbours;
 mod order;
 mod slot;
 mod species_relief;
@@ -11,9 +10,9 @@ mod spiral_grain;
 mod values;
 mod whole_stem;
 
+pub use crate::prepared::Neighbours;
 pub use break_stage::BreakStage;
 pub use cracks::{CrackRequest, Cracks};
-pub use neighbours::Neighbours;
 pub use order::{BreakPlace, BreakPlaces, PlacesError, check_number};
 pub use slot::{Ids, Scratch, Slot, SlotValue};
 pub use species_relief::SpeciesRelief;

@@ -1,6 +1,6 @@
 //! Where a stem breaks that breaks at several places, and the order in which the breaks are made.
 
-use super::neighbours::Neighbours;
+use crate::prepared::Neighbours;
 use glam::DVec3;
 use greenstick_wood::stem::FoundStem;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::StemLocation;
 use super::error::StemError;
-use super::identity::{StemIdentity, limb_at};
+use super::identity::{StemIdentity, limb_at, size_of_trace};
 use super::model::StemKind;
 use super::parts::Parts;
 use super::plank::{Plank, is_board};
@@ -120,6 +120,27 @@ fn course_of_shell(
     }))
 }
 
+/// Identifies the stem that runs along a shell.
+fn identity(parts: &Parts, shell: usize, course: Option<&Course>) -> StemIdentity {
+    let (length, girth) = match course {
+        Some(Course::Log(trace)) => size_of_trace(trace),
+        Some(Course::Board(plank)) => {
+            let [length, width, thickness] = plank.size;
+            (length, 2.0 * (width + thickness))
+        }
+        None => {
+            let size = parts.shells[shell].high - parts.shells[shell].low;
+            (size.max_element(), 2.0 * (size.x + size.y + size.z))
+        }
+    };
+    StemIdentity {
+        length,
+        girth,
+        shell,
+        limb: None,
+    }
+}
+
 /// The shell with the stem of largest volume.
 pub(super) fn main_stem(
     parts: &Parts,
@@ -147,7 +168,7 @@ pub(super) fn main_stem(
     }
     let choice = best.map(|(_, shell, course)| Choice {
         shell,
-        identity: StemIdentity::of_shell(parts, shell, Some(&course)),
+        identity: identity(parts, shell, Some(&course)),
         course,
         surface_point: None,
     });
@@ -175,7 +196,7 @@ pub(super) fn stem_at_point(
     };
     let surface = parts.surface(shell, context)?;
     let course = course_of_shell(&surface, kind, context)?.map(|(course, _)| course);
-    let mut identity = StemIdentity::of_shell(parts, shell, course.as_ref());
+    let mut identity = identity(parts, shell, course.as_ref());
     let trace = match course {
         Some(Course::Board(plank)) => {
             if nearest.distance > MAX_DISTANCE_WIDTHS * plank.size[1] {
@@ -192,7 +213,7 @@ pub(super) fn stem_at_point(
         course => match seed::section_of_limb(&surface, q) {
             Some(section) => {
                 if let Some(Course::Log(main)) = &course {
-                    identity.limb = limb_at(&surface, main, q, context)?;
+                    identity.limb = limb_at(&surface, |p| covers(main, p), q, context)?;
                 }
                 Some(trace(&surface, section, AtForks::Stop, context)?)
             }
@@ -298,7 +319,7 @@ pub(super) fn station_at(
 }
 
 /// Whether a surface point belongs to the trace rather than to another limb of the shell.
-pub(super) fn covers(trace: &Trace, q: DVec3) -> bool {
+fn covers(trace: &Trace, q: DVec3) -> bool {
     let section: &ShellSection = &trace.sections[nearest_station(trace, q)];
     let d = q - section.centre;
     let across = d.reject_from(section.normal).length();

@@ -1,7 +1,5 @@
 //! What tells one stem from another, whatever place on it is asked for.
 
-use super::choose::{Course, covers};
-use super::parts::Parts;
 use super::surface::Surface;
 use super::trace::Trace;
 use crate::noise;
@@ -33,27 +31,6 @@ pub struct StemIdentity {
 }
 
 impl StemIdentity {
-    /// Identifies the stem that runs along a shell.
-    pub(super) fn of_shell(parts: &Parts, shell: usize, course: Option<&Course>) -> Self {
-        let (length, girth) = match course {
-            Some(Course::Log(trace)) => size_of_trace(trace),
-            Some(Course::Board(plank)) => {
-                let [length, width, thickness] = plank.size;
-                (length, 2.0 * (width + thickness))
-            }
-            None => {
-                let size = parts.shells[shell].high - parts.shells[shell].low;
-                (size.max_element(), 2.0 * (size.x + size.y + size.z))
-            }
-        };
-        StemIdentity {
-            length,
-            girth,
-            shell,
-            limb: None,
-        }
-    }
-
     /// Returns a hash of the shell's and the limb's numbers and of length and girth, which are rounded to steps of at most half
     /// a percent.
     ///
@@ -92,7 +69,7 @@ fn step(size: f64) -> i64 {
 }
 
 /// Length and mean girth of a stem as it was followed, m.
-fn size_of_trace(trace: &Trace) -> (f64, f64) {
+pub(super) fn size_of_trace(trace: &Trace) -> (f64, f64) {
     let centres = trace.sections.iter().map(|s| s.centre);
     let mut length = 0.0;
     let mut last = trace.tips[0];
@@ -104,14 +81,14 @@ fn size_of_trace(trace: &Trace) -> (f64, f64) {
     (length, TAU * radius / trace.sections.len() as f64)
 }
 
-/// Returns the number of the limb at a point of a surface along which `main` runs: the first triangle of all that hangs
+/// Returns the number of the limb at a point of a surface along which a stem runs that `covers` points of it: the first triangle of all that hangs
 /// together with the point without being part of the main stem. It does not depend on where on the limb the point is.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn limb_at(
     surface: &Surface,
-    main: &Trace,
+    covers: impl Fn(DVec3) -> bool,
     point: DVec3,
     context: &Context,
 ) -> Result<Option<u32>, Cancelled> {
@@ -120,7 +97,7 @@ pub(super) fn limb_at(
         if i % CHECK_INTERVAL == 0 {
             context.check()?;
         }
-        if !covers(main, surface.corners(i).into_iter().sum::<DVec3>() / 3.0) {
+        if !covers(surface.corners(i).into_iter().sum::<DVec3>() / 3.0) {
             beside.push(i);
         }
     }

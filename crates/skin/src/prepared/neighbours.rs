@@ -1,11 +1,7 @@
 //! How one of several breaks of a stem keeps clear of the others, and runs the way they do.
 
-use super::values::BreakStages;
 use glam::DVec3;
 use greenstick_wood::stem::FoundStem;
-
-/// The least length of whole stem between two breaks, radii.
-const MIN_GAP_BETWEEN_BREAKS: f64 = 0.1;
 
 /// What a break must know of the others of its stem.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -21,7 +17,7 @@ pub struct Neighbours {
 impl Neighbours {
     /// Returns those of a break where the whole stem runs along `along`; the next break towards the base, if there is one, leaves
     /// it the stem down to the point `below` (m).
-    pub(super) fn new(along: DVec3, below: Option<DVec3>) -> Self {
+    pub(crate) fn new(along: DVec3, below: Option<DVec3>) -> Self {
         Neighbours {
             above: None,
             below,
@@ -29,19 +25,11 @@ impl Neighbours {
         }
     }
 
-    /// Returns the same with the break beyond, which was made before.
+    /// Returns the same with the lowest point of the break beyond (m), which was made before, and the length of stem to keep
+    /// from it, m.
     #[must_use]
-    pub fn beyond(self, above: Option<&BreakStages>) -> Self {
-        let lowest = above.map(|stages| {
-            let stem = &stages.stem.stem().found.stem;
-            let low = stem.location + stages.heights.heights.range.0;
-            let margin = MIN_GAP_BETWEEN_BREAKS * stem.radius;
-            (stem.grain.axis().frame(low).origin, margin)
-        });
-        Neighbours {
-            above: lowest,
-            ..self
-        }
+    pub fn beyond(self, above: Option<(DVec3, f64)>) -> Self {
+        Neighbours { above, ..self }
     }
 
     /// The direction of the whole stem at the break, if it is one of several.
