@@ -11,6 +11,7 @@ class RequestKeys(TypedDict, total=False):
 
     input: str | float | None
     unit: Literal["mm", "cm", "m"] | None
+    every: float | str | None
     texture_size: int | str
     as_scan: bool
     no_outliers: bool
@@ -23,7 +24,7 @@ class RequestKeys(TypedDict, total=False):
     bark_only: bool
     least_cover: float | str
     pith: str | float | None
-    kind: Literal["round", "board"] | None
+    kind: Literal["round", "board", "dowel", "pole"] | None
     eccentricity_onset: float | str | None
     annual_rings: int | str | None
     ring_resolution: int | str
@@ -60,6 +61,7 @@ class RequestKeys(TypedDict, total=False):
     phloem_proportion: float | str
     surface: Literal["smooth", "fibrous"]
     thorn_shaft: float | str
+    size_effect: float | str
     bundle_aspect: float | str
     slab_count: int | str
     sliver_count: int | str
@@ -89,6 +91,11 @@ class RequestAttributes:
         """Unit of length in the input, where its format has none; also of the output."""
     @unit.setter
     def unit(self, value: Literal["mm", "cm", "m"] | None) -> None: ...
+    @property
+    def every(self) -> float | None:
+        """Break it again and again, at every multiple of this length from the stem's base where it is free; the place of the break then only says which stem. Unit: metre."""
+    @every.setter
+    def every(self, value: float | str | None) -> None: ...
     @property
     def texture_size(self) -> int:
         """Width of the baked textures of the wood inside, pixels."""
@@ -150,10 +157,10 @@ class RequestAttributes:
     @pith.setter
     def pith(self, value: str | float | None) -> None: ...
     @property
-    def kind(self) -> Literal["round", "board"] | None:
-        """What the stem is; 'auto' judges by its section."""
+    def kind(self) -> Literal["round", "board", "dowel", "pole"] | None:
+        """What the stem is; 'auto' tells boards from round stems by their section, and takes round ones to have bark."""
     @kind.setter
-    def kind(self, value: Literal["round", "board"] | None) -> None: ...
+    def kind(self, value: Literal["round", "board", "dowel", "pole"] | None) -> None: ...
     @property
     def eccentricity_onset(self) -> float | None:
         """Share of the radius at which a stem that is eccentric began to be: rings within are about round, rings beyond lean as the outline does. 'auto' is that of an average tree; points on a few rings decide it. Unit: fraction."""
@@ -306,7 +313,7 @@ class RequestAttributes:
     def inclination_direction(self, value: float | str) -> None: ...
     @property
     def seed(self) -> int:
-        """Which random break of all those with these parameters."""
+        """Which random break of all those with these parameters. Every stem breaks differently with the same seed."""
     @seed.setter
     def seed(self, value: int | str) -> None: ...
     @property
@@ -334,6 +341,11 @@ class RequestAttributes:
         """Part of a thorn's height that is a slender prism; the rest is an irregular pyramid (section 3.5). Unit: fraction."""
     @thorn_shaft.setter
     def thorn_shaft(self, value: float | str) -> None: ...
+    @property
+    def size_effect(self) -> float:
+        """How much the counts and heights below, which are those of a stem 4 cm thick, follow the size of the stem: 0 not at all, so that a trunk breaks like a twig seen from near; 1 as wood does, with more slivers in a trunk, which are shorter against its radius. A thick stem then has up to 1.4 times the rings and sectors. Unit: fraction."""
+    @size_effect.setter
+    def size_effect(self, value: float | str) -> None: ...
     @property
     def bundle_aspect(self) -> float:
         """Width of a sliver, a group of fibre bundles that ended together, along the ring over its thickness across it, at most: splinters are flat. Unit: one."""
@@ -428,7 +440,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "kind",
-    ]) -> Literal["round", "board"] | None: ...
+    ]) -> Literal["round", "board", "dowel", "pole"] | None: ...
     @overload
     def __getitem__(self, key: Literal[
         "surface",
@@ -441,7 +453,7 @@ class RequestAttributes:
     def __getitem__(self, key: Literal[
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
         "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
+        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
         "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang", "spiral_angle",
         "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude", "pith.thorn_length",
         "pith.thorn_probability", "heartwood.perlin_amplitude", "heartwood.perlin_frequency",
@@ -468,7 +480,7 @@ class RequestAttributes:
     ]) -> float: ...
     @overload
     def __getitem__(self, key: Literal[
-        "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
+        "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
         "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
@@ -525,7 +537,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "kind",
-    ], value: Literal["round", "board"] | None) -> None: ...
+    ], value: Literal["round", "board", "dowel", "pole"] | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
         "surface",
@@ -538,7 +550,7 @@ class RequestAttributes:
     def __setitem__(self, key: Literal[
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
         "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
+        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
         "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang", "spiral_angle",
         "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude", "pith.thorn_length",
         "pith.thorn_probability", "heartwood.perlin_amplitude", "heartwood.perlin_frequency",
@@ -565,7 +577,7 @@ class RequestAttributes:
     ], value: float | str) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
+        "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
         "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload

@@ -26,7 +26,7 @@ pub use skin::SkinOptions;
 pub use sweep::SweepOptions;
 pub use unit::UnitChoice;
 
-use clap::{Arg, Args, Parser, Subcommand};
+use clap::{Arg, ArgAction, Args, Parser, Subcommand};
 use greenstick::RequestFile;
 use greenstick::SectionRingSettings;
 use greenstick::picture::PictureParameters;
@@ -61,6 +61,7 @@ Places (--at)
   0.4           a fraction of the stem's length from its base
   12cm          a length from its base
   0.3,2.1,-0.4  a point in the world, in the file's unit; picks the limb that is nearest
+  --at may be given several times; --every 50cm breaks it at every multiple of a length
 
 What comes first gives way to what comes later
   defaults, --preset, --recipe, --set, then --species, --moisture and --seed
@@ -69,6 +70,8 @@ Examples
   greenstick break
   greenstick break pole.ply -o halves.glb --part 3cm --picture halves.png
   greenstick break tree.obj --at 0.3,2.1,-0.4 -o broken.obj
+  greenstick break trunk.glb --at 0.2 --at 0.5 --at 3m       in four pieces
+  greenstick break trunk.glb --every 50cm --part 5cm         in pieces half a metre long
   greenstick break board.gltf --kind board --pith 0,-4cm --preset brash
   greenstick break --variants 5 -o twigs.glb           twigs_1.glb to twigs_5.glb, no two alike
   greenstick break --set high.height=2 --set sapwood.perlin_amplitude=0.3 --set seed=9
@@ -201,7 +204,7 @@ pub struct BreakOptions {
 
     /// Break it by simulation: a scene that comes with the program, or a scene file; takes minutes
     #[arg(long, value_name = "SCENE", help_heading = "How it breaks",
-        conflicts_with_all = ["preset", "recipe", "species", "moisture", "save_recipe", "pith", "kind"])]
+        conflicts_with_all = ["preset", "recipe", "species", "moisture", "save_recipe", "pith", "kind", "every"])]
     pub simulate: Option<String>,
     /// Faces of a simulated break
     #[arg(long, value_enum, value_name = "FACES", help_heading = "How it breaks", requires = "simulate", default_value_t = FacesChoice::Drawn)]
@@ -213,7 +216,7 @@ pub struct BreakOptions {
 
     /// Break it where and as a run of `greenstick simulate` did, in its folder; the input is the mesh of the run
     #[arg(long, value_name = "RUN", help_heading = "How it breaks",
-        conflicts_with_all = ["simulate", "preset", "recipe", "species", "moisture", "pith", "kind", "at"])]
+        conflicts_with_all = ["simulate", "preset", "recipe", "species", "moisture", "pith", "kind", "at", "every"])]
     pub from_run: Option<PathBuf>,
     /// The frame of the run, counted from 0; negative from the end [default: -1]
     #[arg(
@@ -253,7 +256,10 @@ impl OptionSet for RequestFile {
             ),
             "hang" => option.help_heading("What comes out"),
             // Listed with the input and the output.
-            "at" | "unit" => option.help_heading(None::<&str>),
+            "at" => option.help_heading(None::<&str>).action(ArgAction::Append).help(
+                "Where to break it: see Places below; given several times, it breaks at each [default: 0.5]",
+            ),
+            "every" | "unit" => option.help_heading(None::<&str>),
             "seed" => option
                 .help_heading("How it breaks")
                 .help("Seed of everything irregular: a number, or `random`, which the report says [default: 1]"),

@@ -224,7 +224,14 @@ fn read_mesh(
     targets: &Targets,
     context: &Context,
 ) -> Result<(Option<Scene>, Option<ScannedReport>), Failure> {
-    let at = options.request.text("at");
+    let places = options.request.texts("at");
+    if places.len() > 1 {
+        let count = places.len();
+        return Err(Failure::request(format!(
+            "--at: {count} places; a simulation breaks at one, and where the wood is weakest"
+        )));
+    }
+    let at = places.first();
     let Some(path) = &request.input else {
         return match at {
             Some(at) if setting.stem.kind != StemChoice::Input => Err(Failure::request(format!(

@@ -10,7 +10,7 @@ use greenstick::files;
 use greenstick::formats::{InputFormat, LengthUnit};
 use greenstick::geometry::Provenance;
 use greenstick::schema::{Field, ParameterError, Parameters};
-use greenstick::{BreakReport, RequestFile, RequestFileError};
+use greenstick::{Break, BreakReport, RequestFile, RequestFileError};
 use greenstick_sweep::Input;
 use serde::Serialize;
 use std::hash::{BuildHasher, RandomState};
@@ -223,6 +223,17 @@ fn apply_options(file: &mut RequestFile, options: &Declared<RequestFile>) -> Res
     options.apply(file, |key, text| {
         rewrite(key, text).map_err(Failure::request)
     })?;
+    let places = options.texts("at");
+    if places.len() > 1 {
+        for text in places {
+            let place = values::place(text, unit).map_err(Failure::request)?;
+            file.breaks.push(Break {
+                place,
+                ..file.common.clone()
+            });
+        }
+        return Ok(());
+    }
     for one in &mut file.breaks {
         options.apply_known(one)?;
     }

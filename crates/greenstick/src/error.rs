@@ -47,6 +47,9 @@ pub enum Error {
     /// The number of something in the request is out of range.
     #[error("{0}")]
     Amount(String),
+    /// A stem cannot be broken at these places.
+    #[error(transparent)]
+    Places(#[from] greenstick_skin::stages::PlacesError),
     /// A format cannot represent the result.
     #[error(transparent)]
     Format(#[from] greenstick_formats::FormatError),
@@ -71,6 +74,7 @@ impl Error {
             | Error::Species(_)
             | Error::Moisture(_)
             | Error::Parameter(_)
+            | Error::Places(_)
             | Error::Amount(_) => ErrorKind::Request,
             Error::Cut { .. } | Error::Crack(_) | Error::Format(_) | Error::Report(_) => {
                 ErrorKind::Work

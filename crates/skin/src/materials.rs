@@ -63,7 +63,8 @@ pub fn add_missing_bark(scene: &mut Scene) -> Option<u32> {
 pub struct BakedWood {
     /// The wood inside.
     pub inside: WoodTextures,
-    /// The outside, where the input has no material: bark around a round stem, planed wood around a board.
+    /// The outside, where the input has no material: bark around a round stem, planed wood around
+    /// sawn wood, weathered wood around a pole.
     pub outside: Option<WoodTextures>,
 }
 
@@ -120,7 +121,8 @@ pub fn bake_stem(
                 &outside,
             )?)
         }
-        StemKind::Board => {
+        StemKind::Board | StemKind::Dowel | StemKind::Pole => {
+            let weathered = stem.kind == StemKind::Pole;
             let wood = TexturedWood {
                 pith,
                 section: &|p: DVec2| stem.rings.address(p + pith),
@@ -128,7 +130,12 @@ pub fn bake_stem(
                 appearance: &appearance.wood,
                 rings: &*appearance.rings,
             };
-            Some(texture::bake_planed(width, square, wood, &outside)?)
+            Some(texture::bake_planed(
+                width,
+                square,
+                (wood, weathered),
+                &outside,
+            )?)
         }
     };
     Ok(BakedWood {

@@ -117,14 +117,15 @@ impl<T: OptionSet> FromArgMatches for Declared<T> {
             if matches.value_source(name) != Some(ValueSource::CommandLine) {
                 continue;
             }
-            let text = match p.kind {
-                Kind::Flag if p.default == Value::Flag(false) => matches.get_flag(name).to_string(),
-                _ => match matches.get_one::<String>(name) {
-                    Some(text) => text.clone(),
-                    None => return Err(Error::raw(ErrorKind::InvalidValue, name)),
-                },
+            if matches!(p.kind, Kind::Flag) && p.default == Value::Flag(false) {
+                let text = matches.get_flag(name).to_string();
+                given.push((p, text));
+                continue;
+            }
+            let Some(texts) = matches.get_many::<String>(name) else {
+                return Err(Error::raw(ErrorKind::InvalidValue, name));
             };
-            given.push((p, text));
+            given.extend(texts.map(|text| (p.clone(), text.clone())));
         }
         Ok(Declared {
             given,
@@ -143,6 +144,12 @@ impl<T: OptionSet> Declared<T> {
     pub fn text(&self, key: &str) -> Option<&str> {
         let given = self.given.iter().find(|(p, _)| p.key == key);
         given.map(|(_, text)| text.as_str())
+    }
+
+    /// Returns all texts that were given for a key whose option may be given several times.
+    pub fn texts(&self, key: &str) -> Vec<&str> {
+        let given = self.given.iter().filter(|(p, _)| p.key == key);
+        given.map(|(_, text)| text.as_str()).collect()
     }
 
     /// Replaces the text that was given for a key.

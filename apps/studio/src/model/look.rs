@@ -6,7 +6,6 @@ use greenstick::session::BrokenWood;
 use greenstick::wood::appearance::BarkAppearance;
 use greenstick::wood::noise::unit;
 use greenstick::wood::rings::StemAddress;
-use greenstick::wood::stem::StemKind;
 
 /// Texels along each side of the ring field: at 256 the rings of a section lie within a hundredth of a ring width of where they are.
 const FIELD_SIDE: usize = 256;
@@ -141,7 +140,7 @@ impl WoodLook {
                 bark: [
                     bark.furrow_width as f32,
                     bark.furrow_depth as f32,
-                    flag(stem.kind == StemKind::Board),
+                    flag(!stem.kind.has_bark()),
                     flag(edges.is_empty()),
                 ],
                 seed: [folded(w.seed), folded(bark.seed), 0, 0],

@@ -7,12 +7,14 @@
 //! The stage that a parameter names is that of a break with straight grain whose cracks, if any, are in the broken face.
 
 mod cracks;
+mod size;
 mod zone;
 
 pub use cracks::{
     Crack, CrackEnd, CrackGroup, CrackKind, CrackParameters, CrackSettings, RadialCrack,
     TangentialCrack,
 };
+pub use size::REFERENCE_DIAMETER;
 pub use zone::{BrittleZone, DuctileZone, HighLayer, LowLayer, Sector, ZoneParameters};
 
 use Unit::{Centimetre, Degree, DegreePerRadius, Fraction, Radius};
@@ -46,7 +48,7 @@ parameters! {
             inclination: f64 = 0.0, number(Degree, 0.0, 90.0).symbol("φ");
             /// Direction in which the inclined face rises.
             inclination_direction: f64 = 0.0, number(Degree, 0.0, 360.0);
-            /// Which random break of all those with these parameters.
+            /// Which random break of all those with these parameters. Every stem breaks differently with the same seed.
             seed: u64 = 1, count(0, i64::MAX as i128).stage("layout");
         }
         "tissue", "heights" {
@@ -67,6 +69,10 @@ parameters! {
             thorn_shaft: f64 = 0.65, number(Fraction, 0.5, 0.8);
         }
         "fibrous face", "heights" {
+            /// How much the counts and heights below, which are those of a stem 4 cm thick, follow the size of the stem: 0
+            /// not at all, so that a trunk breaks like a twig seen from near; 1 as wood does, with more slivers in a trunk,
+            /// which are shorter against its radius. A thick stem then has up to 1.4 times the rings and sectors.
+            size_effect: f64 = 1.0, number(Fraction, 0.0, 1.0);
             /// Width of a sliver, a group of fibre bundles that ended together, along the ring over
             /// its thickness across it, at most: splinters are flat.
             bundle_aspect: f64 = 4.0, number(Unit::One, 1.0, 20.0);

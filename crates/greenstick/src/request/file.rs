@@ -1,6 +1,6 @@
 //! Request files.
 
-use super::{Break, BreakRequest};
+use super::{Break, BreakRequest, MAX_DISTANCE};
 use crate::scanning::ScanParameters;
 use greenstick_formats::LengthUnit;
 use greenstick_fracture::presets::PRESETS;
@@ -10,7 +10,7 @@ use greenstick_fracture::recipe::{
 use greenstick_picture::PictureParameters;
 use greenstick_schema::{
     FILE_NAME, ParameterError, Parameters, Unit, choice, content_hash, count, document_schema,
-    parameters, text, write_toml,
+    length, parameters, text, write_toml,
 };
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::StemOptions;
@@ -28,6 +28,11 @@ parameters! {
             input: Option<String> = None, text(FILE_NAME).auto();
             /// Unit of length in the input, where its format has none; also of the output.
             unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
+        }
+        "Where", "stem" {
+            /// Break it again and again, at every multiple of this length from the stem's base where it is free; the place of
+            /// the break then only says which stem.
+            every: Option<f64> = None, length(0.0, MAX_DISTANCE).above().auto();
         }
         "What comes out", "finish" {
             /// Width of the baked textures of the wood inside, pixels.
@@ -137,6 +142,7 @@ impl RequestFile {
             stem: self.stem.clone(),
             rings: self.rings.clone(),
             breaks,
+            every: self.every,
             texture_width: self.texture_width,
         }
     }
@@ -145,6 +151,7 @@ impl RequestFile {
     pub fn with_request(self, request: &BreakRequest) -> Self {
         RequestFile {
             texture_width: request.texture_width,
+            every: request.every,
             stem: request.stem.clone(),
             rings: request.rings.clone(),
             breaks: request.breaks.clone(),

@@ -11,8 +11,8 @@ use greenstick_schema::{Unit, count, length, number, parameters, text};
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
-/// Longest distance by which pieces are moved apart, m.
-const MAX_SEPARATION: f64 = 1000.0;
+/// Longest distance by which pieces are moved apart, and between breaks, m.
+const MAX_DISTANCE: f64 = 1000.0;
 
 parameters! {
     /// A break of a stem.
@@ -27,7 +27,7 @@ parameters! {
             /// have more, the face has fewer rings and sectors, and spiral grain fewer levels.
             triangles: Option<u32> = None, count(1, 1_000_000_000).auto().stage("layout");
             /// Move the pieces apart by this length.
-            separation as "part": f64 = 0.0, length(0.0, MAX_SEPARATION);
+            separation as "part": f64 = 0.0, length(0.0, MAX_DISTANCE);
             /// Bend thorns and tear some loose: 0 not at all, 1 badly.
             fray: f64 = 0.0, number(Unit::One, 0.0, 1.0);
         }
@@ -57,6 +57,9 @@ pub struct BreakRequest {
     pub rings: BreakRingParameters,
     /// The breaks, in any order. Fractions and lengths are those of the unbroken stem; all breaks must be on one stem.
     pub breaks: Vec<Break>,
+    /// Where the only break is repeated: at every multiple of this length from the stem's base, m. Its own place then only
+    /// says which stem.
+    pub every: Option<f64>,
     /// Width of the baked textures, pixels (even); 0 for none.
     pub texture_width: u32,
 }

@@ -14,10 +14,10 @@ use greenstick_skin::cracks::{OpenedEnd, open_end};
 use greenstick_skin::materials::next_material;
 use greenstick_skin::prepared::PreparedStem;
 use greenstick_skin::stages::{
-    BreakStages, CrackRequest, Cracks, CutStage, HeightStage, LowestAbove, SpeciesRelief,
-    SpiralGrain, StemStage, has_spiral_grain,
+    BreakStages, CrackRequest, Cracks, CutStage, HeightStage, Neighbours, SpeciesRelief,
+    SpiralGrain, StemStage, WholeStem, has_spiral_grain,
 };
-use greenstick_skin::stages::{Ids, Slot, SlotValue};
+use greenstick_skin::stages::{Ids, Scratch, Slot, SlotValue};
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::rings::StemRings;
 use greenstick_wood::stem::{StemLocation, StemOptions};
@@ -29,7 +29,7 @@ struct FoundKey {
     scene: u64,
     place: StemLocation,
     options: StemOptions,
-    above: Option<LowestAbove>,
+    neighbours: Neighbours,
 }
 
 /// Everything that determines the annual rings.
@@ -70,7 +70,7 @@ struct CutKey {
 }
 
 /// The last value of each stage of a break.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Chain {
     found: Slot<FoundKey, PreparedStem>,
     rings: Slot<RingKey, StemRings>,
@@ -84,26 +84,7 @@ pub(super) struct Chain {
     heights: Slot<HeightKey, HeightStage>,
     cache: HeightCache,
     cut: Slot<CutKey, CutStage>,
-    workspace: CutWorkspace,
-}
-
-impl Clone for Chain {
-    /// Copies the cached values, but not the working memory.
-    fn clone(&self) -> Self {
-        Chain {
-            found: self.found.clone(),
-            rings: self.rings.clone(),
-            found_layout: self.found_layout.clone(),
-            found_cache: self.found_cache.clone(),
-            spiral: self.spiral.clone(),
-            opened: self.opened.clone(),
-            layout: self.layout.clone(),
-            heights: self.heights.clone(),
-            cache: self.cache.clone(),
-            cut: self.cut.clone(),
-            workspace: CutWorkspace::default(),
-        }
-    }
+    workspace: Scratch<CutWorkspace>,
 }
 
 /// The scene that a break is made in.
@@ -115,10 +96,13 @@ pub(super) struct ChainInput<'a> {
     pub stem: &'a StemOptions,
     /// Its annual rings.
     pub rings: &'a BreakRingParameters,
-    /// The lowest point of the break beyond this one, if there is one.
-    pub above: Option<LowestAbove>,
+    /// What the break must know of the others.
+    pub neighbours: Neighbours,
     /// The number of breaks made before, each of which adds a material for its wood inside.
     pub inner_wood_before: u32,
+    /// The stem before any break, if there are others, and the break's index in the request.
+    pub whole: Option<WholeStem>,
+    pub number: usize,
 }
 
 impl<'a> ChainInput<'a> {
@@ -129,8 +113,10 @@ impl<'a> ChainInput<'a> {
             id: 0,
             stem: &request.stem,
             rings: &request.rings,
-            above: None,
+            neighbours: Neighbours::default(),
             inner_wood_before: 0,
+            whole: None,
+            number: 0,
         }
     }
 }
@@ -180,7 +166,6 @@ impl Chain {
         let [stem_context, layout_context, height_context, cut_context] =
             context.split([(STEM, 4.0), (LAYOUT, 1.0), (HEIGHTS, 1.0), (CUT, 6.0)]);
         let recipe = &requested.recipe;
-        let p = &recipe.face;
         let cracks = Cracks::plan(recipe)?;
         let found = self.stem(
             input,
@@ -191,6 +176,7 @@ impl Chain {
             &stem_context,
         )?;
         let stem = found.stage;
+        let p = &stem.face;
         layout_context.report(0.0)?;
         let key = LayoutKey::new(stem.stem(), p, &stem.rings);
         let layout = layout(&mut self.layout, stem.stem(), (found.id, key), ids)?;
@@ -205,7 +191,7 @@ impl Chain {
             cracks: at_break.map(|_| CrackRequest::new(recipe)),
             material: stem.inner_material,
         };
-        let workspace = &mut self.workspace;
+        let workspace = &mut self.workspace.0;
         let cut = self.cut.get(key, ids, |_| {
             let surface = &heights.value.heights.surface;
             CutStage::new((&stem, &layout.value, p), surface, at_break, workspace)
@@ -237,13 +223,8 @@ impl Chain {
 
     /// Returns the range of heights from the 5th to the 95th percentile over the corners of a face, without the factor of a
     /// species, m.
-    pub fn relief_range(
-        &mut self,
-        found: &ChainStem,
-        p: &BreakParameters,
-        ids: &mut Ids,
-    ) -> Result<f64, Error> {
-        let stem = found.stage.stem();
+    pub fn relief_range(&mut self, found: &ChainStem, ids: &mut Ids) -> Result<f64, Error> {
+        let (stem, p) = (found.stage.stem(), &found.stage.face);
         let key = (found.id, LayoutKey::new(stem, p, &found.stage.rings));
         let layout = layout(&mut self.layout, stem, key, ids)?;
         Ok((layout.value).relief_range((stem, 1.0), p, &mut self.cache))
@@ -260,29 +241,29 @@ impl Chain {
         context: &Context,
     ) -> Result<ChainStem, Error> {
         context.report(0.0)?;
-        let p = &requested.recipe.face;
         let key = FoundKey {
             scene: input.id,
             place: requested.place,
             options: input.stem.clone(),
-            above: input.above,
+            neighbours: input.neighbours,
         };
         let found = self.found.get(key, ids, |_| {
             let scene = input.scene.clone();
-            let mut stem = PreparedStem::find(scene, &requested.place, input.stem, context)?;
-            if let Some(above) = input.above {
-                above.limit(&mut stem);
-            }
-            Ok::<_, Error>(stem)
+            let (place, others) = (&requested.place, &input.neighbours);
+            PreparedStem::find_between(scene, place, input.stem, others, context)
         })?;
         changes.note(BreakStage::Stem, found.is_new);
         let rings = self.rings(&found, input.rings, &requested.recipe, ids, context)?;
+        let at = &found.value.found;
+        let whole = input.whole.unwrap_or_else(|| WholeStem::new(at));
+        let face = whole.face(&requested.recipe.face, input.number, at.stem.radius);
+        let p = &face;
         let spiral = has_spiral_grain(&found.value, p);
         let sawn = cracks.filter(|c| c.sawn);
         let another = spiral || sawn.is_some();
-        let relief = self.relief((&found, &rings), requested, another, ids)?;
+        let relief = self.relief((&found, &rings, p), requested, another, ids)?;
         let sound = if spiral {
-            let spiral = self.spiral((&found, &rings), requested, relief.factor, ids)?;
+            let spiral = self.spiral((&found, &rings, p), requested, relief.factor, ids)?;
             changes.note(BreakStage::Stem, spiral.is_new);
             spiral
         } else {
@@ -295,6 +276,8 @@ impl Chain {
             rings,
             opened: None,
             inner_material,
+            whole,
+            face,
         };
         let mut id = sound.id;
         match sawn {
@@ -303,11 +286,12 @@ impl Chain {
                 let key = OpenedKey {
                     stem: sound.id,
                     cracks: CrackRequest::new(&requested.recipe),
-                    proportions: p.proportions(),
+                    proportions: stage.face.proportions(),
                     material: inner_material,
                 };
                 let opened = self.opened.get(key, ids, |_| {
                     let silent = context.silenced();
+                    let p = &requested.recipe.face;
                     open_end(&stage.sound, p, &cracks.plan, inner_material, &silent)
                 })?;
                 changes.note(BreakStage::Stem, opened.is_new);
@@ -364,12 +348,11 @@ impl Chain {
     /// Returns the stem with grain that spirals around the break and a little beyond.
     fn spiral(
         &mut self,
-        (found, rings): (&SlotValue<PreparedStem>, &StemRings),
+        (found, rings, p): (&SlotValue<PreparedStem>, &StemRings, &BreakParameters),
         requested: &Break,
         relief: f64,
         ids: &mut Ids,
     ) -> Result<SlotValue<PreparedStem>, Error> {
-        let p = &requested.recipe.face;
         let layout = self.found_layout((found, rings), p, true, ids)?;
         let (stem, cache) = ((&*found.value, relief), &mut self.found_cache);
         let heights = (layout.value).heights(stem, p, &requested.heights.source()?, cache);
@@ -384,7 +367,7 @@ impl Chain {
     /// break needs another stem.
     fn relief(
         &mut self,
-        (found, rings): (&SlotValue<PreparedStem>, &StemRings),
+        (found, rings, p): (&SlotValue<PreparedStem>, &StemRings, &BreakParameters),
         requested: &Break,
         another: bool,
         ids: &mut Ids,
@@ -395,7 +378,6 @@ impl Chain {
             return Ok(SpeciesRelief::decided_by_heights());
         }
         SpeciesRelief::from_recipe(recipe, found.value.found.stem.radius, |factor| {
-            let p = &recipe.face;
             let layout = self.found_layout((found, rings), p, another, ids)?;
             let cache = if another {
                 &mut self.found_cache
@@ -414,7 +396,7 @@ impl Chain {
         relief: SpeciesRelief,
         ids: &mut Ids,
     ) -> Result<SlotValue<HeightStage>, Error> {
-        let p = &requested.recipe.face;
+        let p = &stem.face;
         let source = requested.heights.source()?;
         let key = HeightKey {
             layout: layout.id,

@@ -24,7 +24,7 @@ pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces
 use greenstick_skin::materials::{self, BakedWood};
 pub use greenstick_skin::report::BreakNote;
 use greenstick_skin::report::BreakReport;
-use greenstick_skin::stages::LowestAbove;
+use greenstick_skin::stages::PlacesError;
 pub use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
 };
@@ -32,7 +32,7 @@ use greenstick_skin::stages::{Ids, Slot};
 use greenstick_skin::texture::SectionSquare;
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::stem::Stem;
-use order::{BreakOrder, no_breaks};
+use order::BreakOrder;
 use progress::{CUT, FINISH, STEM, TEXTURES};
 use std::sync::Arc;
 
@@ -77,6 +77,8 @@ pub struct BreakSession {
     order: BreakOrder,
     /// In the order in which they are made.
     breaks: Vec<CachedBreak>,
+    /// Places of the last request at which the stem is not free, m.
+    left_out: Vec<f64>,
     changes: Changes,
 }
 
@@ -97,7 +99,6 @@ impl BreakPieces {
     fn finished(&self) -> FinishedBreak<'_> {
         FinishedBreak {
             number: self.number,
-            face: &self.requested.recipe.face,
             stages: &self.stages,
             pieces: &self.pieces,
         }
@@ -140,6 +141,7 @@ impl BreakSession {
             ids: Ids::default(),
             order: BreakOrder::default(),
             breaks: Vec::new(),
+            left_out: Vec::new(),
             changes: Changes::default(),
         }
     }
@@ -151,6 +153,7 @@ impl BreakSession {
             ids: self.ids.clone(),
             order: self.order.clone(),
             breaks: self.breaks.clone(),
+            left_out: self.left_out.clone(),
             changes: Changes::default(),
         }
     }
@@ -192,10 +195,7 @@ impl BreakSession {
         context: &Context,
     ) -> Result<f64, Error> {
         let stem = self.chain_stem(request, context)?;
-        let face = &only(request)?.recipe.face;
-        self.breaks[0]
-            .chain
-            .relief_range(&stem, face, &mut self.ids)
+        self.breaks[0].chain.relief_range(&stem, &mut self.ids)
     }
 
     /// Returns the stages of the request's only break up to the cut: what is drawn.
@@ -210,7 +210,7 @@ impl BreakSession {
         let requested = only(request)?;
         if requested.triangles.is_some() {
             let pieces = self.pieces(request, context)?.pop();
-            return Ok(pieces.ok_or_else(no_breaks)?.stages);
+            return Ok(pieces.ok_or(PlacesError::None)?.stages);
         }
         self.begin(request);
         let input = self.input.clone();
@@ -237,13 +237,15 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<Vec<BreakPieces>, Error> {
-        self.begin(request);
+        self.changes = Changes::default();
         let input = self.input.clone();
         let [locating, breaking] = context.split([
             (STEM, request.breaks.len() as f64 - 1.0),
             (CUT, 4.0 * request.breaks.len() as f64),
         ]);
-        let order = self.order.resolve(&input.scene, request, &locating)?;
+        let (order, left_out) = self.order.resolve(&input.scene, request, &locating)?;
+        (self.breaks).resize_with(order.len(), CachedBreak::default);
+        self.left_out = left_out;
         let mut finished: Vec<BreakPieces> = Vec::new();
         let mut remaining: Option<(Arc<Scene>, u64)> = None;
         let count = order.len();
@@ -252,11 +254,16 @@ impl BreakSession {
             let one = &mut self.breaks[at];
             let before = remaining.as_ref();
             let (scene, id) = before.map_or((&input.scene, 0), |(scene, id)| (&**scene, *id));
+            let above = finished.last().map(|m| m.stages.lowest_point());
             let input = ChainInput {
                 id,
-                above: finished.last().map(|m| LowestAbove::new(&m.stages)),
+                stem: &request.stem,
+                rings: &request.rings,
+                neighbours: placed.neighbours.beyond(above),
                 inner_wood_before: at as u32,
-                ..ChainInput::whole(scene, request)
+                whole: placed.whole,
+                number: placed.number,
+                scene,
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
             let asked = &placed.requested.recipe.face;
@@ -323,9 +330,10 @@ impl BreakSession {
         let hang = pieces.and_then(|p| p.hang.as_ref());
         Ok(Broken {
             roles,
-            report: break_report(&self.input, &finished, &scene).ok_or_else(no_breaks)?,
+            report: break_report(&self.input, &finished, &scene, &self.left_out)
+                .ok_or(PlacesError::None)?,
             scene,
-            notes: break_notes(&finished),
+            notes: break_notes(&finished, &self.left_out),
             woods: woods.into_iter().map(|w| w.1).collect(),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),
             end: pieces.and_then(|p| p.end),
@@ -368,11 +376,14 @@ impl BreakSession {
 
 /// Returns the only break of a request.
 fn only(request: &BreakRequest) -> Result<&Break, Error> {
-    match &request.breaks[..] {
-        [only] => Ok(only),
-        others => Err(Error::Amount(format!(
+    match (&request.breaks[..], request.every) {
+        ([only], None) => Ok(only),
+        (others, None) => Err(Error::Amount(format!(
             "{} breaks; expected 1",
             others.len()
+        ))),
+        (_, Some(every)) => Err(Error::Amount(format!(
+            "a break every {every} m; expected 1 break"
         ))),
     }
 }

@@ -4,7 +4,7 @@
 use crate::Error;
 use crate::request::{Break, BreakRequest};
 use greenstick_geometry::{Context, Scene};
-use greenstick_skin::stages::order_from_tip;
+use greenstick_skin::stages::{BreakPlaces, Neighbours, WholeStem, check_number};
 use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
 
@@ -15,11 +15,9 @@ pub(super) struct PlacedBreak {
     pub number: usize,
     /// The break; if the request has several, its location is a point.
     pub requested: Break,
-}
-
-/// The error of a request without breaks.
-pub(super) fn no_breaks() -> Error {
-    Error::Amount("no breaks; expected at least 1".into())
+    /// The stem before any break, if the request has several.
+    pub whole: Option<WholeStem>,
+    pub neighbours: Neighbours,
 }
 
 /// The locations of the breaks of the last request.
@@ -29,39 +27,38 @@ pub(super) struct BreakOrder {
 }
 
 impl BreakOrder {
-    /// Returns the breaks of a request in the order in which they are made.
+    /// Returns the breaks of a request in the order in which they are made, and the places that are left out, m.
     ///
     /// # Errors
-    /// [`Error`] if there is no break, no stem at a location, or the breaks are on different stems.
+    /// [`Error`] if there is no stem at a location, or a stem cannot be broken at all of them.
     pub fn resolve(
         &mut self,
         scene: &Scene,
         request: &BreakRequest,
         context: &Context,
-    ) -> Result<Vec<PlacedBreak>, Error> {
-        if let [only] = &request.breaks[..] {
-            return Ok(vec![PlacedBreak {
+    ) -> Result<(Vec<PlacedBreak>, Vec<f64>), Error> {
+        if let ([only], None) = (&request.breaks[..], request.every) {
+            let alone = PlacedBreak {
                 number: 0,
                 requested: only.clone(),
-            }]);
+                whole: None,
+                neighbours: Neighbours::default(),
+            };
+            return Ok((vec![alone], Vec::new()));
         }
+        check_number(request.breaks.len())?;
         let found = self.locate(scene, request, context)?;
-        if found.is_empty() {
-            return Err(no_breaks());
-        }
-        let order = order_from_tip(&found).map_err(|error| Error::Amount(error.to_string()))?;
-        let placed = order.into_iter().map(|number| {
-            let stem = &found[number].stem;
-            let point = stem.grain.axis().frame(stem.location).origin;
-            PlacedBreak {
-                number,
-                requested: Break {
-                    place: StemLocation::Point(point),
-                    ..request.breaks[number].clone()
-                },
-            }
+        let BreakPlaces { from_tip, left_out } = BreakPlaces::new(&found, request.every)?;
+        let placed = from_tip.into_iter().map(|at| PlacedBreak {
+            number: at.number,
+            whole: Some(WholeStem::new(&found[at.stem])),
+            neighbours: at.neighbours,
+            requested: Break {
+                place: StemLocation::Point(at.point),
+                ..request.breaks[at.stem].clone()
+            },
         });
-        Ok(placed.collect())
+        Ok((placed.collect(), left_out))
     }
 
     /// Finds the stem at the location of each break.

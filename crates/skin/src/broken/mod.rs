@@ -20,7 +20,6 @@ use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::rings::StemRings;
-use greenstick_wood::stem::StemKind;
 use std::sync::Arc;
 
 /// The layout of a section: its fibre bundles, and which of their facets lie near the skin.
@@ -42,7 +41,7 @@ pub struct LayoutKey {
 impl LayoutKey {
     /// Returns what the layout of a break with these parameters in wood with these rings depends on.
     pub fn new(stem: &PreparedStem, p: &BreakParameters, rings: &StemRings) -> Self {
-        let board = stem.found.stem.kind == StemKind::Board;
+        let barked = stem.found.stem.kind.has_bark();
         LayoutKey {
             style: p.surface,
             options: LayoutOptions {
@@ -51,7 +50,7 @@ impl LayoutKey {
                 reach: stem.extent.reach,
                 radius: stem.extent.radius,
                 arc: stem.extent.arc,
-                bark: (!board).then_some(stem.extent.bark),
+                bark: barked.then_some(stem.extent.bark),
                 ring_edges: match p.surface {
                     Style::Smooth => Vec::new(),
                     Style::Fibrous => rings.edges().to_vec(),

@@ -18,7 +18,7 @@ use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Bvh, Context, Mesh, Scene};
 use greenstick_wood::appearance::{StemAppearance, WoodAppearance};
 use greenstick_wood::rings::StemRings;
-use greenstick_wood::stem::{Stem, StemKind};
+use greenstick_wood::stem::Stem;
 use greenstick_wood::structure::TissueBoundaries;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -231,9 +231,9 @@ impl Run {
         make: impl FnOnce(&Wood, &Materials) -> Result<T, E>,
     ) -> Result<T, E> {
         let tissues = TissueBoundaries::from(&self.wood.appearance);
-        let board = self.wood.stem.kind == StemKind::Board;
+        let barked = self.wood.stem.kind.has_bark();
         let materials = Materials {
-            bark: u32::from(!board) * BARK_MATERIAL,
+            bark: u32::from(barked) * BARK_MATERIAL,
             bark_mesh_offset: OWN_MATERIALS,
             inner: INNER_MATERIAL,
             square: self.square,

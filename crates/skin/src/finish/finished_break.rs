@@ -2,15 +2,12 @@
 
 use super::piece::Pieces;
 use crate::stages::BreakStages;
-use greenstick_fracture::parameters::BreakParameters;
 
 /// One break of a stem, with its stages and pieces.
 #[derive(Debug, Clone, Copy)]
 pub struct FinishedBreak<'a> {
     /// Its number among the breaks that were requested. They are made from the farthest from the base to the nearest.
     pub number: usize,
-    /// Parameters of its face.
-    pub face: &'a BreakParameters,
     /// Its stages up to the cut.
     pub stages: &'a BreakStages,
     /// Its pieces.

@@ -20,7 +20,7 @@ const MOST_AT_ONCE: usize = 2_000_000;
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]
 pub struct FinishOptions<'a> {
-    /// Parameters of the broken face.
+    /// Parameters of the face that was made, as requested.
     pub face: &'a BreakParameters,
     /// Those that were asked for, which may be finer.
     pub asked: &'a BreakParameters,
@@ -36,7 +36,7 @@ pub struct FinishOptions<'a> {
 /// [`BreakError`] where splinters cannot be cut loose.
 pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, BreakError> {
     let stem = stages.stem.stem();
-    let p = options.face;
+    let p = &stages.stem.face;
     let inner = stages.inner_wood(p);
     // Reports need it; of a large mesh it takes as much memory as the pieces, which are not there yet.
     stages.stem.sound.closed_volume();
@@ -119,8 +119,8 @@ fn plain_pieces(
     options: &FinishOptions,
     notes: &mut Vec<BreakNote>,
 ) -> [Mesh; 2] {
-    let p = options.face;
-    let [made, asked] = [p, options.asked].map(|p| [p.rings, p.sectors]);
+    let p = &stages.stem.face;
+    let [made, asked] = [options.face, options.asked].map(|p| [p.rings, p.sectors]);
     if made != asked {
         notes.push(BreakNote::Coarser { made, asked });
     }

@@ -4,9 +4,9 @@ use super::finished_break::{FinishedBreak, in_order_of_request};
 use super::scene::piece_reports;
 use crate::prepared::{PreparedStem, volume_scale};
 use crate::report::{BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport};
+use crate::stages::StemStage;
 use greenstick_fracture::parameters::SurfaceStyle;
 use greenstick_geometry::Scene;
-use greenstick_wood::stem::StemKind;
 
 /// The scene that is broken, and what reports say of it.
 #[derive(Debug)]
@@ -36,26 +36,26 @@ impl BreakInput {
     }
 }
 
-/// Returns the notes on all breaks, in the order of the request.
-pub fn break_notes(breaks: &[FinishedBreak]) -> Vec<BreakNote> {
+/// Returns the notes on all breaks, in the order of the request, and on the places that were left out (m).
+pub fn break_notes(breaks: &[FinishedBreak], left_out: &[f64]) -> Vec<BreakNote> {
     let order = in_order_of_request(breaks);
-    order
-        .iter()
-        .flat_map(|one| one.pieces.notes.clone())
-        .collect()
+    let notes = order.iter().flat_map(|one| one.pieces.notes.clone());
+    let left_out = (!left_out.is_empty()).then(|| BreakNote::PlacesLeftOut(left_out.to_vec()));
+    notes.chain(left_out).collect()
 }
 
-/// Reports on breaks of an input, given in the order in which they were made, and on the pieces in `scene`. Returns
-/// `None` where there is no break.
+/// Reports on breaks of an input, given in the order in which they were made, on the pieces in `scene`, and on places
+/// that were left out (m). Returns `None` where there is no break.
 pub fn break_report(
     input: &BreakInput,
     breaks: &[FinishedBreak],
     scene: &Scene,
+    left_out: &[f64],
 ) -> Option<BreakReport> {
     let order = in_order_of_request(breaks);
     let first = order.first()?;
     let further = order[1..].iter().map(|one| FurtherBreak {
-        place: place_report(one.stages.stem.stem()),
+        place: place_report(&one.stages.stem),
         face: face_report(one),
         species: one.stages.heights.relief.report.clone(),
         hang: one.pieces.hang.clone(),
@@ -68,14 +68,14 @@ pub fn break_report(
     Some(BreakReport {
         scan: None,
         input: input_report(input, &breaks[0].stages.stem.sound),
-        place: place_report(first.stages.stem.stem()),
+        place: place_report(&first.stages.stem),
         face: face_report(first),
         species: first.stages.heights.relief.report.clone(),
         pieces,
         hang: first.pieces.hang.clone(),
         crack_volume_m3: first.pieces.crack_volume_m3,
         further_breaks: further.collect(),
-        notes: break_notes(breaks)
+        notes: break_notes(breaks, left_out)
             .iter()
             .map(ToString::to_string)
             .collect(),
@@ -88,7 +88,8 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
     let (low, high) = one.stages.cut.face.cut.face_range(&stem.grain);
     let location = stem.found.stem.location;
     FaceReport {
-        surface: match one.face.surface {
+        seed: one.stages.stem.face.seed,
+        surface: match one.stages.stem.face.surface {
             SurfaceStyle::Smooth => "smooth".into(),
             SurfaceStyle::Fibrous => "fibrous".into(),
         },
@@ -124,15 +125,13 @@ fn input_report(input: &BreakInput, stem: &PreparedStem) -> InputReport {
     }
 }
 
-fn place_report(prepared: &PreparedStem) -> PlaceReport {
+fn place_report(stage: &StemStage) -> PlaceReport {
+    let prepared = stage.stem();
     let stem = &prepared.found.stem;
     PlaceReport {
         mesh: prepared.node().name.clone(),
-        kind: match stem.kind {
-            StemKind::Round => "round".into(),
-            StemKind::Board => "board".into(),
-        },
-        stem_length_m: stem.length,
+        kind: stem.kind.word().into(),
+        stem_length_m: stage.whole.length,
         length_m: stem.location,
         point_m: stem.grain.axis().frame(stem.location).origin.to_array(),
         radius_m: stem.radius,

@@ -218,10 +218,10 @@ impl AddressSpace<'_> {
                 zone: proportions.zone_at(ring, 0.0),
                 across: (at - pith) / stem.radius,
                 shelf: match stem.kind {
-                    StemKind::Board => {
+                    StemKind::Board | StemKind::Dowel => {
                         (at - 0.5 * (low + high)) / (0.5 * (high - low).max_element())
                     }
-                    StemKind::Round => DVec2::new(cos, sin) * ring,
+                    StemKind::Round | StemKind::Pole => DVec2::new(cos, sin) * ring,
                 },
                 height: (grain.z - stem.location) / stem.radius,
                 in_tension: b.in_tension,

@@ -66,6 +66,8 @@ impl FaceShape {
     pub fn new(observed: &Observations) -> FaceShape {
         let mut parameters = FittedParameters::default();
         parameters.face.seed = observed.seed;
+        let basis = "heights are those of this stem";
+        parameters.set("size_effect", 0.0, observed.breaks.len(), basis);
         let mut shape = FaceShape {
             parameters,
             level: 0.0,

@@ -5,12 +5,14 @@ use crate::prepared::PreparedStem;
 use crate::texture::WoodTextures;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh, Scene};
+use greenstick_wood::appearance::faces_pith;
 use greenstick_wood::stem::StemKind;
 use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
-/// Names of the materials of the outside of boards and of the ends of stems.
+/// Names of the materials of the outside of sawn wood and of poles, and of the ends and bores of stems.
 const PLANED_NAME: &str = "planed_wood";
+const WEATHERED_NAME: &str = "weathered_wood";
 const SAWN_NAME: &str = "sawn_wood";
 /// Cosine of the angle to the grain within which a face of the outside is a sawn end.
 const SAWN_COSINE: f64 = 0.9;
@@ -31,7 +33,8 @@ pub(super) fn dress_outside(
 ) {
     let name = match prepared.found.stem.kind {
         StemKind::Round => scene.materials[bark as usize].name.clone(),
-        StemKind::Board => PLANED_NAME.into(),
+        StemKind::Board | StemKind::Dowel => PLANED_NAME.into(),
+        StemKind::Pole => WEATHERED_NAME.into(),
     };
     scene.materials[bark as usize] = textured(scene, &name, outside, REPEATING, None);
     let sawn = scene.materials.len() as u32;
@@ -70,8 +73,15 @@ fn on_stem(mesh: &Mesh, t: usize, prepared: &PreparedStem) -> Option<Outside> {
     if normal.z * normal.z > SAWN_COSINE * SAWN_COSINE * normal.length_squared() {
         return Some(Outside::Sawn(grain.map(|g| square.end_grain(g.truncate()))));
     }
+    let middle = (grain[0] + grain[1] + grain[2]) / 3.0;
+    if !stem.kind.is_sawn() && faces_pith(stem, middle, normal) {
+        let side = |g: DVec3| square.side_grain(stem.rings.address(g.truncate()).0, 0.0, g.z);
+        return Some(Outside::Sawn(grain.map(side)));
+    }
     let coordinates = match stem.kind {
-        StemKind::Board => grain.map(|g| square.planed(g.truncate(), g.z, normal.truncate())),
+        StemKind::Board | StemKind::Dowel | StemKind::Pole => {
+            grain.map(|g| square.planed(g.truncate(), g.z, normal.truncate()))
+        }
         StemKind::Round => {
             let pith = stem.rings.pith();
             let angle = |g: DVec3| libm::atan2(g.y - pith.y, g.x - pith.x);

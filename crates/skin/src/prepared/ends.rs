@@ -5,7 +5,6 @@ use glam::DVec2;
 use greenstick_fracture::cracks::EndFace;
 use greenstick_wood::appearance::EndSection;
 use greenstick_wood::rings::RingField;
-use greenstick_wood::stem::StemKind;
 use std::f64::consts::{PI, TAU};
 
 /// Distances below the face of an end at which its outline is looked for, radii: its rim may be rounded or chipped.
@@ -21,7 +20,7 @@ impl PreparedStem {
     /// As [`PreparedStem::end_sections`], measured anew.
     pub(super) fn find_end_sections(&self) -> Vec<EndSection> {
         let stem = &self.found.stem;
-        if stem.kind == StemKind::Board {
+        if stem.kind.is_sawn() {
             return Vec::new();
         }
         let ends = [(stem.ends.0, false), (stem.ends.1, true)];

@@ -2,7 +2,7 @@
 
 use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
-use greenstick_wood::stem::{FoundStem, StemKind};
+use greenstick_wood::stem::FoundStem;
 use greenstick_wood::tissue::{MAX_BARK_START, MIN_BARK_START};
 
 /// How far the skin of the limb reaches about the pith.
@@ -47,7 +47,7 @@ impl SectionExtent {
     pub fn new(found: &FoundStem, corners: &[[u32; 3]], grain: &[DVec3]) -> Self {
         let stem = &found.stem;
         let pith = stem.rings.pith();
-        let board = stem.kind == StemKind::Board;
+        let board = stem.kind.is_sawn();
         let forward = stem
             .sections
             .iter()

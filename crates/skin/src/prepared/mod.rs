@@ -4,9 +4,11 @@ mod ends;
 mod extent;
 mod levels;
 mod measured;
+mod neighbours;
 mod orientation;
 
 pub use extent::SectionExtent;
+pub use neighbours::Neighbours;
 pub use orientation::unmirror;
 
 use crate::error::BreakError;
@@ -21,7 +23,7 @@ use greenstick_geometry::{Context, Node, Scene};
 use greenstick_wood::appearance::{EndSection, WoodAppearance};
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
-    FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem,
+    FoundStem, LayeredGrain, StemError, StemLocation, StemOptions, find_stem_along,
 };
 use levels::LevelSplitter;
 use measured::Measured;
@@ -90,18 +92,35 @@ impl PreparedStem {
     /// # Ok::<(), greenstick_wood::stem::StemError>(())
     /// ```
     pub fn find(
-        mut scene: Scene,
+        scene: Scene,
         location: &StemLocation,
         options: &StemOptions,
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
+        PreparedStem::find_between(scene, location, options, &Neighbours::default(), context)
+    }
+
+    /// Finds the stem at a location for one of several breaks.
+    ///
+    /// # Errors
+    /// As [`PreparedStem::find`].
+    pub fn find_between(
+        mut scene: Scene,
+        location: &StemLocation,
+        options: &StemOptions,
+        neighbours: &Neighbours,
+        context: &Context,
+    ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
         let seams = repair::close_seams_of_scene(&mut scene);
-        let mut found = find_stem(&scene.world_meshes(), location, options, context)?;
+        let (meshes, along) = (scene.world_meshes(), neighbours.along());
+        let mut found = find_stem_along(&meshes, location, options, along, context)?;
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
-        Ok(PreparedStem::from_found(scene, found, layers))
+        let mut prepared = PreparedStem::from_found(scene, found, layers);
+        neighbours.limit(&mut prepared.found);
+        Ok(prepared)
     }
 
     /// Maps a stem that was found in a scene to grain space.

@@ -116,6 +116,8 @@ pub enum BreakNote {
         /// How many were left out.
         left_out: usize,
     },
+    /// The stem is not broken at some multiples of a length, as it is not free there, m from its base.
+    PlacesLeftOut(Vec<f64>),
     /// A note of the caller's own.
     Other(String),
 }
@@ -217,6 +219,11 @@ impl fmt::Display for BreakNote {
                 collapsed,
                 longest_m,
             } => resolved(f, piece, collapsed, *longest_m),
+            BreakNote::PlacesLeftOut(places) => {
+                let places: Vec<String> = places.iter().map(|at| format!("{at:.3}")).collect();
+                let places = places.join(", ");
+                write!(f, "no break at {places} m, where the stem is not free: an end, a fork or another limb is there")
+            }
             BreakNote::Other(text) => f.write_str(text),
             cracks => on_cracks(f, cracks),
         }

@@ -28,9 +28,9 @@ pub struct InputReport {
 pub struct PlaceReport {
     /// Name of the mesh that was cut.
     pub mesh: String,
-    /// `round` or `board`.
+    /// `round`, `board`, `dowel` or `pole`.
     pub kind: String,
-    /// Length of the stem's axis, m.
+    /// Length of the stem's axis before any break, m.
     pub stem_length_m: f64,
     /// Length along the axis to the break, m.
     pub length_m: f64,
@@ -47,6 +47,8 @@ pub struct PlaceReport {
 /// The broken face.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FaceReport {
+    /// Seed of this break, which follows from that of the request, the stem, and the number of the break.
+    pub seed: u64,
     /// `smooth` or `fibrous`.
     pub surface: String,
     /// Fibre bundles.
@@ -178,41 +180,9 @@ impl fmt::Display for BreakReport {
             "input    {} triangles in {} meshes, {:.4} m², {kind}{inside}",
             i.triangles, i.meshes, i.area_m2
         )?;
-        writeln!(
-            f,
-            "place    {} of {} along {} \"{}\", radius {}",
-            length(p.length_m),
-            length(p.stem_length_m),
-            if p.kind == "board" { "board" } else { "stem" },
-            one_line(&p.mesh),
-            length(p.radius_m)
-        )?;
-        write!(
-            f,
-            "face     {}, {} bundles, {} thorns, ",
-            face.surface, face.bundles, face.thorns
-        )?;
-        writeln!(
-            f,
-            "from {} to {}",
-            length(face.range_m[0]),
-            length(face.range_m[1])
-        )?;
-        if let Some(s) = &self.species {
-            writeln!(
-                f,
-                "species  {} ({}) at {} % moisture: height {} by {} ({}), relief × {:.2}",
-                s.name,
-                s.scientific_name,
-                s.moisture_percent,
-                length(s.height_m),
-                s.rule,
-                s.basis,
-                s.relief
-            )?;
-        }
-        if let Some(hang) = &self.hang {
-            writeln!(f, "hang     {hang}")?;
+        write_break(f, (p, face), &self.species, &self.hang)?;
+        for more in &self.further_breaks {
+            write_break(f, (&more.place, &more.face), &more.species, &more.hang)?;
         }
         for piece in &self.pieces {
             let inside = match piece.volume_m3 {
@@ -227,7 +197,8 @@ impl fmt::Display for BreakReport {
                 piece.triangles
             )?;
         }
-        if let Some(v) = self.crack_volume_m3 {
+        let further = self.further_breaks.iter().map(|more| more.crack_volume_m3);
+        for v in [self.crack_volume_m3].into_iter().chain(further).flatten() {
             writeln!(f, "cracks   {} opened", volume(v))?;
         }
         for note in i.repairs.iter().chain(&self.notes) {
@@ -235,4 +206,49 @@ impl fmt::Display for BreakReport {
         }
         Ok(())
     }
+}
+
+/// Writes where a break is, its face, its species and how it hangs.
+fn write_break(
+    f: &mut fmt::Formatter<'_>,
+    (p, face): (&PlaceReport, &FaceReport),
+    species: &Option<SpeciesReport>,
+    hang: &Option<HangReport>,
+) -> fmt::Result {
+    writeln!(
+        f,
+        "place    {} of {} along {} \"{}\", radius {}",
+        length(p.length_m),
+        length(p.stem_length_m),
+        if p.kind == "round" { "stem" } else { &p.kind },
+        one_line(&p.mesh),
+        length(p.radius_m)
+    )?;
+    writeln!(
+        f,
+        "face     {}, {} bundles, {} thorns, from {} to {}, seed {}",
+        face.surface,
+        face.bundles,
+        face.thorns,
+        length(face.range_m[0]),
+        length(face.range_m[1]),
+        face.seed
+    )?;
+    if let Some(s) = species {
+        writeln!(
+            f,
+            "species  {} ({}) at {} % moisture: height {} by {} ({}), relief × {:.2}",
+            s.name,
+            s.scientific_name,
+            s.moisture_percent,
+            length(s.height_m),
+            s.rule,
+            s.basis,
+            s.relief
+        )?;
+    }
+    if let Some(hang) = hang {
+        writeln!(f, "hang     {hang}")?;
+    }
+    Ok(())
 }

@@ -4,7 +4,6 @@
 use super::open_faces::{FaceKind, OpenFaces};
 use super::wood::Wood;
 use glam::{DVec2, DVec3};
-use greenstick_wood::stem::StemKind;
 
 /// Distance of each side of a crack from its middle, as part of the distance between columns.
 const GAP: f64 = 2e-4;
@@ -126,7 +125,7 @@ fn rest_position(wood: &Wood, grain: DVec3) -> DVec3 {
     let stem = wood.stem;
     let stretched = wood
         .bark
-        .filter(|_| stem.kind == StemKind::Round)
+        .filter(|_| stem.kind.has_bark())
         .and_then(|(mesh, tree)| {
             let pith = stem.rings.pith();
             let out = grain.truncate() - pith;

@@ -129,6 +129,8 @@ fn relief(wood: &Wood, stem: &Stem, rods: &[SectionRod], seed: u64) -> (BreakPar
     let factor = |rod: &SectionRod| (length(rod) / mean).clamp(LOCAL_RANGE.0, LOCAL_RANGE.1);
     let mut p = BreakParameters {
         seed,
+        // Rods have their size.
+        size_effect: 0.0,
         sectors: 110,
         sliver_count: slivers,
         slab_count: 9,

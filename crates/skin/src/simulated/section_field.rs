@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use greenstick_fracture::heights::{
     CellFailure, FailureMode, HeightField, HeightFieldError, SectionSpan, grid_middle,
 };
-use greenstick_wood::stem::{Stem, StemKind};
+use greenstick_wood::stem::Stem;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -124,7 +124,7 @@ impl<'a> FracturedSection<'a> {
 
     /// The part of the section that the grid lies over.
     fn span(&self) -> SectionSpan {
-        if self.stem.kind == StemKind::Round {
+        if !self.stem.kind.is_sawn() {
             return SectionSpan::WHOLE;
         }
         let addresses = || self.rods.iter().map(|r| self.stem.rings.address(r.at));

@@ -3,18 +3,19 @@
 
 mod break_stage;
 mod cracks;
-mod lowest_above;
 mod order;
 mod slot;
 mod species_relief;
 mod spiral_grain;
 mod values;
+mod whole_stem;
 
+pub use crate::prepared::Neighbours;
 pub use break_stage::BreakStage;
 pub use cracks::{CrackRequest, Cracks};
-pub use lowest_above::LowestAbove;
-pub use order::{SeveralStems, order_from_tip};
-pub use slot::{Ids, Slot, SlotValue};
+pub use order::{BreakPlace, BreakPlaces, PlacesError, check_number};
+pub use slot::{Ids, Scratch, Slot, SlotValue};
 pub use species_relief::SpeciesRelief;
 pub use spiral_grain::{SpiralGrain, has_spiral_grain};
 pub use values::{BreakStages, CutStage, HeightStage, StemStage, inner_wood};
+pub use whole_stem::WholeStem;

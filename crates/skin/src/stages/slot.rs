@@ -101,6 +101,16 @@ impl<K: PartialEq, V> Slot<K, V> {
     }
 }
 
+/// Working memory: a copy starts with none.
+#[derive(Debug, Default)]
+pub struct Scratch<T>(pub T);
+
+impl<T: Default> Clone for Scratch<T> {
+    fn clone(&self) -> Self {
+        Scratch::default()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,6 @@
 
 use crate::prepared::PreparedStem;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
-use greenstick_wood::stem::StemKind;
 use std::f64::consts::TAU;
 
 /// The length beyond the break over which grain still spirals, radii.
@@ -45,6 +44,6 @@ impl SpiralGrain {
 
 /// Whether a break requests spiral grain and the stem can have it: a fibrous face of a round stem.
 pub fn has_spiral_grain(stem: &PreparedStem, p: &BreakParameters) -> bool {
-    let round = stem.found.stem.kind != StemKind::Board;
+    let round = !stem.found.stem.kind.is_sawn();
     p.spiral_angle != 0.0 && p.surface == SurfaceStyle::Fibrous && round
 }

@@ -2,10 +2,12 @@
 
 use super::cracks::Cracks;
 use super::species_relief::SpeciesRelief;
+use super::whole_stem::WholeStem;
 use crate::broken::{BrokenFace, Cutter, FaceLayout, InnerWood};
 use crate::cracks::{CrackedFace, OpenedEnd, crack_faces};
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
+use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
@@ -13,6 +15,9 @@ use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
 use greenstick_wood::rings::StemRings;
 use std::sync::Arc;
+
+/// The least length of whole stem between two breaks, radii.
+const MIN_GAP_BETWEEN_BREAKS: f64 = 0.1;
 
 /// The stem of a break.
 #[derive(Debug, Clone)]
@@ -25,6 +30,10 @@ pub struct StemStage {
     pub opened: Option<Arc<OpenedEnd>>,
     /// The index of the material of the wood inside.
     pub inner_material: u32,
+    /// The stem before any break of the request.
+    pub whole: WholeStem,
+    /// The parameters of the face of this break: those of the request with a seed of its own, at the size of the stem.
+    pub face: BreakParameters,
 }
 
 impl StemStage {
@@ -103,6 +112,15 @@ pub struct BreakStages {
 }
 
 impl BreakStages {
+    /// Returns the lowest point of the face on the axis, m, and the length of stem that a break nearer to the base keeps from it,
+    /// m.
+    pub fn lowest_point(&self) -> (DVec3, f64) {
+        let stem = &self.stem.stem().found.stem;
+        let low = stem.location + self.heights.heights.range.0;
+        let margin = MIN_GAP_BETWEEN_BREAKS * stem.radius;
+        (stem.grain.axis().frame(low).origin, margin)
+    }
+
     /// Returns one piece of the break as a separate mesh, where it broke and without cracks.
     pub fn piece(&self, p: &BreakParameters, upper: bool) -> Mesh {
         let inner = self.inner_wood(p);

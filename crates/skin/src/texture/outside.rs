@@ -6,7 +6,9 @@ use super::inside::TexturedWood;
 use super::square::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
-use greenstick_wood::appearance::{BarkAppearance, BarkPoint, WoodAppearance, WoodPoint};
+use greenstick_wood::appearance::{
+    BarkAppearance, BarkPoint, WoodAppearance, WoodPoint, weathered,
+};
 use greenstick_wood::noise::NoiseMemory;
 use greenstick_wood::rings::StemAddress;
 use std::f64::consts::TAU;
@@ -62,7 +64,7 @@ const PLANED_RELIEF: f64 = 0.25;
 pub fn bake_planed(
     size: u32,
     square: SectionSquare,
-    wood: TexturedWood,
+    (wood, weather): (TexturedWood, bool),
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
     let perimeter = check_size(size, square.perimeter())?;
@@ -94,7 +96,10 @@ pub fn bake_planed(
                 address,
                 end_grain: 0.0,
             };
-            let surface = appearance.surface_in_row(wood.rings, &point, texel, &mut memory);
+            let mut surface = appearance.surface_in_row(wood.rings, &point, texel, &mut memory);
+            if weather {
+                surface.color = weathered(surface.color);
+            }
             let rise = DVec2::new(surface.slope.truncate().dot(direction), surface.slope.z);
             put(&mut images, column, &surface, rise * PLANED_RELIEF);
         }
@@ -172,7 +177,7 @@ mod tests {
             appearance: &wood,
             rings: &wood.usual_rings(),
         };
-        let baked = bake_planed(1024, square, textured, &Context::quiet()).unwrap();
+        let baked = bake_planed(1024, square, (textured, false), &Context::quiet()).unwrap();
         let (width, height, pixels) = brightness(&baked);
         assert_eq!((width, height), (1024, 512));
         // Both sides of the upper face show the same rings, mirrored about the middle: their means over the length agree

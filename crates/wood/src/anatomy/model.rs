@@ -10,7 +10,7 @@ use crate::raster::{PixelGrid, fill_loops};
 use crate::rings::{
     ConcentricRings, ErodedPasses, Erosion, ErosionFronts, RingDivision, ring_numbers,
 };
-use crate::stem::{FoundStem, StemKind};
+use crate::stem::FoundStem;
 use crate::tissue::{Proportions, Zone};
 use greenstick_geometry::{Bitmap, Cancelled, Context, Mesh};
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ impl<'a> Anatomy<'a> {
         };
         let sections = StemSections::new(found, mesh, options.resolution, context)?
             .smoothed(options.smoothing);
-        let is_board = sections.stem().kind == StemKind::Board;
+        let is_board = sections.stem().kind.is_sawn();
         let eroded;
         let division = match &fronts {
             None => &options.division,
@@ -151,7 +151,7 @@ impl<'a> Anatomy<'a> {
 
     /// Whether the stem is a board.
     pub fn is_board(&self) -> bool {
-        self.sections.stem().kind == StemKind::Board
+        self.sections.stem().kind.is_sawn()
     }
 
     /// The rings by whose ring coordinates the field is divided.

@@ -138,7 +138,7 @@ impl<'a> StemSections<'a> {
     /// error. Boards keep their corners.
     #[must_use]
     pub fn smoothed(mut self, tolerance: Option<f64>) -> Self {
-        self.smoothing = tolerance.filter(|_| self.stem.kind == StemKind::Round);
+        self.smoothing = tolerance.filter(|_| self.stem.kind != StemKind::Board);
         self
     }
 
@@ -213,7 +213,7 @@ impl<'a> StemSections<'a> {
     fn field(&self, outline: &Outline, length: f64) -> RingField {
         let scale = self.stem.grain.scale(length);
         let pith = self.stem.rings.pith() * scale;
-        if self.stem.kind == StemKind::Board {
+        if self.stem.kind.is_sawn() {
             let reach = outline
                 .points()
                 .map(|p| p.distance(pith))

@@ -8,7 +8,7 @@ use super::parameters::RingParameters;
 use super::section_raster::SectionRaster;
 use crate::appearance::WoodAppearance;
 use crate::rings::{RingDivision, RingSeriesParameters, StemRings};
-use crate::stem::{FoundStem, StemKind};
+use crate::stem::FoundStem;
 use crate::tissue::Proportions;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_schema::{count, parameters};
@@ -68,7 +68,7 @@ impl BreakRingParameters {
     ) -> Result<StemRings, AnatomyError> {
         let division = ring_division(self.annual_rings, &self.series, wood);
         let RingMethod::Erosion(erosion) = self.ring_source.method() else {
-            let board = found.stem.kind == StemKind::Board;
+            let board = found.stem.kind.is_sawn();
             let rings = division.rings(&found.stem.rings, &proportions, board)?;
             return Ok(StemRings::new(rings));
         };

@@ -18,7 +18,7 @@ mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
 pub use colours::{COLOUR, SrgbColour, SrgbColourError, WoodColours};
-pub use shading::{OrientedSurface, SurfacePoint};
+pub use shading::{OrientedSurface, SurfacePoint, faces_pith, weathered};
 pub use stem::{EndSection, StemAppearance};
 pub use surface::WoodSurface;
 pub use wood::{WoodAppearance, WoodPoint};

@@ -5,11 +5,19 @@ use super::stem::StemAppearance;
 use super::surface::WoodSurface;
 use super::wood::WoodPoint;
 use crate::rings::StemAddress;
-use crate::stem::{Stem, StemKind};
+use crate::stem::Stem;
 use glam::{DVec2, DVec3};
 
 /// Cosine of the angle to the grain within which a face of the skin is a sawn end.
 const SAWN_COSINE: f64 = 0.9;
+/// Cosine of the angle to the direction away from the pith beyond which the skin is that of a bore: the sides of furrows in
+/// bark turn away from that direction by no more than a right angle.
+const BORE_COSINE: f64 = -0.5;
+/// Distance from the pith up to which it may be, radii: folds in thick bark lie farther out.
+const BORE_RADII: f64 = 0.85;
+/// Brightness of weathered wood over that of fresh, and its tint.
+const WEATHERED_LIGHT: f64 = 0.62;
+const WEATHERED_TINT: [f64; 3] = [1.0, 0.985, 0.95];
 
 /// A point of the surface of a stem, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,10 +85,16 @@ impl StemAppearance {
         }
     }
 
-    /// Returns the skin at a point: bark, or sawn wood on a board and on the ends of a stem.
+    /// Returns the skin at a point: bark, or the wood inside on sawn wood, on the ends of a stem and in its bore; weathered
+    /// wood on a pole.
     pub fn skin_at(&self, stem: &Stem, point: &SurfacePoint) -> OrientedSurface {
         match point.grain {
             Some(grain) if is_sawn(stem, grain, point) => self.wood_at(stem, grain, point),
+            Some(grain) if !stem.kind.has_bark() => {
+                let mut shown = self.wood_at(stem, grain, point);
+                shown.surface.color = weathered(shown.surface.color);
+                shown
+            }
             _ => self.bark_at(stem, point),
         }
     }
@@ -127,5 +141,35 @@ fn is_sawn(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
             !point.moved && point.geometric_normal.dot(along).abs() > SAWN_COSINE
         }
     };
-    stem.kind == StemKind::Board || end()
+    stem.kind.is_sawn() || end() || in_bore(stem, grain, point)
+}
+
+/// Returns whether the skin at a point is that of a bore.
+fn in_bore(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
+    let frame = || {
+        let frame = stem.grain.axis().frame(grain.z);
+        (!point.moved).then_some([frame.x, frame.y, frame.tangent])
+    };
+    let Some(directions) = point.grain_gradients.or_else(frame) else {
+        return false;
+    };
+    let normal = directions.map(|d| d.dot(point.geometric_normal));
+    faces_pith(stem, grain, DVec3::from_array(normal))
+}
+
+/// Returns whether a face of the skin at a point of the grain lies deep in a stem and faces the pith, as in the bore of a tube;
+/// `normal` is in the directions of the grain, of any length.
+pub fn faces_pith(stem: &Stem, grain: DVec3, normal: DVec3) -> bool {
+    let across = grain.truncate() - stem.rings.pith();
+    across.length() < BORE_RADII * stem.radius
+        && across.dot(normal.truncate()) < BORE_COSINE * across.length() * normal.length()
+}
+
+/// Returns the colour of wood that has weathered for years: light and rain take what is not cellulose, and leave it silver grey,
+/// with the figure of the wood (Hoadley, *Understanding Wood*, on weathering).
+pub fn weathered(color: [f64; 3]) -> [f64; 3] {
+    let [r, g, b] = color;
+    // Rec. 709.
+    let light = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    WEATHERED_TINT.map(|tint| (WEATHERED_LIGHT * light * tint).min(1.0))
 }

@@ -4,7 +4,7 @@ use super::{BarkAppearance, WoodAppearance};
 use crate::noise::smoothstep;
 use crate::rings::{RingField, StemRings};
 use crate::species::{HeartwoodColour, RingCharacter, Species};
-use crate::stem::{Stem, StemKind};
+use crate::stem::Stem;
 use crate::tissue::Proportions;
 use glam::DVec3;
 
@@ -100,7 +100,8 @@ impl WoodAppearance {
     /// The wood of `stem`, a softwood where no species is given.
     ///
     /// `proportions` are those of the tissues in the section, `bark` is the ring coordinate at which the outer bark begins,
-    /// and `seed` decides what is random. A board has neither bark nor pith, and one colour of wood.
+    /// and `seed` decides what is random. Sawn wood has neither bark nor pith, and one colour; a
+    /// pole has no bark.
     pub fn of_stem(
         stem: &Stem,
         proportions: &Proportions,
@@ -110,17 +111,20 @@ impl WoodAppearance {
     ) -> WoodAppearance {
         let mut wood = wood_of(species);
         wood.seed = seed;
-        let board = stem.kind == StemKind::Board;
-        wood.radius = if board {
+        let sawn = stem.kind.is_sawn();
+        wood.radius = if sawn {
             stem.rings.outer_radius(0.0)
         } else {
             stem.radius
         };
         wood.rings = (wood.radius / RING_WIDTH).clamp(RING_COUNT.0, RING_COUNT.1);
-        if board {
+        if sawn {
             (wood.pith, wood.heartwood, wood.phloem, wood.cork) = (0.0, 0.0, ABSENT, ABSENT);
         } else {
-            wood.cork = bark.clamp(CORK_START.0, CORK_START.1);
+            wood.cork = match stem.kind.has_bark() {
+                true => bark.clamp(CORK_START.0, CORK_START.1),
+                false => ABSENT,
+            };
             wood.pith = proportions.pith;
             wood.heartwood = if proportions.heartwood > 0.0 {
                 proportions.pith + proportions.heartwood
@@ -128,7 +132,11 @@ impl WoodAppearance {
                 0.0
             };
             let wood_end = wood.heartwood.max(MIN_PHLOEM_START);
-            wood.phloem = (wood.cork - proportions.phloem).max(wood_end);
+            // The inner bark goes with the bark.
+            wood.phloem = match stem.kind.has_bark() {
+                true => (wood.cork - proportions.phloem).max(wood_end),
+                false => ABSENT,
+            };
         }
         wood
     }

@@ -2,6 +2,7 @@
 
 use super::StemLocation;
 use super::error::StemError;
+use super::identity::{StemIdentity, limb_at, size_of_trace};
 use super::model::StemKind;
 use super::parts::Parts;
 use super::plank::{Plank, is_board};
@@ -35,6 +36,14 @@ impl Course {
         match self {
             Course::Log(trace) => trace.tips,
             Course::Board(plank) => [plank.end, plank.end + plank.direction * plank.size[0]],
+        }
+    }
+
+    /// The direction in which the stem runs at the station nearest to a point (m).
+    pub fn direction_near(&self, p: DVec3) -> DVec3 {
+        match self {
+            Course::Log(trace) => trace.sections[nearest_station(trace, p)].normal,
+            Course::Board(plank) => plank.direction,
         }
     }
 
@@ -89,6 +98,7 @@ pub(super) struct Choice {
     pub course: Course,
     /// Where the location is a point: the nearest point on the shell, m.
     pub surface_point: Option<DVec3>,
+    pub identity: StemIdentity,
 }
 
 /// A shell's main stem: a board where it is one or is said to be one, else a log; with its volume, m³.
@@ -97,7 +107,7 @@ fn course_of_shell(
     kind: Option<StemKind>,
     context: &Context,
 ) -> Result<Option<(Course, f64)>, Cancelled> {
-    if kind != Some(StemKind::Round) {
+    if kind.is_none_or(|kind| kind == StemKind::Board) {
         let accepted = |p: &Plank| kind == Some(StemKind::Board) || is_board(surface, p);
         if let Some(plank) = Plank::around(surface).filter(accepted) {
             return Ok(Some((Course::Board(plank), plank.size.iter().product())));
@@ -108,6 +118,27 @@ fn course_of_shell(
         let volume = trace.volume();
         (Course::Log(trace), volume)
     }))
+}
+
+/// Identifies the stem that runs along a shell.
+fn identity(parts: &Parts, shell: usize, course: Option<&Course>) -> StemIdentity {
+    let (length, girth) = match course {
+        Some(Course::Log(trace)) => size_of_trace(trace),
+        Some(Course::Board(plank)) => {
+            let [length, width, thickness] = plank.size;
+            (length, 2.0 * (width + thickness))
+        }
+        None => {
+            let size = parts.shells[shell].high - parts.shells[shell].low;
+            (size.max_element(), 2.0 * (size.x + size.y + size.z))
+        }
+    };
+    StemIdentity {
+        length,
+        girth,
+        shell,
+        limb: None,
+    }
 }
 
 /// The shell with the stem of largest volume.
@@ -137,6 +168,7 @@ pub(super) fn main_stem(
     }
     let choice = best.map(|(_, shell, course)| Choice {
         shell,
+        identity: identity(parts, shell, Some(&course)),
         course,
         surface_point: None,
     });
@@ -163,8 +195,10 @@ pub(super) fn stem_at_point(
         nearest: StemLocation::Point(q),
     };
     let surface = parts.surface(shell, context)?;
-    let trace = match course_of_shell(&surface, kind, context)? {
-        Some((Course::Board(plank), _)) => {
+    let course = course_of_shell(&surface, kind, context)?.map(|(course, _)| course);
+    let mut identity = identity(parts, shell, course.as_ref());
+    let trace = match course {
+        Some(Course::Board(plank)) => {
             if nearest.distance > MAX_DISTANCE_WIDTHS * plank.size[1] {
                 return Err(too_far());
             }
@@ -172,11 +206,17 @@ pub(super) fn stem_at_point(
                 shell,
                 course: Course::Board(plank),
                 surface_point: Some(q),
+                identity,
             });
         }
-        Some((Course::Log(trace), _)) if covers(&trace, q) => Some(trace),
-        _ => match seed::section_of_limb(&surface, q) {
-            Some(section) => Some(trace(&surface, section, AtForks::Stop, context)?),
+        Some(Course::Log(trace)) if covers(&trace, q) => Some(trace),
+        course => match seed::section_of_limb(&surface, q) {
+            Some(section) => {
+                if let Some(Course::Log(main)) = &course {
+                    identity.limb = limb_at(&surface, |p| covers(main, p), q, context)?;
+                }
+                Some(trace(&surface, section, AtForks::Stop, context)?)
+            }
             None => None,
         },
     };
@@ -196,6 +236,7 @@ pub(super) fn stem_at_point(
         shell,
         course: Course::Log(trace),
         surface_point: Some(q),
+        identity,
     })
 }
 

@@ -14,7 +14,7 @@ use super::surface::Surface;
 use super::taper::taper;
 use super::tube::Tube;
 use super::valid::{long_borders, valid_size};
-use super::{GrainSpace, StemLocation};
+use super::{GrainSpace, StemIdentity, StemLocation};
 use crate::polygon;
 use crate::polygon::area_and_centroid;
 use crate::rings::{PITH_OFFSET_RMS, RingField, estimate_pith};
@@ -33,6 +33,10 @@ pub struct FoundStem {
     pub limb: Vec<u32>,
     /// The stem.
     pub stem: Stem,
+    /// What tells it from other stems.
+    pub identity: StemIdentity,
+    /// Ranges of length (m) in which it can be broken, the one about the location among them.
+    pub free: Vec<(f64, f64)>,
     /// Other shells that are attached beyond the location and move with the upper piece.
     pub carried: Vec<CarriedShell>,
     /// What was assumed or repaired, a sentence each.
@@ -54,6 +58,8 @@ const MAX_CARRIERS: usize = 256;
 const WELDING_TOLERANCES: [f64; 3] = [1e-6, 1e-5, 1e-4];
 /// A board is taken for flat-sawn: its pith lies so far below the middle of its wide face, in widths.
 const FLAT_SAWN_PITH_WIDTHS: f64 = 0.75;
+/// A dowel is turned from a board well off the pith, which lies so many of its diameters beside its middle.
+const DOWEL_PITH_DIAMETERS: f64 = 2.0;
 /// How much farther than the sections its rings reach, so that relief between sections is inside.
 const EXTENT_MARGIN: f64 = 1.05;
 /// Parts of the whole search after which shells are known, the stem is chosen, and it is built.
@@ -91,8 +97,24 @@ pub fn find_stem(
     options: &StemOptions,
     context: &Context,
 ) -> Result<FoundStem, StemError> {
+    find_stem_along(meshes, location, options, None, context)
+}
+
+/// Finds the stem at `location` as [`find_stem`] does, but with its base where `along`, if given, comes from: a direction from
+/// base to tip, as of a stem that part of this one was broken off.
+///
+/// # Errors
+/// As [`find_stem`].
+pub fn find_stem_along(
+    meshes: &[Mesh],
+    location: &StemLocation,
+    options: &StemOptions,
+    along: Option<DVec3>,
+    context: &Context,
+) -> Result<FoundStem, StemError> {
     let size = valid_size(meshes)?;
-    let search = |tolerance: f64| find_welded(meshes, location, options, tolerance, context);
+    let asked = (location, along);
+    let search = |tolerance: f64| find_welded(meshes, asked, options, tolerance, context);
     let first = search(0.0);
     if !matches!(
         first,
@@ -117,7 +139,7 @@ pub fn find_stem(
 /// Finds the stem with vertices welded within `tolerance` (m).
 fn find_welded(
     meshes: &[Mesh],
-    location: &StemLocation,
+    (location, along): (&StemLocation, Option<DVec3>),
     options: &StemOptions,
     tolerance: f64,
     context: &Context,
@@ -132,7 +154,7 @@ fn find_welded(
     };
     context.report(STEM_CHOSEN)?;
     let carriers = carriers(&parts, choice.shell, context)?;
-    let held = orient(&mut choice, &carriers);
+    let held = orient(&mut choice, &carriers, along);
     let carrier = carriers.iter().find(|c| c.shell == choice.shell);
     let Some(Carrier { surface, .. }) = carrier else {
         return Err(StemError::NoStem {
@@ -187,15 +209,22 @@ fn carriers<'a>(
         .collect()
 }
 
-/// Turns the stem so that it runs from its base to its tip; returns the shells that hold base and tip.
-fn orient(choice: &mut Choice, carriers: &[Carrier]) -> [Option<usize>; 2] {
+/// Turns the stem so that it runs from its base to its tip, or along a direction; returns the shells that hold base and tip.
+fn orient(choice: &mut Choice, carriers: &[Carrier], along: Option<DVec3>) -> [Option<usize>; 2] {
     let held = choice.course.tips().map(|tip| {
         carriers
             .iter()
             .find(|c| c.shell != choice.shell && c.surface.contains(tip))
             .map(|c| c.shell)
     });
-    if choice.course.runs_from_tip_to_base(held) {
+    let backwards = match along {
+        Some(along) => {
+            let near = choice.surface_point.unwrap_or(choice.course.tips()[0]);
+            choice.course.direction_near(near).dot(along) < 0.0
+        }
+        None => choice.course.runs_from_tip_to_base(held),
+    };
+    if backwards {
         choice.course.reverse();
         [held[1], held[0]]
     } else {
@@ -259,19 +288,26 @@ impl Search<'_> {
             shell: shell.triangles.clone(),
             limb: tube.limb(self.surface, range, &under, self.context)?,
             stem,
+            identity: self.choice.identity,
+            free,
             carried: Vec::new(),
             notes,
         })
     }
 
     fn body(&self) -> Result<Body, StemError> {
-        let body = match &self.choice.course {
+        let mut body = match &self.choice.course {
             Course::Board(plank) => board_body(self.surface, plank, self.context)?,
             Course::Log(trace) => {
                 let near = station_at(trace, self.location, self.choice.surface_point);
                 body(self.surface, trace, near, self.context)?
             }
         };
+        if let (Some(body), Course::Log(_), Some(kind)) =
+            (&mut body, &self.choice.course, self.options.kind)
+        {
+            body.kind = kind;
+        }
         body.ok_or(StemError::NoStem {
             shells: self.parts.shells.len(),
         })
@@ -335,7 +371,7 @@ impl Search<'_> {
             .map(reach)
             .fold(0.0, f64::max)
             * EXTENT_MARGIN;
-        let round = body.kind == StemKind::Round;
+        let round = !body.kind.is_sawn();
         let rings = if round && polygon::contains(&here.contour, pith) {
             RingField::round(&here.contour, pith, extent, self.options.eccentricity_onset)
         } else {
@@ -372,7 +408,7 @@ impl Search<'_> {
         match (self.options.pith, body.kind) {
             (Some(PithPosition::Section(p)), _) => p,
             (Some(PithPosition::World(p)), _) => grain.to_grain(p).truncate(),
-            (None, StemKind::Round) => {
+            (None, StemKind::Round | StemKind::Pole) => {
                 let pith = estimate_pith(&section.contour);
                 let (area, centroid) = area_and_centroid(&section.contour);
                 let radius = (area.abs() / std::f64::consts::PI).sqrt();
@@ -391,6 +427,15 @@ impl Search<'_> {
                     1e3 * PITH_OFFSET_RMS * radius
                 ));
                 pith
+            }
+            (None, StemKind::Dowel) => {
+                let (area, centroid) = area_and_centroid(&section.contour);
+                let down = DOWEL_PITH_DIAMETERS * 2.0 * (area.abs() / PI).sqrt();
+                notes.push(format!(
+                    "the pith was taken to lie {:.0} mm beside the middle of the dowel",
+                    down * 1e3
+                ));
+                centroid - DVec2::new(0.0, down)
             }
             (None, StemKind::Board) => {
                 // Flat-sawn: the wide faces are tangential to the rings. x is the wide direction.

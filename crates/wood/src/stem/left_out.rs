@@ -1,6 +1,6 @@
 //! What of a stem's own shell does not belong to it: the other limb of a fork, branches that are welded to it.
 
-use super::{FoundStem, StemKind};
+use super::FoundStem;
 use glam::{DMat3, DVec3};
 use greenstick_geometry::{Cancelled, Context, Mesh, symmetric_eigen};
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ pub fn find_left_out(
     found: &FoundStem,
     context: &Context,
 ) -> Result<Option<LeftOut>, Cancelled> {
-    if found.stem.kind != StemKind::Round {
+    if found.stem.kind.is_sawn() {
         return Ok(None);
     }
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| mesh.positions[v as usize]);

@@ -12,6 +12,7 @@ mod error;
 mod find;
 mod free;
 mod grain;
+mod identity;
 mod layered;
 mod left_out;
 mod level_steps;
@@ -33,8 +34,9 @@ mod valid;
 
 pub use axis::{Axis, Frame};
 pub use error::StemError;
-pub use find::{CarriedShell, FoundStem, find_stem};
+pub use find::{CarriedShell, FoundStem, find_stem, find_stem_along};
 pub use grain::{GrainSpace, TaperPoint};
+pub use identity::StemIdentity;
 pub use layered::LayeredGrain;
 pub use left_out::{LeftOut, Limb, find_left_out};
 pub use level_steps::LevelSteps;

@@ -5,13 +5,29 @@ use crate::rings::RingField;
 use glam::DVec2;
 
 greenstick_schema::choices! {
-    /// Whether a stem is a log or was sawn from one.
+    /// Whether a stem is a log or was made from one.
     pub enum StemKind {
         /// A trunk, branch, log or pole: rings about a pith inside the section.
         Round = "round",
         /// A board or beam, sawn from a trunk: straight grain along its longest axis, rings are arcs about a pith that may
         /// lie outside.
         Board = "board",
+        /// A round rod made of sawn wood, without bark: its rings are arcs about a pith outside of it.
+        Dowel = "dowel",
+        /// A trunk or branch whose bark is gone and whose wood is weathered: rings about a pith inside the section.
+        Pole = "pole",
+    }
+}
+
+impl StemKind {
+    /// Whether it was sawn from a trunk, so that its pith usually lies outside.
+    pub const fn is_sawn(self) -> bool {
+        matches!(self, StemKind::Board | StemKind::Dowel)
+    }
+
+    /// Whether there is bark around it.
+    pub const fn has_bark(self) -> bool {
+        matches!(self, StemKind::Round)
     }
 }
 

@@ -64,7 +64,7 @@ parameters! {
         "What it is", "stem" {
             /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; "auto" estimates it.
             pith: Option<PithPosition> = None, text(PITH).auto();
-            /// What the stem is; "auto" judges by its section.
+            /// What the stem is; "auto" tells boards from round stems by their section, and takes round ones to have bark.
             kind: Option<StemKind> = None, choice(StemKind::CHOICES).auto();
             /// Share of the radius at which a stem that is eccentric began to be: rings within are about round, rings beyond
             /// lean as the outline does. "auto" is that of an average tree; points on a few rings decide it.
