@@ -1,5 +1,5 @@
 //! Checks of the workspace that the compiler does not make, and the files that are generated from it. Run as
-//! `cargo xtask check`, `cargo xtask generate` and `cargo xtask generate --check`.
+//! `cargo xtask check`, `cargo xtask generate` and `cargo xtask generate --check`; and the web page, by `cargo xtask page -o FOLDER`.
 
 mod directions;
 mod exceptions;
@@ -8,6 +8,7 @@ mod generate;
 mod imports;
 mod lexer;
 mod modules;
+mod page;
 mod references;
 mod sources;
 mod stubs;
@@ -16,11 +17,16 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask check | generate [--check]";
+const USAGE: &str = "usage: cargo xtask check | generate [--check] | page -o FOLDER";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    if let [word, option, folder] = &arguments[..]
+        && (word.as_str(), option.as_str()) == ("page", "-o")
+    {
+        return said(page::build(&root, Path::new(folder)));
+    }
     let (outcome, message) = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => (
             check(&root),
@@ -48,6 +54,20 @@ fn main() -> ExitCode {
         Ok(faults) => {
             faults.iter().for_each(|f| eprintln!("{f}"));
             ExitCode::from(1)
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Prints what was done, or what went wrong.
+fn said(outcome: Result<String, String>) -> ExitCode {
+    match outcome {
+        Ok(message) => {
+            println!("{message}");
+            ExitCode::SUCCESS
         }
         Err(error) => {
             eprintln!("{error}");
