@@ -13,9 +13,9 @@ if (!folder) {
   process.exit(2);
 }
 const { chromium } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
-const PATIENCE = 240_000; // ms, on a busy machine
-const WIDTH = 1360;
-const HEIGHT = 860;
+const PATIENCE = 180_000; // ms, on a busy machine
+const WIDTH = 1180;
+const HEIGHT = 720;
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
 mkdirSync(folder, { recursive: true });
 
@@ -77,11 +77,13 @@ async function wait(what, condition) {
   while (Date.now() - start < PATIENCE) {
     const found = await condition();
     if (found) return found;
-    await new Promise((done) => setTimeout(done, 200));
+    await rest(200);
   }
   await page.screenshot({ path: join(folder, 'failed.png') }).catch(() => {});
   return fail(`${what} did not happen within ${PATIENCE / 1000} s; the address is ${await hash()}; console: ${complaints.join('; ')}`);
 }
+
+const rest = (ms) => new Promise((done) => setTimeout(done, ms));
 
 async function shot(name) {
   await page.screenshot({ path: join(folder, `${name}.png`), timeout: PATIENCE });
@@ -118,14 +120,20 @@ async function drop(name, bytes) {
   );
 }
 
+const downloads = [];
+page.on('download', (d) => downloads.push(d));
+
 /** Presses keys and takes the file that is handed out; the dialog that Return accepts may take its time to appear. */
 async function handed_out(keys, name) {
-  const download = page.waitForEvent('download');
+  const count = downloads.length;
   await page.keyboard.press(keys);
-  await new Promise((done) => setTimeout(done, 3000));
-  await page.keyboard.press('Enter');
+  await wait(`a download of ${name}`, async () => {
+    await rest(2000);
+    if (downloads.length === count) await page.keyboard.press('Enter');
+    return downloads.length > count;
+  });
   const file = join(folder, name);
-  await (await download).saveAs(file);
+  await downloads[count].saveAs(file);
   return file;
 }
 
@@ -151,7 +159,7 @@ const gpu = await page.evaluate(async () => Boolean(await navigator.gpu?.request
 check(`that WebGPU is ${card === 'webgpu' ? '' : 'not '}there`, gpu === (card === 'webgpu'));
 await wait('a rest', async () => {
   const before = await pictures();
-  await new Promise((done) => setTimeout(done, 3000));
+  await rest(3000);
   return (await pictures()) === before;
 });
 await shot('start');
@@ -162,10 +170,10 @@ const middle = { x: 190 + (WIDTH - 190 - 360) / 2, y: box.y + box.height / 2 };
 for (let i = 0; i < 12 && !(await hash()).includes('at='); i += 1) {
   const before = await pictures();
   await page.mouse.move(middle.x - 120 + 20 * i, middle.y + 160 - 27 * i);
-  await new Promise((done) => setTimeout(done, 1000));
+  await rest(1000);
   await page.mouse.down();
   await page.mouse.up();
-  await new Promise((done) => setTimeout(done, 4000));
+  await rest(4000);
   if ((await hash()).includes('at=')) await wait('a picture after a click', async () => (await pictures()) > before);
 }
 check(`that a click moves the break (the address is ${await hash()})`, (await hash()).includes('at='));
@@ -179,7 +187,7 @@ for (const y of [211, 280, 303]) {
   await page.mouse.down();
   for (let i = 1; i <= 5; i += 1) await page.mouse.move(x - 12 + 7 * i, box.y + y);
   await page.mouse.up();
-  await new Promise((done) => setTimeout(done, 500));
+  await rest(500);
 }
 await wait('a change by a slider', async () => (await hash()) !== before);
 console.log(`page: after a click and a slider the address is ${await hash()}`);

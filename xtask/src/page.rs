@@ -7,6 +7,7 @@ use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const PACKAGE: &str = "greenstick-studio";
+const LINKER: &str = "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER";
 /// What the page consists of besides the program.
 const FILES: [&str; 2] = ["index.html", "worker.js"];
 /// Most bytes of the program by gzip.
@@ -64,12 +65,26 @@ fn cargo(root: &Path) -> Command {
             .env("RUSTC", "/usr/bin/rustc")
             .env("RUSTC_BOOTSTRAP", "1")
             .arg("-Zbuild-std=std,panic_abort");
+        if let Some(major) = debian_llvm() {
+            // Debian's compiler comes without a linker for browsers; the one of its own LLVM knows all it writes.
+            command.env(LINKER, format!("wasm-ld-{major}"));
+        }
     }
     for name in ["CARGO", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
         command.env_remove(name);
     }
     command.current_dir(root);
     command
+}
+
+/// The version of LLVM in Debian's compiler.
+fn debian_llvm() -> Option<String> {
+    let said = Command::new("/usr/bin/rustc").arg("-vV").output().ok()?;
+    let said = String::from_utf8(said.stdout).ok()?;
+    let version = said
+        .lines()
+        .find_map(|l| l.strip_prefix("LLVM version: "))?;
+    version.split('.').next().map(str::to_owned)
 }
 
 /// The program wasm-bindgen of the version that the workspace is locked to; built below target/ where it is not there.
