@@ -46,7 +46,10 @@ async function serve() {
 
 const flags = {
   webgl: ['--disable-features=WebGPU', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  webgpu: ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan', '--ignore-gpu-blocklist'],
+  webgpu: [
+    '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan', '--use-vulkan=swiftshader',
+    '--use-angle=vulkan', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
+  ],
 };
 const [server, address] = await serve();
 const browser = await chromium.launch({

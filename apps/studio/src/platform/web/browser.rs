@@ -37,14 +37,17 @@ pub fn focus() {
     }
 }
 
-/// Shows a problem in the place of the studio, or takes what stands there before it begins away.
-pub fn say(problem: Option<String>) {
+/// Shows a problem over the studio, or takes what stands there before it begins away.
+pub fn say(problem: Option<&str>) {
     let Some(place) = document().and_then(|d| d.get_element_by_id("loading")) else {
         return;
     };
     match problem {
-        Some(problem) => place.set_text_content(Some(&problem)),
-        None => place.remove(),
+        Some(problem) => {
+            place.set_text_content(Some(problem));
+            let _ = place.remove_attribute("hidden");
+        }
+        None => drop(place.set_attribute("hidden", "")),
     }
 }
 

@@ -100,14 +100,28 @@ async fn open_page() {
         Ok(Box::new(studio))
     });
     let runner = eframe::WebRunner::new();
+    say_faults();
     let problem = runner
         .start(canvas, eframe::WebOptions::default(), create)
         .await;
-    browser::focus();
-    browser::say(problem.err().map(|e| {
+    let problem = problem.err().map(|e| {
         format!(
             "This browser draws neither by WebGPU nor by WebGL 2, or has them switched off ({e:?})."
         )
+    });
+    browser::focus();
+    browser::say(problem.as_deref());
+}
+
+/// Tells of faults on the page itself, too, and not in the browser's console alone: nothing is drawn any more after one.
+fn say_faults() {
+    let console = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |fault| {
+        browser::say(Some(
+            "The studio has stopped, most often because the graphics card was taken from it. Load the page again: its address holds \
+             what was being made. What happened is in the browser's console.",
+        ));
+        console(fault);
     }));
 }
 
