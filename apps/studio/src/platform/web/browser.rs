@@ -1,21 +1,12 @@
 //! What the page asks of the browser: its canvas, files, downloads, the address and a place for settings.
 
-use super::{Inbox, News, Wake};
+use super::news::{Inbox, JsFile, News, Wake};
 use eframe::wasm_bindgen::closure::Closure;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{Blob, Document, DragEvent, Event, FileList, HtmlAnchorElement, HtmlCanvasElement};
 use web_sys::{HtmlInputElement, Storage, Url, Window};
-
-/// A file in the browser's memory.
-#[derive(Debug, Clone)]
-pub struct JsFile {
-    /// Its name.
-    pub name: String,
-    /// Its content.
-    pub bytes: Uint8Array,
-}
 
 fn window() -> Option<Window> {
     web_sys::window()

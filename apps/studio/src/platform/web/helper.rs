@@ -1,7 +1,6 @@
 //! A worker of the page, as the page sees it.
 
-use super::browser::JsFile;
-use super::{Inbox, News, Wake};
+use super::news::{Inbox, JsFile, News, Wake};
 use crate::model::desk::{Ask, to_bytes};
 use crate::platform::WorkProgress;
 use eframe::wasm_bindgen::closure::Closure;

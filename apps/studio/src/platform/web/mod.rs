@@ -3,6 +3,7 @@
 
 mod browser;
 mod helper;
+mod news;
 mod serve;
 
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
@@ -12,39 +13,19 @@ use crate::model::held::is_project;
 use crate::model::input::Input;
 use crate::model::link::{link, read_link};
 use crate::ui::studio::Studio;
-use browser::JsFile;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use helper::Helper;
 use js_sys::Array;
-use std::cell::RefCell;
+use news::{Inbox, JsFile, News, Wake};
 use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::Duration;
 
-/// Wakes the page.
-pub type Wake = Rc<dyn Fn()>;
-
 /// How long the work on a picture goes on after another was asked for. Then its worker is ended: a new one begins by finding the stem
 /// again, which an answer that is nearly there does not.
 const PATIENCE: Duration = Duration::from_millis(1500);
-
-/// What happened beside the page.
-enum News {
-    /// The helper of this number said something.
-    Said(u64, Array),
-    /// The helper of this number ended with an error.
-    Ended(u64, String),
-    /// Files were chosen or dropped.
-    Files(Vec<JsFile>),
-    /// Something went wrong with them.
-    Problem(String),
-    /// The address was changed by hand.
-    Address,
-}
-
-type Inbox = Rc<RefCell<VecDeque<News>>>;
 
 /// What the second helper does.
 enum Filing {
