@@ -1,6 +1,6 @@
 //! Checks of the workspace that the compiler does not make, the files that are generated from it, and what a version is
-//! published as. Run as `cargo xtask check`, `cargo xtask generate`, `cargo xtask generate --check` and
-//! `cargo xtask release --dry-run`.
+//! published as. Run as `cargo xtask check`, `cargo xtask generate`, `cargo xtask generate --check`,
+//! `cargo xtask page -o FOLDER` and `cargo xtask release --dry-run`.
 
 mod directions;
 mod exceptions;
@@ -9,6 +9,7 @@ mod generate;
 mod imports;
 mod lexer;
 mod modules;
+mod page;
 mod references;
 mod release;
 mod sources;
@@ -18,11 +19,17 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: cargo xtask check | generate [--check] | release --dry-run";
+const USAGE: &str =
+    "usage: cargo xtask check | generate [--check] | page -o FOLDER | release --dry-run";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    if let [word, option, folder] = &arguments[..]
+        && (word.as_str(), option.as_str()) == ("page", "-o")
+    {
+        return said(page::build(&root, Path::new(folder)));
+    }
     let (outcome, message) = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => (
             check(&root),
@@ -54,6 +61,20 @@ fn main() -> ExitCode {
         Ok(faults) => {
             faults.iter().for_each(|f| eprintln!("{f}"));
             ExitCode::from(1)
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+/// Prints what was done, or what went wrong.
+fn said(outcome: Result<String, String>) -> ExitCode {
+    match outcome {
+        Ok(message) => {
+            println!("{message}");
+            ExitCode::SUCCESS
         }
         Err(error) => {
             eprintln!("{error}");

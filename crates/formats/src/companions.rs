@@ -1,6 +1,7 @@
 //! Files in memory, and the companions of a main file: buffers, materials and textures.
 
-use greenstick_geometry::{Image, ImageSource};
+use crate::uri::percent_decoded;
+use greenstick_geometry::{Image, ImageSource, Scene};
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
@@ -183,13 +184,44 @@ pub(crate) fn image_type(stated: &str, bytes: &[u8]) -> String {
 }
 
 /// The media type of an image that every reader of glTF supports, PNG or JPEG; `None` for others.
-pub fn embeddable_image_type(bytes: &[u8]) -> Option<&'static str> {
+fn embeddable_image_type(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         Some("image/png")
     } else if bytes.starts_with(b"\xff\xd8\xff") {
         Some("image/jpeg")
     } else {
         None
+    }
+}
+
+/// Embeds the images that a scene refers to, as far as `find` has them by the reference as it stands or decoded, so that it can be written
+/// anywhere. Others stay references, and a note names each that was not found.
+pub fn embed_images(scene: &mut Scene, find: Resolve) {
+    for image in &mut scene.images {
+        let ImageSource::Reference(reference) = &image.source else {
+            continue;
+        };
+        if reference.is_empty() || reference.starts_with("data:") {
+            continue;
+        }
+        match find(&percent_decoded(reference)).or_else(|_| find(reference)) {
+            Ok(bytes) => {
+                if let Some(mime_type) = embeddable_image_type(&bytes) {
+                    image.mime_type = mime_type.to_owned();
+                    if image.name.is_empty() {
+                        let name = Path::new(reference).file_stem().unwrap_or_default();
+                        image.name = name.to_string_lossy().into_owned();
+                    }
+                    image.source = ImageSource::Bytes(bytes);
+                }
+            }
+            Err(error) => {
+                let note = format!("texture {reference} remains a reference: {error}");
+                if !scene.notes.contains(&note) {
+                    scene.notes.push(note);
+                }
+            }
+        }
     }
 }
 

@@ -44,8 +44,7 @@ pub mod vtk;
 
 pub use cloud::{CloudFile, Content, read_content};
 pub use companions::{
-    Encoded, Reach, RefusedReference, Resolve, embeddable_image_type, reference_within,
-    relative_reference,
+    Encoded, Reach, RefusedReference, Resolve, embed_images, reference_within, relative_reference,
 };
 pub use error::FormatError;
 pub use format::{CloudFormat, Format, InputFormat, OutputFormat};

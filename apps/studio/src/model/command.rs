@@ -1,34 +1,38 @@
 //! The command line that does the same.
 
 use greenstick::RequestFile;
-use greenstick::schema::{Parameters, Value};
+use greenstick::schema::{ParameterInfo, Parameters, Value};
 
 /// Returns the command that breaks `input` by the request of `file` into `output`. Settings that the command line cannot take one by
 /// one come from a saved project, whose name is `project`.
 pub fn equivalent(file: &RequestFile, input: Option<&str>, output: &str, project: &str) -> String {
     let mut words = vec!["greenstick".to_owned(), "break".to_owned()];
     words.extend(input.map(quoted));
-    let changed: Vec<_> = file
-        .changed()
-        .into_iter()
-        .filter(|p| p.key != "input")
-        .collect();
-    let complex = |value: &Value| matches!(value, Value::List(_));
-    if changed
-        .iter()
-        .any(|p| p.key.contains('[') || complex(&p.value))
-    {
-        words.push("--recipe".to_owned());
-        words.push(quoted(project));
-    } else {
-        for p in changed {
-            words.push("--set".to_owned());
-            words.push(quoted(&format!("{}={}", p.key, text(&p.value, p.unit()))));
+    match settings(file) {
+        Some(settings) => {
+            for setting in settings {
+                words.push("--set".to_owned());
+                words.push(quoted(&setting));
+            }
+        }
+        None => {
+            words.push("--recipe".to_owned());
+            words.push(quoted(project));
         }
     }
     words.push("-o".to_owned());
     words.push(quoted(output));
     words.join(" ")
+}
+
+/// Returns what differs from the defaults as settings, `key=value`; none where they cannot say it all.
+pub fn settings(file: &RequestFile) -> Option<Vec<String>> {
+    let changed = file.changed().into_iter().filter(|p| p.key != "input");
+    let one = |p: ParameterInfo| {
+        let complex = p.key.contains('[') || matches!(p.value, Value::List(_));
+        (!complex).then(|| format!("{}={}", p.key, text(&p.value, p.unit())))
+    };
+    changed.map(one).collect()
 }
 
 /// A value as a setting: lengths must say their unit.
@@ -68,11 +72,7 @@ mod tests {
             command.starts_with("greenstick break 'my tree.glb' --set "),
             "{command}"
         );
-        let settings: Vec<String> = file
-            .changed()
-            .iter()
-            .map(|p| format!("{}={}", p.key, text(&p.value, p.unit())))
-            .collect();
+        let settings = super::settings(&file).unwrap();
         let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
         assert_eq!(RequestFile::resolve(&[], None, &settings).unwrap(), file);
     }

@@ -2,6 +2,7 @@
 
 use super::input::{Input, InputContent};
 use super::meshes::DrawnScene;
+use super::wire;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::stem::{StemError, StemLocation};
@@ -9,6 +10,7 @@ use greenstick::{
     BreakReport, BreakRequest, BreakSession, BreakStage, Broken, Error, ErrorKind, RequestFile,
     break_scene,
 };
+use serde::{Deserialize, Serialize};
 
 /// Most circles and sectors of a coarse answer.
 const COARSE: (u32, u32) = (24, 60);
@@ -27,15 +29,17 @@ pub struct Job {
 }
 
 /// What a job gives.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Shown {
     /// The meshes as the card draws them.
     pub drawn: DrawnScene,
     /// The report.
+    #[serde(with = "wire::json")]
     pub report: BreakReport,
     /// Whether the face is coarser than was asked for.
     pub coarse: bool,
-    /// The first stage that was recomputed.
+    /// The first stage that was recomputed; unknown where the work is done elsewhere.
+    #[serde(skip)]
     pub started_at: Option<BreakStage>,
     /// What was subtracted from the coordinates of a cloud, m.
     pub origin: [f64; 3],
@@ -46,21 +50,31 @@ pub fn unbroken(input: &Input) -> Option<DrawnScene> {
     match &*input.content {
         InputContent::Mesh(scene) => Some(DrawnScene::unbroken(scene)),
         InputContent::Cloud(_) => None,
+        InputContent::Elsewhere(seen) => seen.unbroken.clone(),
     }
 }
 
 /// What went wrong, as a message that stays until it is read.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Failure {
     /// What was found, where, and what would be right.
     pub message: String,
     /// Whether the work was only cancelled.
     pub cancelled: bool,
     /// The nearest place that works, where it is only the place that does not.
+    #[serde(with = "wire::place")]
     pub place: Option<StemLocation>,
 }
 
 impl Failure {
+    /// Work that was given up.
+    pub fn cancelled() -> Self {
+        Failure {
+            cancelled: true,
+            ..Failure::new("cancelled")
+        }
+    }
+
     /// A message.
     pub fn new(message: impl ToString) -> Self {
         Failure {
@@ -125,6 +139,11 @@ fn lay(input: &Input, file: &RequestFile, context: &Context) -> Result<Laid, Err
             &sampled
         }
         InputContent::Cloud(cloud) => cloud,
+        InputContent::Elsewhere(_) => {
+            return Err(Error::Amount(
+                "the file is not where the work is".to_owned(),
+            ));
+        }
     };
     let place = first_place(file);
     let scanned = scan_to_scene(cloud, &place, &file.scan.request(), context)?;

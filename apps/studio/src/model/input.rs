@@ -1,8 +1,10 @@
 //! What is broken: the built-in branch, a mesh or a scan.
 
+use super::meshes::DrawnScene;
 use greenstick::built_in_branch;
 use greenstick::formats::{CloudFile, Content};
 use greenstick::geometry::Scene;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -26,6 +28,19 @@ pub enum InputContent {
     Mesh(Scene),
     /// A point cloud.
     Cloud(CloudFile),
+    /// Only what the window needs to know; the meshes or points are where the work is done.
+    Elsewhere(Seen),
+}
+
+/// What the window needs to know of an input.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Seen {
+    /// The meshes before anything is broken; none of a scan.
+    pub unbroken: Option<DrawnScene>,
+    /// Whether its vertical is z.
+    pub has_z_up: bool,
+    /// Notes of the reader.
+    pub notes: Vec<String>,
 }
 
 static NEXT: AtomicU64 = AtomicU64::new(1);
@@ -61,6 +76,16 @@ impl Input {
         }
     }
 
+    /// A file that is read where the work is done.
+    pub fn elsewhere(name: String, seen: Seen) -> Self {
+        Input {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            path: Some(name),
+            notes: seen.notes.clone(),
+            content: Arc::new(InputContent::Elsewhere(seen)),
+        }
+    }
+
     /// The name of the file without its folder; none for the built-in branch.
     pub fn file_name(&self) -> Option<&str> {
         let path = self.path.as_deref()?;
@@ -69,7 +94,11 @@ impl Input {
 
     /// Whether its vertical is z, as that of scans is; meshes have y up, as in glTF.
     pub fn has_z_up(&self) -> bool {
-        matches!(&*self.content, InputContent::Cloud(_))
+        match &*self.content {
+            InputContent::Mesh(_) => false,
+            InputContent::Cloud(_) => true,
+            InputContent::Elsewhere(seen) => seen.has_z_up,
+        }
     }
 
     /// What titles and menus call it.

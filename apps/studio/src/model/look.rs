@@ -1,11 +1,13 @@
 //! The look of a stem's wood as the shader takes it: numbers, the ring field of its section, and the years.
 
+use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
 use greenstick::session::BrokenWood;
 use greenstick::wood::appearance::BarkAppearance;
 use greenstick::wood::noise::unit;
 use greenstick::wood::rings::StemAddress;
+use serde::{Deserialize, Serialize};
 
 /// Texels along each side of the ring field: at 256 the rings of a section lie within a hundredth of a ring width of where they are.
 const FIELD_SIDE: usize = 256;
@@ -35,16 +37,19 @@ pub struct WoodNumbers {
 }
 
 /// The wood inside one break.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WoodLook {
     /// The numbers.
+    #[serde(with = "wire::one")]
     pub numbers: WoodNumbers,
     /// Side of the ring field, texels.
     pub field_side: u32,
     /// Four numbers for each texel: the ring coordinate and, where rings follow no coordinate, the ring, the place in it and its
     /// width.
+    #[serde(with = "wire::plain")]
     pub field: Vec<[f32; 4]>,
     /// For each step of the ring coordinate the ring there, its inner and outer edge, and the strength of its latewood.
+    #[serde(with = "wire::plain")]
     pub years: Vec<[f32; 4]>,
 }
 

@@ -1,6 +1,7 @@
 //! A broken scene as the card draws it: one list of vertices, one of triangles, and batches of one material each.
 
 use super::look::WoodLook;
+use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use greenstick::formats::photograph::{Photograph, read_photograph};
@@ -9,6 +10,7 @@ use greenstick::geometry::{ImageSource, Material, Mesh, Node, Scene};
 use greenstick::session::{Broken, NodeRole, PieceRole};
 use greenstick::skin::materials::without_color;
 use greenstick::wood::branch::BARK_MATERIAL_NAME;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -29,7 +31,7 @@ pub struct Vertex {
 }
 
 /// How a batch is shaded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Shading {
     /// By its own material.
     Material,
@@ -40,7 +42,7 @@ pub enum Shading {
 }
 
 /// Triangles of one material.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
     /// First index.
     pub first: u32,
@@ -57,30 +59,35 @@ pub struct Batch {
 }
 
 /// A piece that is drawn.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DrawnPiece {
     /// Its name.
     pub name: String,
     /// Its motion from where it was in the unbroken scene.
+    #[serde(with = "wire::motion")]
     pub motion: DAffine3,
 }
 
 /// A broken scene as the card draws it.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DrawnScene {
     /// Vertices.
+    #[serde(with = "wire::plain")]
     pub vertices: Vec<Vertex>,
     /// Corners of triangles.
+    #[serde(with = "wire::plain")]
     pub indices: Vec<u32>,
     /// Batches, which cover all indices.
     pub batches: Vec<Batch>,
     /// Pieces, by the number in their vertices.
     pub pieces: Vec<DrawnPiece>,
     /// Decoded textures.
+    #[serde(with = "wire::images")]
     pub images: Vec<Arc<Photograph>>,
     /// The wood inside each break.
     pub woods: Vec<WoodLook>,
     /// The middle, m: what is subtracted from positions.
+    #[serde(with = "wire::point")]
     pub middle: DVec3,
     /// Radius of a sphere about the middle that holds all, m.
     pub radius: f64,
@@ -89,11 +96,13 @@ pub struct DrawnScene {
 }
 
 /// Where a break is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DrawnBreak {
     /// Its place from the middle, m.
+    #[serde(with = "wire::vector")]
     pub place: Vec3,
     /// Unit direction of the stem.
+    #[serde(with = "wire::vector")]
     pub along: Vec3,
     /// Radius of the stem, m.
     pub radius: f32,

@@ -1,10 +1,14 @@
 //! What the studio knows and does, apart from any window: no threads, no files, no clock.
 
 pub mod command;
+pub mod desk;
 pub mod engine;
+pub mod held;
 pub mod history;
 pub mod input;
+pub mod link;
 pub mod look;
 pub mod meshes;
 pub mod project;
 pub mod randomise;
+pub mod wire;

@@ -2,17 +2,20 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod native;
+#[cfg(target_arch = "wasm32")]
+pub mod web;
 
 use crate::model::engine::{Failure, Job, Shown};
 use crate::model::input::Input;
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
+use std::borrow::Cow;
 
 /// How far some work is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct WorkProgress {
     /// The name of its stage.
-    pub stage: &'static str,
+    pub stage: Cow<'static, str>,
     /// 0 to 1.
     pub overall: f64,
 }
@@ -68,7 +71,7 @@ pub struct Entry {
 
 /// The machine.
 pub trait Platform {
-    /// Starts to make what the viewport shows; what is still at work is given up if `replace`, else finished first.
+    /// Starts to make what the viewport shows; what is still at work is given up, or finished first where it is nearly there.
     fn show(&mut self, number: u64, job: Job);
     /// Starts to read a file: a mesh, a scan, a recipe or a project.
     fn open(&mut self, path: &str, unit: Option<LengthUnit>);
@@ -85,6 +88,13 @@ pub trait Platform {
     /// # Errors
     /// Why it could not be written.
     fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure>;
+    /// Whether there are folders to look into. Where there are none, files are chosen by [`Platform::choose`] and written by their
+    /// names alone.
+    fn has_folders(&self) -> bool {
+        true
+    }
+    /// Lets the machine ask for files to open, where it has a dialog of its own for that.
+    fn choose(&mut self) {}
     /// The entries of a folder, and its whole path.
     ///
     /// # Errors

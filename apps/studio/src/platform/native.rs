@@ -31,7 +31,7 @@ impl Working {
         let tell = move |p: Progress| {
             if let Ok(mut at) = progress.lock() {
                 *at = Some(WorkProgress {
-                    stage: p.stage.name(),
+                    stage: p.stage.name().into(),
                     overall: p.overall,
                 });
             }
@@ -41,13 +41,13 @@ impl Working {
     }
 
     fn at(&self) -> Option<WorkProgress> {
-        *self.progress.lock().ok()?
+        self.progress.lock().ok()?.clone()
     }
 
     fn begin(&self) {
         if let Ok(mut at) = self.progress.lock() {
             *at = Some(WorkProgress {
-                stage: "wait",
+                stage: "wait".into(),
                 overall: 0.0,
             });
         }

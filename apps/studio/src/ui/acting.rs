@@ -65,13 +65,14 @@ impl Studio {
                 self.apply_settings(ctx);
             }
             Action::Save => self.save(),
+            Action::Open if !self.platform.has_folders() => self.platform.choose(),
             Action::Open
             | Action::SaveAs
             | Action::Export
             | Action::Palette
             | Action::Shortcuts => self.dialog = self.dialog_of(action),
             Action::Cancel => self.cancel(),
-            Action::Quit => self.quit = true,
+            Action::Quit => self.quit = self.platform.has_folders(),
         }
     }
 
@@ -164,6 +165,10 @@ impl Studio {
     }
 
     pub(super) fn dropped(&mut self, ctx: &egui::Context) {
+        if !self.platform.has_folders() {
+            // Without folders the machine reads drops itself.
+            return;
+        }
         let dropped = ctx.input(|i| i.raw.dropped_files.clone());
         if let Some(file) = dropped.last() {
             let path = file.path().display().to_string();

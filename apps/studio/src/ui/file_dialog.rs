@@ -53,6 +53,27 @@ impl FileDialog {
 
     /// Shows folder, files and name. Returns a path when a file was chosen for good.
     pub fn show(&mut self, ui: &mut Ui, platform: &dyn Platform) -> Option<String> {
+        let mut chosen = None;
+        if platform.has_folders() {
+            chosen = self.show_folder(ui, platform);
+        }
+        ui.horizontal(|ui| {
+            ui.label("Name");
+            let edit = egui::TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
+            let response = ui.add(edit);
+            if std::mem::take(&mut self.focus) {
+                response.request_focus();
+            }
+            let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+            if entered && !self.name.trim().is_empty() {
+                chosen = Some(self.path(platform));
+            }
+        });
+        chosen
+    }
+
+    /// Shows the folder and its files. Returns a path when a file was chosen for good.
+    fn show_folder(&mut self, ui: &mut Ui, platform: &dyn Platform) -> Option<String> {
         let mut go = None;
         let mut chosen = None;
         ui.horizontal(|ui| {
@@ -100,18 +121,6 @@ impl FileDialog {
                     }
                 }
             });
-        ui.horizontal(|ui| {
-            ui.label("Name");
-            let edit = egui::TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
-            let response = ui.add(edit);
-            if std::mem::take(&mut self.focus) {
-                response.request_focus();
-            }
-            let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-            if entered && !self.name.trim().is_empty() {
-                chosen = Some(self.path(platform));
-            }
-        });
         if let Some(folder) = go {
             self.go(platform, &folder);
         }

@@ -98,7 +98,23 @@ impl Studio {
 
     fn file_menu(&mut self, ui: &mut Ui) {
         ui.set_min_width(230.0);
+        let has_folders = self.platform.has_folders();
         self.menu_item(ui, Action::Open);
+        if has_folders {
+            self.recent_menu(ui);
+        }
+        self.menu_item(ui, Action::BuiltIn);
+        ui.separator();
+        self.menu_item(ui, Action::Save);
+        self.menu_item(ui, Action::SaveAs);
+        self.menu_item(ui, Action::Export);
+        if has_folders {
+            ui.separator();
+            self.menu_item(ui, Action::Quit);
+        }
+    }
+
+    fn recent_menu(&mut self, ui: &mut Ui) {
         let recent = self.platform.recent();
         ui.add_enabled_ui(!recent.is_empty(), |ui| {
             ui.menu_button("Open recent", |ui| {
@@ -111,12 +127,5 @@ impl Studio {
                 }
             });
         });
-        self.menu_item(ui, Action::BuiltIn);
-        ui.separator();
-        self.menu_item(ui, Action::Save);
-        self.menu_item(ui, Action::SaveAs);
-        self.menu_item(ui, Action::Export);
-        ui.separator();
-        self.menu_item(ui, Action::Quit);
     }
 }

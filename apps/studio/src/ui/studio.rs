@@ -261,12 +261,10 @@ impl Studio {
             }
             Opened::Project(input, file) => {
                 self.project = Project::new(input, *file);
-                let kept = self.platform.kept();
-                if kept.as_deref() == Some(path) {
-                    self.project.path = None;
-                } else {
-                    self.project.path = Some(path.to_owned());
-                }
+                // A recovered project has no file of its own, nor has the address of a page.
+                let is_file = path.to_lowercase().ends_with(".toml");
+                let own = is_file && self.platform.kept().as_deref() != Some(path);
+                self.project.path = own.then(|| path.to_owned());
             }
         }
         let notes = self.project.input.notes.join("\n");

@@ -18,8 +18,8 @@ const NOTCH: f32 = 0.88;
 /// Points of a touchpad's movement that are as much as one point of a mouse's.
 const TOUCHPAD: f32 = 1.0;
 
-/// To what the point of a click is rounded, m: nobody clicks more exactly, and short numbers can be read.
-const CLICK: f64 = 1e-4;
+/// To which part of a metre the point of a click is rounded: nobody clicks more exactly, and short numbers can be read.
+const CLICK: f64 = 1e4;
 
 impl Studio {
     /// The middle of the window.
@@ -222,7 +222,7 @@ impl Studio {
         let world = picked.position.as_dvec3() + drawn.middle;
         let piece = drawn.pieces.get(picked.piece);
         let still = piece.map_or(world, |p| p.motion.inverse().transform_point3(world));
-        ((still + DVec3::from_array(origin)) / CLICK).round() * CLICK
+        ((still + DVec3::from_array(origin)) * CLICK).round() / CLICK
     }
 
     /// What is laid over the picture: messages and progress.

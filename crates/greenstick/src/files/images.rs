@@ -2,7 +2,7 @@
 
 use super::folder_of;
 use super::whole::{companion, read_bytes};
-use greenstick_formats::{embeddable_image_type, percent_decoded};
+use greenstick_formats::percent_decoded;
 use greenstick_geometry::{ImageSource, Scene};
 use std::fs;
 use std::io;
@@ -23,39 +23,14 @@ pub fn embed_images(scene: &mut Scene, source: &Path) {
 
 /// Embeds images, or only notes which are missing where the `same` folder has them.
 fn carry(scene: &mut Scene, source: &Path, same: bool) {
-    for image in &mut scene.images {
-        let ImageSource::Reference(reference) = &image.source else {
-            continue;
-        };
-        if reference.is_empty() || reference.starts_with("data:") {
-            continue;
+    greenstick_formats::embed_images(scene, &|reference| {
+        let path = companion(source, reference)?;
+        if same {
+            Ok(Vec::new())
+        } else {
+            read_bytes(&path)
         }
-        match image_file(source, reference).and_then(|path| {
-            if same {
-                Ok(Vec::new())
-            } else {
-                read_bytes(&path)
-            }
-        }) {
-            Ok(_) if same => {}
-            Ok(bytes) => {
-                if let Some(mime_type) = embeddable_image_type(&bytes) {
-                    image.mime_type = mime_type.to_owned();
-                    if image.name.is_empty() {
-                        let name = Path::new(reference).file_stem().unwrap_or_default();
-                        image.name = name.to_string_lossy().into_owned();
-                    }
-                    image.source = ImageSource::Bytes(bytes);
-                }
-            }
-            Err(error) => {
-                let note = format!("texture {reference} remains a reference: {error}");
-                if !scene.notes.contains(&note) {
-                    scene.notes.push(note);
-                }
-            }
-        }
-    }
+    });
 }
 
 /// Returns the file of an image that a mesh file refers to.

@@ -1,0 +1,240 @@
+// Drives the studio's page in Chromium as a person would: loads it, clicks on the stem, drags a slider, exports, drops files, stops
+// work. What it exports has to equal what the command line makes of the same project, byte for byte, and pass the Khronos validator.
+// Usage: node page.mjs FOLDER_OF_NODE_MODULES PAGE GREENSTICK MESH FOLDER [webgl|webgpu]. Needs Chromium, which draws on the processor.
+import { execFileSync } from 'node:child_process';
+import { createReadStream, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { createRequire } from 'node:module';
+import { basename, extname, join, resolve } from 'node:path';
+
+const [modules, page_folder, greenstick, mesh, folder, card = 'webgl'] = process.argv.slice(2);
+if (!folder) {
+  console.error('usage: node page.mjs FOLDER_OF_NODE_MODULES PAGE GREENSTICK MESH FOLDER [webgl|webgpu]');
+  process.exit(2);
+}
+const { chromium } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
+const PATIENCE = 180_000; // ms, on a busy machine
+const WIDTH = 1180;
+const HEIGHT = 720;
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
+mkdirSync(folder, { recursive: true });
+
+function fail(message) {
+  console.error(`page: ${message}`);
+  process.exit(1);
+}
+
+function check(what, holds) {
+  if (!holds) fail(`${what} does not hold`);
+}
+
+/** Any server will do: no headers of its own are needed. */
+async function serve() {
+  const server = createServer((request, response) => {
+    const name = new URL(request.url, 'http://page').pathname;
+    const file = join(page_folder, name === '/' ? 'index.html' : basename(name));
+    if (!existsSync(file)) {
+      response.writeHead(404).end();
+      return;
+    }
+    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
+    createReadStream(file).pipe(response);
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  return [server, `http://127.0.0.1:${server.address().port}/`];
+}
+
+const flags = {
+  webgl: ['--disable-features=WebGPU', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  webgpu: [
+    '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan', '--use-vulkan=swiftshader',
+    '--use-angle=vulkan', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
+  ],
+};
+const [server, address] = await serve();
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--no-sandbox', '--disable-dev-shm-usage', ...flags[card]],
+});
+const context = await browser.newContext({ viewport: { width: WIDTH, height: HEIGHT }, acceptDownloads: true });
+const page = await context.newPage();
+page.setDefaultTimeout(PATIENCE);
+const complaints = [];
+page.on('console', (m) => m.type() === 'error' && complaints.push(m.text()));
+page.on('pageerror', (e) => complaints.push(String(e)));
+const workers = { begun: 0, ended: 0 };
+page.on('worker', (w) => {
+  workers.begun += 1;
+  w.on('close', () => (workers.ended += 1));
+});
+// Nothing but the page itself is asked for.
+page.on('request', (r) => {
+  if (!r.url().startsWith(address) && !/^(data|blob):/.test(r.url())) complaints.push(`asked for ${r.url()}`);
+});
+
+const pictures = () => page.evaluate(() => performance.getEntriesByName('shown').length);
+const hash = () => page.evaluate(() => decodeURIComponent(location.hash));
+
+async function wait(what, condition) {
+  const start = Date.now();
+  while (Date.now() - start < PATIENCE) {
+    const found = await condition();
+    if (found) return found;
+    await rest(200);
+  }
+  await page.screenshot({ path: join(folder, 'failed.png') }).catch(() => {});
+  return fail(`${what} did not happen within ${PATIENCE / 1000} s; the address is ${await hash()}; console: ${complaints.join('; ')}`);
+}
+
+const rest = (ms) => new Promise((done) => setTimeout(done, ms));
+
+async function shot(name) {
+  await page.screenshot({ path: join(folder, `${name}.png`), timeout: PATIENCE });
+}
+
+/** Number of pixels of the frame around a message about something that failed. */
+async function message_pixels() {
+  const png = (await page.screenshot({ timeout: PATIENCE })).toString('base64');
+  return page.evaluate(async (png) => {
+    const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
+    const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      const off = Math.abs(data[i] - 214) + Math.abs(data[i + 1] - 78) + Math.abs(data[i + 2] - 60);
+      if (off < 40) count += 1;
+    }
+    return count;
+  }, png);
+}
+
+async function drop(name, bytes) {
+  await page.evaluate(
+    ([name, text]) => {
+      const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([bytes], name));
+      const canvas = document.getElementById('studio');
+      canvas.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+    },
+    [name, Buffer.from(bytes).toString('base64')],
+  );
+}
+
+const downloads = [];
+page.on('download', (d) => downloads.push(d));
+
+/** Presses keys and takes the file that is handed out; the dialog that Return accepts may take its time to appear. */
+async function handed_out(keys, name) {
+  const count = downloads.length;
+  await page.keyboard.press(keys);
+  await wait(`a download of ${name}`, async () => {
+    await rest(2000);
+    if (downloads.length === count) await page.keyboard.press('Enter');
+    return downloads.length > count;
+  });
+  const file = join(folder, name);
+  await downloads[count].saveAs(file);
+  return file;
+}
+
+/** Exports and saves, and compares with the command line. */
+async function compare(what, input) {
+  const project = await handed_out('Control+s', `${what}.greenstick.toml`);
+  const pieces = await handed_out('Control+e', `${what}.glb`);
+  if (input) writeFileSync(join(folder, basename(input)), readFileSync(input));
+  const expected = join(folder, `${what}-expected.glb`);
+  execFileSync(greenstick, ['break', '--recipe', project, '-o', expected, '--quiet']);
+  execFileSync('node', [join(import.meta.dirname, 'validate_gltf.mjs'), modules, pieces], { stdio: 'inherit' });
+  const [made, wanted] = [readFileSync(pieces), readFileSync(expected)];
+  check(`that the pieces of ${what} equal those of the command line (${made.length} and ${wanted.length} bytes)`, made.equals(wanted));
+  console.log(`page: the pieces of ${what} are those of the command line: ${made.length} bytes`);
+}
+
+const start = Date.now();
+await page.goto(address);
+await wait('a first picture', async () => (await pictures()) > 0);
+const first = await page.evaluate(() => performance.getEntriesByName('shown')[0].startTime);
+console.log(`page: ${card}, first answer ${first.toFixed(0)} ms after the page was asked for`);
+const gpu = await page.evaluate(async () => Boolean(await navigator.gpu?.requestAdapter()));
+check(`that WebGPU is ${card === 'webgpu' ? '' : 'not '}there`, gpu === (card === 'webgpu'));
+await wait('a rest', async () => {
+  const before = await pictures();
+  await rest(3000);
+  return (await pictures()) === before;
+});
+await shot('start');
+
+// A click on the stem moves the break.
+const box = await page.locator('#studio').boundingBox();
+const middle = { x: 190 + (WIDTH - 190 - 360) / 2, y: box.y + box.height / 2 };
+const unclicked = await pictures();
+for (let i = 0; i < 12 && !(await hash()).includes('at='); i += 1) {
+  await page.mouse.move(middle.x - 120 + 20 * i, middle.y + 160 - 27 * i);
+  await rest(1000);
+  await page.mouse.down();
+  await page.mouse.up();
+  await rest(4000);
+}
+check(`that a click moves the break (the address is ${await hash()})`, (await hash()).includes('at='));
+await wait('a picture after a click', async () => (await pictures()) > unclicked);
+await shot('clicked');
+
+// A slider changes it: the first of the panel on the right that is one of a number.
+const before = await hash();
+const x = WIDTH - 150;
+for (const y of [211, 280, 303]) {
+  await page.mouse.move(x - 12, box.y + y);
+  await page.mouse.down();
+  for (let i = 1; i <= 5; i += 1) await page.mouse.move(x - 12 + 7 * i, box.y + y);
+  await page.mouse.up();
+  await rest(500);
+}
+await wait('a change by a slider', async () => (await hash()) !== before);
+console.log(`page: after a click and a slider the address is ${await hash()}`);
+await shot('slid');
+await compare('branch');
+
+// A link shows the same break again.
+const link = await page.evaluate(() => location.hash);
+await page.goto('about:blank');
+await page.goto(address + link);
+await wait('a picture of a link', async () => (await pictures()) > 0);
+await compare('link');
+check('that a link gives the same pieces', readFileSync(join(folder, 'link.glb')).equals(readFileSync(join(folder, 'branch.glb'))));
+
+// A bad file gives a message, and what was there stays.
+const quiet = await message_pixels();
+await drop('bad.glb', 'no mesh');
+await wait('a message about a bad file', async () => (await message_pixels()) > quiet + 200);
+await shot('bad');
+
+// A mesh of one's own.
+const shown = await pictures();
+await drop(basename(mesh), readFileSync(mesh));
+await wait('a picture of a mesh', async () => (await pictures()) > shown);
+await page.keyboard.press('n');
+await wait('the name of the mesh in the address', async () => (await hash()).includes(`input=${basename(mesh)}`));
+await shot('mesh');
+await compare('mesh', mesh);
+
+// Work that takes long is stopped, and other work goes on. The address of long work is as anybody would type it.
+await page.goto('about:blank');
+await page.goto(`${address}#break.rings=300&break.sectors=300`);
+await wait('long work', () => page.evaluate(() => performance.getEntriesByName('progress').length > 0));
+const { ended } = workers;
+await page.keyboard.press('Escape');
+await wait('the end of a worker', async () => workers.ended > ended);
+const stopped = await pictures();
+check('that nothing was shown', stopped === 0);
+await shot('stopped');
+await page.evaluate(() => (location.hash = '#preset=brash'));
+await wait('a picture after a stop', async () => (await pictures()) > stopped);
+await shot('after');
+
+if (complaints.length) fail(`the console has errors: ${complaints.join('; ')}`);
+console.log(`page: ${card}, all is well after ${((Date.now() - start) / 1000).toFixed(0)} s; ${workers.begun} workers began`);
+await browser.close();
+server.close();

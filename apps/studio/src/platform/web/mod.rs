@@ -1,0 +1,465 @@
+//! The machine as a browser gives it: work in a worker of the same program that shares no memory with the page, files by a button, by
+//! drops and as downloads, and the address that holds the request.
+
+mod browser;
+mod helper;
+mod news;
+mod serve;
+
+use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
+use crate::model::desk::{Answer, Ask, OpenedFiles, from_bytes};
+use crate::model::engine::{Failure, Job};
+use crate::model::held::is_project;
+use crate::model::input::Input;
+use crate::model::link::{link, read_link};
+use crate::ui::studio::Studio;
+use eframe::wasm_bindgen::{JsCast, JsValue};
+use greenstick::RequestFile;
+use greenstick::formats::LengthUnit;
+use helper::Helper;
+use js_sys::Array;
+use news::{Inbox, JsFile, News, Wake};
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::time::Duration;
+
+/// How long the work on a picture goes on after another was asked for. Then its worker is ended: a new one begins by finding the stem
+/// again, which an answer that is nearly there does not.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// What the second helper does.
+enum Filing {
+    /// Finds out what these files are.
+    Open(Vec<JsFile>),
+    /// Makes the pieces, of this path.
+    Export(String),
+}
+
+/// The files of an input.
+#[derive(Default)]
+struct Held {
+    input: u64,
+    unit: Option<String>,
+    files: Vec<JsFile>,
+}
+
+/// The machine.
+pub struct Web {
+    wake: Wake,
+    inbox: Inbox,
+    done: VecDeque<Done>,
+    show: Helper,
+    /// The picture that is being made, and the one that is wanted after it.
+    showing: Option<u64>,
+    wanted: Option<(u64, Job)>,
+    files: Option<(Helper, Filing)>,
+    held: Held,
+    /// A request that waits for the file it is about.
+    waiting: Option<RequestFile>,
+}
+
+/// Begins: as the page, or as its worker.
+pub fn begin() {
+    if let Ok(scope) = js_sys::global().dyn_into::<web_sys::DedicatedWorkerGlobalScope>() {
+        serve::serve(&scope);
+    } else {
+        wasm_bindgen_futures::spawn_local(open_page());
+    }
+}
+
+async fn open_page() {
+    let Some(canvas) = browser::canvas() else {
+        return;
+    };
+    let create: eframe::AppCreator = Box::new(|creation| {
+        let ctx = creation.egui_ctx.clone();
+        let wake = Rc::new(move || ctx.request_repaint());
+        let mut studio = Studio::new(&creation.egui_ctx, Box::new(Web::new(wake)), None);
+        if let Some(state) = &creation.wgpu_render_state {
+            studio.use_card(state);
+        }
+        Ok(Box::new(studio))
+    });
+    let runner = eframe::WebRunner::new();
+    say_faults();
+    let problem = runner
+        .start(canvas, eframe::WebOptions::default(), create)
+        .await;
+    let problem = problem.err().map(|e| {
+        format!(
+            "This browser draws neither by WebGPU nor by WebGL 2, or has them switched off ({e:?})."
+        )
+    });
+    browser::focus();
+    browser::say(problem.as_deref());
+}
+
+/// Tells of faults on the page itself, too, and not in the browser's console alone: nothing is drawn any more after one.
+fn say_faults() {
+    let console = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |fault| {
+        browser::say(Some(
+            "The studio has stopped, most often because the graphics card was taken from it. Load the page again: its address holds \
+             what was being made. What happened is in the browser's console.",
+        ));
+        console(fault);
+    }));
+}
+
+impl Web {
+    /// The machine, which wakes the page by `wake`.
+    fn new(wake: Wake) -> Self {
+        let inbox = Inbox::default();
+        browser::listen(&inbox, &wake);
+        inbox.borrow_mut().push_back(News::Address);
+        Web {
+            show: Helper::new(&inbox, &wake),
+            wake,
+            inbox,
+            done: VecDeque::new(),
+            showing: None,
+            wanted: None,
+            files: None,
+            held: Held::default(),
+            waiting: None,
+        }
+    }
+
+    /// Ends the worker that makes pictures, with what it does, and starts another.
+    fn renew(&mut self) {
+        self.show = Helper::new(&self.inbox, &self.wake);
+        self.showing = None;
+    }
+
+    /// Starts to make the picture that is wanted, unless another is nearly there.
+    fn show_next(&mut self) {
+        if self.wanted.is_none() {
+            return;
+        }
+        if self.showing.is_some() {
+            if !self.show.works_longer_than(PATIENCE) {
+                return;
+            }
+            self.renew();
+        }
+        let Some((number, job)) = self.wanted.take() else {
+            return;
+        };
+        let input = job.input.id;
+        if input != 0 && self.show.holds != input && self.held.input == input {
+            let unit = self.held.unit.clone();
+            self.show.ask(&Ask::Hold { input, unit }, &self.held.files);
+            self.show.holds = input;
+        }
+        let ask = Ask::Show {
+            number,
+            input,
+            request: job.file.to_toml(),
+            coarse: job.coarse,
+        };
+        self.show.ask(&ask, &[]);
+        self.showing = Some(number);
+    }
+
+    /// Starts work on files, in a worker of its own that ends with it.
+    fn start(&mut self, ask: &Ask, files: &[JsFile], filing: Filing) {
+        let mut helper = Helper::new(&self.inbox, &self.wake);
+        helper.ask(ask, files);
+        self.files = Some((helper, filing));
+    }
+
+    fn news(&mut self) -> Option<News> {
+        self.inbox.borrow_mut().pop_front()
+    }
+
+    fn hear(&mut self, news: News) {
+        match news {
+            News::Said(from, message) => {
+                let answer = message.get(0).dyn_into::<js_sys::Uint8Array>();
+                let bytes = answer.map(|b| b.to_vec()).unwrap_or_default();
+                match from_bytes::<Answer>(&bytes) {
+                    Ok(answer) => self.answered(from, answer, &message),
+                    Err(error) => self.ended(from, &error),
+                }
+            }
+            News::Ended(from, error) => self.ended(from, &error),
+            News::Files(files) => {
+                let unit: Option<String> = None;
+                self.start(&Ask::Open { unit }, &files.clone(), Filing::Open(files));
+            }
+            News::Problem(problem) => self.fail(&problem),
+            News::Address => self.follow_address(),
+        }
+    }
+
+    /// Tells of something that went wrong with files.
+    fn fail(&mut self, problem: &str) {
+        let failure = Err(Failure::new(problem));
+        self.done.push_back(Done::Opened(String::new(), failure));
+    }
+
+    fn answered(&mut self, from: u64, answer: Answer, message: &Array) {
+        if from == self.show.number {
+            match answer {
+                Answer::Ready => self.show.is_ready(),
+                Answer::Progress { stage, overall } => {
+                    browser::mark("progress", true);
+                    self.show.progress(stage, overall);
+                }
+                Answer::Fault(text) => self.show.fault = Some(text),
+                Answer::Shown(number, shown) => {
+                    browser::mark("shown", false);
+                    self.show.rests();
+                    self.showing = None;
+                    self.done.push_back(Done::Shown(number, shown));
+                }
+                Answer::Opened(_) | Answer::Exported(_) => {}
+            }
+            return;
+        }
+        let Some((helper, _)) = self.files.as_mut().filter(|f| f.0.number == from) else {
+            return;
+        };
+        match answer {
+            Answer::Ready => helper.is_ready(),
+            Answer::Progress { stage, overall } => helper.progress(stage, overall),
+            Answer::Fault(text) => helper.fault = Some(text),
+            Answer::Opened(opened) => {
+                if let Some((_, Filing::Open(files))) = self.files.take() {
+                    self.opened(files, opened.map(|o| *o));
+                }
+            }
+            Answer::Exported(names) => {
+                if let Some((_, Filing::Export(path))) = self.files.take() {
+                    let written = names.map(|names| browser::download_all(&names, message));
+                    self.done.push_back(Done::Exported(path, written));
+                }
+            }
+            Answer::Shown(..) => {}
+        }
+    }
+
+    /// A worker ended by itself: most often it got no more memory.
+    fn ended(&mut self, from: u64, error: &str) {
+        if from == self.show.number {
+            let failure = Failure::new(self.show.why(error));
+            let number = self.showing;
+            self.renew();
+            if let Some(number) = number {
+                self.done.push_back(Done::Shown(number, Err(failure)));
+            }
+        } else if self.files.as_ref().is_some_and(|f| f.0.number == from)
+            && let Some((helper, filing)) = self.files.take()
+        {
+            self.done
+                .push_back(filing.failed(Failure::new(helper.why(error))));
+        }
+    }
+
+    /// Files turned out to be something.
+    fn opened(&mut self, files: Vec<JsFile>, opened: Result<OpenedFiles, Failure>) {
+        let first = files.first().map_or(String::new(), |f| f.name.clone());
+        let opened = match opened {
+            Ok(opened) => opened,
+            Err(failure) => return self.done.push_back(Done::Opened(first, Err(failure))),
+        };
+        let project = files.iter().find(|f| is_project(&f.name));
+        let project = project.map(|f| f.name.clone());
+        let request = opened.request.as_deref();
+        let request = request.and_then(|t| RequestFile::resolve(&[], Some(t), &[]).ok());
+        if let Some(missing) = opened.missing {
+            self.waiting = request;
+            return self.ask_for(&missing);
+        }
+        let input = match opened.input {
+            Some((name, seen)) => {
+                let input = Input::elsewhere(name, seen);
+                self.held = Held {
+                    input: input.id,
+                    unit: None,
+                    files,
+                };
+                input
+            }
+            None => Input::built_in(),
+        };
+        let name = match (&request, &input.path) {
+            (Some(_), _) => project.unwrap_or(first),
+            (None, path) => path.clone().unwrap_or(first),
+        };
+        // A request that waited for this file.
+        let waited = self
+            .waiting
+            .take_if(|w| w.input.is_some() && w.input.as_deref() == input.file_name());
+        let found = match request.or(waited) {
+            Some(file) => {
+                self.held.unit = file.unit.map(|u| u.to_string());
+                Opened::Project(input, Box::new(file))
+            }
+            None => Opened::Input(input),
+        };
+        self.done.push_back(Done::Opened(name, Ok(found)));
+    }
+
+    fn ask_for(&mut self, name: &str) {
+        self.fail(&format!(
+            "This is about the file {name}, which is not part of it: open {name} (File, Open…, or drop it here), and it is broken in the \
+             same way."
+        ));
+    }
+
+    /// Begins with what the address says.
+    fn follow_address(&mut self) {
+        let address = browser::address();
+        if address.is_empty() {
+            return;
+        }
+        match read_link(&address) {
+            Ok(file) => match file.input.clone() {
+                Some(name) => {
+                    self.waiting = Some(file);
+                    self.ask_for(&name);
+                }
+                None => {
+                    let opened = Opened::Project(Input::built_in(), Box::new(file));
+                    let name = "the address".to_owned();
+                    self.done.push_back(Done::Opened(name, Ok(opened)));
+                }
+            },
+            Err(problem) => self.fail(&problem),
+        }
+    }
+}
+
+impl Filing {
+    /// The end of work that failed.
+    fn failed(self, failure: Failure) -> Done {
+        match self {
+            Filing::Open(files) => {
+                let name = files.into_iter().next().map_or(String::new(), |f| f.name);
+                Done::Opened(name, Err(failure))
+            }
+            Filing::Export(path) => Done::Exported(path, Err(failure)),
+        }
+    }
+}
+
+impl Platform for Web {
+    fn show(&mut self, number: u64, job: Job) {
+        self.wanted = Some((number, job));
+        self.show_next();
+    }
+
+    fn open(&mut self, path: &str, _: Option<LengthUnit>) {
+        self.fail(&format!("{path}: a browser opens files by its own dialog"));
+    }
+
+    fn export(&mut self, wanted: Export) {
+        let ask = Ask::Export {
+            request: wanted.file.to_toml(),
+            path: wanted.path.clone(),
+        };
+        let mine = self.held.input == wanted.input.id;
+        let files = if mine {
+            self.held.files.clone()
+        } else {
+            Vec::new()
+        };
+        self.start(&ask, &files, Filing::Export(wanted.path));
+    }
+
+    fn cancel(&mut self, lane: Lane) {
+        match lane {
+            Lane::Show => {
+                let stopped = [self.showing, self.wanted.take().map(|w| w.0)];
+                if self.showing.is_some() {
+                    self.renew();
+                }
+                for number in stopped.into_iter().flatten() {
+                    self.done
+                        .push_back(Done::Shown(number, Err(Failure::cancelled())));
+                }
+            }
+            Lane::Files => {
+                if let Some((_, filing)) = self.files.take() {
+                    self.done.push_back(filing.failed(Failure::cancelled()));
+                }
+            }
+        }
+        (self.wake)();
+    }
+
+    fn progress(&self, lane: Lane) -> Option<WorkProgress> {
+        match lane {
+            Lane::Show => self.show.at.clone(),
+            Lane::Files => self.files.as_ref()?.0.at.clone(),
+        }
+    }
+
+    fn poll(&mut self) -> Option<Done> {
+        while let Some(news) = self.news() {
+            self.hear(news);
+        }
+        self.show_next();
+        self.done.pop_front()
+    }
+
+    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure> {
+        let mut file = file.clone();
+        file.input = input.map(str::to_owned);
+        browser::download(path, &JsValue::from_str(&file.to_toml()))
+            .map_err(|e| Failure::new(format!("{path}: {e:?}")))
+    }
+
+    fn has_folders(&self) -> bool {
+        false
+    }
+
+    fn choose(&mut self) {
+        browser::choose(&self.inbox, &self.wake);
+    }
+
+    fn list(&self, _: &str) -> Result<(String, Vec<Entry>), Failure> {
+        Ok((String::new(), Vec::new()))
+    }
+
+    fn join(&self, _: &str, name: &str) -> String {
+        name.to_owned()
+    }
+
+    fn parent(&self, _: &str) -> Option<String> {
+        None
+    }
+
+    fn recent(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn note_recent(&mut self, _: &str) {}
+
+    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>) {
+        if let Some((file, input)) = project {
+            browser::set_address(&link(file, input));
+        }
+    }
+
+    fn kept(&self) -> Option<String> {
+        None
+    }
+
+    fn settings(&self) -> Settings {
+        let mut settings = Settings::default();
+        if let Some(word) = browser::stored("dark") {
+            settings.dark = word == "true";
+        }
+        if let Some(number) = browser::stored("scale") {
+            settings.scale = number.parse().unwrap_or(1.0f32).clamp(0.5, 4.0);
+        }
+        settings
+    }
+
+    fn keep_settings(&mut self, settings: &Settings) {
+        browser::store("dark", &settings.dark.to_string());
+        browser::store("scale", &settings.scale.to_string());
+    }
+}

@@ -1,0 +1,183 @@
+//! The work of the page's worker, without a browser: what crosses between the two as bytes stays the same.
+
+use greenstick::RequestFile;
+use greenstick::geometry::{Context, ImageSource};
+use greenstick_studio::model::desk::{Answer, Ask, Desk, OpenedFiles, from_bytes, to_bytes};
+use greenstick_studio::model::engine::{Engine, Failure, Job, Shown};
+use greenstick_studio::model::held::{HeldFile, read_input};
+use greenstick_studio::model::input::{Input, InputContent};
+use std::path::Path;
+
+fn test_file(name: &str) -> HeldFile {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
+    HeldFile {
+        name: name.to_owned(),
+        bytes: std::fs::read(root.join(name)).unwrap(),
+    }
+}
+
+/// Asks as the page does: through bytes, both ways.
+fn ask(desk: &mut Desk, ask: &Ask, files: Vec<HeldFile>) -> (Option<Answer>, Vec<HeldFile>) {
+    let bytes = to_bytes(ask).unwrap();
+    let (answer, files) = desk.answer(from_bytes(&bytes).unwrap(), files, &Context::default());
+    let answer = answer.map(|a| from_bytes(&to_bytes(&a).unwrap()).unwrap());
+    (answer, files)
+}
+
+fn shown(desk: &mut Desk, input: u64, request: &RequestFile) -> Result<Box<Shown>, Failure> {
+    let question = Ask::Show {
+        number: 7,
+        input,
+        request: request.to_toml(),
+        coarse: false,
+    };
+    match ask(desk, &question, Vec::new()).0 {
+        Some(Answer::Shown(7, shown)) => shown,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn opened(files: Vec<HeldFile>) -> Result<Box<OpenedFiles>, Failure> {
+    match ask(&mut Desk::default(), &Ask::Open { unit: None }, files).0 {
+        Some(Answer::Opened(opened)) => opened,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_picture_is_the_same_after_its_way_through_bytes() {
+    let file = RequestFile::resolve(&["green-stick"], None, &["at=0.3"]).unwrap();
+    let job = Job {
+        input: Input::built_in(),
+        file: file.clone(),
+        coarse: false,
+    };
+    let direct = Engine::default().work(&job, &Context::default()).unwrap();
+    let crossed = shown(&mut Desk::default(), 0, &file).unwrap();
+    assert!(crossed.drawn.indices.len() > 3000);
+    assert!(crossed.drawn == direct.drawn, "the meshes differ");
+    assert_eq!(crossed.report, direct.report);
+}
+
+#[test]
+fn a_file_that_is_held_is_broken_until_another_is() {
+    let [tree, numbers] =
+        [".gltf", ".bin"].map(|e| test_file(&format!("quaternius_DeadTree_1{e}")));
+    let alone = opened(vec![tree.clone()]).unwrap_err();
+    assert!(
+        alone
+            .message
+            .contains("choose quaternius_DeadTree_1.bin together")
+    );
+    let found = opened(vec![numbers.clone(), tree.clone()]).unwrap();
+    let (name, seen) = found.input.unwrap();
+    assert!(name == tree.name && seen.unbroken.is_some_and(|d| d.indices.len() > 300));
+    let mut desk = Desk::default();
+    let unit = None;
+    assert!(
+        ask(
+            &mut desk,
+            &Ask::Hold { input: 5, unit },
+            vec![numbers, tree]
+        )
+        .0
+        .is_none()
+    );
+    let file = RequestFile::resolve(&[], None, &["at=0.1"]).unwrap();
+    let report = shown(&mut desk, 5, &file).unwrap().report;
+    assert!(report.place.radius_m > 0.05, "{:?}", report.place);
+    assert!(
+        shown(&mut desk, 6, &file)
+            .unwrap_err()
+            .message
+            .contains("open it again")
+    );
+    let off = RequestFile::resolve(&[], None, &["at=900m"]).unwrap();
+    assert!(shown(&mut desk, 5, &off).unwrap_err().place.is_some());
+}
+
+#[test]
+fn what_is_no_mesh_is_said_and_a_project_asks_for_its_file() {
+    let held = |name: &str, text: &str| HeldFile {
+        name: name.to_owned(),
+        bytes: text.as_bytes().to_vec(),
+    };
+    let bad = opened(vec![held("bad.glb", "no mesh")]).unwrap_err();
+    assert!(bad.message.contains("bad.glb"), "{}", bad.message);
+    let strange = opened(vec![held("letter.doc", "Dear")]).unwrap_err();
+    assert!(strange.message.contains("letter.doc") && strange.message.contains("glb"));
+    let project = held("p.greenstick.toml", "input = 'trees/tree.off'\nat = 0.4\n");
+    let alone = opened(vec![project.clone()]).unwrap();
+    assert_eq!(
+        (alone.missing.as_deref(), alone.input.is_none()),
+        (Some("tree.off"), true)
+    );
+    let mesh = held("tree.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    let both = opened(vec![project, mesh]).unwrap();
+    assert_eq!(
+        (both.missing, both.input.unwrap().0),
+        (None, "tree.off".to_owned())
+    );
+}
+
+#[test]
+fn textures_that_are_chosen_with_a_mesh_come_along() {
+    let text = "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    let held = |name: &str, bytes: &[u8]| HeldFile {
+        name: name.to_owned(),
+        bytes: bytes.to_vec(),
+    };
+    let png = std::fs::read(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/pictures/presets/brash.png"),
+    );
+    let mesh = held("t.obj", text.as_bytes());
+    let material = held("t.mtl", b"newmtl m\nmap_Kd textures/a.png\n");
+    let input = read_input(
+        &[material.clone(), mesh.clone(), held("a.png", &png.unwrap())],
+        None,
+    );
+    let InputContent::Mesh(scene) = &*input.unwrap().content.clone() else {
+        panic!("no mesh")
+    };
+    assert!(matches!(scene.images[0].source, ImageSource::Bytes(_)));
+    let without = read_input(&[mesh, material], None).unwrap();
+    assert!(
+        without.notes.iter().any(|n| n.contains("a.png")),
+        "{:?}",
+        without.notes
+    );
+}
+
+#[test]
+fn pieces_equal_those_of_the_command_line() {
+    let name = "quaternius_DeadTree_1.gltf";
+    let settings = ["at=0.1", "texture_size=256"];
+    let request = RequestFile::resolve(&["brash"], None, &settings).unwrap();
+    let export = Ask::Export {
+        request: request.to_toml(),
+        path: "broken.glb".to_owned(),
+    };
+    let (answer, files) = ask(
+        &mut Desk::default(),
+        &export,
+        vec![test_file(name), test_file("quaternius_DeadTree_1.bin")],
+    );
+    assert!(matches!(answer, Some(Answer::Exported(Ok(names))) if names == ["broken.glb"]));
+    // As the program does: read, broken with its provenance, encoded.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/data")
+        .join(name);
+    let scene = greenstick::files::read(&path, None).unwrap();
+    let context = Context::default();
+    let mut broken = greenstick::break_scene(scene, &request.request(), &context).unwrap();
+    broken.scene.metadata = request.provenance(Some(name), None).metadata();
+    let expected = greenstick::files::encode(
+        &broken.scene,
+        Path::new("broken.glb"),
+        request.unit.unwrap_or_default(),
+    );
+    assert!(
+        files[0].bytes == expected.unwrap()[0].bytes,
+        "the bytes differ"
+    );
+}
