@@ -10,7 +10,7 @@ macro_rules! pictured {
     ($($name:literal)+) => {
         [$((
             $name,
-            include_bytes!(concat!("../../../../docs/pictures/presets/", $name, ".png")) as &[u8],
+            include_bytes!(concat!("../../pictures/", $name, ".png")) as &[u8],
         )),+]
     };
 }
