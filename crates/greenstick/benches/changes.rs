@@ -161,7 +161,9 @@ fn glb(scene: &Scene) -> usize {
 fn changed(info: &ParameterInfo) -> Option<Value> {
     match info.kind {
         Kind::Text { .. } if info.key == "at" => Some(Value::from("0.501")),
+        Kind::Text { .. } if info.key.ends_with("_color") => Some(Value::from("#c08040")),
         Kind::Text { .. } => Some(Value::from("Oak, white")),
+        _ if info.key == "triangles" => Some(Value::Integer(20_000)),
         _ => info.neighbour(),
     }
 }
