@@ -105,7 +105,7 @@ impl From<FormatError> for Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let class = match &error {
-            Error::Stem(_) => "StemError",
+            Error::Stem(_) | Error::Places(_) => "StemError",
             Error::Cut { .. } => "CutError",
             Error::Recipe(_) | Error::Parameter(_) | Error::Amount(_) => "ParameterError",
             Error::Species(_) => "SpeciesError",
