@@ -75,6 +75,8 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
         .args([
             "package",
             "--workspace",
+            "--exclude",
+            "xtask",
             "--locked",
             "--allow-dirty",
             "--quiet",
