@@ -71,7 +71,7 @@ impl FaceLayout {
         let rings = &stem.found.stem.rings;
         let bundles = match key.style {
             Style::Smooth => FibreBundles {
-                skin: Some(Arc::new(stem.skin_depth())),
+                skin: Some(stem.skin_depth()),
                 ..layout::smooth(rings, &key.options)
             },
             Style::Fibrous => layout::fibrous(rings, &key.options),

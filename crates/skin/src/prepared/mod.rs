@@ -301,7 +301,12 @@ impl PreparedStem {
     }
 
     /// Returns how deep the skin lies along the part that can be broken.
-    pub(crate) fn skin_depth(&self) -> SkinDepth {
+    pub(crate) fn skin_depth(&self) -> Arc<SkinDepth> {
+        let depth = || Arc::new(self.find_skin_depth());
+        self.measured.skin_depth.get_or_init(depth).clone()
+    }
+
+    fn find_skin_depth(&self) -> SkinDepth {
         let stem = &self.found.stem;
         let mut depth = SkinDepth::new(stem.usable, DEPTH_STEP * stem.radius);
         for &t in &self.found.limb {
