@@ -43,17 +43,23 @@ impl From<String> for Fault {
     }
 }
 
-/// Runs `cargo metadata` in the root of the workspace.
+/// Runs `cargo metadata` in the root of the workspace, for its own packages.
 pub fn metadata(root: &Path) -> Result<Value, String> {
+    metadata_of(root, "--no-deps")
+}
+
+/// Runs `cargo metadata` with an option in the folder of a workspace.
+pub fn metadata_of(folder: &Path, option: &str) -> Result<Value, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let output = Command::new(cargo)
-        .args(["metadata", "--format-version", "1", "--no-deps"])
-        .current_dir(root)
+        .args(["metadata", "--format-version", "1", option])
+        .current_dir(folder)
         .output()
         .map_err(|e| format!("cargo metadata did not start: {e}"))?;
     if !output.status.success() {
         return Err(format!(
-            "cargo metadata failed: {}",
+            "cargo metadata in {} failed: {}",
+            folder.display(),
             String::from_utf8_lossy(&output.stderr)
         ));
     }

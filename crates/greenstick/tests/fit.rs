@@ -190,12 +190,18 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
         (drawn / report.face_m - 1.0).abs() < 1e-6,
         "{drawn}: {report}"
     );
-    // From end to end it reaches farther than heights that are evenly spread: it has few long splinters among many short ones.
-    let stages = session.stages(&request, &Context::quiet()).unwrap();
-    let (low, high) = stages.heights.heights.range;
+    // From end to end it reaches farther than heights that are evenly spread, as it has few long splinters among many short
+    // ones: how far is a matter of the seed, 2.9 to 6.5 times in these.
     let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
     let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    assert!(high - low > most - least, "{low} to {high}: {report}");
+    for seed in 1..10 {
+        let mut request = request.clone();
+        request.breaks[0].recipe.face.seed = seed;
+        let stages = session.stages(&request, &Context::quiet()).unwrap();
+        let (low, high) = stages.heights.heights.range;
+        let part = (high - low) / (most - least);
+        assert!((1.0..7.0).contains(&part), "seed {seed}: {part}, {report}");
+    }
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! What the published programs are built from, as `cargo metadata` resolves it.
 
+use crate::workspace::metadata_of;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The packages that are published for users to run, and the folders of their workspaces.
 const PUBLISHED: [(&str, &str); 2] = [("greenstick-cli", "."), ("greenstick-python", "python")];
@@ -31,7 +31,7 @@ impl Dependencies {
     pub fn of(root: &Path) -> Result<Self, String> {
         let mut all = Dependencies::default();
         for (package, folder) in PUBLISHED {
-            all.add(&resolved(&root.join(folder))?, package)?;
+            all.add(&metadata_of(&root.join(folder), "--locked")?, package)?;
         }
         Ok(all)
     }
@@ -83,24 +83,6 @@ impl Dependencies {
         }
         Ok(())
     }
-}
-
-fn resolved(folder: &Path) -> Result<Value, String> {
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let output = Command::new(cargo)
-        .args(["metadata", "--format-version", "1", "--locked"])
-        .current_dir(folder)
-        .output()
-        .map_err(|e| format!("cargo metadata did not start: {e}"))?;
-    if !output.status.success() {
-        let error = String::from_utf8_lossy(&output.stderr);
-        return Err(format!(
-            "cargo metadata in {} failed: {error}",
-            folder.display()
-        ));
-    }
-    serde_json::from_slice(&output.stdout)
-        .map_err(|e| format!("cargo metadata did not print JSON: {e}"))
 }
 
 #[cfg(test)]
