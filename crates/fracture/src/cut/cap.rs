@@ -5,6 +5,7 @@
 //! once and taken by every face that meets there, so the faces close without gaps. Faces that the outline does not
 //! touch, nearly all, are triangles and trapezia and take short ways.
 
+mod column;
 mod line;
 mod walls;
 
@@ -15,6 +16,7 @@ use super::overlay::outline::Overlay;
 use super::parts::CapFace;
 use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
+use column::HeightColumn;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::triangulate::Triangulator;
 
@@ -72,15 +74,16 @@ pub(super) struct Builder<'a, 'b> {
 /// Vertices at the ends of both facets' sides along an inner edge, in the order of its nodes.
 type Rims = [[u32; 2]; 2];
 
-/// Most facets about a node whose heights are ranked by counting.
-const MAX_COUNTED: usize = 16;
-
 /// Memory that is reused from top to top.
 #[derive(Default)]
-struct LineMemory {
+struct TopMemory {
     ring: Vec<u32>,
     flat: Vec<DVec2>,
     filled: Vec<[u32; 3]>,
+    chains: Vec<(u32, u32)>,
+    border: Vec<u32>,
+    /// Where each corner lies in `border`.
+    corners: [usize; 3],
 }
 
 const OUTSIDE: u8 = 1;
@@ -180,52 +183,6 @@ pub(super) fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
     heights.iter().all(|h| !h.is_nan()).then_some(heights)
 }
 
-/// Ranks the `heights` of the facets about a node among the distinct ones and returns how many these are. `column` is
-/// memory for them.
-fn rank_heights(
-    heights: impl Iterator<Item = f64> + Clone,
-    column: &mut [f64; MAX_COUNTED],
-    ranks: &mut Vec<u32>,
-) -> usize {
-    ranks.clear();
-    let mut count = 0;
-    // Facets of one cell follow each other and mostly have one height.
-    for height in heights.clone() {
-        if count == MAX_COUNTED {
-            return rank_by_sorting(heights, ranks);
-        }
-        let new = count == 0 || column[count - 1] != height;
-        column[count] = height;
-        count += usize::from(new);
-        ranks.push((count - 1) as u32);
-    }
-    let distinct = &column[..count];
-    let mut order = [0u32; MAX_COUNTED];
-    let mut sum = 0;
-    for (rank, a) in order.iter_mut().zip(distinct) {
-        *rank = distinct.iter().map(|b| u32::from(b < a)).sum();
-        sum += *rank as usize;
-    }
-    // Equal ones share a rank and leave out the next.
-    if sum != count * count.saturating_sub(1) / 2 {
-        return rank_by_sorting(heights, ranks);
-    }
-    for rank in ranks {
-        *rank = order[*rank as usize];
-    }
-    count
-}
-
-/// [`rank_heights`] for any number of facets and heights in any order.
-fn rank_by_sorting(heights: impl Iterator<Item = f64> + Clone, ranks: &mut Vec<u32>) -> usize {
-    let mut column: Vec<f64> = heights.clone().collect();
-    column.sort_unstable_by(f64::total_cmp);
-    column.dedup();
-    ranks.clear();
-    ranks.extend(heights.map(|h| column.partition_point(|&c| c < h) as u32));
-    column.len()
-}
-
 /// The chains of one facet or edge.
 fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
     let from = list.partition_point(|c| c.0 < key);
@@ -270,22 +227,20 @@ impl<'a> Builder<'a, '_> {
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.cap.inside.reserve(layout.nodes.len() * 4);
         self.cap.nodes.reserve(layout.nodes.len() * 4);
-        let mut ranks = Vec::new();
+        let mut column = HeightColumn::default();
         for (n, node) in layout.nodes.iter().enumerate() {
-            let start = self.cap.inside.len();
-            self.starts.push(start as u32);
+            let start = self.cap.inside.len() as u32;
+            self.starts.push(start);
             let list = grid.node_starts[n] as usize..grid.node_starts[n + 1] as usize;
             let around = &grid.around[list];
             let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
-            let mut column = [0.0; MAX_COUNTED];
-            let count = rank_heights(around.iter().map(height), &mut column, &mut ranks);
-            let at = |rank: u32| start + rank as usize;
-            self.cap.inside.resize(start + count, node.extend(0.0));
-            self.cap.nodes.resize(start + count, n as u32);
-            for (corner, &rank) in around.iter().zip(&ranks) {
-                self.cap.inside[at(rank)].z = height(corner);
-                self.corners[corner.0 as usize][usize::from(corner.1)] =
-                    self.first + at(rank) as u32;
+            let (ascending, ranks) = column.rank(around.iter().map(height));
+            for &z in ascending {
+                self.cap.inside.push(node.extend(z));
+                self.cap.nodes.push(n as u32);
+            }
+            for (&(f, k), rank) in around.iter().zip(ranks) {
+                self.corners[f as usize][usize::from(k)] = self.first + start + rank;
             }
         }
         self.starts.push(self.cap.inside.len() as u32);
@@ -342,64 +297,63 @@ impl<'a> Builder<'a, '_> {
         rims.map(|rim| rim.map(|id| self.cap.inside[(id - self.first) as usize].z))
     }
 
-    /// Vertices on side `k` of a facet between its corners, in its own direction, with their fraction along the edge.
-    fn side(&self, facet: u32, k: u8) -> Vec<(f64, u32)> {
+    /// Appends the vertices on side `k` of a facet between its corners, in its own direction.
+    fn add_side(&self, facet: u32, k: u8, border: &mut Vec<u32>) {
         let layout = self.layout();
         let e = layout.sides[facet as usize][usize::from(k)];
         let edge = &layout.edges[e as usize];
         let which = u8::from(edge.facets[1] == (facet, k));
-        let mut list: Vec<(f64, u32)> = if self.touched[e as usize] {
-            self.overlay.rail(e, which).collect()
-        } else {
-            Vec::new()
-        };
-        if let Some(knot) = self.knot(e) {
-            list.insert(list.partition_point(|p| p.0 < knot.0), knot);
+        let start = border.len();
+        let mut knot = self.knot(e);
+        if self.touched[e as usize] {
+            for (fraction, id) in self.overlay.rail(e, which) {
+                border.extend(knot.take_if(|knot| knot.0 <= fraction).map(|knot| knot.1));
+                border.push(id);
+            }
         }
+        border.extend(knot.map(|knot| knot.1));
         if which == 1 {
-            list.reverse();
+            border[start..].reverse();
         }
-        list
     }
 
-    /// The border of a facet, counter-clockwise: corners and what lies between; true marks a corner.
-    fn border(&self, facet: u32) -> Vec<(u32, Option<u8>)> {
-        let mut border = Vec::with_capacity(6);
-        for k in 0..3u8 {
-            border.push((self.corners(facet)[usize::from(k)], Some(k)));
-            border.extend(self.side(facet, k).into_iter().map(|(_, id)| (id, None)));
-        }
-        border
+    /// Lists the border of a facet, counter-clockwise: corners and what lies between. Returns where the corners are.
+    fn border(&self, facet: u32, border: &mut Vec<u32>) -> [usize; 3] {
+        border.clear();
+        let corners = self.corners(facet);
+        [0, 1, 2].map(|k: u8| {
+            let at = border.len();
+            border.push(corners[usize::from(k)]);
+            self.add_side(facet, k, border);
+            at
+        })
     }
 
     /// Fills the tops whose border the outline meets. Returns the facets within which it closes, whose status is not
     /// known yet.
     fn fill_touched_tops(&mut self) -> Result<Vec<u32>, CutError> {
         let tops = std::mem::take(&mut self.tops);
-        let mut memory = LineMemory::default();
+        let mut memory = TopMemory::default();
         let mut loose = Vec::new();
         for of_facet in tops.chunk_by(|a, b| a.0 == b.0) {
             let facet = of_facet[0].0;
             if self.fill_beside_line(facet, of_facet, &mut memory) {
                 continue;
             }
-            let chains: Vec<(u32, u32)> = of_facet.iter().map(|c| c.1).collect();
-            let border = self.border(facet);
-            let ids: Vec<u32> = border.iter().map(|b| b.0).collect();
-            let traced = follow(&chains, &ids);
-            let traced = traced.ok_or_else(|| self.gap(&chains))?;
-            if traced.met {
-                for (id, k) in &border {
-                    if let Some(k) = k {
-                        let inside = traced.border.contains(id);
-                        self.status[facet as usize][usize::from(*k)] =
-                            if inside { INSIDE } else { OUTSIDE };
-                    }
-                }
-                self.fill_top(facet, &traced.loops)?;
-            } else {
+            memory.chains.clear();
+            memory.chains.extend(of_facet.iter().map(|c| c.1));
+            memory.corners = self.border(facet, &mut memory.border);
+            let traced = follow(&memory.chains, &memory.border);
+            let traced = traced.ok_or_else(|| self.gap(&memory.chains))?;
+            if !traced.met {
                 loose.push(facet);
+                continue;
             }
+            self.status[facet as usize] = memory.corners.map(|at| {
+                let inside = traced.border.contains(&memory.border[at]);
+                if inside { INSIDE } else { OUTSIDE }
+            });
+            self.fill_top(facet, &traced.loops)?;
         }
         self.tops = tops;
         Ok(loose)
@@ -509,7 +463,9 @@ impl<'a> Builder<'a, '_> {
             let chains = of(&self.tops, facet);
             let mut loops: Vec<Vec<u32>> = Vec::new();
             if self.status[facet as usize] == [INSIDE; 3] {
-                loops.push(self.border(facet).into_iter().map(|b| b.0).collect());
+                let mut border = Vec::new();
+                self.border(facet, &mut border);
+                loops.push(border);
             }
             let traced = follow(&chains, &[]).ok_or_else(|| self.gap(&chains))?;
             loops.extend(traced.loops);

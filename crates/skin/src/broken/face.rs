@@ -60,6 +60,17 @@ struct Slot {
     made: [u32; 2],
 }
 
+/// What the triangles of a smooth surface have at a vertex of the cut.
+#[derive(Clone, Copy)]
+struct SmoothSlot {
+    /// Sum of their normals.
+    normal: DVec3,
+    /// The cell of one of them.
+    cell: u32,
+    /// Whether any shows side grain, and whether any shows end grain.
+    shows: [bool; 2],
+}
+
 /// A vertex of the cut. Its exact position is in [`Face::places`].
 #[derive(Clone, Copy)]
 struct Corner {
@@ -127,7 +138,11 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     };
     // A triangle makes 3 vertices at most; the last place takes what is not needed.
     let mut made = vec![MadeVertex::default(); 3 * count + 1];
-    let used = builder.tops(tops, &mut made, &mut face);
+    let used = if builder.has_one_run(tops) {
+        builder.smooth_tops(tops, &mut made, &mut face)
+    } else {
+        builder.tops(tops, &mut made, &mut face)
+    };
     let used = builder.walls(tops, (&mut made, used), &mut face);
     builder.place(&made[..used], &mut face);
     face.places = builder.places;
@@ -171,6 +186,53 @@ impl FaceBuilder<'_> {
         }
     }
 
+    /// Whether the first `count` triangles are one smooth surface, without walls of cracks.
+    fn has_one_run(&self, count: usize) -> bool {
+        // Walls of cracks have cells beyond the bundles.
+        let known = self.inner.bundles.bundles.len() as u32;
+        let cells = self.cut.faces[..count].iter();
+        self.inner.smooth && cells.fold(0, |most, of| most.max(of.cell)) < known
+    }
+
+    /// [`FaceBuilder::tops`] where all triangles are one run: a vertex of the cut has at most one vertex on end grain and
+    /// one on side grain, which are numbered as those of the cut are.
+    fn smooth_tops(&self, count: usize, made: &mut [MadeVertex], face: &mut Face) -> usize {
+        let none = SmoothSlot {
+            normal: DVec3::ZERO,
+            cell: 0,
+            shows: [false; 2],
+        };
+        let mut slots = vec![none; self.corners.len()];
+        let top = |(&ids, of): (&[u32; 3], &CapFace)| {
+            let at = ids.map(|id| self.index(id));
+            let (normal, end) = self.normal_and_end_grain(at);
+            at.map(|at| {
+                let slot = &mut slots[at];
+                slot.normal += normal;
+                slot.cell = of.cell;
+                slot.shows[usize::from(end)] = true;
+                MadeVertex::new(at, end, 0).at
+            })
+        };
+        (face.triangles).extend(self.cut.cap[..count].iter().zip(&self.cut.faces).map(top));
+        let mut numbers = vec![0; 2 * slots.len()];
+        let mut used = 0;
+        for (at, slot) in slots.iter().enumerate() {
+            for end in [false, true] {
+                let vertex = MadeVertex::new(at, end, slot.cell);
+                made[used] = vertex;
+                numbers[vertex.at as usize] = used as u32;
+                used += usize::from(slot.shows[usize::from(end)]);
+            }
+        }
+        for corner in face.triangles.as_flattened_mut() {
+            *corner = numbers[*corner as usize];
+        }
+        let normal = |vertex: &MadeVertex| slots[vertex.corner()].normal.normalize_or_zero();
+        (face.normals).extend(made[..used].iter().map(normal).map(to_f32));
+        used
+    }
+
     /// Makes the first `count` triangles, the tops of cells. Those of one cell, and where the surface is smooth of all, are
     /// one run: a vertex of the cut has one normal there. Returns the number of vertices in `made`.
     fn tops(&self, count: usize, made: &mut [MadeVertex], face: &mut Face) -> usize {
@@ -211,7 +273,7 @@ impl FaceBuilder<'_> {
     }
 
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
-    #[inline]
+    #[inline(always)]
     fn normal_and_end_grain(&self, at: [usize; 3]) -> (DVec3, bool) {
         let [a, b, c] = at.map(|i| self.corners[i].grain);
         let across = (b - a).cross(c - a);

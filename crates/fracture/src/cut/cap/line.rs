@@ -1,7 +1,7 @@
 //! The short way for a top that the outline crosses along one line, nearly all that it crosses.
 
 use super::super::polygon;
-use super::{Builder, INSIDE, LineMemory, OUTSIDE};
+use super::{Builder, INSIDE, OUTSIDE, TopMemory};
 
 /// What lies on a side of a facet between its ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -20,9 +20,11 @@ impl Builder<'_, '_> {
         &mut self,
         facet: u32,
         outline: &[(u32, (u32, u32))],
-        memory: &mut LineMemory,
+        memory: &mut TopMemory,
     ) -> bool {
-        let LineMemory { ring, flat, filled } = memory;
+        let TopMemory {
+            ring, flat, filled, ..
+        } = memory;
         ring.clear();
         let next = |id: u32| {
             let i = outline.partition_point(|c| c.1.0 < id);
