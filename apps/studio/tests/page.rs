@@ -3,7 +3,7 @@
 use greenstick::RequestFile;
 use greenstick::geometry::{Context, ImageSource};
 use greenstick_studio::model::desk::{Answer, Ask, Desk, OpenedFiles, from_bytes, to_bytes};
-use greenstick_studio::model::engine::{Engine, Failure, Job, Shown};
+use greenstick_studio::model::engine::{Engine, Failure, Haste, Job, Shown};
 use greenstick_studio::model::held::{HeldFile, read_input};
 use greenstick_studio::model::input::{Input, InputContent};
 use std::path::Path;
@@ -19,7 +19,10 @@ fn test_file(name: &str) -> HeldFile {
 /// Asks as the page does: through bytes, both ways.
 fn ask(desk: &mut Desk, ask: &Ask, files: Vec<HeldFile>) -> (Option<Answer>, Vec<HeldFile>) {
     let bytes = to_bytes(ask).unwrap();
-    let (answer, files) = desk.answer(from_bytes(&bytes).unwrap(), files, &Context::default());
+    let (answer, files) = {
+        let asked = from_bytes(&bytes).unwrap();
+        desk.answer(asked, files, &mut |_| {}, &Context::default())
+    };
     let answer = answer.map(|a| from_bytes(&to_bytes(&a).unwrap()).unwrap());
     (answer, files)
 }
@@ -29,10 +32,10 @@ fn shown(desk: &mut Desk, input: u64, request: &RequestFile) -> Result<Box<Shown
         number: 7,
         input,
         request: request.to_toml(),
-        coarse: false,
+        haste: Haste::Whole,
     };
     match ask(desk, &question, Vec::new()).0 {
-        Some(Answer::Shown(7, shown)) => shown,
+        Some(Answer::Shown(7, shown)) => shown.map(|s| s.expect("the whole answer")),
         other => panic!("{other:?}"),
     }
 }
@@ -50,9 +53,10 @@ fn a_picture_is_the_same_after_its_way_through_bytes() {
     let job = Job {
         input: Input::built_in(),
         file: file.clone(),
-        coarse: false,
+        haste: Haste::Whole,
     };
-    let direct = Engine::default().work(&job, &Context::default()).unwrap();
+    let direct = Engine::default().work(&job, &mut |_| {}, &Context::default());
+    let direct = direct.unwrap().unwrap();
     let crossed = shown(&mut Desk::default(), 0, &file).unwrap();
     assert!(crossed.drawn.indices.len() > 3000);
     assert!(crossed.drawn == direct.drawn, "the meshes differ");

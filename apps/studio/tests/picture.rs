@@ -4,7 +4,7 @@
 use glam::Vec3;
 use greenstick::RequestFile;
 use greenstick::geometry::Context;
-use greenstick_studio::model::engine::{Engine, Job};
+use greenstick_studio::model::engine::{Engine, Haste, Job};
 use greenstick_studio::model::input::Input;
 use greenstick_studio::model::meshes::DrawnScene;
 use greenstick_studio::view::camera::Camera;
@@ -41,14 +41,10 @@ fn shown(settings: &[&str]) -> Arc<DrawnScene> {
     let job = Job {
         input: Input::built_in(),
         file,
-        coarse: false,
+        haste: Haste::Whole,
     };
-    Arc::new(
-        Engine::default()
-            .work(&job, &Context::quiet())
-            .unwrap()
-            .drawn,
-    )
+    let shown = Engine::default().work(&job, &mut |_| {}, &Context::quiet());
+    Arc::new(shown.unwrap().unwrap().drawn)
 }
 
 impl Card {

@@ -1,8 +1,9 @@
 //! The work of a page: what its worker is asked, and what it answers, as bytes that both can read. Nothing here knows of browsers.
 
-use super::engine::{Engine, Failure, Job, Shown, export, unbroken};
+use super::engine::{Early, Engine, Failure, Haste, Job, Shown, export, unbroken};
 use super::held::{HeldFile, last_name, main_name, read_input, read_project};
 use super::input::{Input, Seen};
+use super::meshes::DrawnScene;
 use greenstick::RequestFile;
 use greenstick::files::encode;
 use greenstick::formats::LengthUnit;
@@ -28,8 +29,8 @@ pub enum Ask {
         input: u64,
         /// The request.
         request: String,
-        /// Whether a coarse face will do.
-        coarse: bool,
+        /// How much of it is wanted.
+        haste: Haste,
     },
     /// What the files that come along are.
     Open {
@@ -70,8 +71,10 @@ pub enum Answer {
     },
     /// The program has a fault: what it said before it ended.
     Fault(String),
-    /// What the viewport shows, with the number of the question.
-    Shown(u64, Result<Box<Shown>, Failure>),
+    /// What the viewport shows before the answer is finished, with the number of the question.
+    Drawn(u64, Box<DrawnScene>),
+    /// The finished answer, with the number of the question; none where only what is drawn was wanted.
+    Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// What files are.
     Opened(Result<Box<OpenedFiles>, Failure>),
     /// The names of the pieces' files, which come along.
@@ -111,11 +114,13 @@ fn request_of(text: &str) -> Result<RequestFile, Failure> {
 }
 
 impl Desk {
-    /// Does what is asked with the files that come along. Returns the answer, if there is one, and the files that go with it.
+    /// Does what is asked with the files that come along. Returns the answer, if there is one, and the files that go with it;
+    /// `early` is told what is answered before.
     pub fn answer(
         &mut self,
         ask: Ask,
         files: Vec<HeldFile>,
+        early: &mut dyn FnMut(Answer),
         context: &Context,
     ) -> (Option<Answer>, Vec<HeldFile>) {
         let answer = match ask {
@@ -131,10 +136,11 @@ impl Desk {
                 number,
                 input,
                 request,
-                coarse,
+                haste,
             } => {
-                let shown = self.show(input, &request, coarse, context);
-                Answer::Shown(number, shown.map(Box::new))
+                let draw = &mut |drawn| early(Answer::Drawn(number, Box::new(drawn)));
+                let shown = self.show(input, (&request, haste), draw, context);
+                Answer::Shown(number, shown.map(|s| s.map(Box::new)))
             }
             Ask::Open { unit } => {
                 let opened = open(&files, unit_of(unit.as_deref()));
@@ -154,10 +160,10 @@ impl Desk {
     fn show(
         &mut self,
         input: u64,
-        request: &str,
-        coarse: bool,
+        (request, haste): (&str, Haste),
+        early: Early,
         context: &Context,
-    ) -> Result<Shown, Failure> {
+    ) -> Result<Option<Shown>, Failure> {
         let held = self.input.as_ref().filter(|i| i.id == input);
         let input = match held {
             Some(held) => held.clone(),
@@ -171,9 +177,9 @@ impl Desk {
         let job = Job {
             input,
             file: request_of(request)?,
-            coarse,
+            haste,
         };
-        Ok(self.engine.work(&job, context)?)
+        Ok(self.engine.work(&job, early, context)?)
     }
 }
 

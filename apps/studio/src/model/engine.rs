@@ -1,7 +1,8 @@
 //! The work behind the window: a request becomes a broken scene, by the one chain of stages that all of Greenstick's programs use.
 
+use super::early::Surroundings;
 use super::input::{Input, InputContent};
-use super::meshes::DrawnScene;
+use super::meshes::{DecodedImages, DrawnScene};
 use super::wire;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
@@ -24,9 +25,23 @@ pub struct Job {
     pub input: Input,
     /// How.
     pub file: RequestFile,
-    /// Whether a coarse face will do.
-    pub coarse: bool,
+    /// How much of an answer is wanted.
+    pub haste: Haste,
 }
+
+/// How much of an answer is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Haste {
+    /// The whole of it, finished, whatever is drawn before.
+    Whole,
+    /// What is drawn alone where that can be, as the request changes again at once.
+    Drawn,
+    /// The same with a coarser face.
+    Coarse,
+}
+
+/// What is drawn of a job before it is finished, or instead.
+pub type Early<'a> = &'a mut dyn FnMut(DrawnScene);
 
 /// What a job gives.
 #[derive(Debug, Serialize, Deserialize)]
@@ -118,6 +133,9 @@ struct Opened {
     /// The first break's place in the scene, where it is that of a scan.
     place: Option<StemLocation>,
     scan: Option<ScannedReport>,
+    /// What the last finished answer draws around a face.
+    around: Option<Surroundings>,
+    decoded: DecodedImages,
 }
 
 /// Does jobs, and keeps what the next one can use.
@@ -199,11 +217,17 @@ pub fn has_coarse(file: &RequestFile) -> bool {
 }
 
 impl Engine {
-    /// Does a job.
+    /// Does a job. Where only a face changes, what is drawn of it is told to `early` long before the answer is finished; nothing
+    /// else is made of a job that wants nothing more.
     ///
     /// # Errors
     /// What is wrong with the request or its input, or that the work was cancelled.
-    pub fn work(&mut self, job: &Job, context: &Context) -> Result<Shown, Error> {
+    pub fn work(
+        &mut self,
+        job: &Job,
+        early: Early,
+        context: &Context,
+    ) -> Result<Option<Shown>, Error> {
         let key = key(&job.input, &job.file);
         let [laying, breaking] = context.split([
             (STEM, if key.scan.is_some() { SCANNING } else { 0.0 }),
@@ -217,6 +241,8 @@ impl Engine {
                 session: BreakSession::new(scene),
                 place,
                 scan,
+                around: None,
+                decoded: DecodedImages::new(),
             });
         }
         let Some(opened) = &mut self.opened else {
@@ -225,17 +251,67 @@ impl Engine {
         let mut request = request_of(&job.file, opened.place, opened.scan.as_ref());
         // The viewport evaluates the wood at each pixel.
         request.texture_width = 0;
-        let coarse = job.coarse && coarsen(&mut request);
+        let coarse = job.haste == Haste::Coarse && coarsen(&mut request);
+        let started = opened.draw_early(&request, early, &breaking)?;
+        if started.is_some() && job.haste != Haste::Whole {
+            return Ok(None);
+        }
         let mut broken = opened.session.broken(&request, &breaking)?;
         broken.report.scan.clone_from(&opened.scan);
         let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
-        Ok(Shown {
-            drawn: DrawnScene::new(&broken),
+        let drawn = DrawnScene::new(&broken, &mut opened.decoded);
+        let started_at = started.unwrap_or(opened.session.started_at());
+        opened.remember(&request, &broken, &drawn, context)?;
+        Ok(Some(Shown {
+            drawn,
             report: broken.report,
             coarse,
-            started_at: opened.session.started_at(),
+            started_at,
             origin,
-        })
+        }))
+    }
+}
+
+impl Opened {
+    /// Draws a request of which only the face is another than in the last finished answer. Returns the first stage that was
+    /// recomputed, if any; `None` where something else is.
+    fn draw_early(
+        &mut self,
+        request: &BreakRequest,
+        early: Early,
+        context: &Context,
+    ) -> Result<Option<Option<BreakStage>>, Error> {
+        let Some(around) = self.around.take_if(|a| a.may_hold_for(request)) else {
+            return Ok(None);
+        };
+        let stages = self.session.stages(request, context)?;
+        let started_at = self.session.started_at();
+        if !around.hold_for(request, &stages) {
+            return Ok(None);
+        }
+        let Some(drawn) = around.drawn(&stages) else {
+            return Ok(None);
+        };
+        self.around = Some(around);
+        early(drawn);
+        Ok(Some(started_at))
+    }
+
+    /// Keeps what the next change can be drawn in.
+    fn remember(
+        &mut self,
+        request: &BreakRequest,
+        broken: &Broken,
+        drawn: &DrawnScene,
+        context: &Context,
+    ) -> Result<(), Error> {
+        self.around = if request.breaks.len() == 1 && request.every.is_none() {
+            let stages = self.session.stages(request, context)?;
+            Surroundings::new(request, broken, drawn, &stages)
+        } else {
+            None
+        };
+        Ok(())
     }
 }
 

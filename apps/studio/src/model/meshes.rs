@@ -30,6 +30,37 @@ pub struct Vertex {
     pub zone_piece: [f32; 2],
 }
 
+impl Vertex {
+    /// Sets the coordinates along the grain, m; 0 for what does not lie on the stem.
+    pub(super) fn set_grain(&mut self, grain: Vec3) {
+        let on_stem = f32::from(u8::from(grain != Vec3::ZERO));
+        self.grain = grain.extend(on_stem).to_array();
+    }
+
+    /// A vertex between three, with their weights; its tissue is that of the first.
+    pub(super) fn blend(of: [Vertex; 3], weights: [f32; 3]) -> Vertex {
+        fn blended<const N: usize>(values: [[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
+            // What has no weight may have no value either.
+            let term = |i: usize, c: usize| {
+                if weights[i] == 0.0 {
+                    0.0
+                } else {
+                    values[i][c] * weights[i]
+                }
+            };
+            std::array::from_fn(|c| (0..3).map(|i| term(i, c)).sum())
+        }
+        let [x, y, z, _] = blended(of.map(|v| v.grain), weights);
+        let mut vertex = Vertex {
+            normal: blended(of.map(|v| v.normal), weights),
+            uv: blended(of.map(|v| v.uv), weights),
+            ..of[0]
+        };
+        vertex.set_grain(Vec3::new(x, y, z));
+        vertex
+    }
+}
+
 /// How a batch is shaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Shading {
@@ -44,6 +75,8 @@ pub enum Shading {
 /// Triangles of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
+    /// Number of its material in the scene.
+    pub material: u32,
     /// First index.
     pub first: u32,
     /// Number of indices.
@@ -115,9 +148,12 @@ pub struct DrawnBreak {
 /// The number of what no break touched.
 const UNTOUCHED: f32 = 0.0;
 
+/// The images of a scene that were decoded, by their numbers; none for those that cannot be.
+pub type DecodedImages = BTreeMap<usize, Option<Arc<Photograph>>>;
+
 impl DrawnScene {
-    /// A broken scene.
-    pub fn new(broken: &Broken) -> Self {
+    /// A broken scene. `decoded` are the images of the scene that was broken, as far as they were needed before.
+    pub fn new(broken: &Broken, decoded: &mut DecodedImages) -> Self {
         let scene = &broken.scene;
         let (low, high) = bounds(scene);
         let mut out = DrawnScene {
@@ -152,7 +188,7 @@ impl DrawnScene {
             out.push(node, piece, &mut by_material);
         }
         let woods: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
-        out.add_batches(scene, &woods, by_material);
+        out.add_batches(scene, &woods, by_material, decoded);
         out.breaks = breaks(broken, out.middle);
         out
     }
@@ -174,18 +210,22 @@ impl DrawnScene {
         for node in &scene.nodes {
             out.push(node, 0.0, &mut by_material);
         }
-        out.add_batches(scene, &[], by_material);
+        out.add_batches(scene, &[], by_material, &mut DecodedImages::new());
         out
     }
 
-    fn push(&mut self, node: &Node, piece: f32, by_material: &mut BTreeMap<u32, Vec<u32>>) {
+    /// Adds the vertices of a node, and its triangles to the lists of their materials.
+    pub(super) fn push(
+        &mut self,
+        node: &Node,
+        piece: f32,
+        by_material: &mut BTreeMap<u32, Vec<u32>>,
+    ) {
         let mesh = &node.mesh;
         let first = self.vertices.len() as u32;
         let turned = normal_map(&node.transform);
-        let reader = Reader::new(mesh);
-        for (i, &p) in mesh.positions.iter().enumerate() {
+        for (mut vertex, &p) in drawn_vertices(mesh).zip(&mesh.positions) {
             let world = node.transform.transform_point3(p) - self.middle;
-            let mut vertex = reader.vertex(i);
             vertex.position = world.as_vec3().to_array();
             let n = turned * Vec3::from_array(vertex.normal).as_dvec3();
             vertex.normal = n.normalize_or_zero().as_vec3().to_array();
@@ -204,7 +244,13 @@ impl DrawnScene {
     }
 
     /// Makes batches of the triangles of each material; those of the wood inside breaks are `woods`.
-    fn add_batches(&mut self, scene: &Scene, woods: &[u32], by_material: BTreeMap<u32, Vec<u32>>) {
+    fn add_batches(
+        &mut self,
+        scene: &Scene,
+        woods: &[u32],
+        by_material: BTreeMap<u32, Vec<u32>>,
+        decoded: &mut DecodedImages,
+    ) {
         let blank = without_color(scene);
         let mut images: BTreeMap<usize, Option<usize>> = BTreeMap::new();
         for (number, corners) in by_material {
@@ -213,7 +259,7 @@ impl DrawnScene {
             self.indices.extend(corners);
             let material = scene.materials.get(number as usize);
             let wood = woods.iter().position(|w| *w == number);
-            let texture = material.and_then(|m| self.texture(scene, m, &mut images));
+            let texture = material.and_then(|m| self.texture(scene, m, &mut images, decoded));
             let own_bark = material.is_some_and(|m| m.name == BARK_MATERIAL_NAME);
             let is_blank = blank.get(number as usize).copied().unwrap_or(true);
             let shading = match wood {
@@ -226,6 +272,7 @@ impl DrawnScene {
             let plain = Material::default();
             let m = material.unwrap_or(&plain);
             self.batches.push(Batch {
+                material: number,
                 first,
                 count,
                 shading,
@@ -242,16 +289,21 @@ impl DrawnScene {
         scene: &Scene,
         material: &Material,
         images: &mut BTreeMap<usize, Option<usize>>,
+        decoded: &mut DecodedImages,
     ) -> Option<(usize, [f32; 4], f32)> {
         let reference = material.base_color_texture.as_ref()?;
         let image = scene.textures.get(reference.texture)?.image?;
-        let decoded = &mut self.images;
-        let found = *images.entry(image).or_insert_with(|| {
+        let decode = || {
             let ImageSource::Bytes(bytes) = &scene.images.get(image)?.source else {
                 return None;
             };
-            decoded.push(Arc::new(read_photograph(bytes).ok()?));
-            Some(decoded.len() - 1)
+            Some(Arc::new(read_photograph(bytes).ok()?))
+        };
+        let drawn = &mut self.images;
+        let found = *images.entry(image).or_insert_with(|| {
+            let known = decoded.entry(image).or_insert_with(decode).as_ref()?;
+            drawn.push(known.clone());
+            Some(drawn.len() - 1)
         });
         let (offset, turn, scale) = reference.transform.unwrap_or(([0.0; 2], 0.0, [1.0; 2]));
         Some((found?, [scale[0], scale[1], offset[0], offset[1]], turn))
@@ -263,11 +315,13 @@ struct Reader<'a> {
     mesh: &'a Mesh,
 }
 
-impl<'a> Reader<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
-        Reader { mesh }
-    }
+/// The vertices of a mesh with its attributes, not yet in their places.
+pub(super) fn drawn_vertices(mesh: &Mesh) -> impl Iterator<Item = Vertex> {
+    let reader = Reader { mesh };
+    (0..mesh.positions.len()).map(move |i| reader.vertex(i))
+}
 
+impl Reader<'_> {
     fn values<const N: usize>(&self, name: &str, i: usize) -> Option<[f32; N]> {
         let attribute = self.mesh.attributes.get(name)?;
         let start = i * attribute.width;
@@ -279,20 +333,20 @@ impl<'a> Reader<'a> {
 
     /// The attributes of vertex `i`.
     fn vertex(&self, i: usize) -> Vertex {
-        let [x, y, z] = self.values("_GRAIN", i).unwrap_or([0.0; 3]);
-        let on_stem = [x, y, z] != [0.0; 3];
-        Vertex {
+        let mut vertex = Vertex {
             position: [0.0; 3],
             normal: self.values("NORMAL", i).unwrap_or([0.0; 3]),
             uv: self.values("TEXCOORD_0", i).unwrap_or([0.0; 2]),
-            grain: [x, y, z, f32::from(u8::from(on_stem))],
+            grain: [0.0; 4],
             zone_piece: [self.values::<1>("_ZONE", i).unwrap_or([0.0])[0], 0.0],
-        }
+        };
+        vertex.set_grain(self.values("_GRAIN", i).unwrap_or([0.0; 3]).into());
+        vertex
     }
 }
 
 /// How normals turn with a transform, with the direction of its inverse transpose.
-fn normal_map(transform: &DAffine3) -> DMat3 {
+pub(super) fn normal_map(transform: &DAffine3) -> DMat3 {
     let m = transform.matrix3;
     let cofactors = DMat3::from_cols(
         m.y_axis.cross(m.z_axis),

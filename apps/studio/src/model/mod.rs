@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod desk;
+pub mod early;
 pub mod engine;
 pub mod held;
 pub mod history;

@@ -7,6 +7,7 @@ pub mod web;
 
 use crate::model::engine::{Failure, Job, Shown};
 use crate::model::input::Input;
+use crate::model::meshes::DrawnScene;
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use std::borrow::Cow;
@@ -52,8 +53,10 @@ pub enum Opened {
 /// Work that came to an end.
 #[derive(Debug)]
 pub enum Done {
-    /// What the viewport shows, by the number it was asked for with.
-    Shown(u64, Result<Box<Shown>, Failure>),
+    /// What the viewport shows before the answer is finished, by the number it was asked for with.
+    Drawn(u64, Box<DrawnScene>),
+    /// The finished answer, by the number it was asked for with; none where only what is drawn was wanted.
+    Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// A file that was read: its path, and what is in it.
     Opened(String, Result<Opened, Failure>),
     /// Files that were written, with their sizes in bytes.

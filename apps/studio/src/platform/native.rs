@@ -168,9 +168,14 @@ fn show_jobs(queue: &Receiver<ShowJob>, tell: &Sender<Done>, wake: &Wake) {
         }
         let (number, job, working) = next;
         let context = working.context(wake);
-        let outcome = engine.work(&job, &context);
+        let mut early = |drawn| {
+            // That nobody listens any more is noticed by the answer.
+            let _ = tell.send(Done::Drawn(number, Box::new(drawn)));
+            wake();
+        };
+        let outcome = engine.work(&job, &mut early, &context);
         working.end();
-        let outcome = outcome.map(Box::new).map_err(Failure::from);
+        let outcome = outcome.map(|s| s.map(Box::new)).map_err(Failure::from);
         if tell.send(Done::Shown(number, outcome)).is_err() {
             return;
         }

@@ -1,7 +1,7 @@
 //! The state of the window, and what happens from frame to frame.
 
 use super::dialog::Dialog;
-use crate::model::engine::{Failure, Job, Shown, has_coarse, unbroken};
+use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project::Project;
@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// Seconds of work above which a drag gets a coarse answer first.
 const SLOW: f64 = 0.12;
+/// Seconds without a change after which a hand that still drags rests: the whole answer is asked for.
+const RESTS_AFTER: f64 = 0.3;
 /// Seconds after a change before unsaved work is kept for a recovery.
 const KEEP_AFTER: f64 = 2.0;
 /// Seconds after which a frame follows the last one that something happened in.
@@ -52,7 +54,8 @@ pub struct ViewOptions {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AtWork {
     number: u64,
-    coarse: bool,
+    drag: bool,
+    haste: Haste,
     since: f64,
 }
 
@@ -86,6 +89,13 @@ pub struct Studio {
     pub(super) at_work: Option<AtWork>,
     /// Seconds that the last whole answer took.
     pub(super) last_seconds: f64,
+    /// Seconds after which the face as fine as it was asked for was drawn before its answer was finished; none where the last
+    /// answer was not drawn before.
+    pub(super) drawn_seconds: Option<f64>,
+    /// When the whole answer is asked for, should nothing change before.
+    rests_at: Option<f64>,
+    /// What was shown when the work began that is drawn before it is finished.
+    before: Option<(u64, Arc<DrawnScene>)>,
     numbers: u64,
     /// Whether the next result is framed.
     frame_next: bool,
@@ -126,6 +136,9 @@ impl Studio {
             wanted: Some(false),
             at_work: None,
             last_seconds: 0.0,
+            drawn_seconds: None,
+            rests_at: None,
+            before: None,
             numbers: 0,
             frame_next: true,
             changed_at: None,
@@ -193,7 +206,8 @@ impl Studio {
 
     /// Whether work for the viewport is going on or about to begin.
     pub fn is_busy(&self) -> bool {
-        self.at_work.is_some() || self.wanted.is_some() || self.opening.is_some()
+        let waits = self.wanted.is_some() || self.rests_at.is_some();
+        self.at_work.is_some() || waits || self.opening.is_some()
     }
 
     /// Number of triangles that are shown.
@@ -301,6 +315,16 @@ impl Studio {
         } else if self.changed_at.is_some() {
             ctx.request_repaint_after_secs(KEEP_AFTER as f32);
         }
+        if let Some(at) = self.rests_at {
+            if self.wanted.is_some() || self.at_work.is_some() {
+                self.rests_at = None;
+            } else if now >= at {
+                self.rests_at = None;
+                self.wanted = Some(false);
+            } else {
+                ctx.request_repaint_after_secs((at - now) as f32);
+            }
+        }
         self.start_work(now);
     }
 
@@ -309,18 +333,19 @@ impl Studio {
             return;
         };
         // What a drag asks for waits until the answer before is there: else there would never be one.
-        if self.at_work.is_some_and(|w| drag && w.coarse) {
+        if self.at_work.is_some_and(|w| drag && w.drag) {
             return;
         }
-        let coarse = drag && self.last_seconds > SLOW && has_coarse(&self.project.file);
-        if self.at_work.is_some() && drag && !coarse {
+        let haste = self.haste(drag);
+        if self.at_work.is_some() && drag && haste == Haste::Whole {
             return;
         }
         self.numbers += 1;
         self.wanted = None;
         self.at_work = Some(AtWork {
             number: self.numbers,
-            coarse: drag,
+            drag,
+            haste,
             since: now,
         });
         let mut file = self.project.file.clone();
@@ -332,9 +357,21 @@ impl Studio {
         let job = Job {
             input: self.project.input.clone(),
             file,
-            coarse,
+            haste,
         };
         self.platform.show(self.numbers, job);
+    }
+
+    /// How much of an answer a drag or a step needs: a drag that can be drawn quickly needs nothing else until the hand rests.
+    fn haste(&self, drag: bool) -> Haste {
+        let coarser = |seconds: f64| seconds > SLOW && has_coarse(&self.project.file);
+        match self.drawn_seconds {
+            _ if !drag => Haste::Whole,
+            Some(seconds) if coarser(seconds) => Haste::Coarse,
+            Some(_) => Haste::Drawn,
+            None if coarser(self.last_seconds) => Haste::Coarse,
+            None => Haste::Whole,
+        }
     }
 
     /// How far the picture pulls the pieces apart, m. Those that hang on each other stay together.
@@ -357,13 +394,27 @@ impl Studio {
 
     fn take(&mut self, done: Done, now: f64) {
         match done {
+            Done::Drawn(number, drawn) => {
+                let current = self.at_work.filter(|w| w.number == number);
+                let Some(work) = current else { return };
+                if work.haste != Haste::Coarse {
+                    self.drawn_seconds = Some(now - work.since);
+                }
+                let before = self.draw(*drawn);
+                self.before = self.before.take().or(before);
+            }
             Done::Shown(number, outcome) => {
                 let current = self.at_work.filter(|w| w.number == number);
                 let Some(work) = current else { return };
                 self.at_work = None;
                 match outcome {
-                    Ok(shown) => self.take_shown(number, *shown, work, now),
-                    Err(failure) => self.fail(&failure),
+                    Ok(Some(shown)) => self.take_shown(*shown, work, now),
+                    Ok(None) => self.rests_at = Some(now + RESTS_AFTER),
+                    Err(failure) => {
+                        // What cannot be finished is not shown.
+                        self.drawn = self.before.take().or(self.drawn.take());
+                        self.fail(&failure);
+                    }
                 }
             }
             Done::Opened(path, opened) => {
@@ -386,23 +437,34 @@ impl Studio {
         }
     }
 
-    fn take_shown(&mut self, number: u64, mut shown: Shown, work: AtWork, now: f64) {
+    fn take_shown(&mut self, mut shown: Shown, work: AtWork, now: f64) {
         if !shown.coarse {
             self.last_seconds = now - work.since;
         }
+        if self.before.take().is_none() {
+            self.drawn_seconds = None;
+        }
         // The size of the stem was not known when the pieces of the first picture were moved apart.
         let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
-        let refine = shown.coarse && self.wanted.is_none();
-        let drawn = Arc::new(std::mem::take(&mut shown.drawn));
-        self.drawn = Some((number, drawn));
+        self.rests_at = shown.coarse.then_some(now + RESTS_AFTER);
+        self.draw(std::mem::take(&mut shown.drawn));
         self.shown = Some(shown);
-        if (first && self.apart() > 0.0) || refine {
+        if first && self.apart() > 0.0 {
             self.wanted = Some(false);
         }
         if self.frame_next {
             self.frame_break();
             self.frame_next = false;
         }
+    }
+
+    /// Draws another scene, seen from where the one before was; returns that.
+    fn draw(&mut self, scene: DrawnScene) -> Option<(u64, Arc<DrawnScene>)> {
+        if let Some((_, before)) = &self.drawn {
+            self.camera.target += (before.middle - scene.middle).as_vec3();
+        }
+        self.numbers += 1;
+        self.drawn.replace((self.numbers, Arc::new(scene)))
     }
 
     /// Shows the break from near.

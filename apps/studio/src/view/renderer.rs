@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::resources::{COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, entry};
+use crate::model::look::WoodLook;
 use crate::model::meshes::{Batch, DrawnScene, Shading};
 use bytemuck::{Pod, Zeroable};
 use eframe::egui;
@@ -9,6 +10,7 @@ use eframe::egui_wgpu::{self, CallbackResources, ScreenDescriptor};
 use glam::Vec3;
 use glam::camera::rh::proj::directx::orthographic;
 use glam::camera::rh::view::look_at_mat4;
+use greenstick::formats::photograph::Photograph;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
@@ -117,7 +119,24 @@ struct Loaded {
     edges: Option<(wgpu::Buffer, u32)>,
     /// Index range, wood and material of each batch.
     batches: Vec<(std::ops::Range<u32>, usize, wgpu::BindGroup)>,
+    /// What it is loaded from, and on the card its woods and images: those that the next scene has too stay there.
+    scene: Arc<DrawnScene>,
     woods: Vec<wgpu::BindGroup>,
+    images: Vec<wgpu::TextureView>,
+}
+
+impl Loaded {
+    /// The wood on the card that looks so.
+    fn wood(&self, look: &WoodLook) -> Option<wgpu::BindGroup> {
+        let at = self.scene.woods.iter().position(|w| w == look)?;
+        self.woods.get(at).cloned()
+    }
+
+    /// An image that is on the card.
+    fn image(&self, image: &Arc<Photograph>) -> Option<wgpu::TextureView> {
+        let at = (self.scene.images.iter()).position(|i| Arc::ptr_eq(i, image))?;
+        self.images.get(at).cloned()
+    }
 }
 
 /// The picture that is drawn, of one size.
@@ -215,7 +234,7 @@ impl Renderer {
             layout: &pipelines.shadow.get_bind_group_layout(0),
             entries: &[entry(0, globals.as_entire_binding())],
         });
-        let white = greenstick::formats::photograph::Photograph {
+        let white = Photograph {
             width: 1,
             height: 1,
             rgb: vec![255; 3],
@@ -306,7 +325,7 @@ impl Renderer {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         id: u64,
-        scene: &DrawnScene,
+        scene: &Arc<DrawnScene>,
     ) -> Loaded {
         let buffer = |contents: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -316,10 +335,16 @@ impl Renderer {
             })
         };
         let images: Vec<wgpu::TextureView> = (scene.images.iter())
-            .map(|image| color_texture(device, queue, image))
+            .map(|image| {
+                let known = self.loaded.as_ref().and_then(|l| l.image(image));
+                known.unwrap_or_else(|| color_texture(device, queue, image))
+            })
             .collect();
         let woods: Vec<_> = (scene.woods.iter())
-            .map(|look| self.pipelines.wood_group(device, queue, look))
+            .map(|look| {
+                let known = self.loaded.as_ref().and_then(|l| l.wood(look));
+                known.unwrap_or_else(|| self.pipelines.wood_group(device, queue, look))
+            })
             .collect();
         let batches = scene.batches.iter().map(|batch| {
             let numbers = buffer(
@@ -358,7 +383,9 @@ impl Renderer {
             count: scene.indices.len() as u32,
             edges: None,
             batches: batches.collect(),
+            scene: scene.clone(),
             woods,
+            images,
         }
     }
 

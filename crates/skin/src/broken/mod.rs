@@ -8,7 +8,7 @@ mod spiral;
 pub use crate::source::Source;
 pub use face::Face;
 pub use inner_wood::InnerWood;
-pub use pieces::{Patch, PatchVertex, lacks_material};
+pub use pieces::{FaceAddress, Patch, PatchVertex, lacks_material, smooth_normals};
 pub use spiral::SpiralRepair;
 
 use crate::error::BreakError;
@@ -248,6 +248,11 @@ impl BrokenFace {
             chips: 0,
             spiral: None,
         }
+    }
+
+    /// Where in the stem the vertices of the face lie.
+    pub fn addresses(&self, inner: &InnerWood) -> Vec<FaceAddress> {
+        pieces::face_addresses(&self.cut, &self.face, inner)
     }
 
     /// One piece as a mesh of its own, in the coordinates of the node that was cut.

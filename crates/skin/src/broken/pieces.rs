@@ -7,6 +7,8 @@ use glam::DVec3;
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::NONE;
 use greenstick_geometry::{Attribute, Mesh, mesh::NO_MATERIAL};
+use greenstick_wood::tissue::Zone;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::collections::BTreeMap;
 
 /// A vertex between those of the source mesh.
@@ -167,47 +169,46 @@ pub fn piece(
         let corners = part.map(|v| builder.vertex(v));
         builder.triangle(corners, source.mesh.material(t as usize));
     }
-    builder.finish(&Inside::new(cut, face, inner), face, inner, upper)
+    let inside = face_addresses(cut, face, inner);
+    builder.finish((cut.points, &inside), face, inner, upper)
 }
 
-/// What the vertices of a broken face carry besides their place.
-struct Inside {
-    /// Number of the first vertex made by the cut.
-    first: usize,
-    rings: Vec<f32>,
-    sectors: Vec<f32>,
-    zones: Vec<f32>,
-    grain: Vec<f32>,
+/// Where in the stem a vertex of a broken face lies, as pieces carry it in their attributes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceAddress {
+    /// Ring coordinate, at most 1.
+    pub ring: f32,
+    /// Sector.
+    pub sector: f32,
+    /// Tissue.
+    pub zone: Zone,
+    /// Grain coordinates (x, y, s), m.
+    pub grain: [f32; 3],
 }
 
-impl Inside {
-    fn new(cut: &Cut, face: &Face, inner: &InnerWood) -> Self {
-        let mut inside = Inside {
-            first: cut.points,
-            rings: Vec::with_capacity(face.ids.len()),
-            sectors: Vec::with_capacity(face.ids.len()),
-            zones: Vec::with_capacity(face.ids.len()),
-            grain: Vec::with_capacity(face.ids.len() * 3),
+/// Returns where the vertices of a broken face lie.
+pub(super) fn face_addresses(cut: &Cut, face: &Face, inner: &InnerWood) -> Vec<FaceAddress> {
+    let skin = cut.points + cut.vertices.len();
+    let address = |(&id, &cell): (&u32, &u32)| {
+        // Vertices of the broken face are the cut's own, never the mesh's.
+        let grain = cut.grain(&[], id);
+        let node = (id as usize).checked_sub(skin).map(|i| cut.nodes[i]);
+        let address = node.and_then(|n| inner.bundles.addresses.get(n as usize));
+        let rho = match address {
+            Some(address) => address.0,
+            None => inner.stem.rings.address(grain.truncate()).0,
         };
-        let skin = cut.points + cut.vertices.len();
-        for (&id, &cell) in face.ids.iter().zip(&face.cells) {
-            // Vertices of the broken face are the cut's own, never the mesh's.
-            let grain = cut.grain(&[], id);
-            let node = (id as usize).checked_sub(skin).map(|i| cut.nodes[i]);
-            let address = node.and_then(|n| inner.bundles.addresses.get(n as usize));
-            let rho = match address {
-                Some(address) => address.0,
-                None => inner.stem.rings.address(grain.truncate()).0,
-            };
-            let bundle = inner.bundles.bundles.get(cell as usize);
-            inside.rings.push(rho.min(1.0) as f32);
-            inside.sectors.push(bundle.map_or(0.0, |b| b.sector as f32));
-            let zone = inner.proportions.zone_at(rho, 0.0);
-            inside.zones.push(f32::from(zone.code()));
-            inside.grain.extend(grain.as_vec3().to_array());
+        let bundle = inner.bundles.bundles.get(cell as usize);
+        FaceAddress {
+            ring: rho.min(1.0) as f32,
+            sector: bundle.map_or(0.0, |b| b.sector as f32),
+            zone: inner.proportions.zone_at(rho, 0.0),
+            grain: grain.as_vec3().to_array(),
         }
-        inside
-    }
+    };
+    (face.ids.par_iter().zip(&face.cells))
+        .map(address)
+        .collect()
 }
 
 /// An attribute that all pieces have: name, width, values on the broken face, and those on a skin that lacks it.
@@ -265,7 +266,14 @@ impl<'a> SkinBuilder<'a> {
         self.known[vertex as usize]
     }
 
-    fn finish(self, inside: &Inside, face: &Face, inner: &InnerWood, upper: bool) -> Mesh {
+    /// The piece with its broken face, whose vertices have `inside`; `first` is the number of the first vertex made by the cut.
+    fn finish(
+        self,
+        (first, inside): (usize, &[FaceAddress]),
+        face: &Face,
+        inner: &InnerWood,
+        upper: bool,
+    ) -> Mesh {
         let skin = self.positions.len();
         let total = skin + face.ids.len();
         let mut attributes: BTreeMap<String, Attribute> = BTreeMap::new();
@@ -285,14 +293,21 @@ impl<'a> SkinBuilder<'a> {
         let sign = if upper { -1.0 } else { 1.0 };
         let normals: Vec<f32> = face.normals.iter().flatten().map(|n| sign * n).collect();
         let coordinates = face.coordinates.as_flattened();
-        let skin_normals = || skin_normals(&self.positions, &self.triangles);
+        let skin_normals = || {
+            let normals = smooth_normals(&self.positions, &self.triangles);
+            normals.into_flattened()
+        };
+        let column = |value: fn(&FaceAddress) -> f32| inside.iter().map(value).collect::<Vec<_>>();
+        let (rings, sectors) = (column(|a| a.ring), column(|a| a.sector));
+        let zones = column(|a| f32::from(a.zone.code()));
+        let grain: Vec<f32> = inside.iter().flat_map(|a| a.grain).collect();
         let own: [Own; 6] = [
             ("NORMAL", 3, &normals, &skin_normals),
             ("TEXCOORD_0", 2, coordinates, &|| vec![0.0; skin * 2]),
-            ("_RING", 1, &inside.rings, &|| vec![1.0; skin]),
-            ("_SECTOR", 1, &inside.sectors, &|| vec![0.0; skin]),
-            ("_ZONE", 1, &inside.zones, &|| vec![BARK; skin]),
-            ("_GRAIN", 3, &inside.grain, &|| self.grain()),
+            ("_RING", 1, &rings, &|| vec![1.0; skin]),
+            ("_SECTOR", 1, &sectors, &|| vec![0.0; skin]),
+            ("_ZONE", 1, &zones, &|| vec![BARK; skin]),
+            ("_GRAIN", 3, &grain, &|| self.grain()),
         ];
         for (name, width, values, missing) in own {
             let entry = attributes.entry(name.to_owned()).or_insert_with(|| {
@@ -310,7 +325,6 @@ impl<'a> SkinBuilder<'a> {
             attributes,
             materials: self.materials,
         };
-        let first = inside.first;
         mesh.positions
             .extend(face.ids.iter().map(|&id| face.places[id as usize - first]));
         let shift = skin as u32;
@@ -372,8 +386,8 @@ fn interpolate(
     data
 }
 
-/// Area-weighted vertex normals of a skin that came without; vertices at one position share them.
-fn skin_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f32> {
+/// Returns area-weighted unit normals of vertices that came without; vertices at one position share them.
+pub fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mesh = Mesh {
         positions: positions.to_vec(),
         ..Mesh::default()
@@ -388,7 +402,7 @@ fn skin_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f32> {
     }
     points
         .iter()
-        .flat_map(|&p| sums[p as usize].normalize_or_zero().as_vec3().to_array())
+        .map(|&p| sums[p as usize].normalize_or_zero().as_vec3().to_array())
         .collect()
 }
 

@@ -155,7 +155,7 @@ impl Web {
             number,
             input,
             request: job.file.to_toml(),
-            coarse: job.coarse,
+            haste: job.haste,
         };
         self.show.ask(&ask, &[]);
         self.showing = Some(number);
@@ -207,6 +207,10 @@ impl Web {
                     self.show.progress(stage, overall);
                 }
                 Answer::Fault(text) => self.show.fault = Some(text),
+                Answer::Drawn(number, drawn) => {
+                    browser::mark("drawn", false);
+                    self.done.push_back(Done::Drawn(number, drawn));
+                }
                 Answer::Shown(number, shown) => {
                     browser::mark("shown", false);
                     self.show.rests();
@@ -235,7 +239,7 @@ impl Web {
                     self.done.push_back(Done::Exported(path, written));
                 }
             }
-            Answer::Shown(..) => {}
+            Answer::Drawn(..) | Answer::Shown(..) => {}
         }
     }
 

@@ -26,7 +26,12 @@ pub fn serve(scope: &DedicatedWorkerGlobalScope) {
         let bytes = Uint8Array::from(message.get(0)).to_vec();
         match from_bytes::<Ask>(&bytes) {
             Ok(ask) => {
-                let (answer, files) = desk.answer(ask, files_of(&message), &context);
+                let (answer, files) = desk.answer(
+                    ask,
+                    files_of(&message),
+                    &mut |early| post(&early, &[]),
+                    &context,
+                );
                 if let Some(answer) = answer {
                     post(&answer, &files);
                 }

@@ -1,0 +1,367 @@
+//! What is drawn of a change before its pieces are finished: the cut itself, in the scene of the answer before.
+//!
+//! To finish pieces – repairing what crosses, splinters that come loose, the report – takes many times as long as to cut them.
+//! While only the face of a break changes, everything else that is drawn is still that of the last finished answer.
+
+use super::meshes::{Batch, DrawnScene, Vertex, drawn_vertices, normal_map};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
+use greenstick::BreakRequest;
+use greenstick::fracture::cut::Side;
+use greenstick::fracture::parameters::BreakParameters;
+use greenstick::geometry::Mesh;
+use greenstick::geometry::mesh::NO_MATERIAL;
+use greenstick::session::{BreakStages, Broken, NodeRole, PieceRole};
+use greenstick::skin::broken::{FaceAddress, smooth_normals};
+use greenstick::skin::prepared::PreparedStem;
+use greenstick::wood::appearance::StemAppearance;
+use greenstick::wood::tissue::Zone;
+use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// "Not drawn yet".
+const NONE: u32 = u32::MAX;
+
+/// A piece as it stands in the scene.
+#[derive(Debug, Clone, Copy)]
+struct Standing {
+    number: f32,
+    transform: DAffine3,
+}
+
+/// What a finished answer draws but for the two pieces, and what their skin is made of.
+#[derive(Debug)]
+pub struct Surroundings {
+    /// The request but for its face, and what wood and bark look like.
+    request: BreakRequest,
+    appearance: StemAppearance,
+    stem: Arc<PreparedStem>,
+    /// Everything that is not one of the two pieces; without indices.
+    others: DrawnScene,
+    /// Corners of the triangles of others, by material.
+    corners: BTreeMap<u32, Vec<u32>>,
+    /// A batch of each material, without triangles.
+    batches: BTreeMap<u32, Batch>,
+    /// The vertices of the mesh that is cut, in its own coordinates.
+    skin: Vec<Vertex>,
+    /// The material of triangles that came without.
+    bark: u32,
+    /// Both pieces, the lower one first.
+    pieces: [Standing; 2],
+}
+
+impl Surroundings {
+    /// What a finished answer, drawn as `drawn`, leaves for the changes to come. `None` where the two pieces are not all that a
+    /// change of the face changes.
+    pub fn new(
+        request: &BreakRequest,
+        broken: &Broken,
+        drawn: &DrawnScene,
+        stages: &BreakStages,
+    ) -> Option<Self> {
+        let stem = &stages.stem.sound;
+        let face = only_face(request)?;
+        if changes_more_than_faces(face, stages) {
+            return None;
+        }
+        let scene = &broken.scene;
+        let mut others = DrawnScene {
+            vertices: Vec::new(),
+            indices: Vec::new(),
+            batches: Vec::new(),
+            ..drawn.clone()
+        };
+        let mut corners = BTreeMap::new();
+        let mut pieces = [None; 2];
+        let mut bark = NO_MATERIAL;
+        let mut number = 0.0;
+        for (node, role) in scene.nodes.iter().zip(&broken.roles) {
+            match role {
+                NodeRole::Piece(PieceRole::Segment(_)) => return None,
+                NodeRole::Piece(role) => {
+                    number += 1.0;
+                    let half = match role {
+                        PieceRole::Lower => 0,
+                        PieceRole::Upper => 1,
+                        // It is part of the face again until the answer is finished.
+                        _ => continue,
+                    };
+                    pieces[half] = Some(Standing {
+                        number,
+                        transform: node.transform,
+                    });
+                    // The skin comes first in a piece.
+                    bark = node.mesh.material(0);
+                }
+                NodeRole::Carried => others.push(node, 2.0, &mut corners),
+                NodeRole::Untouched => others.push(node, 0.0, &mut corners),
+            }
+        }
+        let batches = drawn.batches.iter().map(|b| (b.material, b.clone()));
+        let batches = batches.collect();
+        let [Some(lower), Some(upper)] = pieces else {
+            return None;
+        };
+        Some(Surroundings {
+            request: without_face(request),
+            appearance: appearance(request, stages)?,
+            skin: skin_vertices(stem),
+            stem: stem.clone(),
+            others,
+            corners,
+            batches,
+            bark,
+            pieces: [lower, upper],
+        })
+    }
+
+    /// Whether a request leaves all of this as it is, as far as that can be told without breaking anything.
+    pub fn may_hold_for(&self, request: &BreakRequest) -> bool {
+        only_face(request).is_some() && without_face(request) == self.request
+    }
+
+    /// Whether a request with these stages leaves all of this as it is.
+    pub fn hold_for(&self, request: &BreakRequest, stages: &BreakStages) -> bool {
+        self.may_hold_for(request)
+            && Arc::ptr_eq(&self.stem, &stages.stem.sound)
+            && only_face(request).is_some_and(|face| !changes_more_than_faces(face, stages))
+            && appearance(request, stages).as_ref() == Some(&self.appearance)
+    }
+
+    /// The scene with the pieces of another face; `None` where it has a material that the scene had not.
+    pub fn drawn(&self, stages: &BreakStages) -> Option<DrawnScene> {
+        let inner = stages.inner_wood(&stages.stem.face);
+        let addresses = stages.cut.face.addresses(&inner);
+        let mut out = self.others.clone();
+        let mut corners = self.corners.clone();
+        let cut = &stages.cut.face;
+        let skin = self.skin.len() + 2 * cut.patch.vertices.len();
+        out.vertices.reserve(skin + 2 * cut.face.ids.len());
+        for (half, piece) in self.pieces.into_iter().enumerate() {
+            let mut builder = PieceBuilder::new(self, stages, piece, half == 1, &mut out);
+            builder.skin(&mut corners);
+            let wood = corners.entry(stages.stem.inner_material).or_default();
+            builder.face(&addresses, wood);
+        }
+        out.indices
+            .reserve(corners.values().map(Vec::len).sum::<usize>());
+        for (material, corners) in corners {
+            let batch = self.batches.get(&material)?;
+            out.batches.push(Batch {
+                first: out.indices.len() as u32,
+                count: corners.len() as u32,
+                ..batch.clone()
+            });
+            out.indices.extend(corners);
+        }
+        Some(out)
+    }
+}
+
+/// The parameters of the only face of a request.
+fn only_face(request: &BreakRequest) -> Option<&BreakParameters> {
+    match &request.breaks[..] {
+        [one] if request.every.is_none() && one.triangles.is_none() => Some(&one.recipe.face),
+        _ => None,
+    }
+}
+
+fn without_face(request: &BreakRequest) -> BreakRequest {
+    let mut rest = request.clone();
+    for one in &mut rest.breaks {
+        one.recipe.face = BreakParameters::default();
+    }
+    rest
+}
+
+/// Whether such a break changes more of the stem than its two faces.
+fn changes_more_than_faces(face: &BreakParameters, stages: &BreakStages) -> bool {
+    face.hang > 0.0 || stages.cracks.is_some() || stages.stem.opened.is_some()
+}
+
+/// What the wood and the bark of a break look like; `None` where that cannot be told.
+fn appearance(request: &BreakRequest, stages: &BreakStages) -> Option<StemAppearance> {
+    let prepared = stages.stem.stem();
+    let wood = prepared.wood_appearance(&request.breaks.first()?.recipe);
+    let rings = stages.stem.rings.clone();
+    Some(StemAppearance::new(&prepared.found.stem, wood.ok()?, rings))
+}
+
+/// The vertices of the mesh that is cut, in its own coordinates, with what pieces get where it has nothing.
+fn skin_vertices(stem: &PreparedStem) -> Vec<Vertex> {
+    let mesh: &Mesh = &stem.node().mesh;
+    let mut vertices: Vec<Vertex> = drawn_vertices(mesh).collect();
+    if !mesh.attributes.contains_key("NORMAL") {
+        let normals = smooth_normals(&mesh.positions, &mesh.triangles);
+        for (vertex, normal) in vertices.iter_mut().zip(normals) {
+            vertex.normal = normal;
+        }
+    }
+    let has_zones = mesh.attributes.contains_key("_ZONE");
+    let has_grain = mesh.attributes.contains_key("_GRAIN");
+    for (vertex, &point) in vertices.iter_mut().zip(&stem.points) {
+        let grain = stem.grain[point as usize];
+        if !has_grain && grain.is_finite() {
+            vertex.set_grain(grain.as_vec3());
+        }
+        if !has_zones {
+            vertex.zone_piece[0] = f32::from(Zone::Bark.code());
+        }
+    }
+    vertices
+}
+
+/// Draws one piece.
+struct PieceBuilder<'a> {
+    around: &'a Surroundings,
+    stages: &'a BreakStages,
+    upper: bool,
+    out: &'a mut DrawnScene,
+    /// Number of each vertex of the mesh that is cut and of the patch.
+    known: Vec<u32>,
+    moved: Moved,
+}
+
+/// From the coordinates of the mesh that is cut to a piece's place in the scene.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    transform: DAffine3,
+    normals: Mat3,
+    /// Whether nothing is turned or scaled.
+    is_shift: bool,
+    number: f32,
+}
+
+impl Moved {
+    fn new(piece: Standing, middle: DVec3) -> Self {
+        let mut transform = piece.transform;
+        transform.translation -= middle;
+        Moved {
+            transform,
+            normals: normal_map(&transform).as_mat3(),
+            is_shift: transform.matrix3 == DMat3::IDENTITY,
+            number: piece.number,
+        }
+    }
+
+    /// Moves a vertex at `position`.
+    #[inline]
+    fn place(&self, position: DVec3, mut vertex: Vertex) -> Vertex {
+        let world = if self.is_shift {
+            position + self.transform.translation
+        } else {
+            let normal = self.normals * Vec3::from_array(vertex.normal);
+            vertex.normal = normal.normalize_or_zero().to_array();
+            self.transform.transform_point3(position)
+        };
+        vertex.position = world.as_vec3().to_array();
+        vertex.zone_piece[1] = self.number;
+        vertex
+    }
+}
+
+impl<'a> PieceBuilder<'a> {
+    fn new(
+        around: &'a Surroundings,
+        stages: &'a BreakStages,
+        piece: Standing,
+        upper: bool,
+        out: &'a mut DrawnScene,
+    ) -> Self {
+        let patch = &stages.cut.face.patch;
+        PieceBuilder {
+            around,
+            stages,
+            upper,
+            known: vec![NONE; patch.first as usize + patch.vertices.len()],
+            moved: Moved::new(piece, out.middle),
+            out,
+        }
+    }
+
+    /// Draws the piece's share of the skin.
+    fn skin(&mut self, corners: &mut BTreeMap<u32, Vec<u32>>) {
+        let stages = self.stages;
+        let (cut, patch) = (&stages.cut.face.cut, &stages.cut.face.patch);
+        let stem = stages.stem.stem();
+        let mesh = &stem.node().mesh;
+        let mut list = (NO_MATERIAL, Vec::new());
+        let mut add = |this: &mut Self, ids: [u32; 3], material: u32| {
+            let material = match material {
+                NO_MATERIAL => this.around.bark,
+                known => known,
+            };
+            if list.0 != material {
+                let before = std::mem::replace(&mut list, (material, Vec::new()));
+                corners.entry(before.0).or_default().extend(before.1);
+            }
+            list.1.extend(ids.map(|id| this.vertex(id)));
+        };
+        let side = if self.upper { Side::Upper } else { Side::Lower };
+        for (t, &triangle) in mesh.triangles.iter().enumerate() {
+            if cut.sides[t] == side {
+                add(self, triangle, mesh.material(t));
+            }
+        }
+        let half = usize::from(self.upper);
+        for (&part, &t) in patch.parts[half].iter().zip(&patch.sources[half]) {
+            add(self, part, mesh.material(t as usize));
+        }
+        corners.entry(list.0).or_default().extend(list.1);
+        corners.retain(|_, list| !list.is_empty());
+    }
+
+    /// The number of a vertex of the mesh, or of the patch behind them, which is drawn once.
+    fn vertex(&mut self, id: u32) -> u32 {
+        let known = self.known[id as usize];
+        if known != NONE {
+            return known;
+        }
+        let patch = &self.stages.cut.face.patch;
+        let vertex = match id.checked_sub(patch.first) {
+            None => {
+                let position = self.stages.stem.stem().node().mesh.positions[id as usize];
+                self.moved.place(position, self.around.skin[id as usize])
+            }
+            Some(i) => {
+                let made = &patch.vertices[i as usize];
+                let [a, b, c] = made.vertices.map(|v| self.around.skin[v as usize]);
+                self.moved
+                    .place(made.position, Vertex::blend([a, b, c], made.weights))
+            }
+        };
+        let number = self.out.vertices.len() as u32;
+        self.out.vertices.push(vertex);
+        self.known[id as usize] = number;
+        number
+    }
+
+    /// Draws the broken face; adds the corners of its triangles.
+    fn face(&mut self, addresses: &[FaceAddress], corners: &mut Vec<u32>) {
+        let cut = &self.stages.cut.face;
+        let (face, first) = (&cut.face, self.out.vertices.len() as u32);
+        let sign = if self.upper { -1.0 } else { 1.0 };
+        let (moved, points) = (self.moved, cut.cut.points);
+        let vertices = (0..face.ids.len()).into_par_iter().map(|i| {
+            let position = face.places[face.ids[i] as usize - points];
+            let mut vertex = Vertex {
+                position: [0.0; 3],
+                normal: face.normals[i].map(|n| sign * n),
+                uv: face.coordinates[i],
+                grain: [0.0; 4],
+                zone_piece: [f32::from(addresses[i].zone.code()), 0.0],
+            };
+            vertex.set_grain(Vec3::from_array(addresses[i].grain));
+            moved.place(position, vertex)
+        });
+        self.out.vertices.par_extend(vertices);
+        let mirrored = self.moved.transform.matrix3.determinant() < 0.0;
+        let turned = self.upper != mirrored;
+        corners.reserve(3 * face.triangles.len());
+        for t in &face.triangles {
+            let [a, b, c] = t.map(|v| v + first);
+            let (b, c) = if turned { (c, b) } else { (b, c) };
+            corners.extend([a, b, c]);
+        }
+    }
+}
