@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 const COARSE: (u32, u32) = (24, 60);
 /// The fraction of the work on a cloud that laying the bark over it takes.
 const SCANNING: f64 = 0.6;
+/// The fraction that a cut takes which is drawn early.
+const DRAWING: f64 = 0.05;
 
 /// A request for a picture.
 #[derive(Debug, Clone)]
@@ -229,9 +231,10 @@ impl Engine {
         context: &Context,
     ) -> Result<Option<Shown>, Error> {
         let key = key(&job.input, &job.file);
-        let [laying, breaking] = context.split([
+        let [laying, drawing, breaking] = context.split([
             (STEM, if key.scan.is_some() { SCANNING } else { 0.0 }),
-            (BREAK, 1.0 - SCANNING),
+            (BREAK, DRAWING),
+            (BREAK, 1.0 - SCANNING - DRAWING),
         ]);
         if self.opened.as_ref().is_none_or(|o| o.key != key) {
             self.opened = None;
@@ -252,7 +255,7 @@ impl Engine {
         // The viewport evaluates the wood at each pixel.
         request.texture_width = 0;
         let coarse = job.haste == Haste::Coarse && coarsen(&mut request);
-        let started = opened.draw_early(&request, early, &breaking)?;
+        let started = opened.draw_early(&request, early, &drawing)?;
         if started.is_some() && job.haste != Haste::Whole {
             return Ok(None);
         }
