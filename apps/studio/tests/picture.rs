@@ -7,6 +7,7 @@ use greenstick::geometry::Context;
 use greenstick_studio::model::engine::{Engine, Haste, Job};
 use greenstick_studio::model::input::Input;
 use greenstick_studio::model::meshes::DrawnScene;
+use greenstick_studio::model::section::{Plane, SectionFaces, section_faces};
 use greenstick_studio::view::camera::Camera;
 use greenstick_studio::view::renderer::{Colours, Renderer, View};
 use std::sync::Arc;
@@ -166,8 +167,19 @@ fn every_kind_of_colours_shows_something_else() {
     let mut open = frame(&shown, Colours::Clay);
     let at = shown.breaks[0];
     let normal = at.along.cross(Vec3::Y).normalize();
-    open.section = Some((normal, normal.dot(at.place)));
-    let cut = card.draw(&mut renderer, &open);
-    let differ = cut.iter().zip(&pictures[4]).filter(|(p, q)| p != q).count();
-    assert!(differ > 1000, "section: {differ}");
+    let plane = Plane {
+        normal,
+        distance: normal.dot(at.place),
+    };
+    // Hollow, then with the faces that the plane opens.
+    let faces = [SectionFaces::default(), section_faces(&shown, plane)];
+    let [hollow, cut] = faces.map(|faces| {
+        open.section = Some((plane, Arc::new(faces)));
+        // Nothing is drawn anew where only the faces are others.
+        open.camera.distance *= 1.0001;
+        card.draw(&mut renderer, &open)
+    });
+    let unlike = |p: &[[u8; 4]], q: &[[u8; 4]]| p.iter().zip(q).filter(|(p, q)| p != q).count();
+    assert!(unlike(&hollow, &pictures[4]) > 1000, "section");
+    assert!(unlike(&hollow, &cut) > 1000, "faces of the section");
 }

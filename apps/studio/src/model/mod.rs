@@ -12,4 +12,5 @@ pub mod look;
 pub mod meshes;
 pub mod project;
 pub mod randomise;
+pub mod section;
 pub mod wire;

@@ -5,6 +5,7 @@ use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project::Project;
+use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Done, Opened, Platform, Settings};
 use crate::view::camera::Camera;
 use crate::view::renderer::{Colours, Renderer};
@@ -59,6 +60,15 @@ pub(super) struct AtWork {
     since: f64,
 }
 
+/// How the picture is cut open.
+#[derive(Debug, Default)]
+pub(super) struct Section {
+    /// The direction of its open side, of unit length.
+    pub towards: Option<Vec3>,
+    /// The number of what is drawn, the plane, and its faces.
+    pub faces: Option<(u64, Plane, Arc<SectionFaces>)>,
+}
+
 /// The studio.
 pub struct Studio {
     /// What is being worked on.
@@ -72,6 +82,7 @@ pub struct Studio {
     pub(super) aspect: f32,
     pub(super) camera: Camera,
     pub(super) view: ViewOptions,
+    pub(super) section: Section,
     pub(super) messages: Vec<Message>,
     pub(super) dialog: Option<Dialog>,
     pub(super) settings: Settings,
@@ -125,6 +136,7 @@ impl Studio {
                 section: false,
                 apart: 1.6,
             },
+            section: Section::default(),
             messages: Vec::new(),
             dialog: None,
             settings,

@@ -1,7 +1,8 @@
 //! The viewport: turning, shifting, going nearer, and clicking where it shall break.
 
 use super::actions::Action;
-use super::studio::Studio;
+use super::studio::{Section, Studio};
+use crate::model::section::{Plane, SectionFaces, section_faces};
 use crate::platform::Lane;
 use crate::view::pick::{Picked, pick};
 use crate::view::renderer::{Colours, View};
@@ -12,6 +13,7 @@ use eframe::egui::{
 use eframe::egui_wgpu;
 use glam::DVec3;
 use greenstick::wood::stem::StemLocation;
+use std::sync::Arc;
 
 /// How much nearer one notch of the wheel goes.
 const NOTCH: f32 = 0.88;
@@ -56,7 +58,7 @@ impl Studio {
                 ui.toggle_value(&mut self.view.wireframe, "Wireframe")
                     .on_hover_text("The edges of triangles (W).");
                 ui.toggle_value(&mut self.view.section, "Section")
-                    .on_hover_text("Cuts the picture open along the stem (X).");
+                    .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
                 ui.separator();
                 let before = self.view.apart;
                 let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
@@ -140,7 +142,7 @@ impl Studio {
         moved
     }
 
-    fn paint(&self, ui: &Ui, rect: Rect, moving: bool) {
+    fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {
         // A processor that draws is slow: while the camera moves, it draws fewer pixels.
         let scale = ui.pixels_per_point() * if moving && self.slow_card { 0.5 } else { 1.0 };
         let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
@@ -169,14 +171,29 @@ impl Studio {
         ui.painter().add(callback);
     }
 
-    /// The plane that cuts the picture open: along the stem at the break, with its open side towards the camera.
-    fn section(&self) -> Option<(glam::Vec3, f32)> {
-        let (_, drawn) = self.drawn.as_ref().filter(|_| self.view.section)?;
+    /// The plane that cuts the picture open, along the stem at the break, and the faces that it opens. Its open side is towards
+    /// where the camera was when the section was switched on.
+    fn section(&mut self) -> Option<(Plane, Arc<SectionFaces>)> {
+        if !self.view.section {
+            self.section = Section::default();
+            return None;
+        }
+        let (number, drawn) = self.drawn.as_ref()?;
         let at = drawn.breaks.first()?;
-        let towards = self.camera.backward();
+        let backward = self.camera.backward();
+        let towards = *self.section.towards.get_or_insert(backward);
         let across = towards - at.along * towards.dot(at.along);
         let normal = across.normalize_or(self.camera.right());
-        Some((normal, normal.dot(at.place)))
+        let plane = Plane {
+            normal,
+            distance: normal.dot(at.place),
+        };
+        let faces = match &self.section.faces {
+            Some((of, known, faces)) if of == number && *known == plane => faces.clone(),
+            _ => Arc::new(section_faces(drawn, plane)),
+        };
+        self.section.faces = Some((*number, plane, faces.clone()));
+        Some((plane, faces))
     }
 
     fn click(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {

@@ -4,3 +4,4 @@ pub mod camera;
 pub mod pick;
 pub mod renderer;
 mod resources;
+mod section;

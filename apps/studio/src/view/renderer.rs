@@ -2,8 +2,10 @@
 
 use super::camera::Camera;
 use super::resources::{COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, entry};
+use super::section::LoadedSection;
 use crate::model::look::WoodLook;
 use crate::model::meshes::{Batch, DrawnScene, Shading};
+use crate::model::section::{Plane, SectionFaces};
 use bytemuck::{Pod, Zeroable};
 use eframe::egui;
 use eframe::egui_wgpu::{self, CallbackResources, ScreenDescriptor};
@@ -68,8 +70,8 @@ pub struct View {
     pub colours: Colours,
     /// Whether the edges of triangles are drawn.
     pub wireframe: bool,
-    /// Plane beyond which nothing is drawn: unit normal and distance from the middle.
-    pub section: Option<(Vec3, f32)>,
+    /// Plane beyond which nothing is drawn, and the faces that it opens.
+    pub section: Option<(Plane, Arc<SectionFaces>)>,
     /// Linear colour of the background.
     pub background: [f32; 3],
 }
@@ -82,7 +84,7 @@ struct Drawn {
     size: [u32; 2],
     colours: Colours,
     wireframe: bool,
-    section: Option<(Vec3, f32)>,
+    section: Option<Plane>,
     background: [f32; 3],
 }
 
@@ -102,7 +104,7 @@ struct Globals {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SurfaceNumbers {
+pub(super) struct SurfaceNumbers {
     base: [f32; 4],
     kind: [f32; 4],
     texture_map: [f32; 4],
@@ -110,9 +112,9 @@ struct SurfaceNumbers {
 }
 
 /// A scene on the card.
-struct Loaded {
+pub(super) struct Loaded {
     id: u64,
-    vertices: wgpu::Buffer,
+    pub(super) vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
     /// Two corners of each edge, made when they are first asked for.
@@ -121,7 +123,7 @@ struct Loaded {
     batches: Vec<(std::ops::Range<u32>, usize, wgpu::BindGroup)>,
     /// What it is loaded from, and on the card its woods and images: those that the next scene has too stay there.
     scene: Arc<DrawnScene>,
-    woods: Vec<wgpu::BindGroup>,
+    pub(super) woods: Vec<wgpu::BindGroup>,
     images: Vec<wgpu::TextureView>,
 }
 
@@ -152,14 +154,15 @@ struct Target {
 
 /// Draws the viewport.
 pub struct Renderer {
-    pipelines: Pipelines,
+    pub(super) pipelines: Pipelines,
     globals: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
     globals_group: wgpu::BindGroup,
     shadow_group: wgpu::BindGroup,
-    linear: wgpu::Sampler,
-    blank: wgpu::TextureView,
+    pub(super) linear: wgpu::Sampler,
+    pub(super) blank: wgpu::TextureView,
     loaded: Option<Loaded>,
+    pub(super) section: Option<LoadedSection>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -248,6 +251,7 @@ impl Renderer {
             shadow_group,
             linear,
             loaded: None,
+            section: None,
             target: None,
             drawn: None,
         }
@@ -267,7 +271,7 @@ impl Renderer {
             size: frame.size,
             colours: frame.colours,
             wireframe: frame.wireframe,
-            section: frame.section,
+            section: frame.section.as_ref().map(|s| s.0),
             background: frame.background,
         };
         if self.drawn.as_ref() == Some(&wanted) {
@@ -287,6 +291,12 @@ impl Renderer {
         {
             loaded.edges = Some(edges(device, shown));
         }
+        let faces = frame.section.as_ref().map(|s| &s.1);
+        self.section = match (faces, self.section.take()) {
+            (Some(faces), Some(loaded)) if loaded.is_of(faces) => Some(loaded),
+            (Some(faces), _) => self.load_section(device, faces),
+            (None, _) => None,
+        };
         let numbers = globals(frame);
         queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&numbers));
         self.draw_shadow(encoder);
@@ -438,6 +448,7 @@ impl Renderer {
             pass.set_bind_group(2, material, &[]);
             pass.draw_indexed(range.clone(), 0, 0..1);
         }
+        self.draw_section(&mut pass, loaded);
         if let (true, Some((edges, count))) = (frame.wireframe, &loaded.edges) {
             pass.set_pipeline(&self.pipelines.lines);
             pass.set_index_buffer(edges.slice(..), wgpu::IndexFormat::Uint32);
@@ -462,7 +473,7 @@ fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAtt
     }
 }
 
-fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
+pub(super) fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
     let kind = match batch.shading {
         Shading::Material => 0.0,
         Shading::Wood(_) => 1.0,
@@ -525,7 +536,8 @@ fn globals(frame: &View) -> Globals {
     } else {
         camera.pixel(frame.size[1] as f32)
     };
-    let (normal, distance) = frame.section.unwrap_or((Vec3::X, 0.0));
+    let section = frame.section.as_ref();
+    let (normal, distance) = section.map_or((Vec3::X, 0.0), |s| (s.0.normal, s.0.distance));
     let on = |x: bool| f32::from(u8::from(x));
     Globals {
         view_projection: camera.projection(aspect, radius).to_cols_array_2d(),
@@ -542,7 +554,7 @@ fn globals(frame: &View) -> Globals {
         ],
         section: normal.extend(distance).to_array(),
         flags: [
-            on(frame.section.is_some()),
+            on(section.is_some()),
             (2.0 * covered / SHADOW_SIDE as f32).max(SOFTNESS * covered),
             0.0,
             0.0,

@@ -187,7 +187,7 @@ impl Pipelines {
             shadow: make(Plan {
                 layouts: &[Some(&only_numbers)],
                 vertex: "vertex_shadow",
-                fragment: None,
+                fragment: Some("fragment_shadow"),
                 vertices: Some(false),
                 target: None,
                 samples: 1,

@@ -81,9 +81,27 @@ fn vertex_main(v: VertexIn) -> Varying {
     return out;
 }
 
+struct ShadowVarying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+};
+
 @vertex
-fn vertex_shadow(@location(0) position: vec3<f32>) -> @builtin(position) vec4<f32> {
-    return g.light_projection * vec4<f32>(position, 1.0);
+fn vertex_shadow(@location(0) position: vec3<f32>) -> ShadowVarying {
+    var out: ShadowVarying;
+    out.clip = g.light_projection * vec4<f32>(position, 1.0);
+    out.position = position;
+    return out;
+}
+
+fn is_cut_away(position: vec3<f32>) -> bool {
+    return g.flags.x > 0.5 && dot(g.section.xyz, position) > g.section.w;
+}
+
+// What is cut away casts no shadow.
+@fragment
+fn fragment_shadow(v: ShadowVarying) {
+    if (is_cut_away(v.position)) { discard; }
 }
 
 // Lines a little nearer than the surface they lie on.
@@ -480,6 +498,14 @@ fn zone_color(zone: f32) -> vec3<f32> {
     return vec3<f32>(0.11, 0.10, 0.12);
 }
 
+// The tissue at a ring coordinate, for what lies in all of them.
+fn zone_at(rho: f32) -> f32 {
+    if (rho > wood.rings.x) { return 4.0; }
+    if (rho > wood.edges.w) { return 3.0; }
+    if (rho > wood.edges.z) { return 2.0; }
+    return select(1.0, 0.0, rho <= wood.edges.y);
+}
+
 @fragment
 fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
     let to_eye = g.eye.xyz - v.position;
@@ -493,7 +519,7 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let dg2 = dpdy(v.grain.xyz);
     let tex = vec2<f32>(surface.turn.y * v.uv.x + surface.turn.x * v.uv.y, surface.turn.y * v.uv.y - surface.turn.x * v.uv.x);
     let texel = textureSample(base_texture, base_sampler, tex * surface.texture_map.xy + surface.texture_map.zw);
-    if (g.flags.x > 0.5 && dot(g.section.xyz, v.position) > g.section.w) { discard; }
+    if (is_cut_away(v.position)) { discard; }
     let plane = cross(dp1, dp2);
     let area = max(length(plane), 1e-20);
     var flat = plane / area;
@@ -535,7 +561,9 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
             if (surface.kind.w > 0.5) { look.color *= texel.rgb; }
         }
     } else if (mode == 1) {
-        look.color = select(vec3<f32>(0.3), zone_color(v.zone_piece.x), on_stem);
+        var zone = v.zone_piece.x;
+        if (zone < -0.5) { zone = zone_at(field_at(across).x); }
+        look.color = select(vec3<f32>(0.3), zone_color(zone), on_stem);
         look.roughness = 0.9;
     } else if (mode == 2) {
         look.color = vec3<f32>(0.3);
