@@ -23,10 +23,7 @@ const INNER: u32 = 1;
 fn random_parameters(set: usize) -> BreakParameters {
     let mut p = BreakParameters::default();
     let unit = |i: usize| noise::unit(0xd1ce, set as i64, i as i64, 0);
-    // The size of the stem only leads to counts and heights that other sets have.
-    let table = BreakParameters::table().into_iter();
-    let table = table.filter(|info| info.key != "size_effect");
-    for (i, info) in table.enumerate() {
+    for (i, info) in BreakParameters::table().into_iter().enumerate() {
         let u = unit(i);
         // A third of all parameters stays as it is, so that sets are not all of one kind.
         // Spiral grain is no parameter of Table 2 and is tried by its own test below.
