@@ -113,7 +113,8 @@ impl ThornedFace<'_> {
         let (lowest, sum) = feet.fold((f64::INFINITY, 0.0), |(l, s), h| (h.min(l), s + h));
         let foot = sum / cell.count as f64;
         let site = model.site;
-        let covered = match &bundles.skin {
+        // The highest end below the skin.
+        let highest = match &bundles.skin {
             None => f64::INFINITY,
             Some(skin) => {
                 let edge = InnerEdge {
@@ -122,10 +123,11 @@ impl ThornedFace<'_> {
                     half_width: bundle.half_width,
                 };
                 let end = skin.covered_up_to(&edge, site.place + lowest * site.radius);
-                end.map_or(0.0, |end| (end - site.place) / site.radius - foot)
+                end.map_or(foot, |end| (end - site.place) / site.radius)
             }
         };
-        let length = length.min(covered);
+        let end = highest.min(foot + length);
+        let length = end - foot;
         if length < MIN_LENGTH {
             return;
         }
@@ -137,9 +139,15 @@ impl ThornedFace<'_> {
         };
         let first = self.heights.len() as u32;
         for (k, &node) in cell.nodes().iter().enumerate() {
-            let share = if k == tip { 1.0 } else { model.p.thorn_shaft };
+            // Thorns side by side that the skin ends have one height there, to the last bit: a wall of an ulp between them would
+            // have no room for the levels that it is split at.
+            let height = if k == tip {
+                end
+            } else {
+                foot + model.p.thorn_shaft * length
+            };
             // A thorn on a slope covers its cell, to the last bit.
-            let height = (foot + share * length).max(self.heights[node as usize]);
+            let height = height.max(self.heights[node as usize]);
             self.heights.push(height);
             self.nodes.push(node);
         }
