@@ -40,3 +40,26 @@ fn a_face_is_as_high_as_its_species_says() {
         }
     }
 }
+
+#[test]
+fn the_report_says_where_the_corners_of_a_face_lie() {
+    let mut session = BreakSession::new(built_in_branch());
+    let mut request = support::request(0.5, &Default::default());
+    for setting in ["surface=smooth", "species=Juniper, temple"] {
+        apply_setting(&mut request.breaks[0].recipe, setting).unwrap();
+    }
+    request.breaks[0].recipe.complete().unwrap();
+    let broken = session.broken(&request, &Context::quiet()).unwrap();
+    let face = &broken.report.face;
+    let [low, high] = face.percentiles_m;
+    // The spikes of noise that is made so high reach far beyond the nine tenths that the species is about.
+    assert!(face.range_m[0] < low && high < face.range_m[1], "{face:?}");
+    let wanted = broken.report.species.as_ref().unwrap().height_m;
+    let found = high - low;
+    assert!(
+        (found / wanted - 1.0).abs() < 0.01,
+        "{found} m for {wanted} m"
+    );
+    let text = broken.report.to_string();
+    assert!(text.contains("nine tenths of the corners from"), "{text}");
+}

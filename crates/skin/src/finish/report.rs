@@ -87,6 +87,7 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
     let stem = one.stages.stem.stem();
     let (low, high) = one.stages.cut.face.cut.face_range(&stem.grain);
     let location = stem.found.stem.location;
+    let percentile = percentiles(&heights.surface.heights);
     FaceReport {
         seed: one.stages.stem.face.seed,
         surface: match one.stages.stem.face.surface {
@@ -96,10 +97,23 @@ fn face_report(one: &FinishedBreak) -> FaceReport {
         bundles: one.stages.layout.bundles.bundles.len(),
         thorns: heights.thorns.len(),
         range_m: [low - location, high - location],
+        percentiles_m: [percentile(0.05) - location, percentile(0.95) - location],
         scales: heights.scales.into(),
         moved_m: heights.moved,
         limited: heights.limited,
         wanted_m: [heights.wanted.0, heights.wanted.1],
+    }
+}
+
+/// Returns what tells the height that a share of a face's corners lies below: of all corners of all facets, as the species
+/// counts them.
+fn percentiles(heights: &[impl AsRef<[f64]>]) -> impl Fn(f64) -> f64 {
+    let mut sorted: Vec<f64> = heights.iter().flat_map(AsRef::as_ref).copied().collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    move |share| {
+        let last = sorted.len().saturating_sub(1);
+        let index = (share * last as f64) as usize;
+        sorted.get(index).copied().unwrap_or_default()
     }
 }
 

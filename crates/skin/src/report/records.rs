@@ -57,6 +57,9 @@ pub struct FaceReport {
     pub thorns: usize,
     /// Lowest and highest point, m from the location of the break along the grain.
     pub range_m: [f64; 2],
+    /// The 5th and the 95th percentile of the heights of its corners, m from the location: the height that a species calls for
+    /// lies between these two, and single corners reach farther.
+    pub percentiles_m: [f64; 2],
     /// Factors on heights below and above the location, under 1 where those as drawn would have left the stem or met another
     /// limb.
     pub scales: [f64; 2],
@@ -237,14 +240,16 @@ fn write_break(
     if let Some(s) = species {
         writeln!(
             f,
-            "species  {} ({}) at {} % moisture: height {} by {} ({}), relief × {:.2}",
+            "species  {} ({}) at {} % moisture: height {} by {} ({}), relief × {:.2}; nine tenths of the corners from {} to {}",
             s.name,
             s.scientific_name,
             s.moisture_percent,
             length(s.height_m),
             s.rule,
             s.basis,
-            s.relief
+            s.relief,
+            length(face.percentiles_m[0]),
+            length(face.percentiles_m[1])
         )?;
     }
     if let Some(hang) = hang {
