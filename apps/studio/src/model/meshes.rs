@@ -91,6 +91,19 @@ pub struct Batch {
     pub texture: Option<(usize, [f32; 4], f32)>,
 }
 
+impl Batch {
+    /// The wood that a section opens in the first break's stem; of no triangles yet.
+    pub(crate) const OPENED_WOOD: Batch = Batch {
+        material: 0,
+        first: 0,
+        count: 0,
+        shading: Shading::Wood(0),
+        base: [0.5, 0.35, 0.2, 1.0],
+        metal_rough: [0.0, 0.8],
+        texture: None,
+    };
+}
+
 /// A piece that is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DrawnPiece {

@@ -1,7 +1,9 @@
 //! Draws the viewport into a picture of its own, only when something changed, and copies it to the window.
 
 use super::camera::Camera;
-use super::resources::{COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, entry};
+use super::resources::{
+    COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, edges, entry,
+};
 use super::section::LoadedSection;
 use crate::model::look::WoodLook;
 use crate::model::meshes::{Batch, DrawnScene, Shading};
@@ -104,7 +106,7 @@ struct Globals {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(super) struct SurfaceNumbers {
+struct SurfaceNumbers {
     base: [f32; 4],
     kind: [f32; 4],
     texture_map: [f32; 4],
@@ -112,9 +114,9 @@ pub(super) struct SurfaceNumbers {
 }
 
 /// A scene on the card.
-pub(super) struct Loaded {
+struct Loaded {
     id: u64,
-    pub(super) vertices: wgpu::Buffer,
+    vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
     /// Two corners of each edge, made when they are first asked for.
@@ -123,7 +125,7 @@ pub(super) struct Loaded {
     batches: Vec<(std::ops::Range<u32>, usize, wgpu::BindGroup)>,
     /// What it is loaded from, and on the card its woods and images: those that the next scene has too stay there.
     scene: Arc<DrawnScene>,
-    pub(super) woods: Vec<wgpu::BindGroup>,
+    woods: Vec<wgpu::BindGroup>,
     images: Vec<wgpu::TextureView>,
 }
 
@@ -154,15 +156,15 @@ struct Target {
 
 /// Draws the viewport.
 pub struct Renderer {
-    pub(super) pipelines: Pipelines,
+    pipelines: Pipelines,
     globals: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
     globals_group: wgpu::BindGroup,
     shadow_group: wgpu::BindGroup,
-    pub(super) linear: wgpu::Sampler,
-    pub(super) blank: wgpu::TextureView,
+    linear: wgpu::Sampler,
+    blank: wgpu::TextureView,
     loaded: Option<Loaded>,
-    pub(super) section: Option<LoadedSection>,
+    section: Option<LoadedSection>,
     target: Option<Target>,
     drawn: Option<Drawn>,
 }
@@ -294,7 +296,14 @@ impl Renderer {
         let faces = frame.section.as_ref().map(|s| &s.1);
         self.section = match (faces, self.section.take()) {
             (Some(faces), Some(loaded)) if loaded.is_of(faces) => Some(loaded),
-            (Some(faces), _) => self.load_section(device, faces),
+            (Some(faces), _) => {
+                let (numbers, blank) = (
+                    surface_numbers(&Batch::OPENED_WOOD),
+                    (&self.blank, &self.linear),
+                );
+                let numbers = bytemuck::bytes_of(&numbers);
+                LoadedSection::new(device, &self.pipelines, blank, numbers, faces)
+            }
             (None, _) => None,
         };
         let numbers = globals(frame);
@@ -448,7 +457,10 @@ impl Renderer {
             pass.set_bind_group(2, material, &[]);
             pass.draw_indexed(range.clone(), 0, 0..1);
         }
-        self.draw_section(&mut pass, loaded);
+        if let (Some(section), Some(wood)) = (&self.section, loaded.woods.first()) {
+            section.draw(&mut pass, wood);
+            pass.set_vertex_buffer(0, loaded.vertices.slice(..));
+        }
         if let (true, Some((edges, count))) = (frame.wireframe, &loaded.edges) {
             pass.set_pipeline(&self.pipelines.lines);
             pass.set_index_buffer(edges.slice(..), wgpu::IndexFormat::Uint32);
@@ -473,7 +485,7 @@ fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAtt
     }
 }
 
-pub(super) fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
+fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
     let kind = match batch.shading {
         Shading::Material => 0.0,
         Shading::Wood(_) => 1.0,
@@ -490,22 +502,6 @@ pub(super) fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
         texture_map: map,
         turn: [turn.sin(), turn.cos(), 0.0, 0.0],
     }
-}
-
-/// The edges of all triangles, each once.
-fn edges(device: &wgpu::Device, scene: &DrawnScene) -> (wgpu::Buffer, u32) {
-    let mut list: Vec<[u32; 2]> = Vec::with_capacity(scene.indices.len());
-    for &[a, b, c] in scene.indices.as_chunks::<3>().0 {
-        list.extend([[a, b], [b, c], [c, a]].map(|[i, j]| [i.min(j), i.max(j)]));
-    }
-    list.sort_unstable();
-    list.dedup();
-    let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("edges"),
-        contents: bytemuck::cast_slice(&list),
-        usage: wgpu::BufferUsages::INDEX,
-    });
-    (buffer, 2 * list.len() as u32)
 }
 
 /// Part of the shadow map over which the edge of a shadow is spread.

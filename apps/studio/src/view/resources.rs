@@ -1,7 +1,7 @@
 //! Pipelines, layouts and textures of the viewport.
 
 use crate::model::look::WoodLook;
-use crate::model::meshes::Vertex;
+use crate::model::meshes::{DrawnScene, Vertex};
 use greenstick::formats::photograph::Photograph;
 use wgpu::util::DeviceExt;
 
@@ -368,4 +368,20 @@ impl Level {
             rgba,
         }
     }
+}
+
+/// The edges of all triangles, each once.
+pub fn edges(device: &wgpu::Device, scene: &DrawnScene) -> (wgpu::Buffer, u32) {
+    let mut list: Vec<[u32; 2]> = Vec::with_capacity(scene.indices.len());
+    for &[a, b, c] in scene.indices.as_chunks::<3>().0 {
+        list.extend([[a, b], [b, c], [c, a]].map(|[i, j]| [i.min(j), i.max(j)]));
+    }
+    list.sort_unstable();
+    list.dedup();
+    let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some("edges"),
+        contents: bytemuck::cast_slice(&list),
+        usage: wgpu::BufferUsages::INDEX,
+    });
+    (buffer, 2 * list.len() as u32)
 }
