@@ -34,7 +34,7 @@ const LEAST_DEPTHS_RADII: [f64; 2] = [3e-5, 1e-5];
 const GROWTH: usize = 4;
 const PATIENCE: usize = 2;
 /// Pairs that cross, as a part of the triangles of the face, above which moving vertices is not tried: each move is judged by
-/// all that crosses about it, which takes minutes there, and levelling frees most. Faces that can be repaired have 0.1 to 0.5 %.
+/// all that crosses about it, which takes minutes there, and levelling frees most.
 const MAX_TANGLED: f64 = 0.02;
 /// The greatest distance that a vertex is moved, radii.
 const MAX_MOVE_RADII: f64 = 5e-3;
