@@ -1,0 +1,241 @@
+//! `greenstick sweep`: the same as by hand, resumed wherever it was killed, one failure no end.
+
+use crate::support::Folder;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A sweep of small breaks without textures.
+const SMALL: &str = "
+species = 'white oak'
+[sweep]
+textures = false
+sheet = 0
+[break]
+rings = 6
+sectors = 12
+[vary]
+seed = { from = 1, to = 40 }
+";
+
+/// What varies in it.
+const SEEDS: &str = "seed = { from = 1, to = 40 }";
+
+/// The lines of a journal after the first, by variant.
+fn records(folder: &Folder, name: &str) -> BTreeMap<u64, Vec<Value>> {
+    let text = fs::read_to_string(folder.0.join(name).join("journal.jsonl")).unwrap();
+    let mut records: BTreeMap<u64, Vec<Value>> = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let record: Value = serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}"));
+        let number = record["variant"].as_u64().unwrap();
+        records.entry(number).or_default().push(record);
+    }
+    records
+}
+
+/// The bytes of all pieces.
+fn pieces(folder: &Folder, name: &str) -> BTreeMap<PathBuf, Vec<u8>> {
+    let variants = folder.0.join(name).join("variants");
+    let mut found = BTreeMap::new();
+    for part in fs::read_dir(variants).unwrap() {
+        for file in fs::read_dir(part.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            let inside = path.strip_prefix(folder.0.join(name)).unwrap().to_owned();
+            found.insert(inside, fs::read(&path).unwrap());
+        }
+    }
+    found
+}
+
+#[test]
+fn a_killed_sweep_goes_on_with_what_is_missing_and_nothing_twice() {
+    let folder = Folder::new();
+    fs::write(folder.0.join("s.toml"), SMALL).unwrap();
+    let whole = folder.run(&["sweep", "s.toml", "-o", "whole", "--quiet"]);
+    assert_eq!((whole.code, whole.err.as_str()), (0, ""));
+    let mut before = 0;
+    for wanted in [3, 11, 20] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_greenstick"))
+            .args([
+                "sweep",
+                "s.toml",
+                "-o",
+                "killed",
+                "--quiet",
+                "--threads",
+                "2",
+            ])
+            .current_dir(&folder.0)
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let start = Instant::now();
+        let journal = folder.0.join("killed/journal.jsonl");
+        let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
+        while lines() < wanted && start.elapsed() < Duration::from_secs(120) {
+            sleep(Duration::from_millis(2));
+        }
+        // SIGKILL: the program can do nothing about it.
+        child.kill().unwrap();
+        child.wait().unwrap();
+        // What a machine that lost power may leave: half a line.
+        let mut text = fs::read(&journal).unwrap();
+        text.extend(b"{\"variant\":39,\"seco");
+        fs::write(&journal, text).unwrap();
+        assert!(lines() > before, "{before} lines, then {}", lines());
+        before = lines() - 1;
+    }
+    let rest = folder.run(&["sweep", "s.toml", "-o", "killed", "--json"]);
+    assert_eq!(rest.code, 0, "{}", rest.err);
+    let report: Value = serde_json::from_str(&rest.out).unwrap();
+    assert_eq!(report["variants"], 40);
+    let (found, made) = (report["found"].as_u64(), report["made"].as_u64());
+    assert!(
+        found.unwrap() >= 19 && found.unwrap() + made.unwrap() == 40,
+        "{report}"
+    );
+    let records = records(&folder, "killed");
+    assert_eq!(records.len(), 40);
+    assert!(records.values().all(|lines| lines.len() == 1));
+    let (killed, whole) = (pieces(&folder, "killed"), pieces(&folder, "whole"));
+    assert!(killed.keys().eq(whole.keys()), "{:?}", killed.keys());
+    assert!(killed == whole, "pieces differ");
+    let again = folder.run(&["sweep", "s.toml", "-o", "killed"]);
+    assert!(
+        again
+            .out
+            .starts_with("variants 40, 0 made, 40 were there\n"),
+        "{}",
+        again.out
+    );
+}
+
+#[test]
+fn a_variant_is_the_break_of_its_recipe() {
+    let folder = Folder::new();
+    let text = SMALL.replace("textures = false", "samples = 3").replace(
+        SEEDS,
+        "high.height = { between = [0.5, 2] }\nspecies = ['white oak', 'Norway spruce']",
+    );
+    fs::write(
+        folder.0.join("s.toml"),
+        format!("texture_size = 64\n{text}"),
+    )
+    .unwrap();
+    let run = folder.run(&["sweep", "s.toml", "-o", "d", "--threads", "3"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    for number in [0, 4] {
+        let shown = folder.run(&["sweep", "s.toml", "--show", &number.to_string()]);
+        fs::write(folder.0.join("v.toml"), &shown.out).unwrap();
+        let by_hand = folder.run(&["break", "--recipe", "v.toml", "-o", "v.glb", "--quiet"]);
+        assert_eq!(by_hand.code, 0, "{}", by_hand.err);
+        let name = format!("d/variants/0000/{number:07}.glb");
+        assert!(
+            folder.read("v.glb") == folder.read(&name),
+            "variant {number}"
+        );
+    }
+}
+
+#[test]
+fn a_variant_that_fails_is_a_row_and_the_rest_is_made() {
+    let folder = Folder::new();
+    let text = SMALL.replace(SEEDS, "at = [0.5, '7 m', 0.4]");
+    fs::write(
+        folder.0.join("s.toml"),
+        text.replace("sheet = 0", "sheet = 3"),
+    )
+    .unwrap();
+    let run = folder.run(&["sweep", "s.toml", "-o", "d"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    assert!(
+        run.out
+            .starts_with("variants 3, 3 made, 1 failed (column error)\n"),
+        "{}",
+        run.out
+    );
+    let records = records(&folder, "d");
+    let error = records[&1][0]["error"].as_str().unwrap();
+    assert!(
+        error.starts_with("place 7.0000m is off the stem"),
+        "{error}"
+    );
+    assert!(records[&0][0].get("error").is_none() && records[&2][0]["figures"]["closed"] == true);
+    assert!(!folder.0.join("d/variants/0000/0000001.glb").exists());
+    assert!(folder.read("d/variants.parquet").starts_with(b"PAR1"));
+    assert!(folder.read("d/sheet.png").starts_with(b"\x89PNG"));
+}
+
+/// Asserts that a sweep is refused with a message.
+fn assert_refused(folder: &Folder, text: &str, arguments: &[&str], message: &str) {
+    folder.write("refused.toml", text);
+    let run = folder.run(&[&["sweep", "refused.toml"], arguments].concat());
+    assert_eq!(run.code, 2, "{}", run.err);
+    assert!(run.err.contains(message), "{message}: {}", run.err);
+}
+
+#[test]
+fn what_is_wrong_is_said_before_anything_is_made() {
+    let folder = Folder::new();
+    for (line, message) in [
+        (
+            "sed = [1]",
+            "[vary] sed: unknown parameter \"sed\"; did you mean \"seed\"",
+        ),
+        (
+            "moisture = [12, -1]",
+            "[vary] moisture: moisture is -1, but it must be",
+        ),
+        ("moisture = { between = [12] }", "expected from and to"),
+        (
+            "moisture = { from = 12, to = 3, steps = 4 }",
+            "12 is above 3",
+        ),
+        ("moisture = { from = 12, to = 30 }", "expected steps"),
+        ("species = { from = 1, to = 3 }", "it takes no numbers"),
+        ("seed = []", "the list is empty"),
+        ("seed = [1]\nbreak.seed = [2]", "it varies twice"),
+        (
+            "seed = { from = 1, to = 1000000 }",
+            "the sweep has 1000000 variants, which may be a mistake\n  hint: --yes",
+        ),
+        (
+            "seed = { from = 1, to = 1000000 }\nslab_count = { from = 1, to = 100 }\nrings = { from = 6, to = 60 }",
+            "make more than 1073741824 variants",
+        ),
+    ] {
+        assert_refused(&folder, &SMALL.replace(SEEDS, line), &["-o", "d"], message);
+    }
+    let above = format!("sheet = 3\n{SMALL}");
+    let unknown = "line 1, column 1: unknown parameter \"sheet\"";
+    assert_refused(&folder, &above, &["-o", "d"], unknown);
+    let misspelt = SMALL.replace("sheet", "sheep");
+    assert_refused(
+        &folder,
+        &misspelt,
+        &["-o", "d"],
+        "unknown parameter \"sheep\"",
+    );
+    let none = "there is no variant 40; expected 0 to 39";
+    assert_refused(&folder, SMALL, &["--show", "40"], none);
+    assert!(!folder.0.join("d").exists());
+}
+
+#[test]
+fn a_folder_with_another_sweep_is_refused_and_kept() {
+    let folder = Folder::new();
+    folder.write("first.toml", SMALL.replace(SEEDS, "seed = [1]"));
+    let first = folder.run(&["sweep", "first.toml", "-o", "d", "--quiet"]);
+    assert_eq!(first.code, 0, "{}", first.err);
+    let journal = folder.read("d/journal.jsonl");
+    let same_size = SMALL.replace(SEEDS, "seed = [2]");
+    let other = "d: this folder holds another sweep (of as many variants, with other parameters)";
+    assert_refused(&folder, &same_size, &["-o", "d"], other);
+    let size = "d: this folder holds another sweep (of 1 variants, not 40)";
+    assert_refused(&folder, SMALL, &["-o", "d"], size);
+    assert!(folder.read("d/journal.jsonl") == journal);
+}
