@@ -13,4 +13,5 @@ pub mod meshes;
 pub mod project;
 pub mod randomise;
 pub mod section;
+pub mod several;
 pub mod wire;

@@ -3,7 +3,6 @@
 use super::history::History;
 use super::input::Input;
 use greenstick::RequestFile;
-use greenstick::schema::{Parameters, Value};
 use std::collections::BTreeSet;
 
 /// A project.
@@ -15,6 +14,8 @@ pub struct Project {
     pub file: RequestFile,
     /// Its past and future.
     pub history: History,
+    /// The break that changes apply to, where there are several; see [`Project::selected`].
+    pub(super) selection: Option<usize>,
     /// Keys that randomising leaves alone.
     pub locked: BTreeSet<String>,
     /// Where it was saved.
@@ -32,6 +33,7 @@ impl Project {
             input,
             file,
             history: History::default(),
+            selection: None,
             locked: BTreeSet::new(),
             path: None,
         }
@@ -63,27 +65,12 @@ impl Project {
         self.file = next;
         Ok(true)
     }
-
-    /// Sets one parameter, in every break that has a table of its own too.
-    ///
-    /// # Errors
-    /// As [`Project::change`].
-    pub fn set(&mut self, key: &str, value: &Value, drag: bool) -> Result<bool, String> {
-        self.change(key, drag, |file| {
-            file.set(key, value)?;
-            for one in &mut file.breaks {
-                if one.list().iter().any(|p| p.key == key) {
-                    one.set(key, value)?;
-                }
-            }
-            Ok::<(), greenstick::schema::ParameterError>(())
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick::schema::Value;
 
     #[test]
     fn what_is_not_valid_changes_nothing() {

@@ -1,6 +1,5 @@
 //! Random values for all parameters of the face that are not locked.
 
-use greenstick::RequestFile;
 use greenstick::schema::{Kind, Parameters, Scale, Value};
 use greenstick::wood::noise::unit;
 use std::collections::BTreeSet;
@@ -12,14 +11,14 @@ const REACH: f64 = 0.15;
 const LEFT_ALONE: [&str; 3] = ["break.rings", "break.sectors", "break.diameter"];
 
 /// Draws every number of the broken face that is not locked, around its present value.
-pub fn randomise(file: &mut RequestFile, locked: &BTreeSet<String>, seed: u64) {
+pub fn randomise<P: Parameters + Clone>(parameters: &mut P, locked: &BTreeSet<String>, seed: u64) {
     let drawn = |p: &greenstick::schema::ParameterInfo| {
         p.key.starts_with("break.")
             && !p.key.ends_with("_proportion")
             && !LEFT_ALONE.contains(&p.key.as_str())
             && !locked.contains(&p.key)
     };
-    let list = file.list();
+    let list = parameters.list();
     for (i, p) in list.iter().enumerate().filter(|(_, p)| drawn(p)) {
         let share = unit(seed, i as i64, 0, 0);
         let value = match p.kind {
@@ -45,9 +44,9 @@ pub fn randomise(file: &mut RequestFile, locked: &BTreeSet<String>, seed: u64) {
             }
             _ => continue,
         };
-        let before = file.clone();
-        if file.set(&p.key, &value).is_err() || file.check().is_err() {
-            *file = before;
+        let before = parameters.clone();
+        if parameters.set(&p.key, &value).is_err() || parameters.check().is_err() {
+            *parameters = before;
         }
     }
 }
@@ -64,6 +63,7 @@ fn draw(share: f64, now: f64, (min, max): (f64, f64), scale: Scale) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick::RequestFile;
 
     #[test]
     fn what_is_locked_stays_and_the_rest_is_valid() {

@@ -3,12 +3,10 @@
 use super::actions::Action;
 use super::studio::Studio;
 use crate::model::input::Input;
-use crate::model::randomise::randomise;
 use crate::platform::{Lane, Opened};
 use crate::view::camera::AxisView;
 use crate::view::renderer::Colours;
 use eframe::egui;
-use greenstick::RequestFile;
 use greenstick::schema::Value;
 
 impl Studio {
@@ -39,17 +37,11 @@ impl Studio {
             Action::Randomise => self.randomise(now),
             Action::NewSeed => self.new_seed(now),
             Action::ResetAll => {
-                let reset = self.project.change("reset of all values", false, |file| {
-                    *file = RequestFile {
-                        unit: file.unit,
-                        ..RequestFile::default()
-                    };
-                    Ok::<(), String>(())
-                });
-                if reset == Ok(true) {
-                    self.changed(false, now);
-                }
+                let reset = self.project.reset();
+                self.took(reset, now);
             }
+            Action::AddBreak => self.add_break_beside(now),
+            Action::RemoveBreak => self.remove_break(now),
             Action::BuiltIn => self.begin(Opened::Input(Input::built_in()), ""),
             Action::Theme => {
                 self.settings.dark ^= true;
@@ -101,21 +93,18 @@ impl Studio {
     }
 
     fn randomise(&mut self, now: f64) {
-        let locked = self.project.locked.clone();
-        let seed = now.to_bits();
-        let drawn = self.project.change("random values", false, |file| {
-            randomise(file, &locked, seed);
-            Ok::<(), String>(())
-        });
-        if drawn == Ok(true) {
-            self.changed(false, now);
-        }
+        let drawn = self.project.randomise(now.to_bits());
+        self.took(drawn, now);
     }
 
     fn new_seed(&mut self, now: f64) {
-        let seed = self.project.file.common.recipe.face.seed;
-        let next = Value::Integer(i128::from(seed) % 1_000_000 + 1);
-        self.set("break.seed", &next, false, now);
+        const SEED: &str = "break.seed";
+        let list = self.project.parameters();
+        let seed = list.iter().find(|p| p.key == SEED).map(|p| &p.value);
+        if let Some(Value::Integer(seed)) = seed {
+            let next = Value::Integer(seed % 1_000_000 + 1);
+            self.set(SEED, &next, false, now);
+        }
     }
 
     /// Saves the project where it was saved before, or asks where.

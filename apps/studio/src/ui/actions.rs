@@ -15,6 +15,8 @@ pub enum Action {
     Randomise,
     NewSeed,
     ResetAll,
+    AddBreak,
+    RemoveBreak,
     FrameBreak,
     FrameAll,
     ViewFront,
@@ -105,8 +107,20 @@ impl Action {
         (
             Action::ResetAll,
             "Reset all values",
-            "Puts every value back to its default.",
+            "Puts every value back to its default, and leaves one break.",
             &[],
+        ),
+        (
+            Action::AddBreak,
+            "Add a break",
+            "Breaks the stem at another place too. Ctrl and a click choose the place.",
+            &[(NONE, Key::A)],
+        ),
+        (
+            Action::RemoveBreak,
+            "Remove the break",
+            "Takes the selected of several breaks away.",
+            &[(NONE, Key::Delete)],
         ),
         (
             Action::FrameBreak,

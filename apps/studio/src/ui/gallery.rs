@@ -3,7 +3,6 @@
 use super::studio::Studio;
 use eframe::egui::{self, RichText, Ui};
 use greenstick::fracture::presets::Preset;
-use greenstick::fracture::recipe::apply_preset;
 
 /// A preset and its picture, a PNG file.
 macro_rules! pictured {
@@ -78,14 +77,7 @@ impl Studio {
 
     /// Puts a preset over the request.
     pub fn apply_preset(&mut self, name: &str, now: f64) {
-        let applied = self
-            .project
-            .change(&format!("preset {name}"), false, |file| {
-                for one in &mut file.breaks {
-                    apply_preset(one, name)?;
-                }
-                apply_preset(file, name)
-            });
+        let applied = self.project.apply_preset(name);
         match applied {
             Ok(true) => {
                 self.said = format!("Preset {name}.");

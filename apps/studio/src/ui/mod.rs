@@ -2,6 +2,7 @@
 
 mod acting;
 mod actions;
+mod breaks;
 mod dialog;
 mod dialogs;
 mod file_dialog;

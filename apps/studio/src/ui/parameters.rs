@@ -2,8 +2,9 @@
 
 use super::actions::Action;
 use super::studio::Studio;
+use crate::model::several::PLACE;
 use eframe::egui::{self, RichText, Slider, Ui};
-use greenstick::schema::{Kind, ParameterInfo, Parameters, Scale, Value};
+use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
 use greenstick::wood::species::Species;
 
 /// Widest range of a slider, as a ratio to the default's size: wider ones get a field to type in.
@@ -53,8 +54,9 @@ impl Studio {
                     self.act(Action::Randomise, &ui.ctx().clone());
                 }
             });
+            self.breaks_bar(ui);
             ui.separator();
-            let mut list = self.project.file.list();
+            let mut list = self.project.parameters();
             list.retain(|p| self.is_listed(p));
             let search = self.search.trim().to_lowercase();
             egui::ScrollArea::vertical()
@@ -72,7 +74,11 @@ impl Studio {
     }
 
     fn is_listed(&self, p: &ParameterInfo) -> bool {
-        !ELSEWHERE.contains(&p.group.as_str()) && !ELSEWHERE_KEYS.contains(&p.key.as_str())
+        // Several breaks have no place in common.
+        let is_place = p.key == PLACE && self.project.break_count() > 1;
+        let elsewhere = is_place && self.project.selected().is_none()
+            || ELSEWHERE_KEYS.contains(&p.key.as_str());
+        !elsewhere && !ELSEWHERE.contains(&p.group.as_str())
     }
 
     fn group(&mut self, ui: &mut Ui, group: Group) {
@@ -164,7 +170,7 @@ impl Studio {
         if p.key == "species" {
             return species(ui, p);
         }
-        if p.key == "at" {
+        if p.key == PLACE {
             return place(ui, p, name);
         }
         let mut edit = None;

@@ -259,20 +259,19 @@ impl Studio {
         self.changed(false, now);
     }
 
-    /// Puts a break at a place of the scene; the point is that of the unbroken stem.
-    pub(super) fn move_break(&mut self, place: StemLocation, now: f64) {
-        let moved = self.project.change("place of the break", false, |file| {
-            file.common.place = place;
-            if let [only] = &mut file.breaks[..] {
-                only.place = place;
-            }
-            Ok::<(), String>(())
-        });
-        match moved {
+    /// Notes that a step changed the request, or says why it did not.
+    pub(super) fn took(&mut self, step: Result<bool, String>, now: f64) {
+        match step {
             Ok(true) => self.changed(false, now),
             Ok(false) => {}
             Err(problem) => self.fail(&Failure::new(problem)),
         }
+    }
+
+    /// Puts the selected break at a place of the scene; a point is one of the unbroken stem.
+    pub(super) fn move_break(&mut self, place: StemLocation, now: f64) {
+        let moved = self.project.move_break(place);
+        self.took(moved, now);
     }
 
     /// Begins with another input or project.

@@ -1,14 +1,15 @@
 //! The viewport: turning, shifting, going nearer, and clicking where it shall break.
 
 use super::actions::Action;
+use super::breaks::ACCENT;
 use super::studio::{Section, Studio};
 use crate::model::section::{Plane, SectionFaces, section_faces};
 use crate::platform::Lane;
 use crate::view::pick::{Picked, pick};
 use crate::view::renderer::{Colours, View};
 use eframe::egui::{
-    self, Color32, CursorIcon, Event, MouseWheelUnit, PointerButton, Pos2, Rect, RichText, Sense,
-    Ui, Vec2,
+    self, Align2, Color32, CursorIcon, Event, FontId, MouseWheelUnit, PointerButton, Pos2, Rect,
+    RichText, Sense, Ui, Vec2,
 };
 use eframe::egui_wgpu;
 use glam::DVec3;
@@ -34,6 +35,7 @@ impl Studio {
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
             let moving = self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
+            self.paint_break_marks(ui, rect);
             self.click(ui, rect, &response);
             self.overlays(ui, rect);
         });
@@ -205,6 +207,12 @@ impl Studio {
         if !clicked && !still {
             return;
         }
+        if let Some(number) = self.break_mark_at(rect, pos) {
+            if clicked {
+                self.project.select(Some(number));
+            }
+            return;
+        }
         let Some(picked) = self.picked(rect, pos) else {
             return;
         };
@@ -213,14 +221,28 @@ impl Studio {
             return;
         }
         let place = self.place_of(&picked);
+        let (now, adds) = ui.input(|i| (i.time, i.modifiers.command));
         if clicked {
-            let now = ui.input(|i| i.time);
-            self.move_break(StemLocation::Point(place), now);
+            let place = StemLocation::Point(place);
+            if adds {
+                self.add_break(place, now);
+            } else {
+                self.move_break(place, now);
+            }
             return;
         }
         let painter = ui.painter_at(rect);
-        let color = Color32::from_rgb(255, 140, 40);
-        painter.circle_stroke(pos, 7.0, egui::Stroke::new(1.5, color));
+        painter.circle_stroke(pos, 7.0, egui::Stroke::new(1.5, ACCENT));
+        if adds {
+            let beside = pos + Vec2::new(10.0, -10.0);
+            painter.text(
+                beside,
+                Align2::LEFT_BOTTOM,
+                "+",
+                FontId::proportional(18.0),
+                ACCENT,
+            );
+        }
     }
 
     fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {

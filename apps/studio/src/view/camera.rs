@@ -125,6 +125,21 @@ impl Camera {
         perspective(2.0 * HALF_ANGLE, aspect, near * 0.9, reach * 1.1) * view
     }
 
+    /// Where a point stands in the picture, −1 to 1 across and up; none behind the eye.
+    pub fn seen_at(&self, point: Vec3, aspect: f32) -> Option<Vec2> {
+        let from_eye = point - self.eye();
+        let depth = if self.parallel {
+            self.distance
+        } else {
+            -from_eye.dot(self.backward())
+        };
+        let half = depth * HALF_ANGLE.tan();
+        (half > 0.0).then(|| {
+            let across = from_eye.dot(self.right()) / (half * aspect);
+            Vec2::new(across, from_eye.dot(self.up()) / half)
+        })
+    }
+
     /// Size of a pixel at a distance of 1 in a picture of this height.
     pub fn pixel(&self, height: f32) -> f32 {
         2.0 * HALF_ANGLE.tan() / height.max(1.0)
@@ -207,6 +222,8 @@ mod tests {
             let clip = matrix.project_point3(origin + direction * 1.7);
             assert!((clip.truncate() - at).length() < 1e-4, "{clip} {at}");
             assert!((0.0..1.0).contains(&clip.z));
+            let seen = camera.seen_at(origin + direction * 1.7, 1.6).unwrap();
+            assert!((seen - at).length() < 1e-4, "{seen} {at}");
         }
     }
 

@@ -2,10 +2,12 @@
 
 use crate::common::{Folder, settle, studio, test_data};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
 use greenstick::schema::{Kind, Parameters, Value};
 use greenstick::wood::noise::unit;
+use greenstick_studio::ui::studio::Studio;
 use std::time::Instant;
 
 #[test]
@@ -43,6 +45,50 @@ fn a_slider_is_dragged_and_undone_as_one_step() {
     settle(&mut harness);
     let again = harness.state().project.file.common.recipe.face.inclination;
     assert_eq!(again, moved);
+}
+
+#[test]
+fn breaks_are_added_moved_selected_and_taken_away() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let before = harness.state().report().unwrap().pieces.len();
+    harness.key_press(Key::A);
+    settle(&mut harness);
+    let breaks = |harness: &Harness<'_, Studio>| harness.state().project.break_count();
+    assert_eq!(breaks(&harness), 2);
+    assert_eq!(harness.state().project.selected(), Some(1));
+    assert!(harness.state().report().unwrap().pieces.len() > before);
+    assert!(harness.state().messages().is_empty());
+    // The panel shows the second break, and changes it alone.
+    let now = 0.0;
+    let key = "break.inclination";
+    harness
+        .state_mut()
+        .set(key, &Value::Number(15.0), false, now);
+    settle(&mut harness);
+    let inclination = |harness: &Harness<'_, Studio>, i: usize| {
+        let file = &harness.state().project.file;
+        file.breaks[i].recipe.face.inclination
+    };
+    assert_eq!(
+        [0, 1].map(|i| inclination(&harness, i)),
+        [RequestFile::default().common.recipe.face.inclination, 15.0]
+    );
+    harness.get_by_label("all").click();
+    harness.step();
+    assert_eq!(harness.state().project.selected(), None);
+    harness.get_by_label("1").click();
+    harness.step();
+    assert_eq!(harness.state().project.selected(), Some(0));
+    harness.get_by_label("Remove the break").click();
+    settle(&mut harness);
+    assert_eq!(breaks(&harness), 1);
+    let left = &harness.state().project.file.common.recipe.face;
+    assert_eq!(left.inclination, 15.0);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(breaks(&harness), 2);
 }
 
 #[test]

@@ -1,0 +1,150 @@
+//! Several breaks of one stem: the bar that selects one of them, and their numbers in the picture.
+
+use super::actions::Action;
+use super::studio::Studio;
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui, Vec2};
+use greenstick::wood::stem::StemLocation;
+
+/// Radius of a number's disc in the picture, points.
+const DISC: f32 = 10.0;
+/// The colour of what acts on the wood.
+pub(super) const ACCENT: Color32 = Color32::from_rgb(255, 140, 40);
+/// Places, as parts of the length, at which another break is tried, the first one that is far from all others.
+const PLACES: [f64; 9] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875, 0.06, 0.94];
+
+impl Studio {
+    /// The bar above the parameters.
+    pub(super) fn breaks_bar(&mut self, ui: &mut Ui) {
+        let count = self.project.break_count();
+        let selected = self.project.selected();
+        let mut chosen = None;
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Breaks");
+            if count > 1 {
+                let all = ui.selectable_label(selected.is_none(), "all");
+                if all.on_hover_text("Changes apply to all breaks.").clicked() {
+                    chosen = Some(None);
+                }
+            }
+            for i in 0..count {
+                let is_selected = selected == Some(i) || count == 1;
+                let label = ui.selectable_label(is_selected, (i + 1).to_string());
+                let about = format!("Changes and clicks apply to break {}.", i + 1);
+                if label.on_hover_text(about).clicked() && count > 1 {
+                    chosen = Some(Some(i));
+                }
+            }
+            for (action, sign) in [(Action::AddBreak, "+"), (Action::RemoveBreak, "−")] {
+                let usable = action == Action::AddBreak || selected.is_some();
+                let button = ui.add_enabled(usable, egui::Button::new(sign));
+                let name = action.label();
+                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, usable, name));
+                if button.on_hover_text(action.about()).clicked() {
+                    self.act(action, &ui.ctx().clone());
+                }
+            }
+        });
+        if let Some(selection) = chosen {
+            self.project.select(selection);
+        }
+    }
+
+    /// Adds a break where a click was; a point is one of the unbroken stem.
+    pub(super) fn add_break(&mut self, place: StemLocation, now: f64) {
+        let added = self.project.add_break(place);
+        if added == Ok(true) {
+            self.said = format!("Break {}.", self.project.break_count());
+        }
+        self.took(added, now);
+    }
+
+    /// Adds a break where the stem has most room.
+    pub(super) fn add_break_beside(&mut self, now: f64) {
+        let (taken, length) = match &self.shown {
+            Some(shown) => (self.shown_places(), shown.report.place.stem_length_m),
+            None => (Vec::new(), 1.0),
+        };
+        let room = |part: f64| {
+            let far = taken.iter().map(|t| (t / length - part).abs());
+            far.fold(f64::INFINITY, f64::min)
+        };
+        let widest = PLACES
+            .into_iter()
+            .max_by(|a, b| room(*a).total_cmp(&room(*b)));
+        self.add_break(StemLocation::Fraction(widest.unwrap_or(0.5)), now);
+    }
+
+    /// Lengths along the stem of the breaks that are shown, m.
+    fn shown_places(&self) -> Vec<f64> {
+        let drawn = self.drawn.iter().flat_map(|d| &d.1.breaks);
+        drawn.map(|b| f64::from(b.length)).collect()
+    }
+
+    /// Takes the selected break away.
+    pub(super) fn remove_break(&mut self, now: f64) {
+        let Some(number) = self.project.selected() else {
+            self.said = "Select one of several breaks first.".to_owned();
+            return;
+        };
+        let removed = self.project.remove_break(number);
+        self.took(removed, now);
+    }
+
+    /// Where the numbers of several breaks stand in the picture.
+    pub(super) fn break_marks(&self, rect: Rect) -> Vec<(usize, Pos2)> {
+        let Some((_, drawn)) = &self.drawn else {
+            return Vec::new();
+        };
+        // Without an answer to the last change there may be more, or fewer.
+        if drawn.breaks.len() < 2 || drawn.breaks.len() != self.project.break_count() {
+            return Vec::new();
+        }
+        let aspect = rect.width() / rect.height().max(1.0);
+        let mark = |(i, at): (usize, &crate::model::meshes::DrawnBreak)| {
+            // The piece below it: pieces come in order along the stem.
+            let below = drawn.breaks.iter().filter(|b| b.length < at.length).count();
+            let world = at.place.as_dvec3() + drawn.middle;
+            let moved =
+                (drawn.pieces.get(below)).map_or(world, |p| p.motion.transform_point3(world));
+            let seen = (self.camera).seen_at((moved - drawn.middle).as_vec3(), aspect)?;
+            let at = Vec2::new(0.5 * (1.0 + seen.x), 0.5 * (1.0 - seen.y));
+            Some((i, rect.min + at * rect.size()))
+        };
+        drawn.breaks.iter().enumerate().filter_map(mark).collect()
+    }
+
+    /// Draws the numbers of several breaks.
+    pub(super) fn paint_break_marks(&self, ui: &Ui, rect: Rect) {
+        let painter = ui.painter_at(rect);
+        let selected = self.project.selected();
+        for (i, pos) in self.break_marks(rect) {
+            let active = selected.is_none_or(|s| s == i);
+            let fill = if active {
+                ACCENT
+            } else {
+                Color32::from_black_alpha(150)
+            };
+            let text = if active {
+                Color32::BLACK
+            } else {
+                Color32::WHITE
+            };
+            painter.circle(pos, DISC, fill, egui::Stroke::new(1.0, Color32::BLACK));
+            let number = (i + 1).to_string();
+            painter.text(
+                pos,
+                Align2::CENTER_CENTER,
+                number,
+                FontId::proportional(12.0),
+                text,
+            );
+        }
+    }
+
+    /// The break whose number is at a point of the window.
+    pub(super) fn break_mark_at(&self, rect: Rect, pos: Pos2) -> Option<usize> {
+        let marks = self.break_marks(rect).into_iter();
+        let near = marks.filter(|(_, at)| at.distance(pos) <= DISC);
+        near.map(|(i, _)| i).next()
+    }
+}
