@@ -2,15 +2,17 @@
 
 use super::actions::Action;
 use super::studio::Studio;
+use crate::model::meshes::DrawnBreak;
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui, Vec2};
+use greenstick::session::PieceRole;
 use greenstick::wood::stem::StemLocation;
 
 /// Radius of a number's disc in the picture, points.
 const DISC: f32 = 10.0;
 /// The colour of what acts on the wood.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(255, 140, 40);
-/// Places, as parts of the length, at which another break is tried, the first one that is far from all others.
-const PLACES: [f64; 9] = [0.5, 0.25, 0.75, 0.125, 0.375, 0.625, 0.875, 0.06, 0.94];
+/// Places, as parts of the length, at which another break is tried, the last of those that are farthest from all others and from the ends.
+const PLACES: [f64; 7] = [0.875, 0.625, 0.375, 0.125, 0.25, 0.75, 0.5];
 
 impl Studio {
     /// The bar above the parameters.
@@ -60,24 +62,17 @@ impl Studio {
 
     /// Adds a break where the stem has most room.
     pub(super) fn add_break_beside(&mut self, now: f64) {
-        let (taken, length) = match &self.shown {
-            Some(shown) => (self.shown_places(), shown.report.place.stem_length_m),
-            None => (Vec::new(), 1.0),
-        };
-        let room = |part: f64| {
-            let far = taken.iter().map(|t| (t / length - part).abs());
-            far.fold(f64::INFINITY, f64::min)
+        let length = (self.shown.as_ref()).map_or(1.0, |s| s.report.place.stem_length_m);
+        let drawn = self.drawn.iter().flat_map(|d| &d.1.breaks);
+        let taken: Vec<f64> = drawn.map(|b| f64::from(b.length) / length).collect();
+        let room = |part: &f64| {
+            let others = taken.iter().map(|t| (t - part).abs());
+            others.fold(part.min(1.0 - part), f64::min)
         };
         let widest = PLACES
             .into_iter()
-            .max_by(|a, b| room(*a).total_cmp(&room(*b)));
+            .max_by(|a, b| room(a).total_cmp(&room(b)));
         self.add_break(StemLocation::Fraction(widest.unwrap_or(0.5)), now);
-    }
-
-    /// Lengths along the stem of the breaks that are shown, m.
-    fn shown_places(&self) -> Vec<f64> {
-        let drawn = self.drawn.iter().flat_map(|d| &d.1.breaks);
-        drawn.map(|b| f64::from(b.length)).collect()
     }
 
     /// Takes the selected break away.
@@ -100,12 +95,12 @@ impl Studio {
             return Vec::new();
         }
         let aspect = rect.width() / rect.height().max(1.0);
-        let mark = |(i, at): (usize, &crate::model::meshes::DrawnBreak)| {
-            // The piece below it: pieces come in order along the stem.
+        let mark = |(i, at): (usize, &DrawnBreak)| {
             let below = drawn.breaks.iter().filter(|b| b.length < at.length).count();
+            let below = PieceRole::Segment(below).name();
+            let piece = drawn.pieces.iter().find(|p| p.name == below);
             let world = at.place.as_dvec3() + drawn.middle;
-            let moved =
-                (drawn.pieces.get(below)).map_or(world, |p| p.motion.transform_point3(world));
+            let moved = piece.map_or(world, |p| p.motion.transform_point3(world));
             let seen = (self.camera).seen_at((moved - drawn.middle).as_vec3(), aspect)?;
             let at = Vec2::new(0.5 * (1.0 + seen.x), 0.5 * (1.0 - seen.y));
             Some((i, rect.min + at * rect.size()))
