@@ -150,6 +150,9 @@ pub struct DrawnBreak {
     /// Unit direction of the stem.
     #[serde(with = "wire::vector")]
     pub along: Vec3,
+    /// Unit direction across the stem from which angles are counted, and the one square to it.
+    #[serde(with = "wire::vectors")]
+    pub across: [Vec3; 2],
     /// Radius of the stem, m.
     pub radius: f32,
     /// Half the height of the face, m.
@@ -225,6 +228,20 @@ impl DrawnScene {
         }
         out.add_batches(scene, &[], by_material, &mut DecodedImages::new());
         out
+    }
+
+    /// Where a break is, moved with the piece below it.
+    pub fn break_place(&self, number: usize) -> Vec3 {
+        let at = self.breaks[number];
+        let below = match self.breaks.len() {
+            1 => PieceRole::Lower,
+            _ => PieceRole::Segment(self.breaks.iter().filter(|b| b.length < at.length).count()),
+        };
+        let name = below.name();
+        let piece = self.pieces.iter().find(|p| p.name == name);
+        let world = at.place.as_dvec3() + self.middle;
+        let moved = piece.map_or(world, |p| p.motion.transform_point3(world));
+        (moved - self.middle).as_vec3()
     }
 
     /// Adds the vertices of a node, and its triangles to the lists of their materials.
@@ -417,6 +434,7 @@ fn breaks(broken: &Broken, middle: DVec3) -> Vec<DrawnBreak> {
         DrawnBreak {
             place: (frame.origin - middle).as_vec3(),
             along: frame.tangent.as_vec3(),
+            across: [frame.x, frame.y].map(|v| v.as_vec3()),
             radius: stem.radius as f32,
             reach: (0.5 * (range[1] - range[0])) as f32,
             length: stem.location as f32,

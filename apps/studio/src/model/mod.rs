@@ -14,4 +14,5 @@ pub mod project;
 pub mod randomise;
 pub mod section;
 pub mod several;
+pub mod tilt;
 pub mod wire;

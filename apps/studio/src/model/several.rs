@@ -2,6 +2,7 @@
 
 use super::project::Project;
 use super::randomise::randomise;
+use super::tilt::Tilt;
 use greenstick::RequestFile;
 use greenstick::fracture::recipe::apply_preset;
 use greenstick::schema::{ParameterError, ParameterInfo, Parameters, Value};
@@ -121,6 +122,25 @@ impl Project {
             match file.breaks.get_mut(selected) {
                 Some(one) => one.place = place,
                 None => file.common.place = place,
+            }
+            Ok::<(), String>(())
+        })
+    }
+
+    /// Tilts the plane of the selected break, or of all.
+    ///
+    /// # Errors
+    /// As [`Project::change`].
+    pub fn tilt(&mut self, tilt: Tilt, drag: bool) -> Result<bool, String> {
+        let selected = self.selected();
+        self.change("inclination", drag, |file| {
+            let breaks = file.breaks.iter_mut().enumerate();
+            let own = breaks.filter(|(i, _)| selected.is_none_or(|s| s == *i));
+            let common = selected.is_none().then_some(&mut file.common);
+            for one in own.map(|(_, one)| one).chain(common) {
+                let face = &mut one.recipe.face;
+                face.inclination = tilt.inclination;
+                face.inclination_direction = tilt.direction;
             }
             Ok::<(), String>(())
         })

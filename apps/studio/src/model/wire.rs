@@ -120,6 +120,8 @@ through! {
     point: DVec3, [f64; 3], DVec3::to_array, DVec3::from_array;
     /// Directions and points of the picture.
     vector: Vec3, [f32; 3], Vec3::to_array, Vec3::from_array;
+    /// Two directions.
+    vectors: [Vec3; 2], [[f32; 3]; 2], |v| v.map(|v| v.to_array()), |v| v.map(Vec3::from_array);
     /// Places on a stem.
     place: Option<StemLocation>, Option<(u8, [f64; 3])>, |place| place.map(place_numbers), |place| place.map(place_of);
     /// Textures.

@@ -25,6 +25,7 @@ impl Studio {
             Action::VerticalAxis => self.camera.z_up ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
+            Action::Handles => self.view.handles ^= true,
             Action::NextColours => {
                 let next = (self.view.colours as usize + 1) % Colours::ALL.len();
                 self.view.colours = Colours::ALL[next];

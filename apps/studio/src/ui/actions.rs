@@ -29,6 +29,7 @@ pub enum Action {
     VerticalAxis,
     Wireframe,
     Section,
+    Handles,
     NextColours,
     Gallery,
     Theme,
@@ -193,6 +194,12 @@ impl Action {
             "Section view",
             "Cuts the picture open along the stem.",
             &[(NONE, Key::X)],
+        ),
+        (
+            Action::Handles,
+            "Handles",
+            "Shows the plane of the break, and a dot to tilt and turn it by.",
+            &[(NONE, Key::H)],
         ),
         (
             Action::NextColours,

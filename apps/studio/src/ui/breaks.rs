@@ -2,9 +2,7 @@
 
 use super::actions::Action;
 use super::studio::Studio;
-use crate::model::meshes::DrawnBreak;
-use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui, Vec2};
-use greenstick::session::PieceRole;
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 use greenstick::wood::stem::StemLocation;
 
 /// Radius of a number's disc in the picture, points.
@@ -94,18 +92,8 @@ impl Studio {
         if drawn.breaks.len() < 2 || drawn.breaks.len() != self.project.break_count() {
             return Vec::new();
         }
-        let aspect = rect.width() / rect.height().max(1.0);
-        let mark = |(i, at): (usize, &DrawnBreak)| {
-            let below = drawn.breaks.iter().filter(|b| b.length < at.length).count();
-            let below = PieceRole::Segment(below).name();
-            let piece = drawn.pieces.iter().find(|p| p.name == below);
-            let world = at.place.as_dvec3() + drawn.middle;
-            let moved = piece.map_or(world, |p| p.motion.transform_point3(world));
-            let seen = (self.camera).seen_at((moved - drawn.middle).as_vec3(), aspect)?;
-            let at = Vec2::new(0.5 * (1.0 + seen.x), 0.5 * (1.0 - seen.y));
-            Some((i, rect.min + at * rect.size()))
-        };
-        drawn.breaks.iter().enumerate().filter_map(mark).collect()
+        let mark = |i: usize| Some((i, self.in_window(rect, drawn.break_place(i))?));
+        (0..drawn.breaks.len()).filter_map(mark).collect()
     }
 
     /// Draws the numbers of several breaks.

@@ -44,6 +44,7 @@ const MENUS: [(&str, &[Option<Action>]); 4] = [
             Some(Action::Gallery),
             Some(Action::Wireframe),
             Some(Action::Section),
+            Some(Action::Handles),
             Some(Action::NextColours),
             None,
             Some(Action::Theme),

@@ -7,6 +7,7 @@ mod dialog;
 mod dialogs;
 mod file_dialog;
 mod gallery;
+mod handles;
 mod menu;
 mod parameters;
 mod pictures;

@@ -10,7 +10,7 @@ impl Studio {
         egui::Panel::bottom("status").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let text = match self.report() {
-                    Some(report) => summary(report),
+                    Some(report) => summary(report, self.triangles()),
                     None if self.is_busy() => "Breaking …".to_owned(),
                     None => "Nothing is broken yet: click where it shall break.".to_owned(),
                 };
@@ -46,10 +46,9 @@ impl Studio {
     }
 }
 
-/// The report in one line.
-fn summary(report: &BreakReport) -> String {
+/// The report in one line, with the triangles that are drawn.
+fn summary(report: &BreakReport, triangles: usize) -> String {
     let place = &report.place;
-    let triangles: usize = report.pieces.iter().map(|p| p.triangles).sum();
     let species = report
         .species
         .as_ref()

@@ -47,6 +47,8 @@ pub struct ViewOptions {
     pub wireframe: bool,
     /// Whether the picture is cut open along the stem.
     pub section: bool,
+    /// Whether the handle that tilts the break is drawn.
+    pub handles: bool,
     /// Distance of the pieces in the picture, in diameters of the stem.
     pub apart: f64,
 }
@@ -80,12 +82,16 @@ pub struct Studio {
     pub(super) drawn: Option<(u64, Arc<DrawnScene>)>,
     /// Width of the viewport over its height.
     pub(super) aspect: f32,
+    /// Where the handle that tilts the break is in the window.
+    pub(super) handle_at: Option<egui::Pos2>,
     pub(super) camera: Camera,
     pub(super) view: ViewOptions,
     pub(super) section: Section,
     pub(super) messages: Vec<Message>,
     pub(super) dialog: Option<Dialog>,
     pub(super) settings: Settings,
+    /// Whether the pointer holds the handle that tilts the break.
+    pub(super) holds_handle: bool,
     /// What is searched for among the parameters.
     pub(super) search: String,
     pub(super) gallery: bool,
@@ -129,17 +135,20 @@ impl Studio {
             shown: None,
             drawn: None,
             aspect: 1.4,
+            handle_at: None,
             camera: Camera::default(),
             view: ViewOptions {
                 colours: Colours::Wood,
                 wireframe: false,
                 section: false,
+                handles: true,
                 apart: 1.6,
             },
             section: Section::default(),
             messages: Vec::new(),
             dialog: None,
             settings,
+            holds_handle: false,
             search: String::new(),
             gallery: true,
             said: String::new(),
@@ -226,6 +235,11 @@ impl Studio {
     pub fn triangles(&self) -> usize {
         let drawn = self.drawn.as_ref();
         drawn.map_or(0, |d| d.1.indices.len() / 3)
+    }
+
+    /// Where the handle that tilts the break is in the window, where there is one.
+    pub fn handle_at(&self) -> Option<egui::Pos2> {
+        self.handle_at
     }
 
     /// Messages that wait to be dismissed.

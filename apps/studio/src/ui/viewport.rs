@@ -33,8 +33,11 @@ impl Studio {
             let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
             self.aspect = rect.width() / rect.height().max(1.0);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
-            let moving = self.navigate(ui, rect, &response);
+            let moving =
+                self.drag_handle(ui, rect, &response) || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
+            self.handle_at = self.tilt_dot(rect);
+            self.paint_handle(ui, rect, &response);
             self.paint_break_marks(ui, rect);
             self.click(ui, rect, &response);
             self.overlays(ui, rect);
@@ -44,7 +47,7 @@ impl Studio {
     fn header(&mut self, ui: &mut Ui) {
         let frame = egui::Frame::side_top_panel(ui.style());
         frame.show(ui, |ui| {
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.set_min_width(ui.available_width());
                 let label = self.view.colours.label().0;
                 egui::ComboBox::from_id_salt("colours")
@@ -61,6 +64,8 @@ impl Studio {
                     .on_hover_text("The edges of triangles (W).");
                 ui.toggle_value(&mut self.view.section, "Section")
                     .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
+                ui.toggle_value(&mut self.view.handles, "Handles")
+                    .on_hover_text("The plane of the break, and a dot to tilt and turn it by (H).");
                 ui.separator();
                 let before = self.view.apart;
                 let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
@@ -207,6 +212,9 @@ impl Studio {
         if !clicked && !still {
             return;
         }
+        if self.on_handle(rect, pos) {
+            return;
+        }
         if let Some(number) = self.break_mark_at(rect, pos) {
             if clicked {
                 self.project.select(Some(number));
@@ -349,7 +357,7 @@ impl Studio {
 }
 
 /// A point of the window in the picture: −1 to 1 across and up.
-fn picture_point(rect: Rect, pos: Pos2) -> glam::Vec2 {
+pub(super) fn picture_point(rect: Rect, pos: Pos2) -> glam::Vec2 {
     let at = (pos - rect.min) / rect.size();
     glam::Vec2::new(at.x * 2.0 - 1.0, 1.0 - at.y * 2.0)
 }

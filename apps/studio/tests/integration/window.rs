@@ -92,6 +92,36 @@ fn breaks_are_added_moved_selected_and_taken_away() {
 }
 
 #[test]
+fn the_handle_on_the_wood_tilts_the_break_as_one_step() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let dot = harness.state().handle_at().unwrap();
+    harness.hover_at(dot);
+    harness.step();
+    harness.drag_at(dot);
+    harness.step();
+    for i in 1..6 {
+        harness.hover_at(dot - eframe::egui::vec2(0.0, 8.0 * i as f32));
+        harness.step();
+    }
+    let end = dot - eframe::egui::vec2(0.0, 40.0);
+    harness.drop_at(end);
+    settle(&mut harness);
+    let face = &harness.state().project.file.common.recipe.face;
+    assert!(face.inclination > 5.0, "{}", face.inclination);
+    // The dot is where it was let go.
+    let dot = harness.state().handle_at().unwrap();
+    assert!(dot.distance(end) < 3.0, "{dot} {end}");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    harness.key_press(Key::H);
+    harness.step();
+    assert!(harness.state().handle_at().is_none());
+}
+
+#[test]
 fn a_search_finds_a_parameter_and_a_double_click_resets_it() {
     let folder = Folder::new();
     let mut harness = studio(&folder, None);
