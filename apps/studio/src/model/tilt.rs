@@ -54,9 +54,9 @@ impl TiltHandle {
             .collect()
     }
 
-    /// The plane whose highest point lies where a ray (origin and unit direction) meets the cylinder first, or comes nearest to
-    /// its axis. None for a ray along the axis.
-    pub fn dragged(&self, origin: Vec3, direction: Vec3) -> Option<Tilt> {
+    /// The plane whose highest point lies where a ray (origin and unit direction) meets the cylinder, on the side of the point
+    /// that it had, or comes nearest to its axis. None for a ray along the axis.
+    pub fn dragged(&self, origin: Vec3, direction: Vec3, had: Tilt) -> Option<Tilt> {
         let flat = |v: Vec3| v - self.along * v.dot(self.along);
         let (from, towards) = (flat(origin - self.place), flat(direction));
         let speed = towards.length_squared();
@@ -66,8 +66,15 @@ impl TiltHandle {
         let nearest = -from.dot(towards) / speed;
         let gap = (from + towards * nearest).length_squared();
         let reach = REACH * self.radius;
-        let before = ((reach * reach - gap).max(0.0) / speed).sqrt();
-        let point = origin + direction * (nearest - before) - self.place;
+        let half = ((reach * reach - gap).max(0.0) / speed).sqrt();
+        let tip = flat(self.tip(had) - self.place);
+        let sides = [-half, half].map(|s| origin + direction * (nearest + s) - self.place);
+        let off = |point: Vec3| flat(point).distance_squared(tip);
+        let point = if off(sides[0]) <= off(sides[1]) {
+            sides[0]
+        } else {
+            sides[1]
+        };
         let [x, y] = self.across.map(|a| f64::from(point.dot(a)));
         let height = f64::from(point.dot(self.along) / reach);
         Some(Tilt {
@@ -96,12 +103,18 @@ mod tests {
                 direction,
             };
             let tip = HANDLE.tip(tilt);
-            // From where the tip is on the near side.
+            // From where the tip is on the near side, and from behind.
             let away = (tip - HANDLE.place).normalize() + Vec3::new(0.1, 0.2, 0.05);
-            let eye = tip + away;
-            let found = HANDLE.dragged(eye, (tip - eye).normalize()).unwrap();
-            assert!((found.inclination - inclination).abs() < 0.01, "{found:?}");
-            assert!((found.direction - direction).abs() < 0.01, "{found:?}");
+            let had = Tilt {
+                inclination: 5.0,
+                direction: direction + 20.0,
+            };
+            for eye in [tip + away, tip - away] {
+                let towards = (tip - eye).normalize();
+                let found = HANDLE.dragged(eye, towards, had).unwrap();
+                assert!((found.inclination - inclination).abs() < 0.01, "{found:?}");
+                assert!((found.direction - direction).abs() < 0.01, "{found:?}");
+            }
         }
     }
 
@@ -109,11 +122,16 @@ mod tests {
     fn below_the_section_and_beside_the_stem_there_is_a_plane_too() {
         let eye = HANDLE.place + Vec3::new(0.0, -1.0, 5.0);
         let below = HANDLE.place + Vec3::new(0.0, -0.5, 0.0);
-        let found = HANDLE.dragged(eye, (below - eye).normalize()).unwrap();
+        let level = Tilt {
+            inclination: 0.0,
+            direction: 0.0,
+        };
+        let dragged = |point: Vec3| HANDLE.dragged(eye, (point - eye).normalize(), level);
+        let found = dragged(below).unwrap();
         assert_eq!(found.inclination, 0.0);
         let beside = HANDLE.place + Vec3::new(0.4, 0.1, 0.0);
-        let found = HANDLE.dragged(eye, (beside - eye).normalize()).unwrap();
+        let found = dragged(beside).unwrap();
         assert!((found.direction - 90.0).abs() < 10.0, "{found:?}");
-        assert!(HANDLE.dragged(eye, Vec3::Y).is_none());
+        assert!(HANDLE.dragged(eye, Vec3::Y, level).is_none());
     }
 }

@@ -112,7 +112,7 @@ impl Studio {
             let aspect = rect.width() / rect.height().max(1.0);
             let at = super::viewport::picture_point(rect, pos);
             let (origin, direction) = self.camera.ray(at, aspect);
-            if let Some(tilt) = handle.dragged(origin, direction)
+            if let Some(tilt) = handle.dragged(origin, direction, before)
                 && tilt != before
             {
                 match self.project.tilt(tilt, true) {
