@@ -11,6 +11,21 @@ use greenstick::wood::species::Species;
 const WIDEST_RANGE: f64 = 1e4;
 /// Groups that are open at first, by the headings of their declarations.
 const OPEN: [&str; 3] = ["Where", "wood", "branch"];
+/// The chapters of the panel and the groups in them, by the first words of their titles, in this order; the face's chapter also has
+/// what no other has. What is changed most often comes first.
+const CHAPTERS: [(&str, &[&str]); 7] = [
+    ("The break", &["Where", "Wood", "Branch"]),
+    (FACE, &["Face", "Fibrous face"]),
+    (
+        "Layers of the stem",
+        &["Tissue", "Pith", "Heartwood", "Sapwood", "Phloem", "Bark"],
+    ),
+    ("Drying cracks", &["Crack"]),
+    ("Rings", &["Annual rings", "Where rings"]),
+    ("Look and output", &["Colours", "What comes out"]),
+    ("The stem", &["Input", "Point clouds", "What it is"]),
+];
+const FACE: &str = "The broken face";
 /// Groups that the window has other places for.
 const ELSEWHERE: [&str; 1] = ["Picture"];
 /// Keys that the window has other places for.
@@ -30,6 +45,7 @@ enum Edit {
 
 /// A group of parameters as the panel shows it.
 struct Group {
+    chapter: &'static str,
     title: String,
     open: bool,
     parameters: Vec<ParameterInfo>,
@@ -63,7 +79,13 @@ impl Studio {
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
                     if search.is_empty() {
+                        let mut chapter = "";
                         for group in grouped(list) {
+                            if group.chapter != chapter {
+                                chapter = group.chapter;
+                                ui.add_space(6.0);
+                                ui.label(RichText::new(chapter).small().weak());
+                            }
                             self.group(ui, group);
                         }
                     } else {
@@ -262,15 +284,26 @@ fn grouped(list: Vec<ParameterInfo>) -> Vec<Group> {
         match groups.iter_mut().find(|g| g.title == title) {
             Some(group) => group.parameters.push(p),
             None => groups.push(Group {
+                chapter: chapter(&title),
                 open: OPEN.contains(&p.group.as_str()) && table.is_empty(),
                 title,
                 parameters: vec![p],
             }),
         }
     }
-    // Open groups first: where, what wood, what break.
-    groups.sort_by_key(|g| !g.open);
+    groups.sort_by_key(|g| CHAPTERS.iter().position(|c| c.0 == g.chapter));
     groups
+}
+
+/// The chapter of a group.
+fn chapter(title: &str) -> &'static str {
+    let named = CHAPTERS
+        .iter()
+        .flat_map(|c| c.1.iter().map(|words| (*words, c.0)));
+    let fits = named.filter(|(words, _)| title.starts_with(words));
+    // "Where" and "Where rings come from" are two groups.
+    let longest = fits.max_by_key(|(words, _)| words.len());
+    longest.map_or(FACE, |(_, chapter)| chapter)
 }
 
 fn capital(text: &str) -> String {
@@ -517,4 +550,24 @@ fn species(ui: &mut Ui, p: &ParameterInfo) -> Option<Edit> {
             }
         });
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use greenstick::RequestFile;
+    use greenstick::schema::Parameters;
+
+    #[test]
+    fn every_group_that_a_chapter_names_is_there_once_and_what_is_open_comes_first() {
+        let groups = grouped(RequestFile::default().list());
+        for (name, first) in CHAPTERS {
+            for words in first {
+                let found = groups.iter().filter(|g| g.title.starts_with(words));
+                assert!(found.count() > 0, "{name}: {words}");
+            }
+        }
+        let closed = groups.iter().position(|g| !g.open).unwrap();
+        assert!(groups[closed..].iter().all(|g| !g.open));
+    }
 }

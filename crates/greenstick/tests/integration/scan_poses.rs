@@ -71,11 +71,12 @@ fn assert_same_stem(what: &str, a: &ScanReport, b: &ScanReport) {
 fn assert_same_in_all_poses(name: &str, free: bool) {
     let cloud = cloud(name);
     let at = StemLocation::Fraction(0.5);
-    let first = found(&cleaned(&cloud), at);
+    let as_is = cleaned(&cloud);
+    let first = found(&as_is, at);
     // Diameter and girth are compared where the first one has its middle.
     let middle = first.as_ref().map(|(_, centreline)| {
         let middle = centreline[centreline.len() / 2];
-        (middle, measured(&cleaned(&cloud), middle))
+        (middle, measured(&as_is, middle))
     });
     let about_z = |degrees: f64| DMat3::from_rotation_z(degrees.to_radians());
     let mut poses: Vec<(String, DMat3, DVec3)> = [10.0, 37.0, 90.0, 180.0]
