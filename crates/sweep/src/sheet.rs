@@ -39,7 +39,7 @@ pub fn write_sheet(sweep: &Sweep, folder: &Path) -> Result<Option<PathBuf>, Swee
     let path = folder.join(SHEET_FILE);
     files::write_all(&[Output {
         path: path.clone(),
-        bytes: sheet.png_with(&sweep.base.provenance(None, None).metadata()),
+        bytes: sheet.png_with(&sweep.base.provenance(None).metadata()),
     }])?;
     Ok(Some(path))
 }
