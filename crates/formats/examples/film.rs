@@ -1,7 +1,7 @@
 //! Writes a film of a bending stick in every moving format, for foreign readers to judge: `film FOLDER [JOINTS] [RINGS]
 //! [FRAMES] [MOST_JOINTS]`.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/integration/common/mod.rs"]
 mod common;
 
 use common::bundle::{Bend, film};

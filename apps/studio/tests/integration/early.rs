@@ -1,0 +1,139 @@
+//! What is drawn of a change before its answer is finished is what the finished answer draws.
+
+use glam::Vec3;
+use greenstick::RequestFile;
+use greenstick::geometry::Context;
+use greenstick_studio::model::engine::{Engine, Haste, Job};
+use greenstick_studio::model::input::Input;
+use greenstick_studio::model::meshes::{DrawnScene, Vertex};
+use greenstick_studio::platform::Opened;
+use greenstick_studio::platform::native::read_any;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Part of the corners of triangles that are drawn alike. Finishing repairs a few triangles and lets splinters come loose.
+const ALIKE: f64 = 0.97;
+
+fn job(input: &Input, preset: &str, settings: &[&str], haste: Haste) -> Job {
+    Job {
+        input: input.clone(),
+        file: RequestFile::resolve(&[preset], None, settings).unwrap(),
+        haste,
+    }
+}
+
+fn test_data(name: &str) -> String {
+    format!("{}/../../tests/data/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A corner as it is drawn, to within what cannot be seen, with its material.
+fn seen(drawn: &DrawnScene, v: &Vertex, material: u32) -> [i32; 12] {
+    let fine = |x: f32, steps: f32| (x * steps).round() as i32;
+    // Where it was before the pieces were moved apart, by how much depends on their faces.
+    let piece = &drawn.pieces[v.zone_piece[1] as usize];
+    let place = drawn.middle + Vec3::from_array(v.position).as_dvec3();
+    let place = piece.motion.inverse().transform_point3(place).as_vec3();
+    let [x, y, z] = place.to_array().map(|c| fine(c, 1e5));
+    let [u, w, q] = v.normal.map(|c| fine(c, 16.0));
+    let [a, b, s, on] = v.grain.map(|c| fine(c, 1e4));
+    let zone = fine(v.zone_piece[0], 1.0);
+    [x, y, z, u, w, q, a, b, s, on, zone, material as i32]
+}
+
+fn corners(drawn: &DrawnScene) -> Vec<[i32; 12]> {
+    let of = |batch: &greenstick_studio::model::meshes::Batch| {
+        let range = batch.first as usize..(batch.first + batch.count) as usize;
+        let material = batch.material;
+        let corners = drawn.indices[range].iter();
+        corners
+            .map(move |&i| seen(drawn, &drawn.vertices[i as usize], material))
+            .collect::<Vec<_>>()
+    };
+    drawn.batches.iter().flat_map(of).collect()
+}
+
+/// The part of what is drawn in `some` that is drawn in `others`, too. Places on the edge of a step count where they are next to it.
+fn part_in(some: &DrawnScene, others: &DrawnScene) -> f64 {
+    let others: HashSet<_> = corners(others).into_iter().collect();
+    let some = corners(some);
+    let near = |c: &[i32; 12]| {
+        (0..10).any(|i| {
+            [-1, 1].into_iter().any(|d| {
+                let mut moved = *c;
+                moved[i] += d;
+                others.contains(&moved)
+            })
+        })
+    };
+    let found = some.iter().filter(|c| others.contains(*c) || near(c));
+    found.count() as f64 / some.len() as f64
+}
+
+/// Draws a change early and finished.
+fn both(input: &Input, preset: &str, settings: [&[&str]; 2]) -> (DrawnScene, DrawnScene) {
+    let context = Context::quiet();
+    let mut engine = Engine::default();
+    let before = job(input, preset, settings[0], Haste::Whole);
+    let mut is_early = false;
+    engine
+        .work(&before, &mut |_| is_early = true, &context)
+        .unwrap();
+    assert!(!is_early, "nothing was finished before");
+    let mut early = None;
+    let after = job(input, preset, settings[1], Haste::Whole);
+    let finished = engine.work(&after, &mut |drawn| early = Some(drawn), &context);
+    let finished = finished.unwrap().expect("the whole answer");
+    (early.expect("an early picture"), finished.drawn)
+}
+
+#[test]
+fn a_change_of_the_face_is_drawn_early_as_it_is_drawn_in_the_end() {
+    let file = |name: &str| match read_any(Path::new(&test_data(name)), None) {
+        Ok(Opened::Input(input)) => input,
+        other => panic!("{other:?}"),
+    };
+    let inputs = [
+        (Input::built_in(), "brash"),
+        (Input::built_in(), "fig15"),
+        (file("stump.glb"), "brash"),
+    ];
+    for (input, preset) in inputs {
+        let settings: [&[&str]; 2] = [&["part=2cm"], &["part=2cm", "break.inclination=17"]];
+        let (early, finished) = both(&input, preset, settings);
+        let parts = [part_in(&early, &finished), part_in(&finished, &early)];
+        eprintln!("{preset} of {}: {parts:?}", input.title());
+        let part = parts[0].min(parts[1]);
+        assert!(part > ALIKE, "{preset} of {}: {part}", input.title());
+    }
+}
+
+/// Changes a setting of a finished break of the built-in branch in a hurry. Returns whether the answer came finished, and how many
+/// pictures came before it.
+fn change(setting: &str) -> (bool, usize) {
+    let (input, context) = (Input::built_in(), Context::quiet());
+    let mut engine = Engine::default();
+    let first = job(&input, "brash", &[], Haste::Whole);
+    engine.work(&first, &mut |_| {}, &context).unwrap();
+    let mut drawn = 0;
+    let changed = job(&input, "brash", &[setting], Haste::Drawn);
+    let answer = engine.work(&changed, &mut |_| drawn += 1, &context);
+    (answer.unwrap().is_some(), drawn)
+}
+
+#[test]
+fn a_drag_is_answered_by_what_is_drawn_alone() {
+    assert_eq!(change("break.inclination=9"), (false, 1));
+}
+
+#[test]
+fn what_changes_more_than_the_face_is_not_drawn_early() {
+    for setting in [
+        "at=0.3",
+        "part=3cm",
+        "species=white oak",
+        "break.hang=0.5",
+        "break.seed=4",
+    ] {
+        assert_eq!(change(setting), (true, 0), "{setting}");
+    }
+}

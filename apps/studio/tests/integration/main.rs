@@ -1,0 +1,7 @@
+//! The studio without a window.
+
+mod common;
+mod early;
+mod page;
+mod picture;
+mod window;

@@ -1,0 +1,256 @@
+//! The window, driven as a person would: click, type, drag, undo. Needs no graphics adapter: nothing is drawn.
+
+use crate::common::{Folder, settle, studio, test_data};
+use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::Queryable;
+use greenstick::RequestFile;
+use greenstick::schema::{Kind, Parameters, Value};
+use greenstick::wood::noise::unit;
+use std::time::Instant;
+
+#[test]
+fn the_built_in_branch_is_broken_at_the_start() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let report = harness.state().report().unwrap();
+    assert!(report.pieces.len() >= 2 && harness.state().triangles() > 1000);
+    assert!(harness.state().messages().is_empty());
+}
+
+#[test]
+fn a_slider_is_dragged_and_undone_as_one_step() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let slider = harness
+        .get_by_role_and_label(Role::Slider, "Inclination")
+        .rect();
+    harness.drag_at(slider.left_center() + eframe::egui::vec2(3.0, 0.0));
+    harness.step();
+    for i in 1..6 {
+        harness.hover_at(slider.left_center() + eframe::egui::vec2(3.0 + 6.0 * i as f32, 0.0));
+        harness.step();
+    }
+    harness.drop_at(slider.left_center() + eframe::egui::vec2(33.0, 0.0));
+    settle(&mut harness);
+    let moved = harness.state().project.file.common.recipe.face.inclination;
+    assert!(moved > 1.0, "{moved}");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut harness);
+    let again = harness.state().project.file.common.recipe.face.inclination;
+    assert_eq!(again, moved);
+}
+
+#[test]
+fn a_search_finds_a_parameter_and_a_double_click_resets_it() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let now = 0.0;
+    harness
+        .state_mut()
+        .set("break.slab_height", &Value::Number(3.0), false, now);
+    settle(&mut harness);
+    let search = harness.get_by_role(Role::TextInput);
+    search.focus();
+    harness.step();
+    harness
+        .get_by_role(Role::TextInput)
+        .type_text("slab height");
+    harness.run_steps(3);
+    let name = harness
+        .get_by_role_and_label(Role::Label, "Slab height")
+        .rect()
+        .center();
+    harness.hover_at(name);
+    harness.step();
+    for _ in 0..2 {
+        harness.drag_at(name);
+        harness.event(eframe::egui::Event::PointerButton {
+            pos: name,
+            button: eframe::egui::PointerButton::Primary,
+            pressed: false,
+            modifiers: Modifiers::NONE,
+        });
+        harness.step();
+    }
+    settle(&mut harness);
+    assert_eq!(
+        harness.state().project.file.common.recipe.face.slab_height,
+        0.8
+    );
+    assert!(harness.query_by_label("Inclination").is_none());
+}
+
+#[test]
+fn a_click_on_the_stem_moves_the_break() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let before = harness.state().report().unwrap().place.length_m;
+    // Along the middle of the viewport there is wood somewhere.
+    let mut moved = false;
+    for i in 0..12 {
+        let at = eframe::egui::pos2(300.0 + 55.0 * i as f32, 300.0 + 25.0 * (i % 5) as f32);
+        harness.hover_at(at);
+        harness.step();
+        harness.drag_at(at);
+        harness.drop_at(at);
+        settle(&mut harness);
+        let place = harness.state().report().unwrap().place.length_m;
+        moved |= (place - before).abs() > 1e-6;
+    }
+    assert!(moved, "no click met the stem");
+    assert!(
+        harness.state().messages().is_empty(),
+        "{:?}",
+        harness.state().messages()
+    );
+}
+
+#[test]
+fn presets_apply_by_a_click_and_are_undone() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.get_by_label("brash").click();
+    settle(&mut harness);
+    let expected = RequestFile::resolve(&["brash"], None, &[]).unwrap();
+    assert_eq!(harness.state().project.file, expected);
+    harness.get_by_label("Undo").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+}
+
+#[test]
+fn a_bad_file_gives_a_message_that_stays_until_it_is_dismissed() {
+    let folder = Folder::new();
+    let bad = folder.0.join("bad.glb");
+    std::fs::write(&bad, b"no mesh").unwrap();
+    let mut harness = studio(&folder, Some(bad.to_str().unwrap()));
+    settle(&mut harness);
+    harness.run_steps(20);
+    let messages = harness.state().messages();
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(
+        messages[0].is_error && messages[0].text.contains("bad.glb"),
+        "{messages:?}"
+    );
+    // What was shown before goes on.
+    assert!(harness.state().report().is_some());
+    harness.get_by_label("Dismiss").click();
+    harness.run_steps(2);
+    assert!(harness.state().messages().is_empty());
+}
+
+#[test]
+fn a_mesh_opens_and_a_project_comes_back_as_it_was() {
+    let folder = Folder::new();
+    let tree = test_data("quaternius_DeadTree_1.gltf");
+    let mut harness = studio(&folder, Some(&tree));
+    settle(&mut harness);
+    harness
+        .state_mut()
+        .set("at", &Value::Text("0.1".into()), false, 0.0);
+    harness
+        .state_mut()
+        .set("break.inclination", &Value::Number(20.0), false, 0.0);
+    settle(&mut harness);
+    let file = harness.state().project.file.clone();
+    let project = folder.0.join("tree.greenstick.toml");
+    let saved = greenstick_studio::platform::Platform::save(
+        &greenstick_studio::platform::native::Native::new(None, std::sync::Arc::new(|| {})),
+        project.to_str().unwrap(),
+        &file,
+        Some(&tree),
+    );
+    saved.unwrap();
+    let mut again = studio(&folder, Some(project.to_str().unwrap()));
+    settle(&mut again);
+    // Its images are not in the repository, which a note says.
+    let errors = again.state().messages().iter().filter(|m| m.is_error);
+    assert_eq!(errors.count(), 0, "{:?}", again.state().messages());
+    assert_eq!(again.state().project.file, file);
+    assert_eq!(
+        again.state().project.input.file_name(),
+        Some("quaternius_DeadTree_1.gltf")
+    );
+    assert_eq!(again.state().triangles(), harness.state().triangles());
+}
+
+/// Longest update of the window, apart from drawing and from what else the machine does, s.
+const LONGEST_UPDATE: f64 = 0.1;
+
+#[test]
+fn sliders_at_their_ends_and_at_random_do_no_harm() {
+    let folder = Folder::new();
+    // A face of few cells: what counts is whether each change goes well, not how fine the face is.
+    let first = RequestFile::resolve(
+        &[],
+        None,
+        &["break.rings=6", "break.sectors=12", "break.sliver_count=12"],
+    )
+    .unwrap();
+    let project = folder.0.join("coarse.toml");
+    std::fs::write(&project, first.to_toml()).unwrap();
+    let mut harness = studio(&folder, Some(project.to_str().unwrap()));
+    settle(&mut harness);
+    let list = harness.state().project.file.list();
+    let numbers: Vec<_> = list
+        .into_iter()
+        .filter(|p| p.min().is_some() && !p.key.starts_with("picture") && p.max() < Some(1e5))
+        // These decide how long the work takes. Grain that winds by 30° a radius through a high face is cut in minutes.
+        .filter(|p| {
+            let slow = [
+                "break.rings",
+                "break.sectors",
+                "break.spiral_angle",
+                "samples",
+                "texture_size",
+            ];
+            !slow.contains(&p.key.as_str())
+        })
+        .collect();
+    assert!(numbers.len() > 80, "{}", numbers.len());
+    let mut updates = Vec::new();
+    for i in 0..200u32 {
+        let p = &numbers[(unit(5, i.into(), 0, 0) * numbers.len() as f64) as usize];
+        let (min, max) = (p.min().unwrap(), p.max().unwrap());
+        let share = match i % 3 {
+            0 => 0.0,
+            1 => 1.0,
+            _ => unit(6, i.into(), 0, 0),
+        };
+        let x = min + (max - min) * share;
+        let value = match p.kind {
+            Kind::Integer { step, .. } => Value::Integer((x / step as f64).round() as i128 * step),
+            _ => Value::Number(x),
+        };
+        harness
+            .state_mut()
+            .set(&p.key, &value, i % 2 == 0, f64::from(i));
+        let start = Instant::now();
+        harness.step();
+        updates.push(start.elapsed().as_secs_f64());
+    }
+    while harness.state().project.history.undo_label().is_some() {
+        let project = &mut harness.state_mut().project;
+        project.history.undo(&mut project.file);
+    }
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, first);
+    assert!(harness.state().report().is_some());
+    // Half of them, as a busy machine gives the processor to others now and then.
+    updates.sort_by(f64::total_cmp);
+    let (half, longest) = (updates[updates.len() / 2], updates[updates.len() - 1]);
+    println!(
+        "updates: half within {:.1} ms, longest {:.1} ms",
+        1e3 * half,
+        1e3 * longest
+    );
+    assert!(half < LONGEST_UPDATE, "{half} s");
+}

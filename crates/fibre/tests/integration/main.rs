@@ -1,0 +1,17 @@
+//! The mechanics of rods and bonds against what is known.
+
+mod accuracy;
+mod arcs;
+mod bend_test;
+mod bodies;
+mod fracture_test;
+mod mechanics;
+mod motion;
+mod parted;
+mod scenes;
+mod solvers;
+mod specimens;
+#[path = "../support/mod.rs"]
+mod support;
+mod torsion;
+mod work;

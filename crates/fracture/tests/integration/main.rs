@@ -1,0 +1,4 @@
+//! Cuts and cracks of whole stems.
+
+mod cracks;
+mod cut;

@@ -1,0 +1,115 @@
+//! What is around a stem: bark, planed wood around a dowel, weathered wood around a pole, and no bark in the bore of a tube.
+
+use crate::support::scene;
+use glam::DVec3;
+use greenstick::geometry::{Context, Mesh, Scene};
+use greenstick::wood::primitive;
+use greenstick::wood::stem::StemKind;
+use greenstick::{BreakRequest, BreakSession, Broken};
+
+fn broken(scene: &Scene, kind: Option<StemKind>) -> (Broken, bool) {
+    let mut request = BreakRequest {
+        texture_width: 32,
+        ..BreakRequest::default()
+    };
+    request.stem.kind = kind;
+    let mut session = BreakSession::new(scene.clone());
+    let broken = session.broken(&request, &Context::quiet()).unwrap();
+    let stages = session.stages(&request, &Context::quiet()).unwrap();
+    let has_bark = stages.layout.bundles.bundles.iter().any(|b| b.bark);
+    (broken, has_bark)
+}
+
+/// Names of the materials that triangles of the pieces have.
+fn materials(broken: &Broken) -> Vec<&str> {
+    let used = |m: u32| (broken.scene.nodes.iter()).any(|n| n.mesh.materials.contains(&m));
+    let all = (0..).zip(&broken.scene.materials);
+    let used = all.filter(|&(m, _)| used(m)).map(|(_, m)| &*m.name);
+    used.collect()
+}
+
+#[test]
+fn a_dowel_and_a_pole_have_no_bark() {
+    let mut rod = primitive::cylinder(0.01, 0.4, 48);
+    rod.materials.clear();
+    let rod = scene(rod, 1.0);
+    for (kind, outside, barked) in [
+        (None, "bark", true),
+        (Some(StemKind::Dowel), "planed_wood", false),
+        (Some(StemKind::Pole), "weathered_wood", false),
+    ] {
+        let (broken, has_bark) = broken(&rod, kind);
+        assert_eq!(has_bark, barked, "{kind:?}");
+        assert_eq!(materials(&broken), [outside, "inner_wood", "sawn_wood"]);
+        let report = &broken.report;
+        assert_eq!(report.place.kind, kind.map_or("round", StemKind::word));
+        let parts: f64 = report.pieces.iter().map(|p| p.volume_m3.unwrap()).sum();
+        assert!((parts / report.input.volume_m3.unwrap() - 1.0).abs() < 1e-6);
+        for node in &broken.scene.nodes {
+            assert_eq!(node.mesh.check().self_intersections.unwrap().crossing, 0);
+        }
+        // The pith of a dowel lies beside it, that of a pole within.
+        let pith = glam::DVec2::from(report.place.pith_m).length();
+        assert_eq!(pith > 0.01, kind == Some(StemKind::Dowel), "{pith}");
+    }
+}
+
+/// A closed tube along +y from the origin, m.
+fn tube(outer: f64, inner: f64, length: f64) -> Mesh {
+    const AROUND: u32 = 48;
+    const ROWS: u32 = 20;
+    let mut mesh = Mesh::default();
+    for radius in [outer, inner] {
+        for row in 0..=ROWS {
+            for k in 0..AROUND {
+                let (sin, cos) =
+                    libm::sincos(std::f64::consts::TAU * f64::from(k) / f64::from(AROUND));
+                let y = length * f64::from(row) / f64::from(ROWS);
+                (mesh.positions).push(DVec3::new(radius * cos, y, radius * sin));
+            }
+        }
+    }
+    let at = |wall: u32, row: u32, k: u32| (wall * (ROWS + 1) + row) * AROUND + k % AROUND;
+    let mut quad = |a: u32, b: u32, c: u32, d: u32| mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    for k in 0..AROUND {
+        for row in 0..ROWS {
+            let [a, b] = [0, 1].map(|wall| {
+                [
+                    at(wall, row, k),
+                    at(wall, row + 1, k),
+                    at(wall, row + 1, k + 1),
+                    at(wall, row, k + 1),
+                ]
+            });
+            quad(a[0], a[1], a[2], a[3]);
+            quad(b[3], b[2], b[1], b[0]);
+        }
+        quad(at(0, 0, k), at(0, 0, k + 1), at(1, 0, k + 1), at(1, 0, k));
+        quad(
+            at(1, ROWS, k),
+            at(1, ROWS, k + 1),
+            at(0, ROWS, k + 1),
+            at(0, ROWS, k),
+        );
+    }
+    mesh
+}
+
+#[test]
+fn there_is_no_bark_in_the_bore_of_a_tube() {
+    let (broken, _) = broken(&scene(tube(0.05, 0.03, 0.6), 1.0), None);
+    let (mut in_bore, mut outside) = (0, 0);
+    for node in &broken.scene.nodes {
+        for (t, &material) in node.mesh.materials.iter().enumerate() {
+            let name = &*broken.scene.materials[material as usize].name;
+            let corners = node.mesh.corners(t);
+            let off = corners.map(|p| p.x.hypot(p.z));
+            if off.iter().all(|r| (r - 0.03).abs() < 5e-4) && name != "inner_wood" {
+                assert_eq!(name, "sawn_wood");
+                in_bore += 1;
+            }
+            outside += usize::from(off.iter().all(|r| *r > 0.049) && name == "bark");
+        }
+    }
+    assert!(in_bore > 100 && outside > 100, "{in_bore} {outside}");
+}

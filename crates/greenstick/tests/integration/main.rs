@@ -1,0 +1,27 @@
+//! Breaks, films and simulations from input to files.
+
+mod cracks;
+mod declared_stages;
+mod drawn_films;
+#[cfg(feature = "files")]
+mod files;
+mod films;
+mod fit;
+mod fraying;
+mod hanging;
+mod inside_out;
+mod kinds;
+mod one_inside;
+mod parting;
+mod random_breaks;
+mod scan_poses;
+mod scanned_cracks;
+mod seams;
+mod sessions;
+mod simulate;
+mod simulated_faces;
+mod smooth_faces;
+mod species_heights;
+mod support;
+mod triangle_budget;
+mod twins;

@@ -1,0 +1,5 @@
+//! The skin of simulated wood.
+
+mod common;
+mod over_time;
+mod rods;

@@ -1,0 +1,9 @@
+//! Stems, rings and boards against annotated and analytic ones.
+
+mod anatomy;
+mod board_elements;
+mod mensuration;
+mod refused_stems;
+mod rings;
+mod stem;
+mod support;
