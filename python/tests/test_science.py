@@ -77,7 +77,7 @@ def test_bending_tests_are_those_of_the_program(
     tmp_path: Path, options: tuple[str, ...], species: str, keys: dict[str, Any], table: str
 ) -> None:
     ours = greenstick.bend_test(species, **keys)
-    command = [PROGRAM, "bend-test", species, *options, "-o", tmp_path / "theirs", "--json"]
+    command: list[str | Path] = [PROGRAM, "bend-test", "--species", species, *options, "-o", tmp_path / "theirs", "--json"]
     printed = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     theirs = {path.name: path.read_bytes() for path in (tmp_path / "theirs").iterdir()}
     assert ours.files == theirs
