@@ -15,6 +15,7 @@ pub mod figures;
 pub mod input;
 pub mod journal;
 pub mod keys;
+mod making;
 pub mod plan;
 pub mod sheet;
 pub mod shown;

@@ -1,8 +1,9 @@
 //! The contact sheet of a sweep: small pictures of some variants, evenly spread over all, with their numbers.
 
 use crate::error::SweepError;
+use crate::making::CELL;
 use crate::plan::Sweep;
-use crate::worker::{CELL, cell_file};
+use crate::worker::cell_file;
 use greenstick::files::{self, Output};
 use greenstick::picture::{Picture, SheetCell, contact_sheet};
 use std::path::{Path, PathBuf};

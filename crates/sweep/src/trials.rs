@@ -1,10 +1,10 @@
 //! Variants that are simulated or bent.
 
 use crate::figures::{BendFigures, RunFigures};
+use crate::making::{CELL, CELL_SAMPLES, Trouble};
 use crate::plan::Sweep;
 use crate::shown::{RunStill, ShowError, ShownAs};
 use crate::variant::BendFile;
-use crate::worker::{CELL, CELL_SAMPLES, Trouble};
 use greenstick::bending::{BendRequest, BendingError, SpecimensRequest, bend, bend_specimens};
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::files::run::read_body_meshes;

@@ -2,8 +2,9 @@
 
 use crate::error::SweepError;
 use crate::figures::{BreakFigures, Figures};
-use crate::input::{Input, InputError};
+use crate::input::Input;
 use crate::journal::Record;
+use crate::making::{CELL, CELL_SAMPLES, Trouble};
 use crate::plan::{PieceFormat, Sweep};
 use crate::trials::{Simulator, bend_figures};
 use crate::variant::Variant;
@@ -22,11 +23,6 @@ const VARIANTS: &str = "variants";
 const SHEET: &str = "sheet";
 /// Variants whose files are in one folder: file systems and people are slow with many more.
 const IN_FOLDER: u64 = 1000;
-/// Width and height of a small picture, pixels.
-pub const CELL: [u32; 2] = [240, 180];
-/// Camera rays for each of its pixels.
-pub(crate) const CELL_SAMPLES: u32 = 4;
-
 /// The name of the pieces of a variant, relative to the folder of the sweep; `None` where none are written.
 pub fn piece_file(sweep: &Sweep, number: u64) -> Option<String> {
     let ending = match sweep.settings.piece_format() {
@@ -84,48 +80,6 @@ pub struct Worker<'a> {
     folder: &'a Path,
     loaded: Option<Loaded>,
     simulator: Simulator,
-}
-
-/// Why a variant was not made.
-pub(crate) enum Trouble {
-    /// It cannot be: its row says why.
-    Variant(String),
-    /// The sweep must stop.
-    Stop(SweepError),
-}
-
-impl From<Cancelled> for Trouble {
-    fn from(cancelled: Cancelled) -> Self {
-        Trouble::Stop(cancelled.into())
-    }
-}
-
-impl From<greenstick::Error> for Trouble {
-    fn from(error: greenstick::Error) -> Self {
-        match error {
-            greenstick::Error::Cancelled(cancelled) => cancelled.into(),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
-}
-
-impl From<FileError> for Trouble {
-    fn from(error: FileError) -> Self {
-        match error {
-            // No other variant could be written either.
-            FileError::Unwritable { .. } => Trouble::Stop(error.into()),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
-}
-
-impl From<InputError> for Trouble {
-    fn from(error: InputError) -> Self {
-        match error {
-            InputError::Cancelled(cancelled) => cancelled.into(),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
 }
 
 impl<'a> Worker<'a> {
